@@ -1,0 +1,23 @@
+# make run: the paper's curve, end to end.  make test: ruff, mypy and pytest.  Both set everything up first.
+VENV ?= .venv
+PY = $(VENV)/bin/python
+# One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: run test clean
+
+run: $(VENV)/ready
+	$(PY) -m scenes.cli run scenes/paper_curve.toml --out results/paper_curve
+
+test: $(VENV)/ready
+	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
+	$(PY) -m mypy
+	$(PY) -m pytest
+
+$(VENV)/ready: pyproject.toml bootstrap.sh
+	VENV=$(VENV) ./bootstrap.sh
+
+clean:
+	rm -rf $(VENV) build *.egg-info results

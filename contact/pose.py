@@ -1,0 +1,119 @@
+"""Where the wheel stands and how both bodies move: wheelset motion in the track frame -> one wheel-rail pair.
+
+Frames: x forward, y left, z up. Every pair is solved as a left one; the right-hand pair is its mirror image in y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+
+MIRROR = np.array([1.0, -1.0, 1.0])  # of a vector; an axial vector takes -MIRROR
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Pose of the wheel frame in the rail frame: origin (3,) in m, rotation (3, 3) with the wheel's axes as columns."""
+
+    origin: Array
+    rotation: Array
+
+
+@dataclass(frozen=True)
+class Twist:
+    """Rigid velocity field v + w x (X - reference): velocity (3,) in m/s, rotation (3,) in rad/s, reference (3,) in m."""
+
+    velocity: Array
+    rotation: Array
+    reference: Array
+
+    def at(self, points: Array) -> Array:
+        """Velocity [m/s] at points (n, 3) [m]."""
+        return np.asarray(self.velocity + np.cross(self.rotation, points - self.reference))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Rigid velocity fields of wheel material (spin included) and rail material, in the rail frame, eq. (5)."""
+
+    wheel: Twist
+    rail: Twist
+
+
+@dataclass(frozen=True)
+class WheelsetState:
+    """Position and velocity of a wheelset in the track frame, and the motion of that frame.
+
+    y, z in m (z from the nominal height: centre one rolling radius above the plane that rests on the rails); roll and
+    yaw in rad; rates in m/s and rad/s; pitch_rate is positive when rolling forward; speed V in m/s; frame_rate (3,) is
+    the angular velocity of the track frame in its own axes, rad/s (V K on a flat curve to the left is (0, 0, V K)).
+    """
+
+    y: float = 0.0
+    z: float = 0.0
+    roll: float = 0.0
+    yaw: float = 0.0
+    y_rate: float = 0.0
+    z_rate: float = 0.0
+    roll_rate: float = 0.0
+    pitch_rate: float = 0.0
+    speed: float = 0.0
+    frame_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def mirrored(self) -> WheelsetState:
+        """The same state seen in a mirror at y = 0."""
+        wx, wy, wz = self.frame_rate
+        return replace(
+            self,
+            y=-self.y,
+            roll=-self.roll,
+            yaw=-self.yaw,
+            y_rate=-self.y_rate,
+            roll_rate=-self.roll_rate,
+            frame_rate=(-wx, wy, -wz),
+        )
+
+    @property
+    def rotation(self) -> Array:
+        """Axes of the wheelset frame as columns (3, 3): yaw about z after roll about x; it does not spin."""
+        c, s, cy, sy = np.cos(self.roll), np.sin(self.roll), np.cos(self.yaw), np.sin(self.yaw)
+        return np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]]) @ [[1, 0, 0], [0, c, -s], [0, s, c]]
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """How wheels sit on the axle and rails in the track, m.
+
+    wheel_y: from the wheelset's centre to the wheel's nominal rolling plane; rail_y: from the track's centre line to the
+    rail's origin, the highest point of the rail as laid; radius: nominal rolling radius.
+    """
+
+    wheel_y: float
+    rail_y: float
+    radius: float
+
+    def centre(self, state: WheelsetState) -> Array:
+        """Wheelset centre (3,) in the track frame, m."""
+        return np.array([0.0, state.y, self.radius + state.z])
+
+    def left_pair(self, state: WheelsetState) -> tuple[Pose, Motion]:
+        """Pose and velocities of the left pair, in the frame of the left rail (parallel to the track frame), eq. (5)."""
+        rail = np.array([0.0, self.rail_y, 0.0])
+        centre, rotation = self.centre(state), state.rotation
+        axle = rotation[:, 1]
+        frame_rate = np.asarray(state.frame_rate, dtype=float)
+        wheel = Twist(
+            velocity=np.array([0.0, state.y_rate, state.z_rate]),
+            rotation=np.array([state.roll_rate, 0.0, 0.0]) + state.pitch_rate * axle,
+            reference=centre - rail,
+        )
+        # The rail rests in inertial space: seen from the moving frame it flows backwards and turns against the frame.
+        moving = Twist(velocity=np.array([-state.speed, 0.0, 0.0]), rotation=-frame_rate, reference=-rail)
+        return Pose(centre + self.wheel_y * axle - rail, rotation), Motion(wheel, moving)

@@ -1,0 +1,123 @@
+"""What a contact solve returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from contact.pose import MIRROR, Array, Pose
+
+
+@dataclass(frozen=True)
+class Patch:
+    """One connected contact patch. Forces act on the wheel (the upper body).
+
+    area m2; max_pressure Pa; normal_force N; force (3,) N, resultant in the track's axes; tangential_force N
+    (longitudinal, lateral in the contact plane); semi_axes m (along x, across) of the ellipse with the pressure's second
+    moments (exact for Hertz); contact_angle rad, turn of the contact plane about x; wheel_s and rail_s m, arc length of
+    the resultant on the profiles from the rolling circle and from the top of the rail, positive to the field side;
+    wheel_y and rail_y m, the same laterally; wheel_band and rail_band m, lateral extent (smallest, largest) on the
+    profiles; x m; stick_area m2.
+    """
+
+    area: float
+    max_pressure: float
+    normal_force: float
+    force: Array
+    tangential_force: tuple[float, float]
+    semi_axes: tuple[float, float]
+    contact_angle: float
+    wheel_s: float
+    rail_s: float
+    wheel_y: float
+    rail_y: float
+    wheel_band: tuple[float, float]
+    rail_band: tuple[float, float]
+    x: float
+    stick_area: float
+
+    def mirrored(self) -> Patch:
+        longitudinal, lateral = self.tangential_force
+        return replace(
+            self,
+            force=MIRROR * self.force,
+            tangential_force=(longitudinal, -lateral),
+            contact_angle=-self.contact_angle,
+        )
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Values at the n contact points that were candidates.
+
+    node (n,) index on the wheel's surface grid; patch (n,) index of the patch, -1 outside; point (n, 3) m in the rail
+    frame; axes (n, 3, 3) rows longitudinal, lateral, outward normal of the wheel; area (n,) m2; gap (n,) undeformed
+    overlap m, positive where the bodies overlap; pressure (n,) Pa; traction (n, 2) Pa on the wheel; slip (n, 2) slip
+    over rolling speed; displacement (n, 3) m, wheel minus rail, in the local axes.
+    """
+
+    node: np.ndarray
+    patch: np.ndarray
+    point: Array
+    axes: Array
+    area: Array
+    gap: Array
+    pressure: Array
+    traction: Array
+    slip: Array
+    displacement: Array
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Cost of one solve: Newton and linear iterations, candidate points, final relative residual, seconds by phase."""
+
+    newton: int = 0
+    linear: int = 0
+    points: int = 0
+    residual: float = 0.0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ContactResult:
+    """Force (3,) N and moment (3,) N m on the wheel, patches, fields and how the solve went.
+
+    In the frame of the rail, moment about the rail's origin, when a model returns it; `contact.wheelset` moves it to the
+    track's axes and the wheelset's centre. approach m: largest undeformed overlap along the normal. status is
+    "converged", "separated" (no overlap) or "failed: ..." with the reason; a failed result carries no force to be used.
+    """
+
+    force: Array
+    moment: Array
+    patches: tuple[Patch, ...] = ()
+    fields: Fields | None = None
+    approach: float = 0.0
+    status: str = "separated"
+    statistics: Statistics = Statistics()
+
+    @property
+    def ok(self) -> bool:
+        return self.status in ("converged", "separated")
+
+    @classmethod
+    def separated(cls, approach: float = 0.0) -> ContactResult:
+        """No overlap: no force."""
+        return cls(np.zeros(3), np.zeros(3), approach=approach)
+
+    def about(self, centre: Array) -> ContactResult:
+        """The same with the moment about another point (3,) m of the frame."""
+        return replace(self, moment=self.moment - np.cross(centre, self.force))
+
+    def mirrored(self) -> ContactResult:
+        """Force, moment and patches in the mirror y = 0; the fields stay those of the solved left-hand pair."""
+        return replace(
+            self,
+            force=MIRROR * self.force,
+            moment=-MIRROR * self.moment,
+            patches=tuple(p.mirrored() for p in self.patches),
+        )
+
+
+__all__ = ["ContactResult", "Fields", "Patch", "Pose", "Statistics"]
