@@ -1,0 +1,106 @@
+"""An elastic body: stiffness assembled by dolfinx, clamped, factorised when asked for."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix
+from mpi4py import MPI
+from petsc4py import PETSc
+from scipy.spatial import cKDTree
+
+from contact.grid import ContactGrid
+from contact.laws import Steel
+from contact.pose import Array
+from forms import compat
+from forms.elasticity import lame, stiffness
+from meshes.solids import Index, Solid
+
+COLUMNS = 192  # right-hand sides per batch: enough for level-3 BLAS, small in memory
+
+
+class ElasticBody:
+    """Stiffness of a clamped body, eq. (3), displacements of degree 1 or 2, and where its contact grid sits in it."""
+
+    def __init__(self, solid: Solid, steel: Steel, *, degree: int = 1) -> None:
+        self.solid, self.steel, self.degree = solid, steel, degree
+        self.mesh = compat.mesh_from_arrays(MPI.COMM_SELF, solid.cell, solid.cells, solid.points)
+        self.space = compat.vector_space(self.mesh, degree)
+        self.grid = ContactGrid.on(solid, degree)
+
+    @cached_property
+    def nodes(self) -> Index:
+        """Displacement nodes (nx, ns) of the contact grid."""
+        distance, nodes = cKDTree(self.space.tabulate_dof_coordinates()).query(self.grid.position.reshape(-1, 3))
+        spacing = np.linalg.norm(self.grid.position[1, 0] - self.grid.position[0, 0])
+        if distance.max() > 1e-6 * spacing:
+            raise RuntimeError("the contact grid does not lie on nodes of the displacement space")
+        return np.asarray(nodes, dtype=np.int64).reshape(self.grid.shape)
+
+    @cached_property
+    def fixed(self) -> Index:
+        """Displacement nodes of the clamped surface."""
+        _, vertex = cKDTree(self.solid.points).query(self.mesh.geometry.x)
+        clamped = self.solid.clamped[vertex]
+        corners = cKDTree(self.mesh.geometry.x)
+
+        def on_clamped(x: np.ndarray) -> np.ndarray:
+            return clamped[corners.query(x.T)[1]]
+
+        from dolfinx import mesh as dmesh
+
+        facets = dmesh.locate_entities_boundary(self.mesh, 2, on_clamped)
+        return np.asarray(fem.locate_dofs_topological(self.space, 2, facets), dtype=np.int64)
+
+    @cached_property
+    def stiffness(self) -> PETSc.Mat:
+        """Stiffness matrix [N/m]; rows and columns of clamped nodes hold the identity, scaled to the rest."""
+        import ufl
+
+        u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+        form = fem.form(stiffness(u, v, *lame(self.steel.E, self.steel.nu)))
+        zero = np.zeros(3, dtype=PETSc.ScalarType)
+        bc = fem.dirichletbc(zero, self.fixed.astype(np.int32), self.space)
+        # One on the diagonal beside 1e9 would spoil every norm of a residual.
+        matrix = assemble_matrix(form, bcs=[bc], diagonal=self.steel.E * float(np.cbrt(self.solid.volume() / len(self.solid.points))))
+        matrix.assemble()
+        matrix.setOption(PETSc.Mat.Option.SPD, True)
+        return matrix
+
+    @cached_property
+    def factor(self) -> Any:
+        """Sparse Cholesky factorisation of the stiffness."""
+        pc = PETSc.PC().create(PETSc.COMM_SELF)
+        pc.setOperators(self.stiffness)
+        pc.setType("cholesky")
+        pc.setFactorSolverType("cholmod")
+        pc.setUp()
+        self._pc = pc  # owns the factor
+        return pc.getFactorMatrix()
+
+    def respond(self, loaded: Index, direction: int) -> Array:
+        """Displacements (len(loaded), n, 3) [m] of all n grid nodes by a unit force along an axis on each loaded grid node.
+
+        One sparse solve per load: about 3 ms at 36 000 unknowns, 10 ms at 100 000.
+        """
+        nodes = self.nodes.ravel()
+        unknowns = self.stiffness.getSize()[0]
+        rows = (3 * nodes[:, None] + np.arange(3)).ravel()
+        out = np.empty((len(loaded), len(nodes), 3))
+        for start in range(0, len(loaded), COLUMNS):
+            batch = nodes[loaded[start : start + COLUMNS]]
+            right = PETSc.Mat().createDense([unknowns, len(batch)], comm=PETSc.COMM_SELF)
+            right.setUp()
+            dense = right.getDenseArray()
+            dense[:] = 0.0
+            dense[3 * batch + direction, np.arange(len(batch))] = 1.0
+            right.assemble()
+            left = right.duplicate()
+            self.factor.matSolve(right, left)
+            out[start : start + COLUMNS] = left.getDenseArray()[rows].T.reshape(len(batch), -1, 3)
+            right.destroy()
+            left.destroy()
+        return out

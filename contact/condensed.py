@@ -1,0 +1,117 @@
+"""Contact condensed to the active points, eq. (15): tractions from the bodies' surface compliance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from contact.compliance import SurfaceCompliance
+from contact.kinematics import creepage
+from contact.laws import Laws
+from contact.patches import outcome
+from contact.points import Coupling, Geometry, OutsideGrid, couple_both
+from contact.pose import Array, Motion, Pose
+from contact.result import ContactResult, Statistics
+from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """Contact model on surface compliances: pose and velocities in, `ContactResult` out.
+
+    order of the upstream slip: 1 or 2. Cost of a solve with n candidates, a of them active: n^2 to gather the compliance,
+    5 a^3 a Newton step with friction, a^3 / 3 without.
+    """
+
+    geometry: Geometry
+    wheel: SurfaceCompliance
+    rail: SurfaceCompliance
+    laws: Laws
+    order: int = 2
+    options: NewtonOptions = NewtonOptions()
+
+    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+        start = perf_counter()
+        order = self.order if self.laws.friction > 0 else 0
+        try:
+            points, approach = self.geometry.contact_points(pose, order)
+        except OutsideGrid as error:
+            return replace(ContactResult.separated(), status=f"failed: {error}")
+        if points is None:
+            return ContactResult.separated(approach)
+        found = perf_counter()
+        wheel, rail = couple_both(points, order)
+        columns = np.tile(points.area, 3 if order else 1)
+        displacement, slip = (
+            a + b for a, b in zip(condense(wheel, self.wheel), condense(rail, self.rail), strict=True)
+        )
+        displacement *= columns
+        slip *= columns
+        gathered = perf_counter()
+        n = len(points.node)
+        normal = displacement[-n:]
+        rigid = creepage(points, motion)[1] if order else None
+        # a pressure pushes along the inward normal: the last columns count -p
+        operator = np.vstack([slip, normal])
+        count = Count()
+        try:
+            found_tractions = solve_tractions(
+                operator,
+                points.overlap,
+                rigid,
+                normal_compliance=self.laws.normal_compliance,
+                friction=self.laws.friction,
+                regularisation=self.laws.regularisation,
+                guess=warm(guess, points.node),
+                options=self.options,
+                count=count,
+            )
+        except (NotConverged, np.linalg.LinAlgError) as error:
+            return replace(ContactResult.separated(approach), status=f"failed: {error}")
+        solved = perf_counter()
+        p, q = found_tractions.pressure, found_tractions.tangential
+        loads = np.concatenate([*q.T, -p]) if order else -p
+        moved = np.zeros((n, 3))
+        moved[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
+        return outcome(
+            points,
+            self.wheel.shape,
+            pressure=p,
+            traction=q,
+            slip=found_tractions.slip,
+            displacement=moved,
+            approach=approach,
+            bound=self.laws.friction * p,
+            statistics=Statistics(
+                newton=count.newton,
+                linear=count.linear,
+                points=n,
+                residual=count.residual,
+                seconds={"points": found - start, "compliance": gathered - found, "solve": solved - gathered},
+            ),
+        )
+
+
+def condense(coupling: Coupling, compliance: SurfaceCompliance) -> tuple[Array, Array]:
+    """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by component."""
+    matrix = compliance.block(coupling.nodes, coupling.nodes, coupling.directions)
+    matrix = matrix.reshape(coupling.displacement.shape[1], -1)
+    half = (coupling.displacement @ matrix).T  # C B^T, C symmetric
+    displacement = coupling.displacement @ half
+    if coupling.slip is None:
+        return displacement, np.empty((0, displacement.shape[1]))
+    return displacement, coupling.slip @ half
+
+
+def warm(guess: ContactResult | None, nodes: np.ndarray) -> tuple[Array, Array] | None:
+    """Pressure and tangential traction of an earlier result on the present candidates."""
+    if guess is None or guess.fields is None:
+        return None
+    old = guess.fields
+    common, mine, theirs = np.intersect1d(nodes, old.node, assume_unique=True, return_indices=True)
+    pressure, traction = np.zeros(len(nodes)), np.zeros((2, len(nodes)))
+    pressure[mine], traction[:, mine] = old.pressure[theirs], old.traction[theirs].T
+    del common
+    return pressure, traction.ravel()

@@ -1,0 +1,86 @@
+"""Contact models of a scene's pair of bodies, ready to call."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from contact.compliance import SurfaceCompliance
+from contact.condensed import Condensed
+from contact.grid import ContactGrid
+from contact.laws import Laws, Steel
+from contact.quadrics import Quadrics, curvature
+from contact.references.hertz import hertz, modulus
+from contact.wheelset import ContactModel
+from meshes.bodies import block
+from meshes.cache import digest
+from meshes.solids import Cell, Solid
+
+if TYPE_CHECKING:
+    from contact.body import ElasticBody
+
+Model = Literal["condensed", "full"]
+
+
+def elastic_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:
+    """Imports dolfinx only when a stiffness is needed."""
+    from contact.body import ElasticBody
+
+    return ElasticBody(solid, steel, degree=degree)
+
+
+def compliance(solid: Solid, key: str, steel: Steel, degree: int, *, scale: float = 1.0) -> SurfaceCompliance:
+    """Surface compliance of a meshed body, kept on disk under the mesh's key, the material and the degree."""
+    grid = ContactGrid.on(solid, degree)
+    name = digest(mesh=key, E=steel.E, nu=steel.nu, degree=degree)
+    return SurfaceCompliance(name, grid.shape, partial(elastic_body, solid, steel, degree), scale=scale)
+
+
+def hertz_pair(
+    upper_radii: tuple[float, float],
+    lower_radii: tuple[float, float],
+    *,
+    upper_steel: Steel,
+    lower_steel: Steel,
+    load: float | None = None,
+    approach: float | None = None,
+    surface_size: float,
+    laws: Laws,
+    model: Model = "condensed",
+    degree: int = 1,
+    cell: Cell = "tetrahedron",
+    order: int = 2,
+    **options: Any,
+) -> ContactModel:
+    """Two quadratic surfaces on large blocks, meshed for a load [N] or an approach [m] with some room to spare.
+
+    Blocks are 40 times as wide as the patch, so the compliance that they lack is about 1 % of the approach.
+    Raises ValueError for radii that do not touch in a point.
+    """
+    A, B = curvature(upper_radii) + curvature(lower_radii)
+    E_star = modulus((upper_steel.E, upper_steel.nu), (lower_steel.E, lower_steel.nu))
+    expected = hertz(A, B, E_star, force=load, approach=approach)
+    depth = 1.25 * (expected.approach + expected.peak * laws.normal_compliance)
+    steps = order if laws.friction > 0 else 0
+    half = [int(np.ceil(np.sqrt(depth / c) / surface_size)) + 1 for c in (A, B)]
+    half_cells = (half[0] + steps, half[1])
+    # in cells, and in coarse steps, so that one mesh and one compliance serve many scenes
+    width = 2.0 ** np.ceil(np.log2(40 * max(expected.semi_axes) / surface_size))
+    solid, key = block(half_cells, half_width=float(width), cell=cell)
+    grid = ContactGrid.on(solid, degree)
+    scaled = ContactGrid(grid.position * surface_size, grid.weight * surface_size**2, grid.stride)
+    geometry = Quadrics(scaled, upper_radii, lower_radii)
+    if model == "full":
+        from contact.full import Full
+
+        bodies = (elastic_body(solid.mapped(partial(np.multiply, surface_size)), s, degree) for s in (upper_steel, lower_steel))
+        return Full(geometry, *bodies, laws=laws, order=order, **options)
+
+    def of(steel: Steel) -> SurfaceCompliance:
+        return compliance(solid, key, Steel(1.0, steel.nu), degree, scale=1 / (steel.E * surface_size))
+
+    upper = of(upper_steel)
+    lower = upper if lower_steel == upper_steel else of(lower_steel)
+    return Condensed(geometry, upper, lower, laws, order=order, **options)

@@ -1,0 +1,102 @@
+"""From tractions at contact points to forces and patches."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+from contact.points import ContactPoints
+from contact.pose import Array
+from contact.result import ContactResult, Fields, Patch, Statistics
+
+
+def outcome(
+    points: ContactPoints,
+    grid: tuple[int, int],
+    *,
+    pressure: Array,
+    traction: Array,
+    slip: Array,
+    displacement: Array,
+    approach: float,
+    bound: Array,
+    statistics: Statistics,
+) -> ContactResult:
+    """Converged result in the frame of the rail, moment about its origin.
+
+    pressure (n,), traction (n, 2) on the wheel and bound (n,), the largest possible traction, in Pa; slip (n, 2) over the
+    rolling speed; displacement (n, 3) m, wheel minus rail; grid is the shape of the wheel's contact grid.
+    """
+    area = points.area[:, None]
+    local = np.column_stack([traction, -pressure]) * area
+    forces = (local[:, None, :] @ points.axes)[:, 0]
+    label = components(points.node[pressure > 0], grid)
+    patch = np.full(len(pressure), -1)
+    patch[pressure > 0] = label
+    sticks = np.hypot(*traction.T) < bound * (1 - 1e-9)
+    patches = tuple(
+        summarise(points, patch == k, forces=forces, pressure=pressure, sticks=sticks) for k in range(label.max(initial=-1) + 1)
+    )
+    return ContactResult(
+        force=forces.sum(axis=0),
+        moment=np.cross(points.point, forces).sum(axis=0),
+        patches=tuple(sorted(patches, key=lambda p: -p.normal_force)),
+        fields=Fields(
+            points.node, patch, points.point, points.axes, points.area, points.overlap, pressure, traction, slip, displacement
+        ),
+        approach=approach,
+        status="converged",
+        statistics=statistics,
+    )
+
+
+def components(nodes: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
+    """Number, from 0, of the connected patch (eight neighbours on the grid) of each node."""
+    if not len(nodes):
+        return np.empty(0, dtype=int)
+    i, j = np.divmod(nodes, grid[1])
+    i, j = i - i.min(), j - j.min()
+    picture = np.zeros((i.max() + 1, j.max() + 1), dtype=bool)
+    picture[i, j] = True
+    labels, _ = ndimage.label(picture, structure=np.ones((3, 3)))
+    return np.asarray(labels[i, j] - 1)
+
+
+def summarise(points: ContactPoints, inside: np.ndarray, *, forces: Array, pressure: Array, sticks: np.ndarray) -> Patch:
+    """One patch: its resultant, place, angle and shape from the pressure's moments."""
+    area, p = points.area[inside], pressure[inside]
+    weight = p * area
+    total = weight.sum()
+    force = forces[inside].sum(axis=0)
+    upward = -(weight[:, None] * points.axes[inside, 2]).sum(axis=0)
+    upward /= np.linalg.norm(upward)
+    forward = np.array([1.0, 0.0, 0.0]) - upward[0] * upward
+    forward /= np.linalg.norm(forward)
+    left = np.cross(upward, forward)
+    x, (wheel_s, wheel_y), (rail_s, rail_y) = (
+        weight @ points.point[inside, 0] / total,
+        weight @ points.wheel_place[inside] / total,
+        weight @ points.rail_place[inside] / total,
+    )
+    along = points.point[inside, 0] - x
+    across = points.wheel_place[inside, 0] - wheel_s
+    wheel_band, rail_band = (
+        (float(place[inside, 1].min()), float(place[inside, 1].max())) for place in (points.wheel_place, points.rail_place)
+    )
+    return Patch(
+        area=float(area.sum()),
+        max_pressure=float(p.max()),
+        normal_force=float(force @ upward),
+        force=force,
+        tangential_force=(float(force @ forward), float(force @ left)),
+        semi_axes=(float(np.sqrt(5 * (weight @ along**2) / total)), float(np.sqrt(5 * (weight @ across**2) / total))),
+        contact_angle=float(np.arctan2(-upward[1], upward[2])),
+        wheel_s=float(wheel_s),
+        rail_s=float(rail_s),
+        wheel_y=float(wheel_y),
+        rail_y=float(rail_y),
+        wheel_band=wheel_band,
+        rail_band=rail_band,
+        x=float(x),
+        stick_area=float(area[sticks[inside]].sum()),
+    )

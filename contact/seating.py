@@ -1,0 +1,84 @@
+"""A wheelset seated on its rails under a load: height, and roll, solved for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.loading import RTOL, Loaded, LoadError, Results, balance, lower_until
+from contact.pose import SIDES, Array, Side, WheelsetState
+from contact.result import ContactResult
+from contact.wheelset import WheelsetContact
+
+DEEPEST = 0.05  # m: farther than this from its nominal height a wheelset has left the track
+
+
+@dataclass(frozen=True)
+class Seat:
+    """State of the wheelset, contact by side, and the number of contact solves that it took."""
+
+    state: WheelsetState
+    results: dict[Side, ContactResult]
+    solves: int
+
+
+def placed(contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...] = SIDES) -> Seat:
+    """The contact of each side where the wheelset stands."""
+    return Seat(state, {side: contact(state, side) for side in sides}, len(sides))
+
+
+def wheel_under_load(
+    contact: WheelsetContact, state: WheelsetState, side: Side, load: float, *, expected: float, rtol: float = RTOL
+) -> Seat:
+    """Height z at which one wheel carries the load N, everything else given; expected m is the approach to look for."""
+    found = _lowered(contact, state, (side,), load, expected, rtol)
+    return Seat(replace(state, z=-found.depth), {side: found.results[0]}, found.trials)
+
+
+def axle_under_load(
+    contact: WheelsetContact, state: WheelsetState, load: float, *, expected: float, rtol: float = RTOL
+) -> Seat:
+    """Height z at which both wheels together carry the load N, roll given."""
+    found = _lowered(contact, state, SIDES, load, expected, rtol)
+    return Seat(replace(state, z=-found.depth), dict(zip(SIDES, found.results, strict=True)), 2 * found.trials)
+
+
+def wheels_under_load(
+    contact: WheelsetContact, state: WheelsetState, load: float, *, expected: float, rtol: float = RTOL
+) -> Seat:
+    """Height z and roll at which each wheel carries the load N, starting from the state's roll."""
+    base = contact.mounting.wheel_y
+    rough = [_lowered(contact, state, (side,), load, expected, 0.02) for side in SIDES]
+
+    def at(depths: Array) -> WheelsetState:
+        left, right = depths  # of the wheels: z + base roll = -left, z - base roll = -right
+        return replace(state, z=-0.5 * (left + right), roll=state.roll + 0.5 * (right - left) / base)
+
+    def wheels(depths: Array, guess: Results | None) -> Results:
+        moved = at(depths)
+        return tuple(contact(moved, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
+
+    depths, results, trials = balance(
+        wheels,
+        np.full(2, load),
+        start=np.array([found.depth for found in rough]),
+        slopes=np.array([found.slope for found in rough]),
+        guess=tuple(found.results[0] for found in rough),
+        rtol=rtol,
+    )
+    solves = sum(found.trials for found in rough) + 2 * trials
+    return Seat(at(depths), dict(zip(SIDES, results, strict=True)), solves)
+
+
+def _lowered(
+    contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...], load: float, expected: float, rtol: float
+) -> Loaded:
+    def wheels(depth: float, guess: Results | None) -> Results:
+        moved = replace(state, z=-depth)
+        return tuple(contact(moved, side, guess[i] if guess else None) for i, side in enumerate(sides))
+
+    try:
+        return lower_until(wheels, load, expected=expected, start=-state.z, rtol=rtol, deepest=DEEPEST)
+    except LoadError as error:
+        raise LoadError(f"{' and '.join(sides)} wheel: {error}") from None

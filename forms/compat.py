@@ -1,0 +1,45 @@
+"""The one place that knows how dolfinx 0.5 differs from 0.9 to 0.11."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import dolfinx
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+OLD = not hasattr(fem, "functionspace")  # 0.5 and 0.6
+
+
+def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: np.ndarray, points: np.ndarray) -> Any:
+    """Mesh of straight cells from connectivity (m, k) and points (n, 3) m."""
+    if OLD:
+        domain = ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
+    else:
+        import basix.ufl
+
+        domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(3,)))
+    cells = np.ascontiguousarray(cells, dtype=np.int64)
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    if tuple(int(p) for p in dolfinx.__version__.split(".")[:2]) >= (0, 10):
+        return dolfinx.mesh.create_mesh(comm, cells, domain, points)
+    return dolfinx.mesh.create_mesh(comm, cells, points, domain)
+
+
+def vector_space(mesh: Any, degree: int, dim: int = 3) -> Any:
+    """Continuous Lagrange space with values of length dim."""
+    if OLD:
+        return fem.VectorFunctionSpace(mesh, ("Lagrange", degree), dim=dim)
+    return fem.functionspace(mesh, ("Lagrange", degree, (dim,)))
+
+
+def petsc_vector(function: Any) -> Any:
+    """PETSc's view of a Function's values."""
+    return function.vector if OLD else function.x.petsc_vec
+
+
+def newton_base() -> Any:
+    """The C++ NewtonSolver that takes callbacks on PETSc objects (0.5 to 0.11)."""
+    return dolfinx.cpp.nls.petsc.NewtonSolver

@@ -1,0 +1,37 @@
+"""The contact law at a point and its virtual work, eqs. (4) and (6).
+
+z = (d, s) collects the overlap d [m] of the deformed bodies and the slip s [-], over the rolling speed; the traction has the
+same components: along the wheel's outward normal and along the two tangents.
+"""
+
+from __future__ import annotations
+
+import ufl
+from ufl.core.expr import Expr
+
+
+def penalty_pressure(d: Expr, K: float | Expr) -> Expr:
+    """pₙ = K max(d, 0), K in N/m³, eq. (4)."""
+    return K * ufl.max_value(d, 0)
+
+
+def regularised_coulomb(s: Expr, p: Expr, μ: float | Expr, ε: float | Expr) -> Expr:
+    """pₜ = -μ pₙ s / max(|s|, ε): viscous below the creepage ε, Coulomb above, eq. (6)."""
+    return -μ * p * s / ufl.sqrt(ufl.max_value(ufl.dot(s, s), ε * ε))
+
+
+def traction(z: Expr, K: float | Expr, μ: float | Expr, ε: float | Expr) -> Expr:
+    """Traction on the wheel (-pₙ, pₜ) from z = (d, s₁, s₂)."""
+    p = penalty_pressure(z[0], K)
+    pt = regularised_coulomb(ufl.as_vector([z[1], z[2]]), p, μ, ε)
+    return ufl.as_vector([-p, pt[0], pt[1]])
+
+
+def frictionless_traction(z: Expr, K: float | Expr) -> Expr:
+    """Traction on the wheel (-pₙ) from z = (d): no tangential work at all."""
+    return ufl.as_vector([-penalty_pressure(z[0], K)])
+
+
+def virtual_work(t: Expr, v: Expr, measure: ufl.Measure) -> ufl.Form:
+    """∫ t · v dA over the contact surface, v the test function in the local axes, eq. (3)."""
+    return ufl.inner(t, v) * measure

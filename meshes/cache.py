@@ -1,0 +1,82 @@
+"""Arrays kept on disk under a hash of everything that shapes them."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import tempfile
+import warnings
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+FORMAT = 1  # raise it when the meaning of stored arrays changes
+
+Arrays = Mapping[str, np.ndarray]
+
+
+def cache_folder() -> Path:
+    """Folder of the cache: $WHEELRAIL_CACHE, or the user's own cache folder."""
+    chosen = os.environ.get("WHEELRAIL_CACHE")
+    if chosen:
+        return Path(chosen)
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("wheelrail"))
+
+
+def digest(**parts: Any) -> str:
+    """Hash of named numbers, strings, tuples and arrays."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return [str(value.dtype), value.shape, hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()]
+        if isinstance(value, np.generic):
+            return value.item()
+        raise TypeError(f"cannot hash a {type(value).__name__}")
+
+    text = json.dumps({"format": FORMAT, **parts}, sort_keys=True, default=plain)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def load(name: str) -> dict[str, np.ndarray] | None:
+    """Stored arrays, or None when there are none or the file is damaged (zip checks every array's CRC)."""
+    path = cache_folder() / f"{name}.npz"
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            return {key: stored[key] for key in stored.files}
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zipfile.LargeZipFile):
+        return None  # rebuilt and overwritten by the caller
+
+
+def store(name: str, arrays: Arrays) -> None:
+    """Write arrays so that a reader sees all of them or nothing; a cache that cannot be written costs time, not the run."""
+    path = cache_folder() / f"{name}.npz"
+    temporary = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".part-", delete=False) as file:
+            temporary = Path(file.name)
+            np.savez(file, **arrays)
+        os.replace(temporary, path)
+    except OSError as error:
+        warnings.warn(f"the cache {path.parent} cannot be written ({error}); going on without it", stacklevel=2)
+        if temporary is not None:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+
+
+def cached(name: str, build: Callable[[], Arrays]) -> Arrays:
+    """Arrays from the cache, or built and stored."""
+    found = load(name)
+    if found is None:
+        found = dict(build())
+        store(name, found)
+    return found
