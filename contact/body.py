@@ -28,7 +28,7 @@ class ElasticBody:
     def __init__(self, solid: Solid, steel: Steel, *, degree: int = 1) -> None:
         self.solid, self.steel, self.degree = solid, steel, degree
         self.mesh = compat.mesh_from_arrays(MPI.COMM_SELF, solid.cell, solid.cells, solid.points)
-        self.space = compat.vector_space(self.mesh, degree)
+        self.space = compat.space(self.mesh, degree)
         self.grid = ContactGrid.on(solid, degree)
 
     @cached_property

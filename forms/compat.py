@@ -16,7 +16,7 @@ OLD = not hasattr(fem, "functionspace")  # 0.5 and 0.6
 def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: np.ndarray, points: np.ndarray) -> Any:
     """Mesh of straight cells from connectivity (m, k) and points (n, 3) m."""
     if OLD:
-        domain = ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
+        domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=3), 1))
     else:
         import basix.ufl
 
@@ -28,11 +28,13 @@ def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: np.ndarray, points: np.nd
     return dolfinx.mesh.create_mesh(comm, cells, points, domain)
 
 
-def vector_space(mesh: Any, degree: int, dim: int = 3) -> Any:
-    """Continuous Lagrange space with values of length dim."""
+def space(mesh: Any, degree: int, dim: int = 3) -> Any:
+    """Continuous Lagrange space with values of length dim (1: scalars)."""
     if OLD:
+        if dim == 1:
+            return fem.FunctionSpace(mesh, ("Lagrange", degree))
         return fem.VectorFunctionSpace(mesh, ("Lagrange", degree), dim=dim)
-    return fem.functionspace(mesh, ("Lagrange", degree, (dim,)))
+    return fem.functionspace(mesh, ("Lagrange", degree) if dim == 1 else ("Lagrange", degree, (dim,)))
 
 
 def petsc_vector(function: Any) -> Any:

@@ -27,9 +27,9 @@ def traction(z: Expr, K: float | Expr, μ: float | Expr, ε: float | Expr) -> Ex
     return ufl.as_vector([-p, pt[0], pt[1]])
 
 
-def frictionless_traction(z: Expr, K: float | Expr) -> Expr:
-    """Traction on the wheel (-pₙ) from z = (d): no tangential work at all."""
-    return ufl.as_vector([-penalty_pressure(z[0], K)])
+def frictionless_traction(d: Expr, K: float | Expr) -> Expr:
+    """Traction -pₙ on the wheel along its normal from the overlap d: no tangential work at all."""
+    return -penalty_pressure(d, K)
 
 
 def virtual_work(t: Expr, v: Expr, measure: ufl.Measure) -> ufl.Form:

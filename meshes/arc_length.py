@@ -6,19 +6,18 @@ The plane is y + iz: rigid motion is a product and a sum, a tangent is a unit nu
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 
 from meshes.curve import DEGREE, Array, Complex, Curve
 
 Function = Callable[[Array], Complex]
 
-TOLERANCE = 2e-16  # m, of a polynomial piece against its section; the coordinates themselves carry about 1e-17 m
+TOLERANCE = 1e-15  # m, of a polynomial piece against its section; the coordinates themselves carry about 1e-17 m
 GAP = 1e-6  # m, largest step between sections that is taken for rounding of their numbers
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
 _LOBATTO = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 _TO_POWERS = np.linalg.inv(np.vander(_LOBATTO, increasing=True))
 _BETWEEN = 0.5 * (_LOBATTO[1:] + _LOBATTO[:-1])
@@ -46,7 +45,7 @@ def arc(centre: complex, radius: float, start: float, stop: float) -> Section:
     turn = np.sign(stop - start) / radius
 
     def spoke(t: Array) -> Complex:
-        return np.exp(1j * (start + turn * t))
+        return np.asarray(np.exp(1j * (start + turn * t)))
 
     return Section(
         lambda t: centre + radius * spoke(t),
@@ -69,7 +68,13 @@ def graph(height: Callable[[Array], Array], slope: Callable[[Array], Array], sta
     return Section(lambda y: y + 1j * height(y), lambda y: 1.0 + 1j * slope(y), np.array([start, stop]))
 
 
-_STEP = Polynomial([0, 0, 0, 10, -15, 6])  # from 0 to 1 with two vanishing derivatives at both ends
+def _step(x: Array) -> Array:
+    """From 0 to 1 with two vanishing derivatives at both ends."""
+    return x**3 * (10.0 + x * (6.0 * x - 15.0))
+
+
+def _step_slope(x: Array) -> Array:
+    return 30.0 * (x * (1.0 - x)) ** 2
 
 
 def bridged(first: Section, second: Section, before: float, after: float) -> tuple[Section, Section]:
@@ -77,7 +82,7 @@ def bridged(first: Section, second: Section, before: float, after: float) -> tup
 
     The step starts `before` the joint and ends `after` it, in the parameter, which should mean the same length in both.
     """
-    gap, width, slope = second.start - first.stop, before + after, _STEP.deriv()
+    gap, width = second.start - first.stop, before + after
 
     def shifted(section: Section, joint: float, level: float) -> Section:
         def x(t: Array) -> Array:
@@ -86,8 +91,8 @@ def bridged(first: Section, second: Section, before: float, after: float) -> tup
         ends = [joint - before, joint + after]
         inside = [end for end in ends if section.knots[0] < end < section.knots[-1]]
         return Section(
-            lambda t: section.position(t) + gap * (_STEP(x(t)) - level),
-            lambda t: section.velocity(t) + gap / width * slope(x(t)),
+            lambda t: section.position(t) + gap * (_step(x(t)) - level),
+            lambda t: section.velocity(t) + gap / width * _step_slope(x(t)),
             np.union1d(section.knots, inside),
         )
 
@@ -97,12 +102,17 @@ def bridged(first: Section, second: Section, before: float, after: float) -> tup
 def curve(sections: Sequence[Section]) -> Curve:
     """The sections, end to end, as one curve by arc length from zero at its start.
 
-    Piecewise polynomials in arc length that repeat the sections to round-off (pieces are halved until they do).
-    ValueError if the sections do not meet within 1 um or if one does not become smooth under halving.
+    Piecewise polynomials in arc length that repeat the sections to round-off (pieces are halved until they do). Gaps
+    from rounded numbers are closed. ValueError if one is above 1 um or if a section does not become smooth.
     """
-    for first, second in zip(sections, sections[1:], strict=False):
-        if not abs(second.start - first.stop) <= GAP:
-            raise ValueError(f"sections of a curve must meet within {GAP} m, gap {abs(second.start - first.stop):.3g} m")
+    sections = list(sections)
+    for i, (first, second) in enumerate(pairwise(sections)):
+        gap = abs(second.start - first.stop)
+        if not gap <= GAP:
+            raise ValueError(f"sections of a curve must meet within {GAP} m, section {i + 1} starts {gap:.3g} m off")
+        if gap > TOLERANCE:
+            width = 0.2 * float(min(np.ptp(first.knots), np.ptp(second.knots)))
+            sections[i : i + 2] = bridged(sections[i], second, width, width)
     lengths, coefficients = zip(*(_fit(section) for section in sections), strict=True)
     breaks = np.concatenate([[0.0], np.cumsum(np.concatenate(lengths))])
     return Curve(breaks, np.concatenate(coefficients, axis=1))
@@ -111,7 +121,7 @@ def curve(sections: Sequence[Section]) -> Curve:
 def _fit(section: Section) -> tuple[Array, Complex]:
     """Lengths (m,) and coefficients (DEGREE + 1, m) of polynomials in the arc length from each piece's middle."""
     knots = section.knots
-    for _ in range(24):
+    for _ in range(12):
         a, b = knots[:-1, None], knots[1:, None]
         length = _travelled(section, a, b)
         half = 0.5 * length
@@ -123,7 +133,7 @@ def _fit(section: Section) -> tuple[Array, Complex]:
         middle = at(np.zeros(1))
         powers = (values - middle) @ _TO_POWERS.T
         between = middle + (powers[:, None, :] * np.vander(_BETWEEN, DEGREE + 1, increasing=True)).sum(axis=2)
-        bad = np.abs(between - at(_BETWEEN)).max(axis=1) > TOLERANCE + 4e-16 * np.abs(values).max(axis=1)
+        bad = np.abs(between - at(_BETWEEN)).max(axis=1) > TOLERANCE
         if not bad.any():
             powers[:, 0] += middle[:, 0]
             return length[:, 0], (powers / half ** np.arange(DEGREE + 1)).T
@@ -134,7 +144,8 @@ def _fit(section: Section) -> tuple[Array, Complex]:
 def _travelled(section: Section, a: Array, b: Array) -> Array:
     """Length from parameter a to b, elementwise."""
     half = 0.5 * (b - a)
-    return half * (np.abs(section.velocity(a[..., None] + half[..., None] * (1.0 + _NODES))) @ _WEIGHTS)
+    speed = np.abs(section.velocity(a[..., None] + half[..., None] * (1.0 + _NODES)))
+    return np.asarray(half * (speed @ _WEIGHTS))
 
 
 def _parameter(section: Section, a: Array, b: Array, length: Array, travelled: Array) -> Array:
@@ -144,45 +155,3 @@ def _parameter(section: Section, a: Array, b: Array, length: Array, travelled: A
     for _ in range(6):
         t = np.clip(t - (_travelled(section, start, t) - travelled) / np.abs(section.velocity(t)), a, b)
     return t
-
-
-def through(points: NDArray[np.float64], noise: float = 0.0) -> list[Section]:
-    """Cubic spline (C2) through points (n, 2) in m, cut at corners sharper than 20 degrees.
-
-    noise m: RMS distance that the spline may keep from the points, to smooth measured ones; 0 passes through them.
-    """
-    from scipy.interpolate import CubicSpline, splev, splprep
-
-    z = points[:, 0] + 1j * points[:, 1]
-    chord = np.diff(z)
-    corner = np.flatnonzero(np.abs(np.angle(chord[1:] / chord[:-1])) > np.radians(20.0)) + 1
-    ends = [0, *corner.tolist(), len(z) - 1]
-    sections = []
-    for first, last in zip(ends, ends[1:], strict=False):
-        part = z[first : last + 1]
-        t = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(part)))])
-        if noise > 0.0 and len(part) > 4:
-            knots, (cy, cz), degree = splprep([part.real, part.imag], u=t, s=len(part) * noise**2)[0]
-            form = (knots, cy + 1j * cz, degree)
-            real, imaginary = (form[0], cy, degree), (form[0], cz, degree)
-
-            def position(t: Array, y: object = real, z: object = imaginary) -> Complex:
-                return np.asarray(splev(t, y) + 1j * np.asarray(splev(t, z)))
-
-            def velocity(t: Array, y: object = real, z: object = imaginary) -> Complex:
-                return np.asarray(splev(t, y, der=1) + 1j * np.asarray(splev(t, z, der=1)))
-
-            sections.append(Section(position, velocity, np.unique(np.clip(knots, t[0], t[-1]))))
-        else:
-            spline = CubicSpline(t, part)
-            sections.append(Section(spline, spline.derivative(), t))
-    return _meeting(sections)
-
-
-def _meeting(sections: list[Section]) -> list[Section]:
-    """Smoothed parts moved so that they meet: each starts where the one before stops."""
-    moved = sections[:1]
-    for section in sections[1:]:
-        shift = moved[-1].stop - section.start
-        moved.append(replace(section, position=lambda t, s=section, d=shift: s.position(t) + d))
-    return moved

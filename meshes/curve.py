@@ -5,10 +5,12 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from meshes.closest import SPACING, Closest, closest
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -16,22 +18,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 DEGREE = 7
-SPACING = 1e-4  # m, of the samples that start the search for closest points
-SMALL_STEP = 1e-8  # m; Newton's error after one more such step is far below 1e-12 m
 
 _C = TypeVar("_C", bound="Curve")
-
-
-class Closest(NamedTuple):
-    """Foot of each of n points: arc length s m, distance m, and whether the foot lies inside the curve.
-
-    distance is positive on the outward side; inside is False where the foot is an end of the curve and the point lies
-    beyond it.
-    """
-
-    s: Array
-    distance: Array
-    inside: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,38 +68,16 @@ class Curve:
     def closest(self, points: ArrayLike, guess: ArrayLike | None = None) -> Closest:
         """Nearest point of the curve for points (n, 2) m, to 1e-12 m.
 
-        Starts at the nearest of fine samples, or at guess (n,) m, which finds the local minimum near it and saves half
-        of the time. About two Newton steps, each held to one piece and to the samples' spacing.
+        guess (n,) m, arc length to start from instead of the nearest of fine samples, saves half of the time and finds
+        the local minimum near it. Of two feet whose distances d differ by less than (0.1 mm)^2 / 8 d, as on the
+        bisector inside a corner, either may be returned.
         """
-        xy = np.asarray(points, dtype=float)
-        q = xy[..., 0] + 1j * xy[..., 1]
-        if guess is None:
-            s = self._samples[self._tree.query(xy)[1]]
-        else:
-            s = np.clip(np.asarray(guess, dtype=float), *self.s_range)
-        last = self.coefficients.shape[1] - 1
-        j = np.clip(self.breaks.searchsorted(s, side="right") - 1, 0, last)
-        quiet = False
-        for _ in range(1000):
-            z, t, k = self._local(s, j)
-            away = q - z
-            along, across = (t.conj() * away).real, (t.conj() * away).imag
-            # s minimises |q - z|^2 / 2 with slope -along and second derivative 1 - Re(conj(z'') (q - z))
-            step = along / np.maximum(1.0 - (k.conj() * away).real, 1e-3)
-            if s.size == 0 or np.abs(step).max() < SMALL_STEP:
-                return Closest(np.clip(s + step, *self.s_range), across, np.ones(s.shape, dtype=bool))
-            low, high = self.breaks[j], self.breaks[j + 1]
-            new = np.minimum(np.maximum(s + np.clip(step, -SPACING, SPACING), low), high)
-            settled = (np.abs(step) < SMALL_STEP) | (np.abs(new - s) == 0.0)
-            # at the end of a piece the next one decides, next time: two idle rounds mean a corner or an end
-            j = np.clip(j + (new == high).astype(int) - (new == low), 0, last)
-            s = new
-            if settled.all() and quiet:
-                break
-            quiet = bool(settled.all())
-        inside = ((s > self.breaks[0]) & (s < self.breaks[-1])) | (np.abs(along) < SMALL_STEP)
-        resting = np.abs(along) > SMALL_STEP
-        return Closest(s, np.where(resting, np.copysign(np.abs(away), across), across), inside)
+        at = None if guess is None else np.asarray(guess, dtype=float)
+        return closest(self, np.asarray(points, dtype=float), at)
+
+    def nearest_sample(self, points: Array) -> Array:
+        """Arc length m of the nearest of samples SPACING apart, for points (n, 2) m."""
+        return np.asarray(self._samples[self._tree.query(points)[1]])
 
     def s_at_y(self, y: ArrayLike) -> Array:
         """Arc length m at lateral position y m, on the part around s = 0 where y increases; ValueError beyond it."""
@@ -148,7 +114,7 @@ class Curve:
         return hashlib.sha256(self.breaks.tobytes() + self.coefficients.tobytes()).hexdigest()
 
     def samples(self, spacing: float, start: float | None = None, stop: float | None = None) -> Array:
-        """Arc lengths (n,), both ends of the range and every break in it included, no further apart than spacing [m]."""
+        """Arc lengths (n,) from start to stop, no further apart than spacing [m], with both ends and all breaks."""
         start, stop = (self.breaks[0] if start is None else start), (self.breaks[-1] if stop is None else stop)
         inner = self.breaks[(self.breaks > start) & (self.breaks < stop)]
         ends = np.concatenate([[start], inner, [stop]])
@@ -162,7 +128,7 @@ class Curve:
 
     @cached_property
     def _sampled(self) -> Complex:
-        return self._evaluate(self._samples)[0]
+        return np.asarray(self._evaluate(self._samples)[0])
 
     @cached_property
     def _tree(self) -> cKDTree:
@@ -184,22 +150,25 @@ class Curve:
         table[2, :-1] = n * table[1, 1:]
         return table
 
-    def _local(self, s: Array, j: NDArray[np.intp]) -> Complex:
+    def piece(self, s: Array) -> NDArray[np.intp]:
+        """Index of the piece that s lies in."""
+        return np.asarray(self.breaks[1:-1].searchsorted(s, side="right"))
+
+    def local(self, s: Array, j: NDArray[np.intp]) -> Complex:
         """Position, first and second derivative (3, n) at s in pieces j."""
         x = s - self._middles[j]
         powers = np.empty((DEGREE + 1, *x.shape))
         powers[0] = 1.0
         for n in range(DEGREE):
-            np.multiply(powers[n], x, out=powers[n + 1])
-        return np.einsum("dk...,k...->d...", self._table.take(j, axis=2), powers)
+            np.multiply(powers[n], x, out=powers[n + 1, ...])
+        return np.asarray(np.einsum("dk...,k...->d...", self._table.take(j, axis=2), powers))
 
     def _evaluate(self, s: ArrayLike) -> Complex:
         s = np.asarray(s, dtype=float)
         start, stop = self.s_range
         if s.size and not (s.min() >= start - 1e-9 and s.max() <= stop + 1e-9):
             raise ValueError(f"arc length must lie in {start:.6g} .. {stop:.6g} m: {s.min():.6g} .. {s.max():.6g}")
-        j = np.clip(self.breaks.searchsorted(s, side="right") - 1, 0, len(self.breaks) - 2)
-        return self._local(s, j)
+        return self.local(s, self.piece(s))
 
 
 def _pair(z: Complex) -> Array:

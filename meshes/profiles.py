@@ -6,13 +6,14 @@ import cmath
 import hashlib
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from meshes.arc_length import Section, curve
-from meshes.curve import Array, Closest, Curve
+from meshes.curve import Array, Curve
 
 Kind = Literal["wheel", "rail"]
 KINDS: tuple[Kind, Kind] = ("wheel", "rail")
@@ -61,19 +62,21 @@ class Profile(Curve):
             raise ValueError(f"kind of profile {self.name} is {self.kind!r}, allowed: {', '.join(KINDS)}")
         start, stop = self.s_range
         if not start < 0.0 < stop:
-            raise ValueError(f"profile {self.name} must have its reference point s = 0 inside {start:.4g} .. {stop:.4g} m")
+            raise ValueError(
+                f"profile {self.name} must have its reference point s = 0 inside {start:.4g} .. {stop:.4g} m"
+            )
 
     def digest(self) -> str:
         """Hash of everything that shapes the body: curve, kind and placement, not the name."""
         return hashlib.sha256(f"{super().digest()} {self.kind} {self.placement!r}".encode()).hexdigest()
 
     def laid(self, angle: float) -> Profile:
-        """The rail turned by the laying angle [rad], top towards the track's centre; origin at the new highest point."""
+        """Rail turned by the laying angle [rad], top towards the track's centre, origin at the new highest point."""
         if self.kind != "rail":
             raise ValueError(f"only rails are laid, {self.name} is a wheel")
         if angle == 0.0:
             return self
-        s = self._highest(angle)
+        s = self.highest(angle)
         shift = -cmath.exp(1j * angle) * complex(*self.point(s))
         turned = self.moved(angle, shift, -s)
         return replace(turned, placement=self.placement.then(angle, shift))
@@ -90,15 +93,17 @@ class Profile(Curve):
         z = self.point(s)[:, 1]
         below = np.flatnonzero(z <= -height)
         if not len(below):
-            raise ValueError(f"rail {self.name} reaches {-z.min():.4g} m below its top on the gauge side, not {height} m")
+            raise ValueError(
+                f"rail {self.name} reaches {-z.min():.4g} m below its top on the gauge side, not {height} m"
+            )
         from scipy.optimize import brentq
 
         edge = brentq(lambda x: self.point(x)[1] + height, s[below[-1]], s[below[-1] + 1], xtol=1e-16)
         innermost = min(self.point(edge)[0], self.point(s[s > edge])[:, 0].min())
         return float(0.5 * gauge - innermost)
 
-    def _highest(self, angle: float) -> float:
-        """Arc length of the highest point after turning by angle."""
+    def highest(self, angle: float = 0.0) -> float:
+        """Arc length [m] of the highest point, once turned by angle [rad]."""
         from scipy.optimize import brentq
 
         def rise(x: float) -> float:
@@ -124,7 +129,7 @@ def from_sections(sections: list[Section], *, name: str, kind: Kind, placement: 
 def named_profile(name: str) -> Profile:
     """S1002 wheel, 60E1 rail (upright, to be laid), or UIC60-benchmark rail (already inclined 1/40).
 
-    The benchmark's rail keeps the origin of its file, 6 um to the field side of the highest point and as high to
+    The benchmark's rail keeps the origin of its file, 6 um to the gauge side of the highest point and equally high to
     1e-10 m. ValueError naming what is allowed.
     """
     from meshes import standards
@@ -141,4 +146,18 @@ def named_profile(name: str) -> Profile:
     raise ValueError(f"profile {name!r} is not known, allowed: {', '.join(NAMES)}, or a file")
 
 
-__all__ = ["KINDS", "NAMES", "Closest", "Kind", "Placement", "Profile", "from_sections", "named_profile"]
+def load_profile(name: str | Path, kind: Kind, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:
+    """A standard profile by name, or one from a file (see `meshes.readers.read_profile`).
+
+    ValueError naming what is allowed.
+    """
+    if str(name) in NAMES:
+        if NAMES[str(name)] != kind:
+            allowed = ", ".join(other for other, its in NAMES.items() if its == kind)
+            raise ValueError(f"profile {name} is a {NAMES[str(name)]}, not a {kind}; allowed: {allowed}, or a file")
+        return named_profile(str(name))
+    if not Path(name).is_file():
+        raise ValueError(f"profile {str(name)!r} is neither known nor a file; allowed: {', '.join(NAMES)}, or a file")
+    from meshes.readers import read_profile
+
+    return read_profile(name, kind, noise=noise, inclination=inclination)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.polynomial import Polynomial
 
 from meshes.arc_length import Section, arc, bridged, graph, line
@@ -59,14 +60,16 @@ _B = [
 
 def _polynomial(coefficients: list[float], start: float, stop: float) -> Section:
     """z(y) in mm with coefficients by rising power, as a section in m."""
-    height = Polynomial(coefficients)
+    middle = 0.5 * (start + stop)
+    # about the middle, since the powers of y itself cancel and lose four digits
+    height = Polynomial(coefficients)(Polynomial([middle, 1.0]))
     slope = height.deriv()
 
     def z(y: Array) -> Array:
-        return MM * height(y / MM)
+        return np.asarray(MM * height(y / MM - middle))
 
     def dz(y: Array) -> Array:
-        return slope(y / MM)
+        return np.asarray(slope(y / MM - middle))
 
     return graph(z, dz, start * MM, stop * MM)
 
@@ -82,10 +85,10 @@ def _root() -> Section:
     centre, radius = -26.210665 * MM, 13.0 * MM
 
     def z(y: Array) -> Array:
-        return 16.446 * MM - (radius**2 - (y - centre) ** 2) ** 0.5
+        return np.asarray(16.446 * MM - np.sqrt(radius**2 - (y - centre) ** 2))
 
     def dz(y: Array) -> Array:
-        return (y - centre) / (radius**2 - (y - centre) ** 2) ** 0.5
+        return np.asarray((y - centre) / np.sqrt(radius**2 - (y - centre) ** 2))
 
     return graph(z, dz, -38.426669071 * MM, -35.0 * MM)
 
@@ -143,6 +146,6 @@ EN_60E1 = RailHead(join=10.228 * MM, foot=35.27527 * MM)
 # The Manchester contact benchmark's UIC60: 21 mm instead. Its file has the arc of 13 mm 4.5e-5 mm lower than tangency
 # with that of 80 mm asks, as if from a joint rounded to (25.988, 2.2532); the step is spread over 0.5 mm.
 BENCHMARK_UIC60 = RailHead(join=10.5 * MM, foot=37.5 * MM, drop=4.5e-5 * MM)
-# Placement in that file: inclined by atan(1/40), and 5.96e-3 mm to the field side of the highest point.
+# Placement in that file: inclined by atan(1/40), origin 5.96e-3 mm to the gauge side of the highest point.
 BENCHMARK_INCLINATION = math.atan(1 / 40)
 BENCHMARK_SHIFT = complex(-7.4917 * MM, 300.0 * MM * (math.cos(BENCHMARK_INCLINATION) - 1.0))

@@ -1,0 +1,126 @@
+"""The command `wheelrail`: a contact solve, or a vehicle run, from a scene file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from scenes.terminal import progress_console, result_console, stdout_for_results
+
+if TYPE_CHECKING:
+    from scenes.scene import HertzScene, RunScene, WheelsetScene
+
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
+
+app = typer.Typer(
+    help="Detailed wheel-rail contact by finite elements, inside a vehicle simulation.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
+
+
+@app.command()
+def contact(
+    scene: SceneFile,
+    json: Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")] = False,
+) -> None:
+    """Solve the contact of a Hertz pair or of a wheelset, once."""
+    given = _load(scene)
+    if given.kind == "run":
+        raise _refused(f'{scene}: kind = "run": this is a vehicle run, use wheelrail run')
+    report = {"scene": str(scene), **_solved(given, scene)}
+    from scenes.report import json_text, table
+
+    if json:
+        print(json_text(report))
+    elif "model" in report:
+        result_console().print(table(report))
+    if report["status"].startswith("failed"):
+        print(report["status"], file=sys.stderr)
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def run(
+    scene: SceneFile,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder of the results; results/<name of the scene> without it."),
+    ] = None,
+) -> None:
+    """Run a vehicle along its track; Ctrl-C keeps everything computed so far."""
+    given = _load(scene)
+    if given.kind != "run":
+        raise _refused(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail contact')
+    from scenes.run import run_scene
+    from scenes.scene import SceneError
+
+    folder = out or Path("results", scene.stem)
+    try:
+        with stdout_for_results():
+            outcome = run_scene(given, scene.read_text(encoding="utf-8"), folder, progress_console())
+    except SceneError as error:
+        raise _refused(f"{scene}: {error}") from None
+    except OSError as error:
+        print(f"{folder}: {error}", file=sys.stderr)
+        raise typer.Exit(FAILED) from None
+    except KeyboardInterrupt:  # before the first step: nothing to keep
+        print("interrupted", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    for part in outcome.summary():
+        result_console().print(part, highlight=False, markup=False)
+    if outcome.status == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+    if outcome.status != "completed":
+        raise typer.Exit(FAILED)
+
+
+def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
+    """The scene, or the end of the command with the complaint on standard error."""
+    from scenes.scene import SceneError, load_scene
+
+    try:
+        return load_scene(scene)
+    except SceneError as error:
+        raise _refused(str(error)) from None
+
+
+def _refused(complaint: str) -> typer.Exit:
+    print(complaint, file=sys.stderr)
+    return typer.Exit(BAD_INPUT)
+
+
+def _solved(scene: HertzScene | WheelsetScene, name: Path) -> dict[str, Any]:
+    """The report of the contact; an error on the way is a status too, with its traceback on standard error."""
+    from scenes.contact_scene import solve_contact
+    from scenes.scene import SceneError
+
+    console = progress_console()
+    try:
+        with stdout_for_results(), console.status("reading the scene") as status:
+            return solve_contact(scene, lambda text: status.update(text))
+    except SceneError as error:
+        raise _refused(f"{name}: {error}") from None
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    except Exception as error:
+        import traceback
+
+        traceback.print_exc()
+        return {"status": f"failed: {type(error).__name__}: {error}"}
+
+
+def main() -> None:
+    """Entry point."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+"""One contact solve of a scene: a Hertz pair, or the wheels of a wheelset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from scenes.models import hertz_model, hertz_motion, hertz_scale, wheel_scale, wheelset_contact
+from scenes.report import overall, side_report
+from scenes.scene import HertzScene, WheelsetScene
+
+if TYPE_CHECKING:
+    from contact.seating import Seat
+    from contact.wheelset import WheelsetContact
+
+Say = Callable[[str], None]
+
+
+def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) -> dict[str, Any]:
+    """The report of a scene, see `scenes.report`; say is told what is being done.
+
+    A load that cannot be carried, or a contact that does not converge, is a status "failed: ..." and no error.
+    """
+    sides = _hertz(scene, say) if isinstance(scene, HertzScene) else _wheelset(scene, say)
+    return {
+        "status": overall(sides),
+        "kind": scene.kind,
+        "model": scene.model,
+        "laws": scene.laws,
+        "friction": scene.friction,
+        "surface_size": scene.surface_size,
+        "stiffness_per_area": scene.stiffness_per_area,
+        "regularisation": scene.regularisation,
+        **sides,
+    }
+
+
+def _hertz(scene: HertzScene, say: Say) -> dict[str, Any]:
+    from contact.loading import LoadError, hertz_pose, hertz_under_load
+
+    say("meshes and stiffness of both bodies")
+    model, motion = hertz_model(scene), hertz_motion(scene)
+    say("contact")
+    with _clock() as seconds:
+        if scene.load is None:
+            depth, solves = float(scene.approach or 0.0), 1
+            result = model(hertz_pose(depth), motion, None)
+        else:
+            try:
+                found = hertz_under_load(model, motion, scene.load, expected=hertz_scale(scene, scene.load))
+            except LoadError as error:
+                return {"contact": {"status": f"failed: {error}"}}
+            depth, solves, result = found.depth, found.trials, found.results[0]
+    report = side_report(result, z=-depth, roll=0.0, solves=solves, seconds=seconds())
+    # The approach of the bodies: the largest overlap on a grid may miss the point of first touch.
+    return {"contact": {**report, "approach": depth} if result.ok else report}
+
+
+def _wheelset(scene: WheelsetScene, say: Say) -> dict[str, Any]:
+    from contact.loading import LoadError
+
+    say("meshes and stiffness of wheel and rail")
+    contact = wheelset_contact(scene)
+    reports: dict[str, Any] = {}
+    for sides, solve in _seats(scene, contact):
+        say(f"contact of the {' and '.join(sides)} wheel")
+        with _clock() as seconds:
+            try:
+                seat = solve()
+            except LoadError as error:
+                reports |= {side: {"status": f"failed: {error}"} for side in sides}
+                continue
+        share, time = seat.solves // len(sides), seconds() / len(sides)
+        for side, result in seat.results.items():
+            state = seat.state
+            reports[side] = side_report(result, z=state.z, roll=state.roll, solves=share, seconds=time)
+    return reports
+
+
+def _seats(scene: WheelsetScene, contact: WheelsetContact) -> Iterator[tuple[tuple[str, ...], Callable[[], Seat]]]:
+    """The solves that a wheelset scene asks for: sides, and the call that seats them."""
+    from contact.pose import WheelsetState
+    from contact.seating import axle_under_load, placed, wheel_under_load, wheels_under_load
+
+    given = scene.wheelset
+    state = WheelsetState(
+        y=given.y,
+        z=given.z or 0.0,
+        roll=0.0 if given.roll == "solve" else given.roll,
+        yaw=given.yaw,
+        y_rate=given.y_rate,
+        z_rate=given.z_rate,
+        roll_rate=given.roll_rate,
+        pitch_rate=given.pitch_rate or 0.0,
+        speed=given.speed or 0.0,
+        frame_rate=(0.0, 0.0, (given.speed or 0.0) * scene.track.curvature),
+    )
+    if given.z is not None:
+        yield scene.sides, lambda: placed(contact, state, scene.sides)
+    elif given.axle_load is not None:
+        load = given.axle_load
+        yield scene.sides, lambda: axle_under_load(contact, state, load, expected=wheel_scale(scene, 0.5 * load))
+    else:
+        load = given.wheel_load or 0.0
+        expected = wheel_scale(scene, load)
+        if given.roll == "solve":
+            yield scene.sides, lambda: wheels_under_load(contact, state, load, expected=expected)
+            return
+        for side in scene.sides:
+            yield (side,), partial(wheel_under_load, contact, state, side, load, expected=expected)
+
+
+@contextmanager
+def _clock() -> Iterator[Callable[[], float]]:
+    """Seconds since the start of the block."""
+    start = perf_counter()
+    yield lambda: perf_counter() - start

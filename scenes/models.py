@@ -1,0 +1,109 @@
+"""Contact models that a scene asks for. Everything heavy is imported when a model is built, not before."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
+
+if TYPE_CHECKING:
+    from contact.laws import Laws
+    from contact.pose import Motion
+    from contact.wheelset import ContactModel, WheelsetContact
+
+
+def laws(scene: HertzScene | WheelsetScene | RunScene) -> Laws:
+    """Penalty pressure and regularised Coulomb friction with the scene's constants."""
+    from contact.laws import Laws
+
+    return Laws(
+        stiffness_per_area=scene.stiffness_per_area, friction=scene.friction, regularisation=scene.regularisation
+    )
+
+
+def hertz_model(scene: HertzScene) -> ContactModel:
+    """The pair of bodies of a Hertz scene."""
+    from contact.laws import Steel
+    from contact.pairs import hertz_pair
+
+    return hertz_pair(
+        scene.upper.radii,
+        scene.lower.radii,
+        upper_steel=Steel(scene.upper.E, scene.upper.nu),
+        lower_steel=Steel(scene.lower.E, scene.lower.nu),
+        load=scene.load,
+        approach=scene.approach,
+        surface_size=scene.surface_size,
+        laws=laws(scene),
+        model=scene.model,
+        cell=scene.cell,
+        degree=scene.degree,
+        order=scene.slip_order,
+    )
+
+
+def hertz_motion(scene: HertzScene) -> Motion:
+    """Material of both bodies flows backwards through the contact at the speed, the upper one's creepage faster.
+
+    The creepage is shared, so that the mean of both velocities is the speed itself. Zero for a frictionless scene that
+    gives no motion.
+    """
+    import numpy as np
+
+    from contact.pose import Motion, Twist
+
+    speed, (xi, eta, phi) = scene.speed or 0.0, scene.creepage or (0.0, 0.0, 0.0)
+    flow, slip, origin = np.array([-speed, 0.0, 0.0]), speed * np.array([xi, eta, 0.0]), np.zeros(3)
+    spin = np.array([0.0, 0.0, speed * phi])
+    return Motion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
+
+
+def hertz_scale(scene: HertzScene, load: float) -> float:
+    """Approach m at which to look for the load: Hertz's for a sphere of the mean relative curvature."""
+    from contact.loading import sphere_approach
+
+    curvature = sum(1.0 / radius for body in (scene.upper, scene.lower) for radius in body.radii)
+    modulus = 1.0 / sum((1.0 - body.nu**2) / body.E for body in (scene.upper, scene.lower))
+    return sphere_approach(load, radius=2.0 / curvature, modulus=modulus)
+
+
+def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
+    """Both wheels of a wheelset on the rails of the scene's track; one model serves both sides.
+
+    Raises SceneError for a profile that cannot be read, or a rail without the gauge's height.
+    """
+    from contact.laws import Steel
+    from contact.pairs import wheel_rail_pair
+    from contact.pose import Mounting
+    from contact.wheelset import WheelsetContact
+    from meshes.profiles import load_profile
+
+    axle, track, steel = scene.wheelset, scene.track, Steel(scene.E, scene.nu)
+    try:
+        wheel = load_profile(scene.profiles.wheel, "wheel")
+        rail = load_profile(scene.profiles.rail, "rail").laid(scene.profiles.laying_angle)
+        rail_y = rail.gauge_offset(track.gauge, track.gauge_height)
+    except ValueError as error:
+        raise SceneError(f"profiles: {error}") from error
+    mounting = Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
+    model = wheel_rail_pair(
+        wheel,
+        rail,
+        radius=axle.radius,
+        wheel_steel=steel,
+        rail_steel=steel,
+        surface_size=scene.surface_size,
+        laws=laws(scene),
+        model=scene.model,
+        cell=scene.cell,
+        degree=scene.degree,
+        order=scene.slip_order,
+    )
+    return WheelsetContact(model, mounting)
+
+
+def wheel_scale(scene: WheelsetScene, load: float) -> float:
+    """Approach m at which to look for a wheel load: that of a sphere as curved as a rail head, R = 0.3 m."""
+    from contact.loading import sphere_approach
+
+    return sphere_approach(load, radius=0.3, modulus=0.5 * scene.E / (1.0 - scene.nu**2))

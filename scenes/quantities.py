@@ -1,0 +1,90 @@
+"""Quantities a scene may give: strict numbers in SI units, each with its plausible range.
+
+A range is there to catch a wrong unit or a slip of the pen, not to judge engineering.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isnan
+from typing import Annotated, Any
+
+from pydantic import AllowInfNan, GetCoreSchemaHandler, Strict
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+
+def refuse(message: str, key: str = "") -> PydanticCustomError:
+    """The error that a check raises: the message says what is allowed, the key which entry is at fault."""
+    return PydanticCustomError("scene", "{allowed}", {"allowed": message, "key": key})
+
+
+@dataclass(frozen=True)
+class Range:
+    """Numbers from low to high in a unit (ends excluded when open), with a hint at the usual slip."""
+
+    low: float
+    high: float
+    unit: str = ""
+    hint: str = ""
+    open: bool = False
+
+    def __str__(self) -> str:
+        if self.low == 0.0 and self.high == inf:
+            text = f"greater than 0 {self.unit}"
+        elif self.open:
+            text = f"between {self.low:g} and {self.high:g} {self.unit}".rstrip() + ", ends excluded"
+        else:
+            text = f"from {self.low:g} to {self.high:g} {self.unit}"
+        return "a number " + text.rstrip() + (f" ({self.hint})" if self.hint else "")
+
+    def check(self, value: float) -> float:
+        if self.low < value < self.high or (not self.open and value in (self.low, self.high)):
+            return value
+        raise refuse(f"must be {self}")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self.check, handler(source))
+
+
+@dataclass(frozen=True)
+class Principal(Range):
+    """A principal radius of curvature."""
+
+    def __str__(self) -> str:
+        return "a radius in m, at least 1e-4 in size: inf is straight, negative is hollow"
+
+    def check(self, value: float) -> float:
+        if isnan(value) or abs(value) < 1e-4:
+            raise refuse(f"must be {self}")
+        return value
+
+
+Finite = Annotated[float, Strict(), AllowInfNan(False)]
+
+Young = Annotated[Finite, Range(1e9, 1e13, "Pa", "steel is 2.1e11: not 210 in GPa, nor 2.1e5 in MPa")]
+Poisson = Annotated[Finite, Range(-1.0, 0.5, open=True)]
+Friction = Annotated[Finite, Range(0.0, 2.0, hint="0 skips all tangential work")]
+SurfaceSize = Annotated[Finite, Range(5e-5, 1e-2, "m", "half a millimetre is 0.5e-3")]
+StiffnessPerArea = Annotated[Finite, Range(1e10, 1e20, "N/m3")]
+Regularisation = Annotated[Finite, Range(1e-9, 1e-2, hint="a creepage")]
+Creepage = Annotated[Finite, Range(-1.0, 1.0, hint="a velocity over the speed")]
+Spin = Annotated[Finite, Range(-1e3, 1e3, "rad/m")]
+Load = Annotated[Finite, Range(1e-3, 1e8, "N")]
+Approach = Annotated[Finite, Range(0.0, 5e-3, "m", "25 micrometres are 25e-6", open=True)]
+Speed = Annotated[Finite, Range(0.0, 200.0, "m/s", "162 km/h are 45 m/s", open=True)]
+Radius = Annotated[float, Strict(), AllowInfNan(True), Principal(-inf, inf)]
+WheelRadius = Annotated[Finite, Range(0.1, 1.0, "m", "a wheel of 920 mm has the radius 0.46")]
+Offset = Annotated[Finite, Range(-0.1, 0.1, "m", "2 mm are 0.002")]
+Angle = Annotated[Finite, Range(-0.2, 0.2, "rad", "1/40 is 0.025")]
+Rate = Annotated[Finite, Range(-1e3, 1e3, "per second")]
+Curvature = Annotated[Finite, Range(-0.02, 0.02, "1/m", "one over the radius, positive to the left")]
+Gauge = Annotated[Finite, Range(0.5, 2.0, "m", "1435 mm are 1.435")]
+GaugeHeight = Annotated[Finite, Range(0.0, 0.05, "m", "below the top of the rail: 14 mm are 0.014", open=True)]
+FlangeBackDistance = Annotated[Finite, Range(0.4, 2.0, "m", "1360 mm are 1.360")]
+FlangeBack = Annotated[Finite, Range(-0.2, -0.01, "m", "from the rolling circle, negative to the flange side")]
+Cant = Annotated[Finite, Range(-0.25, 0.25, "m", "60 mm are 0.06; positive raises the outer rail")]
+CantBase = Annotated[Finite, Range(0.5, 2.5, "m", "1.5 for standard gauge")]
+Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille are 0.01")]
+Length = Annotated[Finite, Range(0.0, 1e5, "m")]
+Tolerance = Annotated[Finite, Range(1e-12, 0.1)]
+Seconds = Annotated[Finite, Range(0.0, inf, "s", open=True)]

@@ -1,0 +1,133 @@
+"""What a scene may say, checked on reading: a Hertz contact, a wheelset on its track, or a vehicle run."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Strict, ValidationError, model_validator
+
+from scenes import quantities as q
+from scenes.complaint import SceneError, complain
+from scenes.sections import Axle, Body, Output, Profiles, Sides, Solver, Table, Track, TrackLine, Vehicle, Wheelset
+
+
+class Contact(Table):
+    """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip."""
+
+    model: Literal["condensed", "full"] = "condensed"
+    laws: Literal["paper"] = "paper"
+    friction: q.Friction
+    surface_size: q.SurfaceSize
+    cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
+    degree: Literal[1, 2] = 1
+    slip_order: Literal[1, 2] = 2
+    stiffness_per_area: q.StiffnessPerArea = 1e15
+    regularisation: q.Regularisation = 1e-5
+
+
+class HertzScene(Contact):
+    """Two bodies with given principal radii under a load (N) or an approach (m); a frictionless one needs no motion."""
+
+    kind: Literal["hertz"]
+    load: q.Load | None = None
+    approach: q.Approach | None = None
+    speed: q.Speed | None = None
+    creepage: Annotated[tuple[q.Creepage, q.Creepage, q.Spin], Strict(False)] | None = None
+    upper: Body
+    lower: Body
+
+    @model_validator(mode="after")
+    def _consistent(self) -> HertzScene:
+        if (self.load is None) == (self.approach is None):
+            raise q.refuse("exactly one of load and approach must be given", "load")
+        for key in ("speed", "creepage"):
+            if self.friction > 0.0 and getattr(self, key) is None:
+                raise q.refuse("must be given when friction is not 0", key)
+        for name, one, other in zip("xy", self.upper.radii, self.lower.radii, strict=True):
+            if not 1.0 / one + 1.0 / other > 0.0:
+                text = (
+                    f"upper and lower must touch in one point: 1/upper + 1/lower in {name} must be greater than 0 1/m"
+                )
+                raise q.refuse(text, "upper.radii")
+        return self
+
+
+class WheelsetScene(Contact):
+    """One position of a wheelset on its track."""
+
+    kind: Literal["wheelset"]
+    sides: Sides = ("left", "right")
+    E: q.Young
+    nu: q.Poisson
+    profiles: Profiles
+    track: Track
+    wheelset: Wheelset
+
+    @model_validator(mode="after")
+    def _consistent(self) -> WheelsetScene:
+        if len(set(self.sides)) != len(self.sides):
+            raise q.refuse("each side at most once", "sides")
+        if len(self.sides) == 1 and (self.wheelset.axle_load is not None or self.wheelset.roll == "solve"):
+            raise q.refuse('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
+        for key in ("speed", "pitch_rate"):
+            if self.friction > 0.0 and getattr(self.wheelset, key) is None:
+                raise q.refuse("must be given when friction is not 0", f"wheelset.{key}")
+        return self
+
+
+class RunScene(Contact):
+    """A vehicle run along a tangent, a transition and a curve."""
+
+    kind: Literal["run"]
+    E: q.Young
+    nu: q.Poisson
+    profiles: Profiles
+    track: TrackLine
+    wheelset: Axle
+    vehicle: Vehicle
+    solver: Solver = Solver()
+    output: Output = Output()
+
+
+Scene: TypeAlias = HertzScene | WheelsetScene | RunScene
+KINDS: dict[str, type[HertzScene] | type[WheelsetScene] | type[RunScene]] = {
+    "hertz": HertzScene,
+    "wheelset": WheelsetScene,
+    "run": RunScene,
+}
+
+
+def load_scene(path: str | Path) -> Scene:
+    """The scene in a TOML file.
+
+    Raises SceneError naming file, key, value and what is allowed.
+    """
+    path = Path(path)
+    try:
+        return parse_scene(path.read_text(encoding="utf-8"), path)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{path}: not a text file in UTF-8 (byte {error.start})") from None
+
+
+def parse_scene(text: str, path: str | Path = "scene") -> Scene:
+    """The scene in a TOML text; path names it in errors, and files in it are looked for beside it."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{path}: not valid TOML: {error}") from None
+    kind = data.get("kind")
+    known = KINDS.get(kind) if isinstance(kind, str) else None
+    if known is None:
+        found = f"kind = {kind!r}" if "kind" in data else "kind: missing"
+        raise SceneError(f"{path}: {found}: must be one of {', '.join(map(repr, KINDS))}")
+    try:
+        return known.model_validate(data, context={"folder": Path(path).parent})
+    except ValidationError as error:
+        raise complain(error, known, data, path) from None
+
+
+__all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "load_scene", "parse_scene"]

@@ -1,0 +1,203 @@
+"""The tables of a scene: bodies, profiles, track, wheelset, vehicle, solver, output."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationInfo, field_validator, model_validator
+
+from scenes import quantities as q
+
+
+class Table(BaseModel):
+    """A table of a scene: strict types, no unknown keys, immutable."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class Body(Table):
+    """A body of a Hertz pair: principal radii (in x, in y) in m and its material."""
+
+    radii: Annotated[tuple[q.Radius, q.Radius], Strict(False)]
+    E: q.Young
+    nu: q.Poisson
+
+
+class Profiles(Table):
+    """Cross-sections of wheel and rail, a name or a file each; laying_angle turns the rail to the track's centre."""
+
+    wheel: str
+    rail: str
+    laying_angle: q.Angle
+
+    @field_validator("wheel", "rail")
+    @classmethod
+    def _exists(cls, value: str, info: ValidationInfo) -> str:
+        """A known name as it is; a file, relative to the scene's folder, as its full path."""
+        from meshes.profiles import NAMES
+
+        names = [name for name, kind in NAMES.items() if kind == info.field_name]
+        if value in names:
+            return value
+        file = Path((info.context or {}).get("folder", "."), value)
+        if not file.is_file():
+            raise q.refuse(f"must be {' or '.join(names)}, or a file that exists, seen from the scene's folder")
+        return str(file.resolve())
+
+
+class Track(Table):
+    """Position of the rails and curvature of the track."""
+
+    gauge: q.Gauge
+    gauge_height: q.GaugeHeight
+    curvature: q.Curvature
+
+
+class TrackLine(Track):
+    """A tangent, a transition and a curve of constant curvature and cant, lengths in m.
+
+    slope is rise over run; corner is the length over which the ends of a "clothoid" transition are rounded.
+    """
+
+    cant: q.Cant
+    cant_base: q.CantBase = 1.5
+    slope: q.Slope = 0.0
+    transition: Literal["quintic", "clothoid"] = "quintic"
+    corner: q.Length = 3.0
+    tangent: q.Length
+    transition_length: q.Length
+    curve: q.Length
+
+    @property
+    def length(self) -> float:
+        return self.tangent + self.transition_length + self.curve
+
+    @model_validator(mode="after")
+    def _fits(self) -> TrackLine:
+        for key in ("transition_length", "curve"):
+            if getattr(self, key) <= 0.0:
+                raise q.refuse("must be greater than 0 m", key)
+        if self.transition == "clothoid" and not 0.0 < self.corner <= 0.5 * self.transition_length:
+            raise q.refuse("must be greater than 0 m and at most half of transition_length", "corner")
+        if abs(self.cant) > 0.5 * self.cant_base:
+            raise q.refuse("must be at most half of cant_base", "cant")
+        return self
+
+
+class Axle(Table):
+    """How the wheels sit on the axle, m."""
+
+    flange_back_distance: q.FlangeBackDistance
+    flange_back: q.FlangeBack
+    radius: q.WheelRadius
+
+
+class Wheelset(Axle):
+    """Position and motion of a wheelset, and exactly one of wheel_load (N), axle_load (N) and z (m)."""
+
+    y: q.Offset
+    roll: q.Angle | Literal["solve"]
+    yaw: q.Angle
+    speed: q.Speed | None = None
+    pitch_rate: q.Rate | None = None
+    y_rate: q.Rate = 0.0
+    z_rate: q.Rate = 0.0
+    roll_rate: q.Rate = 0.0
+    wheel_load: q.Load | None = None
+    axle_load: q.Load | None = None
+    z: q.Offset | None = None
+
+    @model_validator(mode="after")
+    def _one_condition(self) -> Wheelset:
+        given = [key for key in ("wheel_load", "axle_load", "z") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise q.refuse(
+                "exactly one of wheel_load, axle_load and z must be given", given[-1] if given else "wheel_load"
+            )
+        if self.roll == "solve" and given != ["wheel_load"]:
+            raise q.refuse('"solve" needs wheel_load; with axle_load or z the roll must be a number in rad', "roll")
+        return self
+
+    @model_validator(mode="after")
+    def _rolls(self) -> Wheelset:
+        if self.speed is not None and self.pitch_rate is not None:
+            full = self.speed / self.radius
+            if not 0.0 <= self.pitch_rate <= 2.0 * full:
+                text = f"must be from 0 to {2 * full:.6g} rad/s, twice pure rolling ({full:.6g} = speed / radius)"
+                raise q.refuse(text, "pitch_rate")
+        return self
+
+
+class Vehicle(Table):
+    """The wagon's speed in m/s; any other key replaces the value of that name in the Manchester wagon."""
+
+    model_config = ConfigDict(extra="allow")
+
+    speed: q.Speed
+
+    @model_validator(mode="after")
+    def _wagon_has_them(self) -> Vehicle:
+        if self.model_extra:
+            from vehicle.wagon import Wagon
+
+            overridden(Wagon(), self.model_extra)
+        return self
+
+
+def overridden(part: Any, values: Mapping[str, Any], prefix: str = "") -> Any:
+    """A frozen dataclass with some of its values replaced, tables in it likewise.
+
+    Raises the error of a scene's check for a value that it does not have, of another type, or that it refuses.
+    """
+    names = [field.name for field in fields(part)]
+    new: dict[str, Any] = {}
+    for key, value in values.items():
+        if key not in names:
+            raise q.refuse(
+                f"unknown key; allowed are speed and {', '.join(names)}"
+                if not prefix
+                else f"unknown key; allowed are {', '.join(names)}",
+                prefix + key,
+            )
+        old = getattr(part, key)
+        if is_dataclass(old):
+            if not isinstance(value, Mapping):
+                raise q.refuse("must be a table", prefix + key)
+            new[key] = overridden(old, value, f"{prefix}{key}.")
+        elif isinstance(old, tuple):
+            if not isinstance(value, list) or not all(_number(item) for item in value):
+                raise q.refuse("must be an array of numbers", prefix + key)
+            new[key] = tuple(map(float, value))
+        elif _number(value):
+            new[key] = float(value)
+        else:
+            raise q.refuse("must be a number", prefix + key)
+    try:
+        return replace(part, **new)
+    except ValueError as error:
+        raise q.refuse(str(error), prefix + next(iter(new))) from None
+
+
+def _number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+class Solver(Table):
+    """Time stepper and its tolerances."""
+
+    method: Literal["ode23", "ode45"] = "ode23"
+    rtol: q.Tolerance = 1e-3
+    atol: q.Tolerance = 1e-6
+
+
+class Output(Table):
+    """What is kept: one sample per interval s (0 keeps every accepted step), and the pictures."""
+
+    interval: Annotated[q.Finite, q.Range(0.0, 10.0, "s")] = 0.0
+    figures: bool = True
+
+
+Sides = Annotated[tuple[Literal["left", "right"], ...], Strict(False), Field(min_length=1)]

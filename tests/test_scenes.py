@@ -1,0 +1,234 @@
+"""Scenes: the shipped ones are read, malformed ones give one error naming file, key, value and what is allowed."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenes.models import hertz_motion, hertz_scale
+from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene, load_scene, parse_scene
+from scenes.sections import overridden
+from vehicle.wagon import Wagon
+
+FOLDER = Path(__file__).parents[1] / "scenes"
+HERTZ, WHEELSET, CURVE = ((FOLDER / f"{name}.toml").read_text() for name in ("hertz", "wheelset", "paper_curve"))
+
+
+def changed(text: str, old: str, new: str) -> str:
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+def test_hertz_scene_is_read() -> None:
+    scene = load_scene(FOLDER / "hertz.toml")
+    assert isinstance(scene, HertzScene)
+    assert (scene.load, scene.approach, scene.friction, scene.speed) == (10e3, None, 0.3, 10.0)
+    assert scene.creepage == (1e-3, 0.0, 0.0)
+    assert scene.lower.radii == (math.inf, 0.3)
+    assert (scene.stiffness_per_area, scene.regularisation) == (1e15, 1e-5)
+
+
+def test_wheelset_scene_is_read() -> None:
+    scene = load_scene(FOLDER / "wheelset.toml")
+    assert isinstance(scene, WheelsetScene)
+    assert scene.sides == ("left", "right")
+    assert (scene.wheelset.y, scene.wheelset.wheel_load, scene.wheelset.z) == (-0.002, 57e3, None)
+    assert scene.profiles.rail == "UIC60-benchmark"
+
+
+def test_paper_curve_is_that_of_the_paper() -> None:
+    scene = load_scene(FOLDER / "paper_curve.toml")
+    assert isinstance(scene, RunScene)
+    assert 1.0 / scene.track.curvature == pytest.approx(1200.0, rel=1e-12)  # Table 3 of the paper
+    assert (scene.track.cant, scene.vehicle.speed, scene.friction) == (0.06, 45.0, 0.3)
+    assert (scene.solver.method, scene.solver.rtol, scene.solver.atol) == ("ode23", 1e-3, 1e-6)
+    assert scene.profiles.laying_angle == pytest.approx(1 / 40)
+    assert scene.track.length == 350.0
+
+
+def test_what_may_be_left_out() -> None:
+    text = (
+        HERTZ.replace('model = "condensed"', "").replace('laws = "paper"', "").replace("friction = 0.3", "friction = 0")
+    )
+    text = text.replace("speed = 10.0", "").replace("creepage = [1e-3, 0.0, 0.0]", "")
+    scene = parse_scene(text)
+    assert isinstance(scene, HertzScene)
+    assert (scene.model, scene.laws, scene.speed) == ("condensed", "paper", None)
+    motion = hertz_motion(scene)
+    assert not motion.wheel.velocity.any()
+
+
+def test_motion_has_the_creepage_and_the_mean_speed() -> None:
+    scene = parse_scene(changed(HERTZ, "creepage = [1e-3, 0.0, 0.0]", "creepage = [1e-3, -2e-3, 0.4]"))
+    assert isinstance(scene, HertzScene)
+    motion, points = hertz_motion(scene), np.array([[0.0, 0.0, 0.0], [0.003, -0.002, 0.0]])
+    upper, lower = motion.wheel.at(points), motion.rail.at(points)
+    # xi - phi y and eta + phi x, over the speed of 10 m/s.
+    expected = [[1e-3, -2e-3, 0.0], [1e-3 + 0.4 * 0.002, -2e-3 + 0.4 * 0.003, 0.0]]
+    assert (upper - lower) / 10.0 == pytest.approx(np.array(expected), abs=1e-15)
+    assert 0.5 * (upper + lower)[:, 0] == pytest.approx(-10.0, rel=1e-15)
+
+
+def test_scale_of_a_sphere_on_a_plane_is_hertz() -> None:
+    text = HERTZ.replace("radii = [0.46, 0.3]", "radii = [0.3, 0.3]").replace(
+        "radii = [inf, 0.3]", "radii = [inf, inf]"
+    )
+    scene = parse_scene(text)
+    assert isinstance(scene, HertzScene)
+    depth = hertz_scale(scene, 10e3)
+    modulus = 210e9 / (2 * 0.91)
+    assert 4 / 3 * modulus * math.sqrt(0.3) * depth**1.5 == pytest.approx(10e3, rel=1e-12)
+
+
+# (scene, what to replace, by what, what the error must say: key, value and what is allowed)
+MALFORMED = [
+    (HERTZ, 'kind = "hertz"', "", ("kind: missing", "'hertz', 'wheelset', 'run'")),
+    (HERTZ, 'kind = "hertz"', 'kind = "herz"', ("kind = 'herz'", "'hertz'")),
+    (HERTZ, 'kind = "hertz"', "kind = 3", ("kind = 3",)),
+    (HERTZ, "load = 10e3", "load = ", ("not valid TOML", "line 4")),
+    (HERTZ, "load = 10e3", "load = 10e3\nload = 2", ("not valid TOML", "line 5")),
+    (HERTZ, "load = 10e3", "", ("load: missing", "exactly one of load and approach")),
+    (HERTZ, "load = 10e3", "load = 10e3\napproach = 25e-6", ("load = 10000.0", "exactly one")),
+    (HERTZ, "load = 10e3", "approach = 25", ("approach = 25", "micrometres")),
+    (HERTZ, "load = 10e3", "load = -10e3", ("load = -10000.0", "from 0.001 to 1e+08 N")),
+    (HERTZ, "load = 10e3", 'load = "10e3"', ('load = "10e3"', "a number from")),
+    (HERTZ, "load = 10e3", "load = nan", ("load = NaN", "a number from")),
+    (HERTZ, "load = 10e3", "load = 10e3\nlaod = 3", ("laod = 3: unknown key; did you mean load?",)),
+    (HERTZ, "friction = 0.3", "", ("friction: missing", "from 0 to 2")),
+    (HERTZ, "friction = 0.3", "friction = -0.1", ("friction = -0.1", "from 0 to 2")),
+    (HERTZ, "friction = 0.3", "friction = true", ("friction = true", "a number from 0 to 2")),
+    (HERTZ, "speed = 10.0", "speed = 0", ("speed = 0", "between 0 and 200 m/s")),
+    (HERTZ, "speed = 10.0", "", ("speed: missing", "friction is not 0")),
+    (HERTZ, "creepage = [1e-3, 0.0, 0.0]", "creepage = [1e-3, 0.0]", ("creepage", "missing", "rad/m")),
+    (HERTZ, "creepage = [1e-3, 0.0, 0.0]", "creepage = 1e-3", ("creepage = 0.001", "an array of 3")),
+    (HERTZ, "creepage = [1e-3, 0.0, 0.0]", "creepage = [1e-3, inf, 0.0]", ("creepage[1] = Infinity", "from -1 to 1")),
+    (HERTZ, "surface_size = 0.5e-3", "surface_size = 0.5", ("surface_size = 0.5", "5e-05 to 0.01 m", "0.5e-3")),
+    (HERTZ, "surface_size = 0.5e-3", "surface_size = 1e-6", ("surface_size = 1e-06",)),
+    (HERTZ, 'model = "condensed"', 'model = "condense"', ('model = "condense"', '"condensed" or "full"')),
+    (HERTZ, 'laws = "paper"', 'laws = "exact"', ('laws = "exact"', '"paper"')),
+    (HERTZ, "radii = [0.46, 0.3]", "radii = [0.46, 0.0]", ("upper.radii[1] = 0.0", "inf is straight")),
+    (HERTZ, "radii = [0.46, 0.3]", "radii = [nan, 0.3]", ("upper.radii[0] = NaN",)),
+    (
+        HERTZ,
+        "radii = [0.46, 0.3]",
+        "radii = [0.46, -0.2]",
+        ("upper.radii = [0.46, -0.2]", "in y must be greater than 0"),
+    ),
+    (HERTZ, "radii = [0.46, 0.3]", "radii = [inf, 0.3]", ("upper.radii", "in x must be greater than 0")),
+    (HERTZ, "radii = [0.46, 0.3]", "radii = [0.46, 0.3, 1.0]", ("upper.radii", "an array of 2")),
+    (HERTZ, "E = 210e9", "E = 210", ("upper.E = 210", "1e+09 to 1e+13 Pa", "GPa")),
+    (HERTZ, "E = 210e9", "E = 210e3", ("upper.E = 210000.0", "MPa")),
+    (HERTZ, "nu = 0.3", "nu = 0.5", ("upper.nu = 0.5", "between -1 and 0.5, ends excluded")),
+    (HERTZ, "nu = 0.3", "nu = 0.3\nG = 8e10", ("upper.G = 80000000000.0: unknown key", "allowed are radii, E, nu")),
+    (HERTZ, "[lower]", "[lwoer]", ("lower: missing", "a table with the keys radii, E, nu")),
+    (WHEELSET, 'sides = ["left", "right"]', "sides = []", ("sides = []", '"left" or "right"')),
+    (WHEELSET, 'sides = ["left", "right"]', 'sides = ["left", "middle"]', ('sides[1] = "middle"', '"left" or "right"')),
+    (WHEELSET, 'sides = ["left", "right"]', 'sides = ["left", "left"]', ("sides = ", "at most once")),
+    (WHEELSET, '"S1002" ', '"S1003" ', ('profiles.wheel = "S1003"', "S1002", "file")),
+    (WHEELSET, '"S1002" ', '"60E1" ', ('profiles.wheel = "60E1"', "must be S1002")),
+    (WHEELSET, "laying_angle = 0.0", "laying_angle = 40", ("profiles.laying_angle = 40", "1/40 is 0.025")),
+    (WHEELSET, "gauge = 1.435", "gauge = 1435", ("track.gauge = 1435", "0.5 to 2 m")),
+    (WHEELSET, "gauge_height = 0.014", "gauge_height = 14", ("track.gauge_height = 14", "14 mm are 0.014")),
+    (WHEELSET, "curvature = 0.0", "curvature = 1200", ("track.curvature = 1200", "one over the radius")),
+    (WHEELSET, "[track]", "speed = 45\n[track]", ("profiles.speed = 45: unknown key; did you mean wheelset.speed?",)),
+    (WHEELSET, "flange_back = -0.070", "flange_back = 0.070", ("wheelset.flange_back = 0.07", "negative")),
+    (WHEELSET, "y = -0.002", "y = -2", ("wheelset.y = -2", "2 mm are 0.002")),
+    (WHEELSET, "roll = 0.0", 'roll = "solv"', ('wheelset.roll = "solv"', '"solve"')),
+    (WHEELSET, "roll = 0.0", "", ("wheelset.roll: missing", '"solve"')),
+    (WHEELSET, "yaw = 0.0", "yaw = 3", ("wheelset.yaw = 3", "rad")),
+    (WHEELSET, "wheel_load = 57e3", "", ("wheelset.wheel_load: missing", "exactly one of wheel_load, axle_load and z")),
+    (WHEELSET, "wheel_load = 57e3", "wheel_load = 57e3\nz = 0.0", ("wheelset.z = 0.0", "exactly one")),
+    (WHEELSET, "pitch_rate = 97.82608695652173", "pitch_rate = 934", ("pitch_rate = 934", "pure rolling (97.8261")),
+    (WHEELSET, "pitch_rate = 97.82608695652173", "", ("wheelset.pitch_rate: missing", "friction is not 0")),
+    (
+        CURVE,
+        "transition_length = 100.0",
+        "transition_length = 0.0",
+        ("track.transition_length = 0.0", "greater than 0"),
+    ),
+    (CURVE, "cant = 0.06 ", "cant = 60 ", ("track.cant = 60", "60 mm are 0.06")),
+    (
+        CURVE,
+        'transition = "quintic"',
+        'transition = "cubic"',
+        ('track.transition = "cubic"', '"quintic" or "clothoid"'),
+    ),
+    (CURVE, "speed = 45.0", "speed = 450.0", ("vehicle.speed = 450.0", "162 km/h")),
+    (CURVE, "speed = 45.0", "speed = 45.0\nmass = 3", ("vehicle.mass = 3: unknown key", "car_body")),
+    (CURVE, "speed = 45.0", "speed = 45.0\ncar_body = {mass = -1}", ("vehicle.car_body.mass = -1", "positive")),
+    (CURVE, "speed = 45.0", 'speed = 45.0\nroll_bar = "x"', ('vehicle.roll_bar = "x"', "a number")),
+    (CURVE, 'method = "ode23"', 'method = "ode15s"', ('solver.method = "ode15s"', '"ode23" or "ode45"')),
+    (CURVE, "rtol = 1e-3", "rtol = 0.0", ("solver.rtol = 0.0", "1e-12")),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "says"), MALFORMED, ids=lambda value: value[:30] if isinstance(value, str) else ""
+)
+def test_malformed_scene_gives_one_error(text: str, old: str, new: str, says: tuple[str, ...], tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(changed(text, old, new))
+    with pytest.raises(SceneError) as caught:
+        load_scene(file)
+    message = str(caught.value)
+    assert str(file) in message
+    for part in says:
+        assert part in message
+    assert "pydantic" not in message
+
+
+@pytest.mark.parametrize("line", ["wheel_load = 57e3", "axle_load = 114e3", "z = -0.0002"])
+def test_solving_for_roll_needs_both_wheel_loads(line: str) -> None:
+    text = changed(changed(WHEELSET, "wheel_load = 57e3", line), "roll = 0.0", 'roll = "solve"')
+    if line.startswith("wheel_load"):
+        assert isinstance(parse_scene(text), WheelsetScene)
+        text = changed(text, 'sides = ["left", "right"]', 'sides = ["left"]')
+    with pytest.raises(SceneError, match=r"roll|sides"):
+        parse_scene(text)
+
+
+def test_axle_load_needs_both_sides() -> None:
+    text = changed(WHEELSET, "wheel_load = 57e3", "axle_load = 114e3")
+    parse_scene(text)
+    with pytest.raises(SceneError, match="sides"):
+        parse_scene(changed(text, 'sides = ["left", "right"]', 'sides = ["right"]'))
+
+
+def test_profile_file_is_found_beside_the_scene(tmp_path: Path) -> None:
+    (tmp_path / "worn.whl").write_text("0 0\n")
+    file = tmp_path / "scene.toml"
+    file.write_text(changed(WHEELSET, '"S1002" ', '"worn.whl" '))
+    scene = load_scene(file)
+    assert isinstance(scene, WheelsetScene)
+    assert scene.profiles.wheel == str(tmp_path / "worn.whl")
+
+
+@pytest.mark.parametrize("content", [None, b"\xff\xfe\x00"])
+def test_unreadable_file(content: bytes | None, tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(SceneError, match=r"cannot be read|UTF-8"):
+        load_scene(file)
+
+
+def test_vehicle_overrides_reach_into_the_wagon() -> None:
+    wagon = overridden(Wagon(), {"roll_bar": 1e6, "secondary": {"turn": 0.5}, "bumpstop": {"force": [0.0] * 10}})
+    assert (wagon.roll_bar, wagon.secondary.turn, wagon.bumpstop.force) == (1e6, 0.5, (0.0,) * 10)
+    assert wagon.secondary.lateral_stiffness == Wagon().secondary.lateral_stiffness
+
+
+def test_reading_a_hertz_scene_loads_no_numerics() -> None:
+    code = (
+        "import sys; from scenes.scene import load_scene; load_scene(sys.argv[1]);"
+        "print(*{'numpy', 'scipy', 'dolfinx', 'gmsh', 'xarray', 'matplotlib', 'petsc4py'} & set(sys.modules))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code, str(FOLDER / "hertz.toml")], capture_output=True, text=True, check=True
+    )
+    assert run.stdout.split() == []

@@ -1,0 +1,104 @@
+"""What is left of the forces on a wagon that should be at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.dynamics import Contacts, Dynamics, Wrench
+from vehicle.frame import Frame
+from vehicle.state import COUNT, PITCH, ROLL, Y, Z
+from vehicle.steppers import StepFailure
+
+Array = NDArray[np.float64]
+
+# Of nine positions and the relative excess of spin: what is small (for differences), and the most one step changes.
+SMALL = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
+LARGE = np.array([3e-2, 3e-2, 2e-2, 3e-3, 3e-3, 5e-3, 1e-3, 2e-4, 1e-3, 1e-3])
+SEEN_BY_CONTACT = (Y, Z, ROLL, PITCH)
+
+
+def size_of(vector: Array) -> float:
+    return float(np.max(np.abs(vector)))
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Forces that are left, over the axle load; unknown (10,): positions, then spin over nominal spin, less one."""
+
+    dynamics: Dynamics
+    frame: Frame
+
+    @cached_property
+    def weights(self) -> Array:
+        """Masses and inertias over the axle load, which act on arms of 1 m (roll) and one wheel radius (spin)."""
+        mass, roll, pitch, _, _ = self.dynamics.constants
+        wagon = self.dynamics.wagon
+        rows = np.stack([mass, mass, roll], axis=1).ravel()
+        return np.append(rows, pitch[2] / wagon.radius) / wagon.axle_load
+
+    def state(self, unknown: Array) -> Array:
+        state = np.zeros(2 * COUNT)
+        state[:9], state[-1] = unknown[:9], unknown[9] * self.dynamics.rolling_rate
+        return state
+
+    def start(self, state: Array) -> tuple[Array, Contacts]:
+        unknown = np.append(state[:9], state[-1] / self.dynamics.rolling_rate)
+        return unknown, self.contacts(unknown, None)
+
+    def contacts(self, unknown: Array, guess: Contacts | None) -> Contacts:
+        return self.dynamics.solve_contacts(self.frame, self.state(unknown), guess)
+
+    def residual(self, unknown: Array, contacts: Contacts) -> Array:
+        left, _ = self.dynamics.accelerations(self.frame, self.state(unknown), Wrench.of(contacts))
+        return self.weights * left
+
+    def jacobian(self, unknown: Array, contacts: Contacts, residual: Array) -> Array:
+        columns = []
+        for i, small in enumerate(SMALL):
+            moved = unknown.copy()
+            moved[i] += small
+            there = self.contacts(moved, contacts) if i in SEEN_BY_CONTACT else contacts
+            columns.append((self.residual(moved, there) - residual) / small)
+        return np.stack(columns, axis=1)
+
+    def settled(self) -> tuple[Array, Contacts]:
+        """All bodies upright, lowered until the contacts carry the axle load within 2 %; raises StepFailure."""
+        unknown, contacts = np.zeros(COUNT), None
+        heights = [1, 4, Z]
+
+        def lifted(z: float) -> tuple[float, Contacts]:
+            unknown[heights] = z
+            found = self.contacts(unknown, contacts)
+            # A Hertzian force grows as depth^(3/2): its power 2/3 is nearly straight.
+            return float(np.cbrt(max(Wrench.of(found).force[2], 0.0) / self.dynamics.wagon.axle_load) ** 2), found
+
+        z, stride = 0.0, 5e-5
+        carried, contacts = lifted(z)
+        way = -1.0 if carried < 1.0 else 1.0
+        other, carried_other = z, carried
+        while (carried_other < 1.0) == (carried < 1.0):
+            if abs(other) > 0.05:
+                raise StepFailure("the wheels do not come to rest within 50 mm of the nominal height")
+            z, carried = other, carried_other
+            try:
+                carried_other, contacts = lifted(z + way * stride)
+            except StepFailure:
+                if stride < 1e-7:
+                    raise
+                stride *= 0.25  # too deep for the contact model: more slowly from here
+                continue
+            other, stride = z + way * stride, 1.5 * stride
+        for _ in range(40):
+            middle = z + (1.0 - carried) * (other - z) / (carried_other - carried)
+            value, contacts = lifted(middle)
+            if abs(value - 1.0) < 0.013:
+                break
+            if (value < 1.0) == (carried < 1.0):
+                z, carried = middle, value
+            else:
+                other, carried_other = middle, value
+        return unknown, contacts

@@ -1,0 +1,161 @@
+"""Equations of motion of the plane wagon in the moving track frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.pose import SIDES, Side, WheelsetState
+from contact.result import ContactResult
+from vehicle.frame import Frame
+from vehicle.state import COUNT, split
+from vehicle.steppers import StepFailure
+from vehicle.suspension import Assembly
+from vehicle.track import Track
+from vehicle.wagon import Wagon
+
+Array = NDArray[np.float64]
+Contact = Callable[[WheelsetState, Side, ContactResult | None], ContactResult]
+Contacts = dict[Side, ContactResult]
+
+
+@dataclass(frozen=True)
+class Wrench:
+    """Force (3,) N on the wheelset and moment (3,) N m about its centre, in the track's axes."""
+
+    force: Array
+    moment: Array
+
+    @classmethod
+    def of(cls, contacts: Contacts) -> Wrench:
+        force: Array = np.sum([c.force for c in contacts.values()], axis=0)
+        moment: Array = np.sum([c.moment for c in contacts.values()], axis=0)
+        return cls(force, moment)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What one look at the equations of motion gives.
+
+    rate (20,) time derivative of the state; contact results by side; yaw_reaction N m: the moment about the wheelset's
+    vertical axis that replaces the missing yaw freedom.
+    """
+
+    rate: Array
+    contacts: Contacts
+    yaw_reaction: float
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """A wagon on a track at constant speed m/s, at distance s = speed t, on a contact model."""
+
+    wagon: Wagon
+    track: Track
+    contact: Contact
+    speed: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.speed < np.inf:
+            raise ValueError(f"speed {self.speed} m/s: positive and finite (creepage is slip over speed)")
+
+    @cached_property
+    def plane(self) -> Wagon:
+        return self.wagon.plane
+
+    @cached_property
+    def suspension(self) -> Assembly:
+        return Assembly.of(self.wagon)
+
+    @cached_property
+    def constants(self) -> Array:
+        """(5, 3): mass, roll, pitch and yaw inertia and height of the three bodies."""
+        bodies = (self.plane.car_body, self.plane.bogie, self.plane.wheelset)
+        rows = [(b.mass, b.roll_inertia, b.pitch_inertia, b.yaw_inertia, b.height) for b in bodies]
+        return np.array(rows).T
+
+    @property
+    def rolling_rate(self) -> float:
+        """Spin of a wheel that rolls on its nominal radius, rad/s."""
+        return self.speed / self.wagon.radius
+
+    def __call__(self, time: float, state: Array, previous: Evaluation | None = None) -> Evaluation:
+        """Time derivative of the state at a time s; the previous evaluation starts the contact solves.
+
+        Raises StepFailure when a contact solve fails.
+        """
+        frame = self.track.frame(self.speed * time, self.speed)
+        contacts = self.solve_contacts(frame, state, previous.contacts if previous else None)
+        accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
+        return Evaluation(np.concatenate([state[COUNT:], accelerations]), contacts, yaw_reaction)
+
+    def wheelset_state(self, frame: Frame, state: Array) -> WheelsetState:
+        position, rate, _, pitch_rate = split(state)
+        y, z, roll = position[2].tolist()
+        vy, vz, spin = rate[2].tolist()
+        return WheelsetState(
+            y=y,
+            z=z,
+            roll=roll,
+            y_rate=vy,
+            z_rate=vz,
+            roll_rate=spin,
+            pitch_rate=self.rolling_rate + pitch_rate,
+            speed=self.speed,
+            frame_rate=frame.rate,
+        )
+
+    def solve_contacts(self, frame: Frame, state: Array, guess: Contacts | None) -> Contacts:
+        """Both contacts; raises StepFailure for a result that failed or is not finite."""
+        if not np.isfinite(state).all():
+            raise StepFailure("the state is not finite")
+        wheelset = self.wheelset_state(frame, state)
+        return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
+
+    def _solve(self, wheelset: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
+        try:
+            result = self.contact(wheelset, side, guess)
+        except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
+            raise StepFailure(f"{side} contact: {type(error).__name__}: {error}") from error
+        if not result.ok:
+            raise StepFailure(f"{side} contact: {result.status}")
+        if not (np.isfinite(result.force).all() and np.isfinite(result.moment).all()):
+            raise StepFailure(f"{side} contact: force or moment is not finite")
+        return result
+
+    def accelerations(self, frame: Frame, state: Array, contact: Wrench) -> tuple[Array, float]:
+        """Accelerations (10,) of the coordinates under contact forces, and the yaw reaction N m."""
+        position, rate, _, pitch_rate = split(state)
+        mass, ixx, iyy, izz, height = self.constants
+        y, z, roll = position.T
+        vy, vz, spin = rate.T
+        theta_rate = self.rolling_rate + pitch_rate
+
+        forces = self.suspension.forces(position, rate).on_bodies.copy()
+        forces[2] += contact.force[1], contact.force[2], contact.moment[0]
+        inertial_y, inertial_z = frame.acceleration_of(y, height + z, vy, vz)
+        g = self.plane.gravity
+        o_y, o_z = frame.turned(roll)
+
+        result = np.empty(COUNT)
+        of_bodies = result[:9].reshape(3, 3)
+        of_bodies[:, 0] = forces[:, 0] / mass + g * frame.down[1] - inertial_y
+        of_bodies[:, 1] = forces[:, 1] / mass + g * frame.down[2] - inertial_z
+        gyroscopic = (izz - iyy) * o_y * o_z
+        gyroscopic[2] -= iyy[2] * theta_rate * o_z[2]
+        of_bodies[:, 2] = (forces[:, 2] - gyroscopic) / ixx - frame.rate_dot[0]
+
+        # About the axle and about the vertical axis of the wheelset, which rolled but did not spin.
+        c, s, spin_ws = np.cos(roll[2]), np.sin(roll[2]), spin[2]
+        _, my, mz = contact.moment
+        _, dy, dz = frame.rate_dot
+        o_y_dot = dy * c + dz * s + spin_ws * o_z[2]
+        o_z_dot = dz * c - dy * s - spin_ws * o_y[2]
+        result[9] = (my * c + mz * s) / iyy[2] - o_y_dot
+        o_x = frame.rate[0] + spin_ws
+        needed = izz[2] * o_z_dot + o_x * iyy[2] * (o_y[2] + theta_rate) - ixx[2] * o_x * o_y[2]
+        return result, float(needed - (mz * c - my * s))

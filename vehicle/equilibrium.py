@@ -1,0 +1,87 @@
+"""Rest position of the wagon on straight track, or its steady position in a curve of constant radius and cant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.balance import LARGE, Balance, size_of
+from vehicle.dynamics import Contacts, Dynamics
+from vehicle.steppers import StepFailure
+
+Array = NDArray[np.float64]
+
+
+class EquilibriumError(RuntimeError):
+    """No equilibrium was found."""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """state (20,) as in `vehicle.state`; contacts by side; Newton steps; residual: force left over axle load."""
+
+    state: Array
+    contacts: Contacts
+    iterations: int
+    residual: float
+
+
+def equilibrium(
+    dynamics: Dynamics,
+    *,
+    time: float = 0.0,
+    guess: Array | None = None,
+    tolerance: float = 1e-6,
+    acceptable: float = 1e-4,
+    max_iterations: int = 60,
+) -> Equilibrium:
+    """State without acceleration for the curvature and cant at the given time s, taken as constant; guess: a state.
+
+    Damped Newton with differences; only four of the ten columns cost contact solves. The damping fades with the
+    residual (pseudo-transient continuation), so that it works through the sharp rise at a flange. tolerance of the
+    residual; an acceptable one is taken when a contact that is not exact allows no better. Raises EquilibriumError.
+    """
+    balance = Balance(dynamics, dynamics.track.frame(dynamics.speed * time, dynamics.speed).steady())
+    try:
+        unknown, contacts = balance.settled() if guess is None else balance.start(guess)
+        residual = balance.residual(unknown, contacts)
+        damping, best = 0.0, Equilibrium(balance.state(unknown), contacts, 0, size_of(residual))
+        for iteration in range(1, max_iterations + 1):
+            stalled = best.residual <= acceptable and iteration > best.iterations + 4
+            if best.residual <= tolerance or stalled:
+                return best
+            unknown, contacts, new, damping = _step(balance, unknown, contacts, residual, damping)
+            damping *= min(0.5, size_of(new) / size_of(residual))
+            residual = new
+            if size_of(residual) < best.residual:
+                best = Equilibrium(balance.state(unknown), contacts, iteration, size_of(residual))
+    except (StepFailure, np.linalg.LinAlgError) as error:
+        raise EquilibriumError(f"no equilibrium: {error}") from error
+    if best.residual <= acceptable:
+        return best
+    raise EquilibriumError(f"no equilibrium: {best.residual:.3g} of the axle load left after {max_iterations} steps")
+
+
+def _step(
+    balance: Balance, unknown: Array, contacts: Contacts, residual: Array, damping: float
+) -> tuple[Array, Contacts, Array, float]:
+    """The next unknown, contacts, residual and damping.
+
+    The residual may grow for a while: insisting on descent gets stuck where a second contact begins. Raises StepFailure
+    when no damping keeps it in bounds.
+    """
+    jacobian, size = balance.jacobian(unknown, contacts, residual), size_of(residual)
+    while damping < 1e6:
+        change = np.linalg.solve(damping * np.diag(1.0 / LARGE) - jacobian, residual)
+        change /= max(1.0, size_of(change / LARGE))
+        try:
+            there = balance.contacts(unknown + change, contacts)
+            left = balance.residual(unknown + change, there)
+            if size_of(left) < 3.0 * size:
+                return unknown + change, there, left, damping
+        except StepFailure:
+            pass
+        damping = max(4.0 * damping, 1e-2 * size)
+    raise StepFailure(f"stuck with {size:.3g} of the axle load left")

@@ -1,0 +1,114 @@
+"""What a run leaves behind: plain arrays over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.pose import Side
+from vehicle.control import Counts
+from vehicle.record import Outputs, PatchPair, Recorder
+from vehicle.state import COUNT
+from vehicle.tally import SideCost
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class RunCost:
+    """Steps and evaluations of the integrator; contact solves by side and seconds, both with the equilibrium at the
+    start.
+    """
+
+    steps: Counts = field(default_factory=Counts)
+    contact: dict[Side, SideCost] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class History:
+    """n rows over time (n,) s; status "completed", "interrupted" or "failed: ..." with the reason.
+
+    state (n, 20) as in `vehicle.state`. outputs: force (n, 2, 3) N on the left and right wheel, moment (n, 2, 3) N m
+    about the wheelset's centre, both in the track's axes; approach (n, 2) m; yaw_reaction (n,) N m;
+    secondary_deflection (n,) m, lateral, of the car body against the bogie at the secondary springs;
+    bumpstop_deflection (n,) m; bumpstop_force (n,) N on the car body; positive to the left. curvature (n,) 1/m,
+    positive to the left; lift (n,) m of the right rail over the left. patches, contact_status: n pairs (left, right).
+    speed m/s; radius: nominal rolling radius m.
+    """
+
+    status: str
+    speed: float
+    radius: float
+    time: Array
+    state: Array
+    outputs: Outputs
+    curvature: Array
+    lift: Array
+    patches: list[PatchPair]
+    contact_status: list[tuple[str, str]]
+    cost: RunCost
+
+    @classmethod
+    def of(cls, recorder: Recorder, cost: RunCost, status: str) -> History:
+        dynamics, rows = recorder.dynamics, recorder.rows
+        distances = [dynamics.speed * row.time for row in rows]
+        return cls(
+            status=status,
+            speed=dynamics.speed,
+            radius=dynamics.wagon.radius,
+            time=np.array([row.time for row in rows]),
+            state=recorder.states(),
+            outputs=recorder.outputs(),
+            curvature=np.array([dynamics.track.curvature(s)[0] for s in distances]),
+            lift=np.array([dynamics.track.lift(s)[0] for s in distances]),
+            patches=[row.patches for row in rows],
+            contact_status=[row.contact_status for row in rows],
+            cost=cost,
+        )
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def distance(self) -> Array:
+        """Along the track (n,), m."""
+        return self.speed * self.time
+
+    @property
+    def car_body(self) -> Array:
+        """y, z m and roll rad (n, 3), z from the nominal height."""
+        return self.state[:, 0:3]
+
+    @property
+    def bogie(self) -> Array:
+        """y, z m and roll rad (n, 3), z from the nominal height."""
+        return self.state[:, 3:6]
+
+    @property
+    def wheelset(self) -> Array:
+        """y, z m, roll and pitch rad (n, 4), z from the nominal height, pitch from time zero."""
+        return _with_rolling(self.state[:, 6:COUNT], self.distance / self.radius)
+
+    @property
+    def car_body_rate(self) -> Array:
+        """m/s and rad/s (n, 3)."""
+        return self.state[:, COUNT : COUNT + 3]
+
+    @property
+    def bogie_rate(self) -> Array:
+        """m/s and rad/s (n, 3)."""
+        return self.state[:, COUNT + 3 : COUNT + 6]
+
+    @property
+    def wheelset_rate(self) -> Array:
+        """m/s and rad/s (n, 4); the pitch rate is positive rolling forward."""
+        return _with_rolling(self.state[:, COUNT + 6 :], self.speed / self.radius)
+
+
+def _with_rolling(excess: Array, nominal: Array | float) -> Array:
+    total = excess.copy()
+    total[:, 3] += nominal
+    return total

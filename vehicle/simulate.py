@@ -1,0 +1,98 @@
+"""Runs a wagon over a track on a contact model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle.control import Control
+from vehicle.dynamics import Contact, Dynamics
+from vehicle.equilibrium import EquilibriumError, equilibrium
+from vehicle.history import History, RunCost
+from vehicle.record import Recorder
+from vehicle.steppers import StepFailure, StepTooSmall, integrate
+from vehicle.tableau import METHODS
+from vehicle.tally import Tally
+from vehicle.track import Track
+from vehicle.wagon import Wagon
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, Mapping[str, float]], None]
+
+
+def simulate(
+    wagon: Wagon,
+    track: Track,
+    contact: Contact,
+    *,
+    speed: float,
+    span: tuple[float, float] = (0.0, 10.0),
+    method: str = "ode23",
+    rtol: float = 1e-3,
+    atol: float | Array = 1e-6,
+    initial: Array | None = None,
+    every: float | None = None,
+    max_step: float = np.inf,
+    min_step: float = 1e-8,
+    control: Control | None = None,
+    progress: Progress | None = None,
+) -> History:
+    """Motion of the wagon over the times span s at constant speed m/s; distance along the track is speed times time.
+
+    initial: state (20,) of `vehicle.state`, else the equilibrium at the start. Rows at accepted steps, or `every` so
+    many seconds. Each contact solve starts from the result before, the first of a step from the latest accepted one.
+    A solve that fails makes the step shorter; when min_step s does not help either, or on Ctrl-C, the history ends
+    there and its status tells. progress gets the share done and figures at each accepted step. Raises ValueError for
+    senseless input.
+    """
+    if method not in METHODS:
+        raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
+    if every is not None and not every > 0.0:
+        raise ValueError(f"every = {every} s: positive, or None for all accepted steps")
+    tally = Tally(contact)
+    dynamics = Dynamics(wagon, track, tally, speed)
+    recorder, cost = Recorder(dynamics, every), RunCost(contact=tally.costs)
+    (t0, t1), began, status = span, perf_counter(), "completed"
+    try:
+        state = equilibrium(dynamics, time=t0).state if initial is None else np.array(initial, dtype=float)
+        start = dynamics(t0, state)
+        recorder.begin(t0, state, start)
+        for step in integrate(
+            dynamics,
+            t0,
+            state,
+            t1,
+            tableau=METHODS[method],
+            rtol=rtol,
+            atol=atol,
+            control=control,
+            start=start,
+            max_step=max_step,
+            min_step=min_step,
+            counts=cost.steps,
+        ):
+            recorder.add(step)
+            if progress is not None:
+                progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, speed, cost))
+    except KeyboardInterrupt:
+        status = "interrupted"
+    except (StepTooSmall, StepFailure, EquilibriumError) as error:
+        status = f"failed: {error}"
+    cost.seconds = perf_counter() - began
+    return History.of(recorder, cost, status)
+
+
+def _figures(time: float, step: float, speed: float, cost: RunCost) -> dict[str, float]:
+    return {
+        "time": time,
+        "distance": speed * time,
+        "step": step,
+        "steps": cost.steps.accepted,
+        "rejected": cost.steps.rejected,
+        "failed": cost.steps.failed,
+        "solves": sum(side.solves for side in cost.contact.values()),
+        "newton": sum(side.newton for side in cost.contact.values()),
+    }

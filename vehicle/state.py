@@ -1,0 +1,43 @@
+"""The state of the plane wagon as one array: ten coordinates, then their rates."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+COORDINATES = (
+    "car_body_y",
+    "car_body_z",
+    "car_body_roll",
+    "bogie_y",
+    "bogie_z",
+    "bogie_roll",
+    "wheelset_y",
+    "wheelset_z",
+    "wheelset_roll",
+    "wheelset_pitch",
+)
+COUNT = len(COORDINATES)
+Y, Z, ROLL, PITCH = 6, 7, 8, 9  # of the wheelset
+MIRROR = np.tile([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0], 2)  # the state seen in a mirror at y = 0
+
+
+class Split(NamedTuple):
+    """position, rate (3, 3): y, z, roll of car body, bogie, wheelset, and their rates; pitch and its rate."""
+
+    position: Array
+    rate: Array
+    pitch: float
+    pitch_rate: float
+
+
+def split(state: Array) -> Split:
+    """Parts of a state (20,): y, z in m (z from the nominal height), angles in rad, rates per second.
+
+    The pitch counts what exceeds nominal rolling, V t / r: tolerances then bear on the creepage and not on the speed.
+    """
+    return Split(state[:9].reshape(3, 3), state[10:19].reshape(3, 3), float(state[9]), float(state[19]))
