@@ -27,6 +27,9 @@ from contact.result import ContactResult, Statistics
 from contact.surface_law import SurfaceLaw
 from forms import compat
 
+LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
+ROUGH = 1e-2  # relative residual that is enough on the way
+
 Jacobian = Literal["exact", "difference"]
 Preconditioner = Literal["cholesky", "icc"]
 
@@ -92,7 +95,7 @@ class Full:
         problem = Problem.of(points, self, rigid)
         solver = self.solver
         ready = perf_counter()
-        u, status, relative, count = solver.run(problem)
+        u, status, relative, count = solver.run(problem, warm=guess is not None and guess.ok)
         solved = perf_counter()
         if status != "converged":
             return replace(ContactResult.separated(approach), status=f"failed: {status}")
@@ -185,6 +188,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count = Count()
         size = stiffness.getSize()[0]
         self._b, self._work = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
+        self._last: Array | None = None
         self._contact = 0.0  # norm of the contact forces: what a residual is measured by
         self._product = Product(stiffness)
         jacobian = PETSc.Mat().createPython([size, size], self._product, comm=PETSc.COMM_SELF)
@@ -209,33 +213,47 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.error_on_nonconvergence = False
         self.report = False
 
-    def run(self, problem: Problem) -> tuple[Array, str, float, Count]:
-        """Displacements, status, relative residual and cost.
+    def run(self, problem: Problem, *, warm: bool = False) -> tuple[Array, str, float, Count]:
+        """Displacements, status, relative residual and cost; warm starts from the displacements of the last solve.
 
-        With friction, the law is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law wanders
-        from far away; from the blunter law's answer it does not.
+        From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law wanders,
+        from the blunter law's answer it does not.
         """
         self.problem, self.count = problem, Count()
         law = problem.law
         sharp = law.laws.regularisation
-        levels = [sharp * 10.0**k for k in (3, 2, 1, 0)] if law.components == 3 else [sharp]
+        blunt = [sharp * k for k in LEVELS] if law.components == 3 else []
         x = PETSc.Vec().createSeq(self.stiffness.getSize()[0])
         relative = np.inf
+        if warm and self._last is not None:
+            x.array[:] = self._last
+            relative = self._sharpen(x, [sharp], sharp)
+        if not relative <= self.options.tolerance:
+            x.set(0.0)
+            relative = self._sharpen(x, [*blunt, sharp], sharp)
+        status = "converged"
+        if not relative <= self.options.tolerance:
+            status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
+            if self.count.failed_linear:
+                status += f", {self.count.failed_linear} linear solves without convergence"
+        else:
+            self._last = x.array_r.copy()
+        return x.array_r.copy(), status, relative, self.count
+
+    def _sharpen(self, x: Any, levels: list[float], sharp: float) -> float:
+        """Newton at each regularisation in turn, from and into x; the last relative residual."""
+        assert self.problem is not None
+        relative = np.inf
         for level in levels:
-            law.regularisation = level
-            tolerance = self.options.tolerance if level == sharp else 1e-3
+            self.problem.law.regularisation = level
+            tolerance = self.options.tolerance if level == sharp else ROUGH
             for _ in range(4):  # the norm of the contact forces, unknown at first, sets the absolute tolerance
                 relative = float(np.linalg.norm(self._evaluate(x))) / max(self._contact, 1e-300)
                 if relative <= tolerance:
                     break
                 self.atol = 0.5 * tolerance * self._contact
                 self.solve(x)
-        status = "converged"
-        if not relative <= self.options.tolerance:
-            status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
-            if self.count.failed_linear:
-                status += f", {self.count.failed_linear} linear solves without convergence"
-        return x.array_r.copy(), status, relative, self.count
+        return relative
 
     def _evaluate(self, x: Any) -> Array:
         """F(U) = K U - B^T T."""

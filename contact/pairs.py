@@ -13,9 +13,12 @@ from contact.grid import ContactGrid
 from contact.laws import Laws, Steel
 from contact.quadrics import Quadrics, curvature
 from contact.references.hertz import hertz, modulus
+from contact.wheelrail import WheelRail
 from contact.wheelset import ContactModel
-from meshes.bodies import block
+from meshes.bodies import block, rail, wheel
 from meshes.cache import digest
+from meshes.profiles import Profile
+from meshes.sections import rail_outline, wheel_outline
 from meshes.solids import Cell, Solid
 
 if TYPE_CHECKING:
@@ -84,3 +87,50 @@ def hertz_pair(
     upper = of(upper_steel)
     lower = upper if lower_steel == upper_steel else of(lower_steel)
     return Condensed(geometry, upper, lower, laws, order=order, **options)
+
+
+def wheel_rail_pair(
+    wheel_profile: Profile,
+    rail_profile: Profile,
+    *,
+    radius: float,
+    wheel_steel: Steel,
+    rail_steel: Steel,
+    surface_size: float,
+    laws: Laws,
+    model: Model = "condensed",
+    degree: int = 1,
+    cell: Cell = "tetrahedron",
+    order: int = 2,
+    **options: Any,
+) -> ContactModel:
+    """Left-hand pair of a wheel of nominal radius [m] and a rail as laid, on meshes of the surface size [m].
+
+    Raises ValueError for profiles that do not fit a wheel's or rail's section.
+    """
+    wheel_solid, wheel_strip, wheel_key = wheel(wheel_outline(wheel_profile, radius), size=surface_size, cell=cell)
+    outline = rail_outline(rail_profile, chord_error=min(0.5 * surface_size, 5e-4))
+    rail_solid, rail_strip, rail_key = rail(outline, size=surface_size, cell=cell)
+    geometry = WheelRail(
+        wheel_profile,
+        rail_profile,
+        radius,
+        wheel_strip,
+        rail_strip,
+        ContactGrid.on(wheel_solid, degree),
+        ContactGrid.on(rail_solid, degree),
+        degree,
+    )
+    if model == "full":
+        from contact.full import Full
+
+        bodies = elastic_body(wheel_solid, wheel_steel, degree), elastic_body(rail_solid, rail_steel, degree)
+        return Full(geometry, *bodies, laws=laws, order=order, **options)
+    return Condensed(
+        geometry,
+        compliance(wheel_solid, wheel_key, wheel_steel, degree),
+        compliance(rail_solid, rail_key, rail_steel, degree),
+        laws,
+        order=order,
+        **options,
+    )

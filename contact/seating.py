@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.loading import RTOL, Loaded, LoadError, Results, balance, lower_until
+from contact.balance import balance
+from contact.loading import RTOL, Loaded, LoadError, Results, lower_until
 from contact.pose import SIDES, Array, Side, WheelsetState
 from contact.result import ContactResult
 from contact.wheelset import WheelsetContact

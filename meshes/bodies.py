@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from meshes.cache import cached, digest
-from meshes.solids import Cell, Solid, block_section, bulged, extruded, layers
-from meshes.triangulate import Array, Grading, triangulate
+from meshes.curve import Array
+from meshes.sections import Outline
+from meshes.solids import Cell, Solid, block_section, bulged, extruded, layers, revolved
+from meshes.triangulate import Grading, SectionMesh, triangulate
 
 FINE = Grading(first=0.5, growth=0.2)
 
 
 def stored(key: str, build: Callable[[], Solid]) -> Solid:
     """A solid under its key in the mesh cache."""
-    arrays = cached(f"mesh/{key}", lambda: (lambda s: {name: getattr(s, name) for name in ("points", "cells", "grid", "faces", "clamped")})(build()))
-    return Solid(**{name: arrays[name] for name in ("points", "cells", "grid", "faces", "clamped")})
+    names = [field.name for field in fields(Solid)]
+
+    def arrays() -> dict[str, np.ndarray]:
+        solid = build()
+        return {name: getattr(solid, name) for name in names}
+
+    found = cached(f"mesh/{key}", arrays, names)
+    return Solid(**{name: found[name] for name in names})
 
 
 def block(
@@ -38,7 +47,15 @@ def block(
     scaled = Grading(grading.first, grading.growth, half_width / 4)
     hexahedra = cell == "hexahedron"
     across = half_cells[1] + half_cells[1] % 2 if hexahedra else half_cells[1]
-    key = digest(kind="block", cells=(half_cells[0], across), size=size, width=half_width, radii=[str(r) for r in radii], cell=cell, grading=vars(scaled))
+    key = digest(
+        kind="block",
+        cells=(half_cells[0], across),
+        size=size,
+        width=half_width,
+        radii=[str(r) for r in radii],
+        cell=cell,
+        grading=vars(scaled),
+    )
 
     def build() -> Solid:
         surface, rest, clamped = block_section(across, size, half_width, half_width)
@@ -49,4 +66,107 @@ def block(
     return stored(key, build), key
 
 
-__all__ = ["Array", "block"]
+@dataclass(frozen=True)
+class Strip:
+    """Where a body's contact surface is meshed uniformly: arc length start + j size (j = 0 .. cells) of the profile, m, and
+    half_cells cells of that size to either side along the rolling direction."""
+
+    start: float
+    cells: int
+    half_cells: int
+    size: float
+
+    @property
+    def arc(self) -> Array:
+        """Arc length of the nodes (cells + 1,), m."""
+        return np.asarray(self.start + np.arange(self.cells + 1) * self.size)
+
+    @classmethod
+    def over(cls, outline: Outline, lateral: tuple[float, float], *, half_length: float, size: float) -> Strip:
+        """Strip over the part of a running surface between two lateral positions, m.
+
+        A number of cells that four divides suits tetrahedra, hexahedra and quadratic displacements alike.
+        """
+        profile, (low, high) = outline.profile, outline.surface_range
+        ends = profile.point(np.array([low, high]))[:, 0]
+        start, stop = (
+            float(profile.s_at_y(y)) if ends[0] < y < ends[1] else end
+            for y, end in zip(lateral, (low + size, high - size), strict=True)
+        )
+        cells = 2 * int((stop - start) / size / 2)
+        return cls(start, cells, int(np.ceil(half_length / size)), size)
+
+
+RAIL_TOUCHES, WHEEL_TOUCHES = (-0.0365, 0.032), (-0.0405, 0.036)  # m, lateral: gauge face .. field side; flange .. field side
+HALF_PATCH = 0.014  # m along the rail: 150 kN on a 0.46 m wheel overlap over 11 mm
+
+
+def rail(
+    outline: Outline, *, size: float, half_length: float = 0.15, cell: Cell = "tetrahedron", grading: Grading = FINE
+) -> tuple[Solid, Strip, str]:
+    """Rail section extruded along x, clamped under its foot; its strip and its key."""
+    strip = Strip.over(outline, RAIL_TOUCHES, half_length=HALF_PATCH, size=size)
+    key = body_key("rail", outline, strip, half_length, cell, grading)
+    return stored(key, lambda: _extruded(outline, strip, half_length, cell, grading)), strip, key
+
+
+def wheel(
+    outline: Outline, *, size: float, half_length: float = 0.15, cell: Cell = "tetrahedron", grading: Grading = FINE
+) -> tuple[Solid, Strip, str]:
+    """Wheel rim revolved over a sector of +-half_length m on the tread, clamped inside the rim; its strip and its key.
+
+    In the wheel's frame: the axle along y through the origin, the sector's middle straight below.
+    """
+    strip = Strip.over(outline, WHEEL_TOUCHES, half_length=HALF_PATCH, size=size)
+    key = body_key("wheel", outline, strip, half_length, cell, grading)
+    radius = outline.offset[1]
+    return stored(key, lambda: _extruded(outline, strip, half_length, cell, grading).mapped(revolved(radius))), strip, key
+
+
+def body_key(kind: str, outline: Outline, strip: Strip, half_length: float, cell: Cell, grading: Grading) -> str:
+    """Hash of everything that shapes the mesh of a wheel or rail."""
+    return digest(
+        kind=kind,
+        profile=outline.profile.digest(),
+        rest=outline.rest,
+        range=outline.surface_range,
+        clamped=outline.clamped,
+        offset=outline.offset,
+        strip=vars(strip),
+        length=half_length,
+        cell=cell,
+        grading=vars(grading),
+    )
+
+
+def section(outline: Outline, strip: Strip, *, grading: Grading = FINE, quadrilaterals: bool = False) -> SectionMesh:
+    """Cross-section with the strip's nodes on the profile; the rest of the running surface is coarsened away from it."""
+    low, high = outline.surface_range
+    beyond = _coarser(strip.arc[-1], high, strip.size)
+    before = _coarser(strip.arc[0], low, strip.size)
+    rest = np.concatenate([outline.surface(beyond), outline.rest[1:-1], outline.surface(before[::-1])])
+    edges = np.zeros(len(rest) + 1, dtype=bool)
+    first, last = (len(beyond) - 1 + index for index in outline.clamped)
+    edges[first + 1 : last + 1] = True  # edge e ends at point e of the rest
+    return triangulate(
+        outline.surface(strip.arc), rest, edges, size=strip.size, grading=grading, quadrilaterals=quadrilaterals
+    )
+
+
+def _coarser(start: float, end: float, size: float) -> Array:
+    """Positions from beyond start to end, steps growing by 1.3."""
+    steps, total, length = [], 0.0, abs(end - start)
+    step = size
+    while total < length - 1e-9:
+        steps.append(step)
+        total += step
+        step *= 1.3
+    if not steps:
+        return np.array([end])
+    return np.asarray(start + np.sign(end - start) * np.cumsum(steps) * (length / total))
+
+
+def _extruded(outline: Outline, strip: Strip, half_length: float, cell: Cell, grading: Grading) -> Solid:
+    mesh = section(outline, strip, grading=grading, quadrilaterals=cell == "hexahedron")
+    x = layers(strip.half_cells, strip.size, half_length, largest=grading.largest)
+    return extruded(mesh, x, strip.half_cells)

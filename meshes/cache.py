@@ -9,7 +9,7 @@ import os
 import tempfile
 import warnings
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -73,10 +73,10 @@ def store(name: str, arrays: Arrays) -> None:
                 temporary.unlink()
 
 
-def cached(name: str, build: Callable[[], Arrays]) -> Arrays:
-    """Arrays from the cache, or built and stored."""
+def cached(name: str, build: Callable[[], Arrays], wanted: Sequence[str]) -> Arrays:
+    """The wanted arrays from the cache, or built and stored."""
     found = load(name)
-    if found is None:
+    if found is None or not set(wanted) <= set(found):
         found = dict(build())
         store(name, found)
     return found

@@ -7,12 +7,12 @@ own frame and never move.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from meshes.triangulate import Array, Grading, Index, SectionMesh
+from meshes.triangulate import Array, Index, SectionMesh
 
 Cell = Literal["tetrahedron", "hexahedron"]
 
@@ -27,7 +27,6 @@ class Solid:
     grid: Index
     faces: Index
     clamped: np.ndarray
-    tags: dict[str, int] = field(default_factory=lambda: {"clamped": 1, "contact": 2})
 
     @property
     def cell(self) -> Cell:
@@ -147,6 +146,3 @@ def block_section(half_strip: int, size: float, half_width: float, depth: float)
     surface = np.stack([y, np.zeros_like(y)], axis=1)
     rest = np.array([[half_width, 0.0], [half_width, -depth], [-half_width, -depth], [-half_width, 0.0]])
     return surface, rest, np.array([False, False, True, False, False])
-
-
-__all__ = ["Cell", "Grading", "Solid", "block_section", "bulged", "extruded", "layers", "revolved"]

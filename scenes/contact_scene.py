@@ -22,7 +22,8 @@ Say = Callable[[str], None]
 def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) -> dict[str, Any]:
     """The report of a scene, see `scenes.report`; say is told what is being done.
 
-    A load that cannot be carried, or a contact that does not converge, is a status "failed: ..." and no error.
+    The moment of a Hertz pair is about the point of first touch. A load that cannot be carried, or a contact that does
+    not converge, is a status "failed: ..." and no error.
     """
     sides = _hertz(scene, say) if isinstance(scene, HertzScene) else _wheelset(scene, say)
     return {

@@ -1,16 +1,14 @@
-"""Results of a run as named variables with units, left and right as a coordinate, kept as NetCDF."""
+"""Results of a run as named variables with units, left and right as a coordinate."""
 
 from __future__ import annotations
 
-import os
-import tempfile
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contact.pose import SIDES
+from scenes.netcdf import versions
 from vehicle.state import COORDINATES, COUNT
 
 if TYPE_CHECKING:
@@ -158,31 +156,3 @@ def _patches(history: History) -> dict[str, Any]:
         filled[present] = np.array([getattr(patch, name) for patch in listed]).reshape(-1, 2)
         found[name] = ((*by_patch, "edge"), filled, _means("m", text))
     return found
-
-
-def versions() -> str:
-    """Versions of this package and of what computes."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    found = []
-    for name in ("wheelrail", "numpy", "scipy", "fenics-dolfinx", "petsc4py", "xarray"):
-        try:
-            found.append(f"{name} {version(name)}")
-        except PackageNotFoundError:
-            continue
-    return ", ".join(found)
-
-
-def write(data: Dataset, file: Path) -> None:
-    """Write NetCDF in one stroke: the file is the old one or the whole new one, never a part."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
-    os.close(handle)
-    try:
-        packed = {name: {"zlib": True, "complevel": 1} for name, values in data.data_vars.items() if values.ndim > 0}
-        data.to_netcdf(temporary, engine="netcdf4", encoding=packed)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, file)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise

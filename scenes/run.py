@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import atan
@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scenes.models import wheelset_contact
+from scenes.override import overridden
+from scenes.progress import costs, progress_bar
 from scenes.scene import RunScene
-from scenes.sections import overridden
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from vehicle.history import History
-    from vehicle.simulate import Progress
     from vehicle.track import Track
     from vehicle.wagon import Wagon
 
@@ -74,7 +74,8 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console) -> Out
 
 def keep(history: History, text: str, folder: Path, *, figures: bool) -> Iterator[Path]:
     """Write results, then pictures; yields the files."""
-    from scenes.results import dataset, write
+    from scenes.netcdf import write
+    from scenes.results import dataset
 
     with _undisturbed():
         data = dataset(history, scene=text)
@@ -117,59 +118,6 @@ def wagon(scene: RunScene) -> Wagon:
     given = replace(standard, wheelset=replace(standard.wheelset, height=scene.wheelset.radius))
     changed: Wagon = overridden(given, scene.vehicle.model_extra or {})
     return changed
-
-
-@contextmanager
-def progress_bar(console: Console, length: float) -> Iterator[Progress]:
-    """A bar over the distance m with the time left, called by `simulate` at each accepted step; ten lines in a log."""
-    from rich import progress as bars
-
-    columns = (
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(bar_width=20),
-        bars.TextColumn("{task.completed:.0f}/{task.total:.0f} m,"),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn("gone,"),
-        bars.TimeRemainingColumn(),
-        bars.TextColumn("left, {task.fields[solves]:.0f} solves"),
-    )
-    with bars.Progress(*columns, console=console, speed_estimate_period=120.0) as shown:
-        task, said = shown.add_task("equilibrium", total=length, solves=0), 0
-
-        def progress(share: float, figures: Mapping[str, float]) -> None:
-            nonlocal said
-            shown.update(task, completed=share * length, description="running", solves=figures["solves"])
-            if not console.is_terminal and int(10 * share) > said:
-                said = int(10 * share)
-                left = shown.tasks[0].time_remaining or 0.0
-                console.print(f"{share * length:.0f}/{length:.0f} m, {figures['solves']:.0f} solves, {left:.0f} s left")
-
-        yield progress
-
-
-def costs(history: History) -> RenderableType:
-    """Contact problems, Newton and linear iterations and seconds by side, like Tables 5 to 7 of the paper."""
-    from rich.table import Table
-
-    steps = history.cost.steps
-    view = Table(title="What the run cost", title_justify="left")
-    for name in ("", "contact problems", "failed", "Newton", "Newton per problem", "linear per Newton", "seconds"):
-        view.add_column(name, justify="right")
-    for side, cost in history.cost.contact.items():
-        view.add_row(
-            side,
-            str(cost.solves),
-            str(cost.failed),
-            str(cost.newton),
-            f"{cost.newton / max(cost.solves, 1):.2f}",
-            f"{cost.linear / max(cost.newton, 1):.2f}" if cost.linear else "direct",
-            f"{cost.seconds:.1f}",
-        )
-    view.add_section()
-    done = f"{steps.accepted} steps, {steps.rejected} rejected, {steps.failed} failed"
-    view.caption = f"{done}, {steps.evaluations} evaluations, {history.cost.seconds:.1f} s in all"
-    view.caption_justify = "left"
-    return view
 
 
 @contextmanager

@@ -188,6 +188,15 @@ def test_malformed_scene_is_exit_code_2_without_traceback(tmp_path: Path) -> Non
     assert "friction = 3: must be a number from 0 to 2" in outcome.stderr
 
 
+def test_unusable_profile_file_is_exit_code_2(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "worn.whl").write_text("this is no profile\n")
+    monkeypatch.setitem(sys.modules, "contact.pairs", SimpleNamespace(wheel_rail_pair=None))
+    outcome = contact(edited(tmp_path, WHEELSET, ('"S1002" ', '"worn.whl" ')), "--json")
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert "worn.whl" in outcome.stderr
+    assert "Traceback" not in outcome.stderr
+
+
 def test_json_knows_no_nan() -> None:
     text = json_text({"a": np.array([1.0, np.nan]), "b": (np.float64(np.inf), 2), "c": {"d": np.int64(3)}})
     assert json.loads(text) == {"a": [1.0, None], "b": [None, 2], "c": {"d": 3}}

@@ -13,7 +13,8 @@ import xarray
 from spring_contact import patch
 
 from scenes import figures
-from scenes.results import BANDS, PATCH_VARIABLES, dataset, write
+from scenes.netcdf import write
+from scenes.results import BANDS, PATCH_VARIABLES, dataset
 from vehicle.history import History, RunCost
 from vehicle.record import Outputs, PatchPair
 from vehicle.state import COORDINATES

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from spring_contact import SpringContact
 
+from contact.balance import balance
 from contact.loading import (
     LoadError,
-    balance,
     hertz_under_load,
     lower_until,
     sphere_approach,

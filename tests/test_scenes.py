@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from scenes.models import hertz_motion, hertz_scale
+from scenes.override import overridden
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene, load_scene, parse_scene
-from scenes.sections import overridden
 from vehicle.wagon import Wagon
 
 FOLDER = Path(__file__).parents[1] / "scenes"
