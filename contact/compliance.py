@@ -1,7 +1,7 @@
 """Compliance of a body at its contact grid, from the factorised 3D stiffness, eq. (15).
 
-C maps forces on grid nodes to displacements of grid nodes, in the body's own axes. It is found band by band (a band is one
-line of nodes along x) and direction by direction, only where a scene loads the body, and kept on disk.
+C maps forces on grid nodes to displacements of grid nodes, in the body's own axes. It is found band by band (a band
+is one line of nodes along x) and direction by direction, only where a scene loads the body, and kept on disk.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact.pose import Array
+from contact.pose import Array, Mask
 from meshes.cache import load, store
 
 if TYPE_CHECKING:
     from contact.body import ElasticBody
-    from meshes.solids import Index
+    from meshes.triangulate import Index
 
 ALL: tuple[int, int, int] = (0, 1, 2)
 
@@ -26,8 +26,8 @@ ALL: tuple[int, int, int] = (0, 1, 2)
 class SurfaceCompliance:
     """Compliance matrix of an (nx, ns) grid, filled on demand.
 
-    key identifies body, material and mesh in the cache; body builds the elastic body when columns are missing; scale turns
-    what the body gives into m/N (a block of unit size and modulus serves all sizes: 1 / (E h)).
+    key identifies body, material and mesh in the cache; body builds the elastic body when columns are missing; scale
+    turns what the body gives into m/N (a block of unit size and modulus serves all sizes: 1 / (E h)).
     """
 
     key: str
@@ -35,7 +35,7 @@ class SurfaceCompliance:
     body: Callable[[], ElasticBody]
     scale: float = 1.0
     _matrix: Array = field(init=False, repr=False)
-    _filled: np.ndarray = field(init=False, repr=False)
+    _filled: Mask = field(init=False, repr=False)
     _body: ElasticBody | None = field(init=False, default=None, repr=False)
     columns_solved: int = field(init=False, default=0)
 
@@ -46,12 +46,12 @@ class SurfaceCompliance:
         self._filled = np.zeros((self.shape[1], 3), dtype=bool)
 
     def block(self, rows: Index, columns: Index, directions: Sequence[int] = ALL) -> Array:
-        """Displacements (rows, d, columns, d) [m/N] of grid nodes by unit forces on grid nodes, along the given axes."""
+        """Displacements (rows, d, columns, d) [m/N] of grid nodes by unit forces on grid nodes, along given axes."""
         self._fill(np.unique(columns % self.shape[1]), directions)
         d = np.asarray(directions)
         row, column = (3 * rows[:, None] + d).ravel(), (3 * columns[:, None] + d).ravel()
         taken = self._matrix[column[:, None], row]
-        return taken.T.reshape(len(rows), len(d), len(columns), len(d))
+        return np.asarray(taken.T).reshape(len(rows), len(d), len(columns), len(d))
 
     def _fill(self, bands: Index, directions: Sequence[int]) -> None:
         for direction in directions:

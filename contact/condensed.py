@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
 
 from contact.compliance import SurfaceCompliance
-from contact.kinematics import creepage
+from contact.kinematics import NotRolling, creepage
 from contact.laws import Laws
 from contact.patches import outcome
 from contact.points import Coupling, Geometry, OutsideGrid, couple_both
-from contact.pose import Array, Motion, Pose
+from contact.pose import Array, Motion, Nodes, Pose
 from contact.result import ContactResult, Statistics
 from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
 
@@ -21,8 +21,8 @@ from contact.tractions import Count, NewtonOptions, NotConverged, solve_traction
 class Condensed:
     """Contact model on surface compliances: pose and velocities in, `ContactResult` out.
 
-    order of the upstream slip: 1 or 2. Cost of a solve with n candidates, a of them active: n^2 to gather the compliance,
-    5 a^3 a Newton step with friction, a^3 / 3 without.
+    order of the upstream slip: 1 or 2. Cost of a solve with n candidates, a of them active: n^2 to gather the
+    compliance, 5 a^3 a Newton step with friction, a^3 / 3 without.
     """
 
     geometry: Geometry
@@ -30,7 +30,7 @@ class Condensed:
     rail: SurfaceCompliance
     laws: Laws
     order: int = 2
-    options: NewtonOptions = NewtonOptions()
+    options: NewtonOptions = field(default_factory=NewtonOptions)
 
     def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
         start = perf_counter()
@@ -52,7 +52,10 @@ class Condensed:
         gathered = perf_counter()
         n = len(points.node)
         normal = displacement[-n:]
-        rigid = creepage(points, motion)[1] if order else None
+        try:
+            rigid = creepage(points, motion)[1] if order else None
+        except NotRolling as error:
+            return replace(ContactResult.separated(approach), status=f"failed: {error}")
         # a pressure pushes along the inward normal: the last columns count -p
         operator = np.vstack([slip, normal])
         count = Count()
@@ -95,7 +98,9 @@ class Condensed:
 
 
 def condense(coupling: Coupling, compliance: SurfaceCompliance) -> tuple[Array, Array]:
-    """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by component."""
+    """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by
+    component.
+    """
     matrix = compliance.block(coupling.nodes, coupling.nodes, coupling.directions)
     matrix = matrix.reshape(coupling.displacement.shape[1], -1)
     half = (coupling.displacement @ matrix).T  # C B^T, C symmetric
@@ -105,7 +110,7 @@ def condense(coupling: Coupling, compliance: SurfaceCompliance) -> tuple[Array, 
     return displacement, coupling.slip @ half
 
 
-def warm(guess: ContactResult | None, nodes: np.ndarray) -> tuple[Array, Array] | None:
+def warm(guess: ContactResult | None, nodes: Nodes) -> tuple[Array, Array] | None:
     """Pressure and tangential traction of an earlier result on the present candidates."""
     if guess is None or guess.fields is None:
         return None

@@ -1,13 +1,13 @@
 """All displacements of both bodies in one sparse problem, eq. (12): dolfinx's NewtonSolver with PETSc's BiCGStab.
 
-Unknown U = (U_w, U_r); z = z0 + G U collects overlap and slip at the contact points, T(z) the nodal contact forces of the law
-in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. B carries forces to both bodies, so action
-equals reaction to round-off.
+Unknown U = (U_w, U_r); z = z0 + G U collects overlap and slip at the contact points, T(z) the nodal contact forces of
+the law in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. B carries forces to both
+bodies, so action equals reaction to round-off.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
 from typing import Any, Literal
@@ -18,11 +18,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from contact.body import ElasticBody
-from contact.kinematics import creepage
+from contact.kinematics import NotRolling, creepage
 from contact.laws import Laws
 from contact.patches import outcome
 from contact.points import ContactPoints, Coupling, Geometry, OutsideGrid, couple_both
-from contact.pose import Array, Motion, Pose
+from contact.pose import Array, Motion, Nodes, Pose
 from contact.result import ContactResult, Statistics
 from contact.surface_law import SurfaceLaw
 from forms import compat
@@ -36,8 +36,9 @@ Preconditioner = Literal["cholesky", "icc"]
 
 @dataclass(frozen=True)
 class FullOptions:
-    """tolerance: residual force over contact force; forcing: eq. (18); jacobian: exact product or finite difference (20);
-    preconditioner from the elastic stiffness (19): complete or incomplete Cholesky; armijo: halvings of a step."""
+    """tolerance: residual force over contact force; forcing: eq. (18); jacobian: exact product or finite difference
+    (20); preconditioner from the elastic stiffness (19): complete or incomplete Cholesky; armijo: halvings of a step.
+    """
 
     tolerance: float = 1e-9
     iterations: int = 50
@@ -64,7 +65,7 @@ class Full:
     rail: ElasticBody
     laws: Laws
     order: int = 2
-    options: FullOptions = FullOptions()
+    options: FullOptions = field(default_factory=FullOptions)
 
     @cached_property
     def law(self) -> SurfaceLaw:
@@ -91,7 +92,10 @@ class Full:
             return replace(ContactResult.separated(), status=f"failed: {error}")
         if points is None:
             return ContactResult.separated(approach)
-        rigid = creepage(points, motion)[1] if order else None
+        try:
+            rigid = creepage(points, motion)[1] if order else None
+        except NotRolling as error:
+            return replace(ContactResult.separated(approach), status=f"failed: {error}")
         problem = Problem.of(points, self, rigid)
         solver = self.solver
         ready = perf_counter()
@@ -131,7 +135,9 @@ def spread(coupling: Coupling, body: ElasticBody) -> tuple[sp.csr_array, sp.csr_
     size = body.stiffness.getSize()[0]
 
     def widen(operator: sp.csr_array) -> sp.csr_array:
-        return sp.csr_array((operator.data, columns[operator.indices], operator.indptr), shape=(operator.shape[0], size))
+        return sp.csr_array(
+            (operator.data, columns[operator.indices], operator.indptr), shape=(operator.shape[0], size)
+        )
 
     return widen(coupling.displacement), None if coupling.slip is None else widen(coupling.slip)
 
@@ -141,7 +147,7 @@ class Problem:
     """Contact forces and their tangent for one pose."""
 
     law: SurfaceLaw
-    nodes: np.ndarray
+    nodes: Nodes
     displacement: sp.csr_array  # B, components (t1, t2, n) or (n)
     forces: sp.csr_array  # B^T, components (n, t1, t2)
     gradient: sp.csr_array  # G, rows (d, s1, s2)
@@ -158,7 +164,9 @@ class Problem:
             return cls(model.law, points.node, displacement, normal.T.tocsr(), normal, points.overlap)
         gradient = sp.csr_array(sp.vstack([normal, sp.hstack([sw, -sr])], format="csr"))
         ordered = sp.csr_array(sp.vstack([normal, displacement[: 2 * n]], format="csr"))
-        return cls(model.law, points.node, displacement, ordered.T.tocsr(), gradient, np.concatenate([points.overlap, rigid]))
+        return cls(
+            model.law, points.node, displacement, ordered.T.tocsr(), gradient, np.concatenate([points.overlap, rigid])
+        )
 
     def state(self, u: Array) -> tuple[Array, Array]:
         """z (n, c) and nodal forces T (n, c) at displacements u."""
@@ -216,8 +224,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
     def run(self, problem: Problem, *, warm: bool = False) -> tuple[Array, str, float, Count]:
         """Displacements, status, relative residual and cost; warm starts from the displacements of the last solve.
 
-        From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law wanders,
-        from the blunter law's answer it does not.
+        From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
+        wanders, from the blunter law's answer it does not.
         """
         self.problem, self.count = problem, Count()
         law = problem.law

@@ -14,8 +14,9 @@ from meshes.solids import Solid
 class ContactGrid:
     """Displacement nodes of a strip as a structured grid, and the quadrature rule that lives on them.
 
-    position (nx, ns, 3) m of the nodes; weight (nx, ns) m2, the exact integral of each node's shape function (zero at the
-    vertices of quadratic triangles: no contact point there); stride: nodes to the next point of the same kind along x.
+    position (nx, ns, 3) m of the nodes; weight (nx, ns) m2, the exact integral of each node's shape function (zero at
+    the vertices of quadratic triangles: no contact point there); stride: nodes to the next point of the same kind
+    along x.
     """
 
     position: Array
@@ -37,7 +38,11 @@ class ContactGrid:
         nx, ns = vertex.shape[:2]
         if degree == 1:
             weight = np.zeros((nx, ns))
-            parts = (2 * lower + 2 * upper, 2 * lower, 2 * upper, 2 * lower + 2 * upper) if triangles else (1.5 * (lower + upper),) * 4
+            parts = (
+                (2 * lower + 2 * upper, 2 * lower, 2 * upper, 2 * lower + 2 * upper)
+                if triangles
+                else (1.5 * (lower + upper),) * 4
+            )
             for (i, j), part in zip(((0, 0), (0, 1), (1, 0), (1, 1)), parts, strict=True):
                 weight[i : nx - 1 + i, j : ns - 1 + j] += part / 6
             return cls(vertex, weight, 1)

@@ -22,6 +22,8 @@ def creepage(points: ContactPoints, motion: Motion) -> tuple[float, Array]:
     flow = ((wheel + rail) / 2 * points.axes[:, 0]).sum(axis=1)
     speed = -float(weight @ flow / weight.sum())
     if not speed > 0:
-        raise NotRolling(f"friction needs a wheel that rolls forward, but the material flows at {speed:g} m/s; mu = 0 needs none")
+        raise NotRolling(
+            f"friction needs a wheel that rolls forward, but the material flows at {speed:g} m/s; mu = 0 needs none"
+        )
     slip = np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail)
     return speed, slip.ravel() / speed

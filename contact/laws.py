@@ -24,8 +24,8 @@ class Steel:
 class Laws:
     """Contact laws of the paper, eqs. (4) and (6).
 
-    stiffness_per_area K [N/m3] of the penalty pressure (inf: no penetration at all); friction mu (0 skips all tangential
-    work); regularisation eps, the creepage below which friction is viscous (0: Coulomb's law itself).
+    stiffness_per_area K [N/m3] of the penalty pressure (inf: no penetration at all); friction mu (0 skips all
+    tangential work); regularisation eps, the creepage below which friction is viscous (0: Coulomb's law itself).
     Raises ValueError for impossible values.
     """
 

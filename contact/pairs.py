@@ -78,8 +78,11 @@ def hertz_pair(
     if model == "full":
         from contact.full import Full
 
-        bodies = (elastic_body(solid.mapped(partial(np.multiply, surface_size)), s, degree) for s in (upper_steel, lower_steel))
-        return Full(geometry, *bodies, laws=laws, order=order, **options)
+        upper_body, lower_body = (
+            elastic_body(solid.mapped(partial(np.multiply, surface_size)), s, degree)
+            for s in (upper_steel, lower_steel)
+        )
+        return Full(geometry, upper_body, lower_body, laws, order=order, **options)
 
     def of(steel: Steel) -> SurfaceCompliance:
         return compliance(solid, key, Steel(1.0, steel.nu), degree, scale=1 / (steel.E * surface_size))
@@ -125,7 +128,7 @@ def wheel_rail_pair(
         from contact.full import Full
 
         bodies = elastic_body(wheel_solid, wheel_steel, degree), elastic_body(rail_solid, rail_steel, degree)
-        return Full(geometry, *bodies, laws=laws, order=order, **options)
+        return Full(geometry, bodies[0], bodies[1], laws, order=order, **options)
     return Condensed(
         geometry,
         compliance(wheel_solid, wheel_key, wheel_steel, degree),

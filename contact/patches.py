@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from contact.points import ContactPoints
-from contact.pose import Array
+from contact.pose import Array, Mask, Nodes
 from contact.result import ContactResult, Fields, Patch, Statistics
 
 
@@ -24,8 +24,8 @@ def outcome(
 ) -> ContactResult:
     """Converged result in the frame of the rail, moment about its origin.
 
-    pressure (n,), traction (n, 2) on the wheel and bound (n,), the largest possible traction, in Pa; slip (n, 2) over the
-    rolling speed; displacement (n, 3) m, wheel minus rail; grid is the shape of the wheel's contact grid.
+    pressure (n,), traction (n, 2) on the wheel and bound (n,), the largest possible traction, in Pa; slip (n, 2) over
+    the rolling speed; displacement (n, 3) m, wheel minus rail; grid is the shape of the wheel's contact grid.
     """
     area = points.area[:, None]
     local = np.column_stack([traction, -pressure]) * area
@@ -35,14 +35,24 @@ def outcome(
     patch[pressure > 0] = label
     sticks = np.hypot(*traction.T) < bound * (1 - 1e-9)
     patches = tuple(
-        summarise(points, patch == k, forces=forces, pressure=pressure, sticks=sticks) for k in range(label.max(initial=-1) + 1)
+        summarise(points, patch == k, forces=forces, pressure=pressure, sticks=sticks)
+        for k in range(label.max(initial=-1) + 1)
     )
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
         patches=tuple(sorted(patches, key=lambda p: -p.normal_force)),
         fields=Fields(
-            points.node, patch, points.point, points.axes, points.area, points.overlap, pressure, traction, slip, displacement
+            points.node,
+            patch,
+            points.point,
+            points.axes,
+            points.area,
+            points.overlap,
+            pressure,
+            traction,
+            slip,
+            displacement,
         ),
         approach=approach,
         status="converged",
@@ -50,7 +60,7 @@ def outcome(
     )
 
 
-def components(nodes: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
+def components(nodes: Nodes, grid: tuple[int, int]) -> Nodes:
     """Number, from 0, of the connected patch (eight neighbours on the grid) of each node."""
     if not len(nodes):
         return np.empty(0, dtype=int)
@@ -62,7 +72,7 @@ def components(nodes: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
     return np.asarray(labels[i, j] - 1)
 
 
-def summarise(points: ContactPoints, inside: np.ndarray, *, forces: Array, pressure: Array, sticks: np.ndarray) -> Patch:
+def summarise(points: ContactPoints, inside: Mask, *, forces: Array, pressure: Array, sticks: Mask) -> Patch:
     """One patch: its resultant, place, angle and shape from the pressure's moments."""
     area, p = points.area[inside], pressure[inside]
     weight = p * area
@@ -81,7 +91,8 @@ def summarise(points: ContactPoints, inside: np.ndarray, *, forces: Array, press
     along = points.point[inside, 0] - x
     across = points.wheel_place[inside, 0] - wheel_s
     wheel_band, rail_band = (
-        (float(place[inside, 1].min()), float(place[inside, 1].max())) for place in (points.wheel_place, points.rail_place)
+        (float(place[inside, 1].min()), float(place[inside, 1].max()))
+        for place in (points.wheel_place, points.rail_place)
     )
     return Patch(
         area=float(area.sum()),

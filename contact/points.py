@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from contact.pose import Array, Pose
-from meshes.solids import Index
+from meshes.triangulate import Index
 
 
 @dataclass(frozen=True)
@@ -24,11 +24,11 @@ class Interpolation:
 class ContactPoints:
     """The n points of the wheel's grid that overlap the rail, and the places upstream that their slip looks at.
 
-    node (n,) on the wheel's grid; point (n, 3) m and axes (n, 3, 3) in the rail frame, rows longitudinal, lateral, normal
-    outward from the wheel; area (n,) m2; overlap (n,) m, undeformed, positive; wheel_rotation (3, 3) from wheel axes to rail
-    axes; upstream (k, n) nodes of the wheel's grid at 0, 1, .. steps upstream; rail the interpolation at their projections,
-    row by row of upstream; step (n,) m upstream; wheel_place and rail_place (n, 2) m, arc length and lateral position on the
-    profiles.
+    node (n,) on the wheel's grid; point (n, 3) m and axes (n, 3, 3) in the rail frame, rows longitudinal, lateral,
+    normal outward from the wheel; area (n,) m2; overlap (n,) m, undeformed, positive; wheel_rotation (3, 3) from
+    wheel axes to rail axes; upstream (k, n) nodes of the wheel's grid at 0, 1, .. steps upstream; rail the
+    interpolation at their projections, row by row of upstream; step (n,) m upstream; wheel_place and rail_place (n,
+    2) m, arc length and lateral position on the profiles.
     """
 
     node: Index
@@ -48,7 +48,8 @@ class Geometry(Protocol):
     """Surfaces of a pair of bodies."""
 
     def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
-        """Candidates with so many steps upstream (None without overlap), and the largest overlap [m] (negative: distance).
+        """Candidates with so many steps upstream (None without overlap), and the largest overlap [m] (negative:
+        distance).
 
         Raises OutsideGrid when the overlap leaves the meshed strip.
         """
@@ -60,9 +61,10 @@ class OutsideGrid(ValueError):
 
 @dataclass(frozen=True)
 class Coupling:
-    """Operators B of one body on the d Cartesian directions of its nodes (m,): displacement (c n, d m) in the local axes of the
-    points, component by component, and slip (2 n, d m), the elastic slip over the rolling speed by upstream differences (None
-    without friction). Directions that no local axis has a part in are left out."""
+    """Operators B of one body on the d Cartesian directions of its nodes (m,): displacement (c n, d m) in the local
+    axes of the points, component by component, and slip (2 n, d m), the elastic slip over the rolling speed by
+    upstream differences (None without friction). Directions that no local axis has a part in are left out.
+    """
 
     nodes: Index
     directions: tuple[int, ...]

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Nodes = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 
@@ -28,7 +30,9 @@ class Pose:
 
 @dataclass(frozen=True)
 class Twist:
-    """Rigid velocity field v + w x (X - reference): velocity (3,) in m/s, rotation (3,) in rad/s, reference (3,) in m."""
+    """Rigid velocity field v + w x (X - reference): velocity (3,) in m/s, rotation (3,) in rad/s, reference (3,) in
+    m.
+    """
 
     velocity: Array
     rotation: Array
@@ -84,15 +88,16 @@ class WheelsetState:
     def rotation(self) -> Array:
         """Axes of the wheelset frame as columns (3, 3): yaw about z after roll about x; it does not spin."""
         c, s, cy, sy = np.cos(self.roll), np.sin(self.roll), np.cos(self.yaw), np.sin(self.yaw)
-        return np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]]) @ [[1, 0, 0], [0, c, -s], [0, s, c]]
+        turned = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+        return np.asarray(turned @ [[1, 0, 0], [0, c, -s], [0, s, c]])
 
 
 @dataclass(frozen=True)
 class Mounting:
     """How wheels sit on the axle and rails in the track, m.
 
-    wheel_y: from the wheelset's centre to the wheel's nominal rolling plane; rail_y: from the track's centre line to the
-    rail's origin, the highest point of the rail as laid; radius: nominal rolling radius.
+    wheel_y: from the wheelset's centre to the wheel's nominal rolling plane; rail_y: from the track's centre line to
+    the rail's origin, the highest point of the rail as laid; radius: nominal rolling radius.
     """
 
     wheel_y: float
@@ -104,7 +109,7 @@ class Mounting:
         return np.array([0.0, state.y, self.radius + state.z])
 
     def left_pair(self, state: WheelsetState) -> tuple[Pose, Motion]:
-        """Pose and velocities of the left pair, in the frame of the left rail (parallel to the track frame), eq. (5)."""
+        """Pose and velocities of the left pair, in the left rail's frame (parallel to the track frame), eq. (5)."""
         rail = np.array([0.0, self.rail_y, 0.0])
         centre, rotation = self.centre(state), state.rotation
         axle = rotation[:, 1]

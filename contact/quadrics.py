@@ -15,7 +15,8 @@ UPSIDE_DOWN = np.diag([1.0, 1.0, -1.0])  # the upper block is the lower one's re
 
 @dataclass(frozen=True)
 class Quadrics:
-    """Two bodies with principal radii [m] in x and y (inf straight, negative hollow), on one flat grid of contact points.
+    """Two bodies with principal radii [m] in x and y (inf straight, negative hollow), on one flat grid of contact
+    points.
 
     The pose's origin is where the upper body's apex stands over the lower one's: (x, y, -approach).
     """
@@ -27,13 +28,22 @@ class Quadrics:
     def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
         """Candidates of the undeformed overlap -(z_upper - z_lower), Hertz's parabolas."""
         place = self.grid.position.reshape(-1, 3)[:, :2]
-        overlap = -pose.origin[2] - (place - pose.origin[:2]) ** 2 @ curvature(self.upper) - place**2 @ curvature(self.lower)
+        overlap = (
+            -pose.origin[2] - (place - pose.origin[:2]) ** 2 @ curvature(self.upper) - place**2 @ curvature(self.lower)
+        )
         inside = overlap > 0
         if not inside.any():
             return None, float(overlap.max())
         picture = inside.reshape(self.grid.shape)
-        if picture[0].any() or picture[:, 0].any() or picture[:, -1].any() or picture[-1 - steps * self.grid.stride :].any():
-            raise OutsideGrid("the bodies overlap beyond the meshed strip; the approach is larger than the mesh was made for")
+        if (
+            picture[0].any()
+            or picture[:, 0].any()
+            or picture[:, -1].any()
+            or picture[-1 - steps * self.grid.stride :].any()
+        ):
+            raise OutsideGrid(
+                "the bodies overlap beyond the meshed strip; the approach is larger than the mesh was made for"
+            )
         node = np.flatnonzero(inside & (self.grid.weight.ravel() > 0))
         n, (_, ns) = len(node), self.grid.shape
         upstream = node + np.arange(steps + 1)[:, None] * self.grid.stride * ns

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact.pose import MIRROR, Array, Pose
+from contact.pose import MIRROR, Array, Nodes, Pose
 
 
 @dataclass(frozen=True)
@@ -14,11 +14,11 @@ class Patch:
     """One connected contact patch. Forces act on the wheel (the upper body).
 
     area m2; max_pressure Pa; normal_force N; force (3,) N, resultant in the track's axes; tangential_force N
-    (longitudinal, lateral in the contact plane); semi_axes m (along x, across) of the ellipse with the pressure's second
-    moments (exact for Hertz); contact_angle rad, turn of the contact plane about x; wheel_s and rail_s m, arc length of
-    the resultant on the profiles from the rolling circle and from the top of the rail, positive to the field side;
-    wheel_y and rail_y m, the same laterally; wheel_band and rail_band m, lateral extent (smallest, largest) on the
-    profiles; x m; stick_area m2.
+    (longitudinal, lateral in the contact plane); semi_axes m (along x, across) of the ellipse with the pressure's
+    second moments (exact for Hertz); contact_angle rad, turn of the contact plane about x; wheel_s and rail_s m, arc
+    length of the resultant on the profiles from the rolling circle and from the top of the rail, positive to the
+    field side; wheel_y and rail_y m, the same laterally; wheel_band and rail_band m, lateral extent (smallest,
+    largest) on the profiles; x m; stick_area m2.
     """
 
     area: float
@@ -57,8 +57,8 @@ class Fields:
     over rolling speed; displacement (n, 3) m, wheel minus rail, in the local axes.
     """
 
-    node: np.ndarray
-    patch: np.ndarray
+    node: Nodes
+    patch: Nodes
     point: Array
     axes: Array
     area: Array
@@ -84,9 +84,10 @@ class Statistics:
 class ContactResult:
     """Force (3,) N and moment (3,) N m on the wheel, patches, fields and how the solve went.
 
-    In the frame of the rail, moment about the rail's origin, when a model returns it; `contact.wheelset` moves it to the
-    track's axes and the wheelset's centre. approach m: largest undeformed overlap along the normal. status is
-    "converged", "separated" (no overlap) or "failed: ..." with the reason; a failed result carries no force to be used.
+    In the frame of the rail, moment about the rail's origin, when a model returns it; `contact.wheelset` moves it to
+    the track's axes and the wheelset's centre. approach m: largest undeformed overlap along the normal. status is
+    "converged", "separated" (no overlap) or "failed: ..." with the reason; a failed result carries no force to be
+    used.
     """
 
     force: Array

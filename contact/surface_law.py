@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from contact.grid import ContactGrid
 from contact.laws import Laws
-from contact.pose import Array
+from contact.pose import Array, Nodes
 from forms import compat
 from forms.traction import frictionless_traction, traction, virtual_work
 from meshes.solids import Solid
@@ -32,7 +32,8 @@ RULES: dict[tuple[str, int], tuple[list[list[float]], list[float]]] = {
 
 
 class SurfaceLaw:
-    """Nodal forces T_i = a_i t(z_i) and tangent D = dT/dz on the whole contact grid, z = (d, s1, s2) or (d) without friction.
+    """Nodal forces T_i = a_i t(z_i) and tangent D = dT/dz on the whole contact grid, z = (d, s1, s2) or (d) without
+    friction.
 
     The regularising creepage may be changed between calls: `regularisation`.
     """
@@ -81,13 +82,13 @@ class SurfaceLaw:
     def regularisation(self, value: float) -> None:
         self._eps.value = value
 
-    def _set(self, nodes: np.ndarray, z: Array) -> None:
+    def _set(self, nodes: Nodes, z: Array) -> None:
         values = self.z.x.array.reshape(-1, self.components)
         values[:] = 0.0
         values[:, 0] = -1.0  # far apart
         values[self._node[nodes]] = z
 
-    def force(self, nodes: np.ndarray, z: Array) -> Array:
+    def force(self, nodes: Nodes, z: Array) -> Array:
         """T (n, c) [N] at grid nodes (n,) from z (n, c)."""
         self._set(nodes, z)
         with self._vector.localForm() as local:
@@ -95,7 +96,7 @@ class SurfaceLaw:
         assemble_vector(self._vector, self._force)
         return np.asarray(self._vector.array.reshape(-1, self.components)[self._node[nodes]])
 
-    def tangent(self, nodes: np.ndarray, z: Array) -> Array:
+    def tangent(self, nodes: Nodes, z: Array) -> Array:
         """dT/dz (n, c, c) at grid nodes (n,) from z (n, c): the law is pointwise, so only blocks on the diagonal."""
         self._set(nodes, z)
         self._matrix.zeroEntries()
@@ -106,7 +107,7 @@ class SurfaceLaw:
         return _diagonal_blocks(self._matrix, rows, c)
 
 
-def _diagonal_blocks(matrix: Any, nodes: np.ndarray, c: int) -> Array:
+def _diagonal_blocks(matrix: Any, nodes: Nodes, c: int) -> Array:
     """Blocks (n, c, c) on the diagonal of a sparse PETSc matrix."""
     import scipy.sparse as sp
 

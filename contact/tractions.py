@@ -1,9 +1,9 @@
 """Tractions at the contact points from their compliance: one semi-smooth Newton for exact and regularised laws.
 
-Unknowns are the pressures p and tangential tractions q. With the relative compliance known, overlap d and slip s are linear
-in them:  d = d0 + D q - N p,  s = c + S q + T p.
-Normal:      0 <= p, d <= p / K, p (d - p / K) = 0.            The penalty is a compliance on the diagonal; 1/K may be zero.
-Tangential:  q = Proj(q - rho (s + eps q / (mu p))), |q| <= mu p.   The regularised Coulomb law (6); eps may be zero.
+Unknowns are the pressures p and tangential tractions q. With the relative compliance known, overlap d and slip s are
+linear in them:  d = d0 + D q - N p,  s = c + S q + T p.
+Normal:      0 <= p, d <= p / K, p (d - p / K) = 0.  The penalty is a compliance on the diagonal; 1/K may be zero.
+Tangential:  q = Proj(q - rho (s + eps q / (mu p))), |q| <= mu p.  The regularised Coulomb law (6); eps may be zero.
 On a set of active points p is linear in q, so Newton runs on q alone and the pressure follows exactly.
 """
 
@@ -15,11 +15,16 @@ from typing import Literal
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse.linalg as sla
+from numpy.typing import NDArray
 
 from contact.pose import Array
 
 LinearSolver = Literal["lu", "bicgstab"]
-Mask = np.ndarray
+Mask = NDArray[np.bool_]
+
+
+ROUND_OFF = 1e-12
+PATIENCE = 5  # steps without progress before points change sides one by one
 
 
 class NotConverged(RuntimeError):
@@ -46,33 +51,50 @@ class Count:
 
 
 def normal_contact(compliance: Array, overlap: Array, active: Mask, count: Count) -> tuple[Array, Mask]:
-    """Pressure p >= 0 with N p >= d0, p (N p - d0) = 0 by a primal-dual active set, N (n, n) m/Pa with 1/K on its diagonal.
+    """Pressure p >= 0 with N p >= d0, p (N p - d0) = 0 by a primal-dual active set, N (n, n) m/Pa holding 1/K.
 
-    Each step is a Newton step of the semi-smooth complementarity; should the sets come round again, points only leave until
-    none pulls, then only enter, which ends for certain. Raises NotConverged.
+    Each step is a Newton step of the semi-smooth complementarity. Should the number of offending points not fall for
+    some steps, single points change sides until it does, which ends for certain as N is positive definite: block
+    principal pivoting, Judice and Pires, doi:10.1016/0305-0548(94)90106-6. Raises NotConverged.
     """
     n = len(overlap)
-    seen: set[bytes] = set()
-    cautious = False
-    for _ in range(60 + n):
+    active = active.copy()
+    slack = ROUND_OFF * overlap.max()
+    fewest, patience = n + 1, PATIENCE
+    for _ in range(100 * (n + 1)):
         count.newton += 1
         pressure = np.zeros(n)
         index = np.flatnonzero(active)
         if len(index):
-            pressure[index] = la.solve(compliance[np.ix_(index, index)], overlap[index], assume_a="pos", check_finite=False)
-        open_ = active & (pressure < 0)
-        hit = ~active & (compliance[:, index] @ pressure[index] < overlap - 1e-13 * overlap.max())
-        if not open_.any() and not hit.any():
-            return pressure, active
-        key = active.tobytes()
-        cautious = cautious or key in seen
-        seen.add(key)
-        active = active & ~open_ if cautious and open_.any() else (active & ~open_) | hit
+            # columns carry the points' areas: positive definite up to that scaling, but not symmetric
+            pressure[index] = la.solve(compliance[np.ix_(index, index)], overlap[index], check_finite=False)
+        pulls = active & (pressure < -ROUND_OFF * pressure.max(initial=0.0))
+        hits = ~active & (compliance[:, index] @ pressure[index] < overlap - slack)
+        wrong = pulls | hits
+        offending = int(wrong.sum())
+        if not offending:
+            return np.maximum(pressure, 0.0), active
+        if offending < fewest:
+            fewest, patience = offending, PATIENCE
+        else:
+            patience -= 1
+        if patience < 0:
+            last = int(np.flatnonzero(wrong)[-1])
+            wrong = np.zeros(n, dtype=bool)
+            wrong[last] = True
+        active ^= wrong
     raise NotConverged("the contact area does not settle")
 
 
 def tangential_contact(
-    slip: Array, rigid: Array, bound: Array, bound_slope: Array | None, eps: float, q: Array, options: NewtonOptions, count: Count
+    slip: Array,
+    rigid: Array,
+    bound: Array,
+    bound_slope: Array | None,
+    eps: float,
+    q: Array,
+    options: NewtonOptions,
+    count: Count,
 ) -> Array:
     """Tractions q (2 n,) with |q| <= b and q = Proj_b(q - rho (s + eps q / b)), s = rigid + slip q.
 
@@ -83,10 +105,9 @@ def tangential_contact(
     own = 0.5 * (np.diag(slip)[:n] + np.diag(slip)[n:])
     own = np.maximum(own, 1e-3 * np.abs(own).max())
     scale = max(float(np.linalg.norm(bound)), 1e-300)
-    dependent = bound_slope is not None
 
     def project(q: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
-        b = np.maximum(bound + bound_slope @ q, 0.0) if dependent else bound
+        b = bound if bound_slope is None else np.maximum(bound + bound_slope @ q, 0.0)
         viscous = eps / (b * own + eps) if eps > 0 else np.zeros(n)  # rho eps / b
         rho = np.where(b * own + eps > 0, b / np.maximum(b * own + eps, 1e-300), 0.0) if eps > 0 else 1 / own
         s = rigid + slip @ q
@@ -106,7 +127,7 @@ def tangential_contact(
         # dz = diag(1 - viscous) dq - rho S dq + (viscous q / b) db, viscous and rho taken at the present bound
         dz = -np.tile(rho, 2)[:, None] * slip
         dz[np.arange(2 * n), np.arange(2 * n)] += np.tile(1 - viscous, 2)
-        if dependent:
+        if bound_slope is not None:
             ratio = np.where(b > 0, viscous / np.maximum(b, 1e-300), 0.0)
             dz += np.vstack([(ratio * q[:n])[:, None] * bound_slope, (ratio * q[n:])[:, None] * bound_slope])
         length = np.maximum(np.hypot(z[:n], z[n:]), 1e-300)
@@ -114,9 +135,13 @@ def tangential_contact(
         ux, uy = z[:n] / length, z[n:] / length
         turn = np.where(slides, factor, 0.0)
         pxx, pyy, pxy = factor - turn * ux * ux, factor - turn * uy * uy, -turn * ux * uy
-        jacobian = -np.vstack([pxx[:, None] * dz[:n] + pxy[:, None] * dz[n:], pxy[:, None] * dz[:n] + pyy[:, None] * dz[n:]])
-        if dependent:
-            jacobian -= np.vstack([np.where(slides, ux, 0.0)[:, None] * bound_slope, np.where(slides, uy, 0.0)[:, None] * bound_slope])
+        jacobian = -np.vstack(
+            [pxx[:, None] * dz[:n] + pxy[:, None] * dz[n:], pxy[:, None] * dz[:n] + pyy[:, None] * dz[n:]]
+        )
+        if bound_slope is not None:
+            jacobian -= np.vstack(
+                [np.where(slides, ux, 0.0)[:, None] * bound_slope, np.where(slides, uy, 0.0)[:, None] * bound_slope]
+            )
         jacobian[np.arange(2 * n), np.arange(2 * n)] += 1.0
         direction = linear_solve(jacobian, residual, options, count)
         damping = 1.0
@@ -169,9 +194,9 @@ def solve_tractions(
 ) -> Tractions:
     """Pressure and traction at n points from their relative compliance.
 
-    operator maps tractions on the wheel (along the local axes, component by component) to slip and overlap: (n, n) for normal
-    components only, else (3 n, 3 n) with rows slip 1, slip 2, overlap. overlap (n,) m undeformed; rigid (2 n,) creepage, None
-    without friction; guess (pressure, tangential (2 n,)). Raises NotConverged.
+    operator maps tractions on the wheel (along the local axes, component by component) to slip and overlap: (n, n) for
+    normal components only, else (3 n, 3 n) with rows slip 1, slip 2, overlap. overlap (n,) m undeformed; rigid (2 n,)
+    creepage, None without friction; guess (pressure, tangential (2 n,)). Raises NotConverged.
     """
     options = options or NewtonOptions()
     n = len(overlap)
@@ -195,24 +220,35 @@ def solve_tractions(
         creep = rigid[both]
         if coupled:
             solved = la.solve(
-                normal[np.ix_(index, index)], np.column_stack([overlap[index], coupling[np.ix_(index, both)]]), assume_a="pos"
+                normal[np.ix_(index, index)],
+                np.column_stack([overlap[index], coupling[np.ix_(index, both)]]),
             )
             base, slope = solved[:, 0], solved[:, 1:]
             slip = slip - shift @ slope
         creep = creep - shift @ base
         found = tangential_contact(
-            slip, creep, friction * base, None if slope is None else friction * slope, regularisation, q[both], options, count
+            slip,
+            creep,
+            friction * base,
+            None if slope is None else friction * slope,
+            regularisation,
+            q[both],
+            options,
+            count,
         )
         q = np.zeros(2 * n)
         q[both] = found
-        if not coupled:
+        if slope is None:
             break
         pressure = np.zeros(n)
         pressure[index] = base + slope @ found
         gap = overlap + coupling @ q - normal[:, index] @ pressure[index]
-        if (pressure[index] >= 0).all() and (gap[~active] <= 1e-13 * overlap.max()).all():
+        pulls = active & (pressure < -ROUND_OFF * pressure.max(initial=0.0))
+        hits = ~active & (gap > ROUND_OFF * overlap.max())
+        if not (pulls | hits).any():
+            pressure = np.maximum(pressure, 0.0)
             break
-        active = (active & (pressure > 0)) | (~active & (gap > 0))
+        active = active ^ (pulls | hits)
     else:
         raise NotConverged("the contact area does not settle with friction")
     s = rigid + operator[: 2 * n, : 2 * n] @ q - operator[: 2 * n, 2 * n :] @ pressure

@@ -1,7 +1,7 @@
 """A wheel on a rail: candidates, contact map and gap on the exact profiles, eq. (1).
 
-The rail is its profile extruded, the wheel its profile revolved, so the normal projection of a wheel point on the rail is
-the closest point of a plane curve: no search tree.
+The rail is its profile extruded, the wheel its profile revolved, so the normal projection of a wheel point on the
+rail is the closest point of a plane curve: no search tree.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class WheelRail:
     @cached_property
     def lines(self) -> tuple[Array, Array]:
         """Lateral position and radius (ns, 2), and outward normal (ns, 2), of the wheel grid's lines."""
-        return self.wheel.point(self.arc) + (0.0, self.radius), self.wheel.normal(self.arc)
+        return self.wheel.point(self.arc) + np.array([0.0, self.radius]), self.wheel.normal(self.arc)
 
     @cached_property
     def angle(self) -> Array:
@@ -53,7 +53,9 @@ class WheelRail:
 
     @cached_property
     def surface(self) -> tuple[Array, Array]:
-        """Exact points (nx ns, 3) m and local axes (nx ns, 3, 3), rows longitudinal, lateral, outward, in the wheel's frame."""
+        """Exact points (nx ns, 3) m and local axes (nx ns, 3, 3), rows longitudinal, lateral, outward, in the wheel's
+        frame.
+        """
         (y, r), (ny, nr) = self.lines[0].T, self.lines[1].T
         s, c = np.sin(self.angle)[:, None], np.cos(self.angle)[:, None]
         shape = self.wheel_grid.shape
@@ -131,7 +133,9 @@ class WheelRail:
         for value, start, size in ((x, -(count[0] // 2) * spacing, count[0]), (s, self.rail_strip.start, count[1])):
             place = (value - start) / spacing
             if place.min() < 0 or place.max() > size - 1:
-                raise OutsideGrid("the wheel touches the rail beyond the part of its surface that carries contact points")
+                raise OutsideGrid(
+                    "the wheel touches the rail beyond the part of its surface that carries contact points"
+                )
             cell = np.minimum((place // self.degree).astype(np.int64) * self.degree, size - 1 - self.degree)
             parts.append((cell, _shape(place - cell, self.degree)))
         (i, wx), (j, ws) = parts

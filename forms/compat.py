@@ -9,11 +9,12 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
+from numpy.typing import NDArray
 
 OLD = not hasattr(fem, "functionspace")  # 0.5 and 0.6
 
 
-def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: np.ndarray, points: np.ndarray) -> Any:
+def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: NDArray[Any], points: NDArray[Any]) -> Any:
     """Mesh of straight cells from connectivity (m, k) and points (n, 3) m."""
     if OLD:
         domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=3), 1))

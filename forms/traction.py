@@ -1,7 +1,7 @@
 """The contact law at a point and its virtual work, eqs. (4) and (6).
 
-z = (d, s) collects the overlap d [m] of the deformed bodies and the slip s [-], over the rolling speed; the traction has the
-same components: along the wheel's outward normal and along the two tangents.
+z = (d, s) collects the overlap d [m] of the deformed bodies and the slip s [-], over the rolling speed; the traction
+has the same components: along the wheel's outward normal and along the two tangents.
 """
 
 from __future__ import annotations

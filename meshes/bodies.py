@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from meshes.cache import cached, digest
+from meshes.cache import Arrays, cached, digest
 from meshes.curve import Array
 from meshes.sections import Outline
 from meshes.solids import Cell, Solid, block_section, bulged, extruded, layers, revolved
@@ -20,7 +20,7 @@ def stored(key: str, build: Callable[[], Solid]) -> Solid:
     """A solid under its key in the mesh cache."""
     names = [field.name for field in fields(Solid)]
 
-    def arrays() -> dict[str, np.ndarray]:
+    def arrays() -> Arrays:
         solid = build()
         return {name: getattr(solid, name) for name in names}
 
@@ -39,11 +39,13 @@ def block(
 ) -> tuple[Solid, str]:
     """Block below z = 0 with a strip of 2 half_cells (along x, along y) cells, clamped at its bottom; and its key.
 
-    half_width [m] is also its depth and half length. Finite radii [m] in x and y bulge its top: sphere, ellipsoid, cylinder.
-    Raises ValueError when the strip does not fit.
+    half_width [m] is also its depth and half length. Finite radii [m] in x and y bulge its top: sphere, ellipsoid,
+    cylinder. Raises ValueError when the strip does not fit.
     """
     if max(half_cells) * size >= half_width:
-        raise ValueError(f"a strip of {half_cells} cells of {size} m does not fit on a block of half width {half_width} m")
+        raise ValueError(
+            f"a strip of {half_cells} cells of {size} m does not fit on a block of half width {half_width} m"
+        )
     scaled = Grading(grading.first, grading.growth, half_width / 4)
     hexahedra = cell == "hexahedron"
     across = half_cells[1] + half_cells[1] % 2 if hexahedra else half_cells[1]
@@ -68,8 +70,9 @@ def block(
 
 @dataclass(frozen=True)
 class Strip:
-    """Where a body's contact surface is meshed uniformly: arc length start + j size (j = 0 .. cells) of the profile, m, and
-    half_cells cells of that size to either side along the rolling direction."""
+    """Where a body's contact surface is meshed uniformly: arc length start + j size (j = 0 .. cells) of the profile,
+    m, and half_cells cells of that size to either side along the rolling direction.
+    """
 
     start: float
     cells: int
@@ -97,12 +100,15 @@ class Strip:
         return cls(start, cells, int(np.ceil(half_length / size)), size)
 
 
-RAIL_TOUCHES, WHEEL_TOUCHES = (-0.0365, 0.032), (-0.0405, 0.036)  # m, lateral: gauge face .. field side; flange .. field side
+RAIL_TOUCHES, WHEEL_TOUCHES = (
+    (-0.0365, 0.032),
+    (-0.0405, 0.036),
+)  # m, lateral: gauge face .. field side; flange .. field side
 HALF_PATCH = 0.014  # m along the rail: 150 kN on a 0.46 m wheel overlap over 11 mm
 
 
 def rail(
-    outline: Outline, *, size: float, half_length: float = 0.15, cell: Cell = "tetrahedron", grading: Grading = FINE
+    outline: Outline, *, size: float, half_length: float = 0.5, cell: Cell = "tetrahedron", grading: Grading = FINE
 ) -> tuple[Solid, Strip, str]:
     """Rail section extruded along x, clamped under its foot; its strip and its key."""
     strip = Strip.over(outline, RAIL_TOUCHES, half_length=HALF_PATCH, size=size)
@@ -120,7 +126,11 @@ def wheel(
     strip = Strip.over(outline, WHEEL_TOUCHES, half_length=HALF_PATCH, size=size)
     key = body_key("wheel", outline, strip, half_length, cell, grading)
     radius = outline.offset[1]
-    return stored(key, lambda: _extruded(outline, strip, half_length, cell, grading).mapped(revolved(radius))), strip, key
+    return (
+        stored(key, lambda: _extruded(outline, strip, half_length, cell, grading).mapped(revolved(radius))),
+        strip,
+        key,
+    )
 
 
 def body_key(kind: str, outline: Outline, strip: Strip, half_length: float, cell: Cell, grading: Grading) -> str:
@@ -140,7 +150,7 @@ def body_key(kind: str, outline: Outline, strip: Strip, half_length: float, cell
 
 
 def section(outline: Outline, strip: Strip, *, grading: Grading = FINE, quadrilaterals: bool = False) -> SectionMesh:
-    """Cross-section with the strip's nodes on the profile; the rest of the running surface is coarsened away from it."""
+    """Cross-section with the strip's nodes on the profile; the rest of the surface gets coarser away from it."""
     low, high = outline.surface_range
     beyond = _coarser(strip.arc[-1], high, strip.size)
     before = _coarser(strip.arc[0], low, strip.size)
@@ -168,5 +178,5 @@ def _coarser(start: float, end: float, size: float) -> Array:
 
 def _extruded(outline: Outline, strip: Strip, half_length: float, cell: Cell, grading: Grading) -> Solid:
     mesh = section(outline, strip, grading=grading, quadrilaterals=cell == "hexahedron")
-    x = layers(strip.half_cells, strip.size, half_length, largest=grading.largest)
+    x = layers(strip.half_cells, strip.size, half_length, largest=2 * grading.largest)
     return extruded(mesh, x, strip.half_cells)

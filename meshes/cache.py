@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 FORMAT = 1  # raise it when the meaning of stored arrays changes
 
-Arrays = Mapping[str, np.ndarray]
+Arrays = Mapping[str, NDArray[Any]]
 
 
 def cache_folder() -> Path:
@@ -44,7 +45,7 @@ def digest(**parts: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def load(name: str) -> dict[str, np.ndarray] | None:
+def load(name: str) -> dict[str, NDArray[Any]] | None:
     """Stored arrays, or None when there are none or the file is damaged (zip checks every array's CRC)."""
     path = cache_folder() / f"{name}.npz"
     try:
@@ -57,7 +58,9 @@ def load(name: str) -> dict[str, np.ndarray] | None:
 
 
 def store(name: str, arrays: Arrays) -> None:
-    """Write arrays so that a reader sees all of them or nothing; a cache that cannot be written costs time, not the run."""
+    """Write arrays so that a reader sees all of them or nothing; a cache that cannot be written costs time, not the
+    run.
+    """
     path = cache_folder() / f"{name}.npz"
     temporary = None
     try:

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from meshes.triangulate import Array, Index, SectionMesh
+from meshes.triangulate import Array, Index, Mask, SectionMesh
 
 Cell = Literal["tetrahedron", "hexahedron"]
 
@@ -20,13 +20,15 @@ Cell = Literal["tetrahedron", "hexahedron"]
 @dataclass(frozen=True)
 class Solid:
     """Mesh of one body: points (n, 3) m, cells (m, 4) or (m, 8) in the order of dolfinx, grid (nx, ns) nodes of the
-    structured strip (along x, along the profile), faces (k, 3) or (k, 4) of that strip, clamped (n,) mask of fixed nodes."""
+    structured strip (along x, along the profile), faces (k, 3) or (k, 4) of that strip, clamped (n,) mask of fixed
+    nodes.
+    """
 
     points: Array
     cells: Index
     grid: Index
     faces: Index
-    clamped: np.ndarray
+    clamped: Mask
 
     @property
     def cell(self) -> Cell:
@@ -49,7 +51,11 @@ class Solid:
             slope = [np.array([-1.0, 1.0])] * 3
             jacobian = np.stack(
                 [
-                    np.einsum("nzyxc,z,y,x->nc", corners.reshape(-1, 2, 2, 2, 3), *(slope[m] if m == d else shape[m] for m in (2, 1, 0)))
+                    np.einsum(
+                        "nzyxc,z,y,x->nc",
+                        corners.reshape(-1, 2, 2, 2, 3),
+                        *(slope[m] if m == d else shape[m] for m in (2, 1, 0)),
+                    )
                     for d in range(3)
                 ],
                 axis=1,
@@ -60,7 +66,8 @@ class Solid:
 
 def layers(half_strip: int, size: float, half_length: float, *, growth: float = 1.35, largest: float = 30e-3) -> Array:
     """Positions [m] of the layers along x: 2 half_strip equal steps about zero, then growing to +-half_length."""
-    steps, reach = [], half_strip * size
+    steps: list[float] = []
+    reach = half_strip * size
     step = size
     while reach + sum(steps) < half_length:
         step = min(step * growth, largest)
@@ -73,14 +80,17 @@ def layers(half_strip: int, size: float, half_length: float, *, growth: float = 
 
 
 def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
-    """Extrude a section (y, z) along the layers x [m]: triangles become three tetrahedra a layer, quadrilaterals hexahedra."""
+    """Extrude a section (y, z) along the layers x [m]: triangles become three tetrahedra a layer, quadrilaterals
+    hexahedra.
+    """
     n, count = len(section.points), len(x)
     points = np.empty((count, n, 3))
     points[..., 0] = x[:, None]
     points[..., 1:] = section.points
     first = np.arange(count - 1)[:, None, None] * n
     if section.cells.shape[1] == 3:
-        # Diagonals run from the lower to the higher node number: neighbours agree, and the strip looks the same everywhere.
+        # Diagonals run from the lower to the higher node number: neighbours agree, and the strip looks the same
+        # everywhere.
         a = np.sort(section.cells, axis=1) + first
         b = a + n
         cells = np.stack(
@@ -119,8 +129,8 @@ def revolved(radius: float) -> Callable[[Array], Array]:
 def bulged(radii: tuple[float, float], depth: float) -> Callable[[Array], Array]:
     """Map a block with its top at z = 0 to an ellipsoidal cap with principal radii [m] in x and y.
 
-    inf is straight (a cylinder), negative hollow, equal radii give a sphere. The effect fades linearly over the depth [m],
-    so a clamped bottom stays flat. Raises ValueError when the block is wider than the body it should become.
+    inf is straight (a cylinder), negative hollow, equal radii give a sphere. The effect fades linearly over the depth
+    [m], so a clamped bottom stays flat. Raises ValueError when the block is wider than the body it should become.
     """
     curvatures = np.array([1.0 / r for r in radii])
     hollow = bool((curvatures <= 0).all() and (curvatures < 0).any())
@@ -132,7 +142,9 @@ def bulged(radii: tuple[float, float], depth: float) -> Callable[[Array], Array]
         if np.isfinite(axis):
             q = points[:, :2] ** 2 @ curvatures / axis
             if q.max() >= 1:
-                raise ValueError(f"a block of half width {np.abs(points[:, :2]).max():g} m cannot carry the radii {radii} m")
+                raise ValueError(
+                    f"a block of half width {np.abs(points[:, :2]).max():g} m cannot carry the radii {radii} m"
+                )
             sag = axis * (1 - np.sqrt(1 - q))
             moved[:, 2] += (sag if hollow else -sag) * (1 + points[:, 2] / depth)
         return moved
@@ -140,8 +152,10 @@ def bulged(radii: tuple[float, float], depth: float) -> Callable[[Array], Array]
     return chart
 
 
-def block_section(half_strip: int, size: float, half_width: float, depth: float) -> tuple[Array, Array, np.ndarray]:
-    """Polygon of a rectangular block with its top at z = 0: surface points, the rest, and which edges are clamped (the bottom)."""
+def block_section(half_strip: int, size: float, half_width: float, depth: float) -> tuple[Array, Array, Mask]:
+    """Polygon of a rectangular block with its top at z = 0: surface points, the rest, and which edges are clamped
+    (the bottom).
+    """
     y = np.arange(-half_strip, half_strip + 1) * size
     surface = np.stack([y, np.zeros_like(y)], axis=1)
     rest = np.array([[half_width, 0.0], [half_width, -depth], [-half_width, -depth], [-half_width, 0.0]])

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -22,17 +23,24 @@ class Grading:
 
 @dataclass(frozen=True)
 class SectionMesh:
-    """Mesh of a cross-section: points (n, 2) m, cells (m, 3) or (m, 4), surface (k,) nodes of the contact surface in order,
-    clamped (n,) mask of the fixed nodes."""
+    """Mesh of a cross-section: points (n, 2) m, cells (m, 3) or (m, 4), surface (k,) nodes of the contact surface in
+    order, clamped (n,) mask of the fixed nodes.
+    """
 
     points: Array
     cells: Index
     surface: Index
-    clamped: NDArray[np.bool_]
+    clamped: Mask
 
 
 def triangulate(
-    surface: Array, rest: Array, clamped: NDArray[np.bool_], *, size: float, grading: Grading, quadrilaterals: bool = False
+    surface: Array,
+    rest: Array,
+    clamped: Mask,
+    *,
+    size: float,
+    grading: Grading,
+    quadrilaterals: bool = False,
 ) -> SectionMesh:
     """Mesh the polygon surface (k, 2) + rest (m, 2) m, keeping every point of the surface as a node.
 
@@ -42,7 +50,9 @@ def triangulate(
     import gmsh  # heavy, and not needed when the mesh is cached
 
     if quadrilaterals and len(surface) % 2 == 0:
-        raise ValueError(f"a surface of {len(surface)} points has an odd number of cells and cannot carry quadrilaterals")
+        raise ValueError(
+            f"a surface of {len(surface)} points has an odd number of cells and cannot carry quadrilaterals"
+        )
     stride = 2 if quadrilaterals else 1
     corners = np.vstack([surface[::stride], rest])
     n, last = len(corners), (len(surface) - 1) // stride
@@ -100,7 +110,7 @@ def triangulate(
     return _compact(xy, cells, surface_nodes, is_clamped, surface)
 
 
-def _compact(xy: Array, cells: Index, surface_nodes: Index, is_clamped: NDArray[np.bool_], surface: Array) -> SectionMesh:
+def _compact(xy: Array, cells: Index, surface_nodes: Index, is_clamped: Mask, surface: Array) -> SectionMesh:
     """Number the surface nodes first, in order, and put them exactly where they were asked for."""
     used = np.unique(cells)
     order = np.concatenate([surface_nodes, np.setdiff1d(used, surface_nodes)])

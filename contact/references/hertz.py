@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -18,7 +21,7 @@ class Hertz:
     approach: float
     force: float
 
-    def pressure(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def pressure(self, x: Array, y: Array) -> Array:
         """Pressure [Pa] at x, y [m]."""
         r = (x / self.semi_axes[0]) ** 2 + (y / self.semi_axes[1]) ** 2
         return np.asarray(self.peak * np.sqrt(np.maximum(1 - r, 0)))
@@ -44,7 +47,11 @@ def hertz(A: float, B: float, E_star: float, *, force: float | None = None, appr
         m = 1 - k * k
         return float(k * k * (ellipk(m) - ellipe(m)) / (ellipe(m) - k * k * ellipk(m))) if m > 1e-12 else 1.0
 
-    k = 1.0 if high / low - 1 < 1e-9 else brentq(lambda k: ratio(k) - low / high, 1e-6, 1 - 1e-6, xtol=1e-15, rtol=1e-14)
+    k = (
+        1.0
+        if high / low - 1 < 1e-9
+        else brentq(lambda k: ratio(k) - low / high, 1e-6, 1 - 1e-6, xtol=1e-15, rtol=1e-14)
+    )
     m = 1 - k * k
     K, E = ellipk(m), ellipe(m)
     # With long semi-axis a: A + B = p0 / (a k E*) E(m), approach = p0 a k K(m) / E*, F = 2/3 pi p0 a^2 k
@@ -56,4 +63,9 @@ def hertz(A: float, B: float, E_star: float, *, force: float | None = None, appr
     peak = (A + B) * a * k * E_star / E
     # exact split of (A + B): low belongs to the long axis
     axes = (a, a * k) if A <= B else (a * k, a)
-    return Hertz((float(axes[0]), float(axes[1])), float(peak), float(peak * a * k * K / E_star), float(2 / 3 * np.pi * peak * a * a * k))
+    return Hertz(
+        (float(axes[0]), float(axes[1])),
+        float(peak),
+        float(peak * a * k * K / E_star),
+        float(2 / 3 * np.pi * peak * a * a * k),
+    )
