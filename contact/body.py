@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.spatial import cKDTree
@@ -66,10 +65,8 @@ class ElasticBody:
         zero = np.zeros(3, dtype=PETSc.ScalarType)
         bc = fem.dirichletbc(zero, self.fixed.astype(np.int32), self.space)
         # One on the diagonal beside 1e9 would spoil every norm of a residual.
-        matrix = assemble_matrix(
-            form, bcs=[bc], diagonal=self.steel.E * float(np.cbrt(self.solid.volume() / len(self.solid.points)))
-        )
-        matrix.assemble()
+        typical = self.steel.E * float(np.cbrt(self.solid.volume() / len(self.solid.points)))
+        matrix = compat.assemble_matrix(form, bc, typical)
         matrix.setOption(PETSc.Mat.Option.SPD, True)
         return matrix
 

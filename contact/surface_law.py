@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix, create_vector
+from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
 from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.spatial import cKDTree
@@ -68,7 +68,7 @@ class SurfaceLaw:
             t = frictionless_traction(self.z, constant["K"])
         work = virtual_work(t, ufl.TestFunction(space), measure)
         self._force, self._tangent = fem.form(work), fem.form(ufl.derivative(work, self.z))
-        self._vector, self._matrix = create_vector(self._force), create_matrix(self._tangent)
+        self._vector, self._matrix = compat.create_vector(self._force), create_matrix(self._tangent)
         distance, node = cKDTree(space.tabulate_dof_coordinates()).query(grid.position.reshape(-1, 3))
         if distance.max() > 1e-6 * np.linalg.norm(grid.position[1, 0] - grid.position[0, 0]):
             raise RuntimeError("the contact grid does not lie on nodes of the surface mesh")

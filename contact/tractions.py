@@ -10,6 +10,7 @@ On a set of active points p is linear in q, so Newton runs on q alone and the pr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from inspect import signature
 from typing import Literal
 
 import numpy as np
@@ -24,6 +25,7 @@ Mask = NDArray[np.bool_]
 
 
 ROUND_OFF = 1e-12
+RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # renamed in SciPy 1.12
 PATIENCE = 5  # steps without progress before points change sides one by one
 
 
@@ -165,7 +167,7 @@ def linear_solve(matrix: Array, right: Array, options: NewtonOptions, count: Cou
         nonlocal steps
         steps += 1
 
-    solution, info = sla.bicgstab(matrix, right, tol=options.forcing, atol=0.0, maxiter=200, callback=tick)
+    solution, info = sla.bicgstab(matrix, right, **{RELATIVE: options.forcing}, atol=0.0, maxiter=200, callback=tick)
     count.linear += steps
     return np.asarray(solution) if info == 0 else np.asarray(la.solve(matrix, right, check_finite=False))
 

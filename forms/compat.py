@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import dolfinx
+import dolfinx.fem.petsc
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -12,6 +13,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 OLD = not hasattr(fem, "functionspace")  # 0.5 and 0.6
+RECENT = tuple(int(part) for part in dolfinx.__version__.split(".")[:2]) >= (0, 10)
 
 
 def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: NDArray[Any], points: NDArray[Any]) -> Any:
@@ -24,7 +26,7 @@ def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: NDArray[Any], points: NDA
         domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(3,)))
     cells = np.ascontiguousarray(cells, dtype=np.int64)
     points = np.ascontiguousarray(points, dtype=np.float64)
-    if tuple(int(p) for p in dolfinx.__version__.split(".")[:2]) >= (0, 10):
+    if RECENT:
         return dolfinx.mesh.create_mesh(comm, cells, domain, points)
     return dolfinx.mesh.create_mesh(comm, cells, points, domain)
 
@@ -38,9 +40,16 @@ def space(mesh: Any, degree: int, dim: int = 3) -> Any:
     return fem.functionspace(mesh, ("Lagrange", degree) if dim == 1 else ("Lagrange", degree, (dim,)))
 
 
-def petsc_vector(function: Any) -> Any:
-    """PETSc's view of a Function's values."""
-    return function.vector if OLD else function.x.petsc_vec
+def assemble_matrix(form: Any, bc: Any, diagonal: float) -> Any:
+    """Assembled matrix with a constrained space's rows and columns emptied but for the diagonal."""
+    matrix = fem.petsc.assemble_matrix(form, bcs=[bc], **{"diag" if RECENT else "diagonal": diagonal})
+    matrix.assemble()
+    return matrix
+
+
+def create_vector(form: Any) -> Any:
+    """Vector that a linear form is assembled into."""
+    return fem.petsc.create_vector(form.function_spaces[0] if RECENT else form)
 
 
 def newton_base() -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 
 from meshes.cache import Arrays, cached, digest
 from meshes.curve import Array
+from meshes.profiles import Profile
 from meshes.sections import Outline
 from meshes.solids import Cell, Solid, block_section, bulged, extruded, layers, revolved
 from meshes.triangulate import Grading, SectionMesh, triangulate
@@ -85,25 +86,33 @@ class Strip:
         return np.asarray(self.start + np.arange(self.cells + 1) * self.size)
 
     @classmethod
-    def over(cls, outline: Outline, lateral: tuple[float, float], *, half_length: float, size: float) -> Strip:
-        """Strip over the part of a running surface between two lateral positions, m.
+    def over(cls, outline: Outline, ends: tuple[float, float], *, half_length: float, size: float) -> Strip:
+        """Strip over the part of a running surface between two arc lengths of the profile, m.
 
-        A number of cells that four divides suits tetrahedra, hexahedra and quadratic displacements alike.
+        Its even number of cells suits tetrahedra and hexahedra alike.
         """
-        profile, (low, high) = outline.profile, outline.surface_range
-        ends = profile.point(np.array([low, high]))[:, 0]
-        start, stop = (
-            float(profile.s_at_y(y)) if ends[0] < y < ends[1] else end
-            for y, end in zip(lateral, (low + size, high - size), strict=True)
-        )
-        cells = 2 * int((stop - start) / size / 2)
-        return cls(start, cells, int(np.ceil(half_length / size)), size)
+        low, high = outline.surface_range
+        start, stop = max(ends[0], low + size), min(ends[1], high - size)
+        return cls(start, 2 * int((stop - start) / size / 2), int(np.ceil(half_length / size)), size)
 
 
-RAIL_TOUCHES, WHEEL_TOUCHES = (
-    (-0.0365, 0.032),
-    (-0.0405, 0.036),
-)  # m, lateral: gauge face .. field side; flange .. field side
+def rail_touches(profile: Profile) -> tuple[float, float]:
+    """Arc lengths of a rail between which a wheel may touch: 18 mm down the gauge face to 5 mm down the field side."""
+    s = profile.samples(1e-4)
+    z = profile.point(s)[:, 1]
+    gauge, field = s[(s < 0) & (z > -18e-3)], s[(s > 0) & (z > -5e-3)]
+    return float(gauge.min()), float(field.max())
+
+
+def wheel_touches(profile: Profile) -> tuple[float, float]:
+    """Arc lengths of a wheel between which a rail may touch: high on the flange to the field side of the tread."""
+    s = profile.samples(1e-4)
+    y, z = profile.point(s).T
+    tip = y[np.argmax(z)]
+    part = s[(y > tip + 7e-3) & (y < 36e-3)]
+    return float(part.min()), float(part.max())
+
+
 HALF_PATCH = 0.014  # m along the rail: 150 kN on a 0.46 m wheel overlap over 11 mm
 
 
@@ -111,7 +120,7 @@ def rail(
     outline: Outline, *, size: float, half_length: float = 0.5, cell: Cell = "tetrahedron", grading: Grading = FINE
 ) -> tuple[Solid, Strip, str]:
     """Rail section extruded along x, clamped under its foot; its strip and its key."""
-    strip = Strip.over(outline, RAIL_TOUCHES, half_length=HALF_PATCH, size=size)
+    strip = Strip.over(outline, rail_touches(outline.profile), half_length=HALF_PATCH, size=size)
     key = body_key("rail", outline, strip, half_length, cell, grading)
     return stored(key, lambda: _extruded(outline, strip, half_length, cell, grading)), strip, key
 
@@ -123,7 +132,7 @@ def wheel(
 
     In the wheel's frame: the axle along y through the origin, the sector's middle straight below.
     """
-    strip = Strip.over(outline, WHEEL_TOUCHES, half_length=HALF_PATCH, size=size)
+    strip = Strip.over(outline, wheel_touches(outline.profile), half_length=HALF_PATCH, size=size)
     key = body_key("wheel", outline, strip, half_length, cell, grading)
     radius = outline.offset[1]
     return (
