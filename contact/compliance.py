@@ -45,13 +45,11 @@ class SurfaceCompliance:
         self._matrix = np.empty((3 * n, 3 * n))
         self._filled = np.zeros((self.shape[1], 3), dtype=bool)
 
-    def block(self, rows: Index, columns: Index, directions: Sequence[int] = ALL) -> Array:
-        """Displacements (rows, d, columns, d) [m/N] of grid nodes by unit forces on grid nodes, along given axes."""
-        self._fill(np.unique(columns % self.shape[1]), directions)
-        d = np.asarray(directions)
-        row, column = (3 * rows[:, None] + d).ravel(), (3 * columns[:, None] + d).ravel()
-        taken = self._matrix[column[:, None], row]
-        return np.asarray(taken.T).reshape(len(rows), len(d), len(columns), len(d))
+    def block(self, nodes: Index, directions: Sequence[int] = ALL) -> Array:
+        """Symmetric compliance (d n, d n) [m/N] between grid nodes (n,) along the given axes, node by node."""
+        self._fill(np.unique(nodes % self.shape[1]), directions)
+        place = (3 * nodes[:, None] + np.asarray(directions)).ravel()
+        return np.asarray(self._matrix[place[:, None], place])
 
     def _fill(self, bands: Index, directions: Sequence[int]) -> None:
         for direction in directions:

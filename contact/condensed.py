@@ -101,8 +101,7 @@ def condense(coupling: Coupling, compliance: SurfaceCompliance) -> tuple[Array, 
     """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by
     component.
     """
-    matrix = compliance.block(coupling.nodes, coupling.nodes, coupling.directions)
-    matrix = matrix.reshape(coupling.displacement.shape[1], -1)
+    matrix = compliance.block(coupling.nodes, coupling.directions)
     half = (coupling.displacement @ matrix).T  # C B^T, C symmetric
     displacement = coupling.displacement @ half
     if coupling.slip is None:
