@@ -1,7 +1,8 @@
 """Compliance of a body at its contact grid, from the factorised 3D stiffness, eq. (15).
 
-C maps forces on grid nodes to displacements of grid nodes, in the body's own axes. It is found band by band (a band
-is one line of nodes along x) and direction by direction, only where a scene loads the body, and kept on disk.
+C maps forces on grid nodes to displacements of grid nodes, in the body's own axes. It is found tile by tile (a few
+neighbours along x on one line of the profile) and direction by direction, only where a scene loads the body, and
+kept on disk.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from meshes.triangulate import Index
 
 ALL: tuple[int, int, int] = (0, 1, 2)
+TILE = 8  # nodes along x: patches on the tread are half as long as the strip, which must hold those on the flange
 
 
 @dataclass
@@ -43,41 +45,47 @@ class SurfaceCompliance:
         n = self.shape[0] * self.shape[1]
         # Symmetric, stored by loaded node: memory that is never touched is never taken.
         self._matrix = np.empty((3 * n, 3 * n))
-        self._filled = np.zeros((self.shape[1], 3), dtype=bool)
+        self._filled = np.zeros((n, 3), dtype=bool)
 
     def block(self, nodes: Index, directions: Sequence[int] = ALL) -> Array:
         """Symmetric compliance (d n, d n) [m/N] between grid nodes (n,) along the given axes, node by node."""
-        self._fill(np.unique(nodes % self.shape[1]), directions)
+        for direction in directions:
+            if not self._filled[nodes, direction].all():
+                self._fill(nodes[~self._filled[nodes, direction]], direction)
         place = (3 * nodes[:, None] + np.asarray(directions)).ravel()
         return np.asarray(self._matrix[place[:, None], place])
 
-    def _fill(self, bands: Index, directions: Sequence[int]) -> None:
-        for direction in directions:
-            missing = [int(b) for b in bands if not self._filled[b, direction]]
-            unknown = [band for band in missing if not self._recall(band, direction)]
-            if unknown:
-                if self._body is None:
-                    self._body = self.body()
-                columns = self._body.respond(np.concatenate([self._nodes(b) for b in unknown]), direction)
-                self.columns_solved += len(columns)
-                for band, part in zip(unknown, columns.reshape(len(unknown), self.shape[0], -1), strict=True):
-                    store(self._name(band, direction), {"columns": part})
-                    self._keep(band, direction, part)
+    def _fill(self, nodes: Index, direction: int) -> None:
+        row, line = np.divmod(nodes, self.shape[1])
+        missing = sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
+        unknown = [tile for tile in missing if not self._recall(tile, direction)]
+        if unknown:
+            if self._body is None:
+                self._body = self.body()
+            members = [self._nodes(tile) for tile in unknown]
+            columns = self._body.respond(np.concatenate(members), direction)
+            self.columns_solved += len(columns)
+            ends = np.cumsum([len(m) for m in members])[:-1]
+            for tile, part in zip(unknown, np.split(columns.reshape(len(columns), -1), ends), strict=True):
+                store(self._name(tile, direction), {"columns": part})
+                self._keep(tile, direction, part)
 
-    def _nodes(self, band: int) -> Index:
-        return np.arange(self.shape[0]) * self.shape[1] + band
+    def _nodes(self, tile: tuple[int, int]) -> Index:
+        first = tile[0] * TILE
+        return np.arange(first, min(first + TILE, self.shape[0])) * self.shape[1] + tile[1]
 
-    def _name(self, band: int, direction: int) -> str:
-        return f"compliance/{self.key}/{band:04d}{'xyz'[direction]}"
+    def _name(self, tile: tuple[int, int], direction: int) -> str:
+        return f"compliance/{self.key}/{tile[0]:03d}-{tile[1]:04d}{'xyz'[direction]}"
 
-    def _recall(self, band: int, direction: int) -> bool:
-        found = load(self._name(band, direction))
+    def _recall(self, tile: tuple[int, int], direction: int) -> bool:
+        found = load(self._name(tile, direction))
         columns = None if found is None else found.get("columns")
-        if columns is None or columns.shape != (self.shape[0], len(self._matrix)):
+        if columns is None or columns.shape != (len(self._nodes(tile)), len(self._matrix)):
             return False
-        self._keep(band, direction, columns)
+        self._keep(tile, direction, columns)
         return True
 
-    def _keep(self, band: int, direction: int, columns: Array) -> None:
-        self._matrix[3 * self._nodes(band) + direction] = columns * self.scale
-        self._filled[band, direction] = True
+    def _keep(self, tile: tuple[int, int], direction: int, columns: Array) -> None:
+        nodes = self._nodes(tile)
+        self._matrix[3 * nodes + direction] = columns * self.scale
+        self._filled[nodes, direction] = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -118,7 +119,12 @@ def _solved(scene: HertzScene | WheelsetScene, name: Path) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Entry point."""
+    """Entry point.
+
+    One BLAS thread unless the environment says otherwise: the dense blocks are small, threads that wait cost more.
+    """
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     app()
 
 

@@ -33,8 +33,8 @@ def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) 
         "laws": scene.laws,
         "friction": scene.friction,
         "surface_size": scene.surface_size,
-        "stiffness_per_area": scene.stiffness_per_area,
-        "regularisation": scene.regularisation,
+        "stiffness_per_area": scene.stiffness_per_area if scene.laws == "paper" else None,
+        "regularisation": scene.regularisation if scene.laws == "paper" else 0.0,
         **sides,
     }
 

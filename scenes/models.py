@@ -13,9 +13,11 @@ if TYPE_CHECKING:
 
 
 def laws(scene: HertzScene | WheelsetScene | RunScene) -> Laws:
-    """Penalty pressure and regularised Coulomb friction with the scene's constants."""
+    """Penalty pressure and regularised Coulomb friction with the scene's constants, or the exact laws."""
     from contact.laws import Laws
 
+    if scene.laws == "exact":
+        return Laws(stiffness_per_area=float("inf"), friction=scene.friction, regularisation=0.0)
     return Laws(
         stiffness_per_area=scene.stiffness_per_area, friction=scene.friction, regularisation=scene.regularisation
     )

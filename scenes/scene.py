@@ -14,10 +14,14 @@ from scenes.sections import Axle, Body, Output, Profiles, Sides, Solver, Table, 
 
 
 class Contact(Table):
-    """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip."""
+    """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip.
+
+    laws: "paper" is the penalty pressure and the regularised Coulomb friction with the constants given; "exact" is
+    their limit, no penetration and Coulomb's law itself, and takes no constants.
+    """
 
     model: Literal["condensed", "full"] = "condensed"
-    laws: Literal["paper"] = "paper"
+    laws: Literal["paper", "exact"] = "paper"
     friction: q.Friction
     surface_size: q.SurfaceSize
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
@@ -25,6 +29,16 @@ class Contact(Table):
     slip_order: Literal[1, 2] = 2
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
+
+    @model_validator(mode="after")
+    def _lawful(self) -> Contact:
+        if self.laws == "exact":
+            if self.model == "full":
+                raise q.refuse('"paper" with model = "full", whose law needs a penalty', "laws")
+            for key in ("stiffness_per_area", "regularisation"):
+                if key in self.model_fields_set:
+                    raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
+        return self
 
 
 class HertzScene(Contact):

@@ -110,7 +110,19 @@ MALFORMED = [
     (HERTZ, "surface_size = 0.5e-3", "surface_size = 0.5", ("surface_size = 0.5", "5e-05 to 0.01 m", "0.5e-3")),
     (HERTZ, "surface_size = 0.5e-3", "surface_size = 1e-6", ("surface_size = 1e-06",)),
     (HERTZ, 'model = "condensed"', 'model = "condense"', ('model = "condense"', '"condensed" or "full"')),
-    (HERTZ, 'laws = "paper"', 'laws = "exact"', ('laws = "exact"', '"paper"')),
+    (HERTZ, 'laws = "paper"', 'laws = "hertz"', ('laws = "hertz"', '"paper"', '"exact"')),
+    (
+        HERTZ,
+        'model = "condensed"            # or "full"\nlaws = "paper"',
+        'model = "full"\nlaws = "exact"',
+        ('laws = "exact"', '"paper"', '"full"'),
+    ),
+    (
+        HERTZ,
+        'laws = "paper"',
+        'laws = "exact"\nregularisation = 1e-5',
+        ("regularisation = 1e-05", 'laws = "paper"'),
+    ),
     (HERTZ, "radii = [0.46, 0.3]", "radii = [0.46, 0.0]", ("upper.radii[1] = 0.0", "inf is straight")),
     (HERTZ, "radii = [0.46, 0.3]", "radii = [nan, 0.3]", ("upper.radii[0] = NaN",)),
     (
