@@ -90,8 +90,10 @@ def summarise(points: ContactPoints, inside: Mask, *, forces: Array, pressure: A
     )
     along = points.point[inside, 0] - x
     across = points.wheel_place[inside, 0] - wheel_s
+    # a point stands for the part of the surface around it
+    half = 0.5 * area / points.step[inside] * np.abs(points.axes[inside, 2, 2])
     wheel_band, rail_band = (
-        (float(place[inside, 1].min()), float(place[inside, 1].max()))
+        (float((place[inside, 1] - half).min()), float((place[inside, 1] + half).max()))
         for place in (points.wheel_place, points.rail_place)
     )
     return Patch(

@@ -17,13 +17,14 @@ RECENT = tuple(int(part) for part in dolfinx.__version__.split(".")[:2]) >= (0, 
 
 
 def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: NDArray[Any], points: NDArray[Any]) -> Any:
-    """Mesh of straight cells from connectivity (m, k) and points (n, 3) m."""
+    """Mesh of straight cells from connectivity (m, k) and points (n, 2) or (n, 3) m."""
+    dim = points.shape[1]
     if OLD:
-        domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=3), 1))
+        domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=dim), 1))
     else:
         import basix.ufl
 
-        domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(3,)))
+        domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
     cells = np.ascontiguousarray(cells, dtype=np.int64)
     points = np.ascontiguousarray(points, dtype=np.float64)
     if RECENT:
@@ -55,3 +56,11 @@ def create_vector(form: Any) -> Any:
 def newton_base() -> Any:
     """The C++ NewtonSolver that takes callbacks on PETSc objects (0.5 to 0.11)."""
     return dolfinx.cpp.nls.petsc.NewtonSolver
+
+
+def assemble_csr(form: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+    """Row pointers, columns and values of an assembled square matrix without boundary conditions."""
+    matrix = fem.petsc.assemble_matrix(form)
+    matrix.assemble()
+    pointer, columns, values = matrix.getValuesCSR()
+    return pointer, columns, values

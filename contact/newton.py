@@ -1,0 +1,158 @@
+"""dolfinx's NewtonSolver on the problem of eq. (12): BiCGStab, forcing term, Armijo, regularisation in steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from contact.full_problem import Problem
+from contact.jacobian import Corrected, Jacobian, Product
+from contact.pose import Array
+from forms import compat
+
+Preconditioner = Literal["corrected", "cholesky", "icc"]
+LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
+ROUGH = 1e-2  # relative residual that is enough on the way
+
+
+@dataclass(frozen=True)
+class FullOptions:
+    """tolerance: residual force over contact force; forcing: eq. (18); jacobian: exact product or finite difference
+    (20); preconditioner from the elastic stiffness (19): its complete or incomplete Cholesky factor, or the complete
+    one corrected for the contact's tangent, see `contact.jacobian.Corrected`; armijo: halvings of a step.
+    """
+
+    tolerance: float = 1e-9
+    iterations: int = 50
+    forcing: float = 0.01
+    jacobian: Jacobian = "exact"
+    preconditioner: Preconditioner = "corrected"
+    armijo: int = 12
+
+
+@dataclass
+class Count:
+    newton: int = 0
+    linear: int = 0
+    failed_linear: int = 0
+    backtracks: int = 0
+
+
+class Newton(compat.newton_base()):  # type: ignore[misc]
+    """dolfinx's NewtonSolver for a changing `Problem`, with Armijo backtracking and a check of every linear solve."""
+
+    def __init__(self, stiffness: Any, options: FullOptions) -> None:
+        super().__init__(MPI.COMM_SELF)
+        self.options, self.stiffness = options, stiffness
+        self.problem: Problem | None = None
+        self.count = Count()
+        size = stiffness.getSize()[0]
+        self._b, self._work = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
+        self._last: Array | None = None
+        self._contact = 0.0  # norm of the contact forces: what a residual is measured by
+        self._product = Product(stiffness)
+        jacobian = PETSc.Mat().createPython([size, size], self._product, comm=PETSc.COMM_SELF)
+        jacobian.setUp()
+        self.setF(self._residual, self._b)
+        self.setJ(self._linearise, jacobian)
+        self.setP(lambda x, P: None, stiffness)
+        self.set_form(lambda x: None)
+        self.set_update(self._update)
+        krylov = self.krylov_solver
+        krylov.setOperators(jacobian, stiffness)
+        krylov.setType("bcgs")
+        krylov.setTolerances(rtol=options.forcing, atol=1e-300, max_it=500)
+        pc = krylov.getPC()
+        self._corrected = Corrected(stiffness) if options.preconditioner == "corrected" else None
+        if self._corrected is not None:
+            pc.setType("python")
+            pc.setPythonContext(self._corrected)
+        else:
+            pc.setType(options.preconditioner)
+            if options.preconditioner == "cholesky":
+                pc.setFactorSolverType("cholmod")
+        pc.setReusePreconditioner(True)
+        self.convergence_criterion = "residual"
+        self.rtol = 0.0
+        self.max_it = options.iterations
+        self.error_on_nonconvergence = False
+        self.report = False
+
+    def run(self, problem: Problem, *, warm: bool = False) -> tuple[Array, str, float, Count]:
+        """Displacements, status, relative residual and cost; warm starts from the displacements of the last solve.
+
+        From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
+        wanders, from the blunter law's answer it does not.
+        """
+        self.problem, self.count = problem, Count()
+        if self._corrected is not None:
+            self._corrected.prepare(problem)
+        law = problem.law
+        sharp = law.laws.regularisation
+        blunt = [sharp * k for k in LEVELS] if law.components == 3 else []
+        x = PETSc.Vec().createSeq(self.stiffness.getSize()[0])
+        relative = np.inf
+        if warm and self._last is not None:
+            x.array[:] = self._last
+            relative = self._sharpen(x, [sharp], sharp)
+        if not relative <= self.options.tolerance:
+            x.set(0.0)
+            relative = self._sharpen(x, [*blunt, sharp], sharp)
+        status = "converged"
+        if not relative <= self.options.tolerance:
+            status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
+            if self.count.failed_linear:
+                status += f", {self.count.failed_linear} linear solves without convergence"
+        else:
+            self._last = x.array_r.copy()
+        return x.array_r.copy(), status, relative, self.count
+
+    def _sharpen(self, x: Any, levels: list[float], sharp: float) -> float:
+        """Newton at each regularisation in turn, from and into x; the last relative residual."""
+        assert self.problem is not None
+        relative = np.inf
+        for level in levels:
+            self.problem.law.regularisation = level
+            tolerance = self.options.tolerance if level == sharp else ROUGH
+            for _ in range(4):  # the norm of the contact forces, unknown at first, sets the absolute tolerance
+                relative = float(np.linalg.norm(self._evaluate(x))) / max(self._contact, 1e-300)
+                if relative <= tolerance:
+                    break
+                self.atol = 0.5 * tolerance * self._contact
+                self.solve(x)
+        return relative
+
+    def _evaluate(self, x: Any) -> Array:
+        """F(U) = K U - B^T T."""
+        assert self.problem is not None
+        self.stiffness.mult(x, self._work)
+        force = self.problem.contact_forces(x.array_r)
+        self._contact = float(np.linalg.norm(force))
+        return np.asarray(self._work.array_r - force)
+
+    def _residual(self, x: Any, b: Any) -> None:
+        b.array[:] = self._evaluate(x)
+
+    def _linearise(self, x: Any, _: Any) -> None:
+        assert self.problem is not None
+        self._product.at(self.problem, x.array_r.copy(), self.options.jacobian)
+        if self._corrected is not None:
+            self._corrected.correct(self.problem.tangent(x.array_r))
+
+    def _update(self, _: Any, step: Any, x: Any) -> None:
+        self.count.newton += 1
+        self.count.linear += self.krylov_solver.getIterationNumber()
+        # dolfinx goes on after a failed linear solve: count it, let Armijo judge the step
+        self.count.failed_linear += self.krylov_solver.getConvergedReason() < 0
+        old, before = x.array_r.copy(), float(np.linalg.norm(self._b.array_r))
+        damping = 1.0
+        for _ in range(self.options.armijo):
+            x.array[:] = old - damping * step.array_r
+            if np.linalg.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * before:
+                break
+            damping /= 2
+            self.count.backtracks += 1

@@ -1,0 +1,97 @@
+"""A clamped body invariant along x or in angle: stiffness of its cross-section as a function of the wavenumber."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+from scipy.spatial import cKDTree
+
+from contact.dissection import Dissection, dissect
+from contact.laws import Steel
+from contact.pose import Array, Nodes
+from forms import compat
+from forms.elasticity import lame
+from forms.waveguide import wavenumber_forms
+from meshes.triangulate import SectionMesh
+
+
+class Section:
+    """K(k) = A0 + k A1 + k^2 A2 of a triangulated section, displacements of degree 1 or 2.
+
+    radius [m]: the section's coordinates are (y, r), the body is one of revolution, and k = n / radius is the
+    wavenumber on the circle of that radius; None: (y, z) and prismatic.
+    """
+
+    def __init__(self, mesh: SectionMesh, steel: Steel, *, degree: int = 1, radius: float | None = None) -> None:
+        self.section, self.steel, self.degree, self.radius = mesh, steel, degree, radius
+        self.mesh = compat.mesh_from_arrays(MPI.COMM_SELF, "triangle", mesh.cells, mesh.points)
+        self.space = compat.space(self.mesh, degree)
+        self.points: Array = self.space.tabulate_dof_coordinates()[:, :2]
+        self._tree = cKDTree(self.points)
+
+    @cached_property
+    def surface(self) -> Nodes:
+        """Displacement nodes of the contact surface in order, middles of edges included for degree 2."""
+        return self.nodes(surface_points(self.section, self.degree))
+
+    def nodes(self, places: Array) -> Nodes:
+        """Displacement nodes at places (m, 2) m."""
+        distance, nodes = self._tree.query(places)
+        if distance.max() > 1e-9 * np.ptp(self.points, axis=0).max():
+            raise RuntimeError("a point of the contact surface is not a node of the displacement space")
+        return np.asarray(nodes, dtype=np.int64)
+
+    @cached_property
+    def fixed(self) -> Nodes:
+        """Displacement nodes of the clamped boundary."""
+        from dolfinx import mesh as dmesh
+
+        corners = cKDTree(self.section.points)
+        clamped = self.section.clamped
+        facets = dmesh.locate_entities_boundary(self.mesh, 1, lambda x: clamped[corners.query(x[:2].T)[1]])
+        return np.asarray(fem.locate_dofs_topological(self.space, 1, facets), dtype=np.int64)
+
+    @cached_property
+    def matrices(self) -> tuple[Array, Array, tuple[Array, Array, Array]]:
+        """Row pointers and columns that the three matrices share, and the values of A0, A1, A2."""
+        U, V = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+        r = None if self.radius is None else ufl.SpatialCoordinate(self.mesh)[1]
+        λ, μ = (fem.Constant(self.mesh, value) for value in lame(self.steel.E, self.steel.nu))
+        found: list[tuple[Array, Array, Array]] = []
+        for form in wavenumber_forms(U, V, λ, μ, radius=r, degree=self.degree):
+            found.append(compat.assemble_csr(fem.form(form)))
+        pointer, columns = found[0][:2]
+        return pointer, columns, (found[0][2], found[1][2], found[2][2])
+
+    @cached_property
+    def dissection(self) -> Dissection:
+        """Order of elimination that leaves the contact surface, the same for every wavenumber."""
+        pointer, columns, _ = self.matrices
+        return dissect(pointer, columns, self.points, kept=self.surface, fixed=self.fixed)
+
+    def stiffness(self, k: float) -> Array:
+        """Values of K(k) in the common sparsity, per unit length, or per unit angle."""
+        A0, A1, A2 = self.matrices[2]
+        k = k * (self.radius or 1.0)
+        return np.asarray(A0 + k * A1 + k * k * A2)
+
+    def flexibility(self, k: float) -> Array:
+        """H(k) (3 ns, 3 ns) [m2/N], displacement amplitudes of the surface nodes by harmonic line loads on them.
+
+        On a body of revolution the load per unit length is counted on the circle of the radius.
+        """
+        return self.dissection.flexibility(self.stiffness(k)) * (self.radius or 1.0)
+
+
+def surface_points(mesh: SectionMesh, degree: int) -> Array:
+    """Nodes of the contact surface (ns, 2) m for displacements of the degree, in order."""
+    corner = mesh.points[mesh.surface]
+    if degree == 1:
+        return corner
+    out = np.empty((2 * len(corner) - 1, 2))
+    out[::2], out[1::2] = corner, 0.5 * (corner[1:] + corner[:-1])
+    return out

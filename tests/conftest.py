@@ -1,0 +1,39 @@
+"""One thread, quiet compilers, and a cache of their own for all tests."""
+
+from __future__ import annotations
+
+import os
+
+# Before NumPy is imported. One thread per process, like the two commands of the Makefile.
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[_name] = "1"
+
+import logging
+import shutil
+import tempfile
+from collections.abc import Iterator
+
+import pytest
+
+# dolfinx compiles its forms through distutils, which reports every command to the root logger.
+for _logger in ("FFCX", "UFL", "distutils"):
+    logging.getLogger(_logger).setLevel(logging.ERROR)
+logging.getLogger().setLevel(logging.WARNING)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache() -> Iterator[str]:
+    """A cache that starts empty and goes with the session, for this process and those that it starts.
+
+    $WHEELRAIL_TEST_CACHE keeps one from run to run instead.
+    """
+    before, kept = os.environ.get("WHEELRAIL_CACHE"), os.environ.get("WHEELRAIL_TEST_CACHE")
+    folder = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
+    os.environ["WHEELRAIL_CACHE"] = folder
+    yield folder
+    if before is None:
+        del os.environ["WHEELRAIL_CACHE"]
+    else:
+        os.environ["WHEELRAIL_CACHE"] = before
+    if not kept:
+        shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,109 @@
+"""Pairs of small blocks, each mesh, stiffness and compliance made once per session."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from contact.body import ElasticBody
+from contact.compliance import SurfaceCompliance
+from contact.condensed import Condensed
+from contact.full import Full, FullOptions
+from contact.grid import ContactGrid
+from contact.laws import Laws, Steel
+from contact.pose import Motion, Twist
+from contact.quadrics import Quadrics
+from meshes.bodies import block
+from meshes.cache import digest
+from meshes.solids import Cell, Solid
+from meshes.triangulate import Grading
+
+E, NU = 210e9, 0.3
+STEEL = Steel(E, NU)
+FLAT = (np.inf, np.inf)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Mesh of a block, lengths in cells of its strip; see `meshes.bodies.block`."""
+
+    half_cells: tuple[int, int]
+    half_width: float
+    cell: Cell = "tetrahedron"
+    degree: int = 1
+    growth: float = 0.2
+    first: float = 0.5
+
+
+SMALL = Block((6, 5), 14.0, growth=0.5)
+SMALL_BRICKS = Block((6, 6), 14.0, "hexahedron", growth=0.9, first=1.0)
+SMALL_QUADRATIC = Block((3, 2), 6.0, degree=2, growth=1.0, first=1.0)
+
+
+@cache
+def solid(mesh: Block) -> tuple[Solid, str]:
+    """Mesh with cells of 1 m, and its key."""
+    grading = Grading(mesh.first, mesh.growth)
+    return block(mesh.half_cells, half_width=mesh.half_width, cell=mesh.cell, grading=grading)
+
+
+@cache
+def elastic(mesh: Block, steel: Steel, size: float) -> ElasticBody:
+    """Body with cells of a size [m]."""
+    scaled = solid(mesh)[0].mapped(lambda points: points * size)
+    return ElasticBody(scaled, steel, degree=mesh.degree)
+
+
+def compliance(mesh: Block, steel: Steel, size: float) -> SurfaceCompliance:
+    """Compliance for cells of a size [m]; bodies of all sizes and moduli share the solves for unit size and modulus."""
+    unit = Steel(1.0, steel.nu)
+    shape = ContactGrid.on(solid(mesh)[0], mesh.degree).shape
+    key = digest(mesh=solid(mesh)[1], nu=steel.nu, degree=mesh.degree)
+    return SurfaceCompliance(key, shape, lambda: elastic(mesh, unit, 1.0), scale=1 / (steel.E * size))
+
+
+def quadrics(mesh: Block, upper: tuple[float, float], lower: tuple[float, float], size: float) -> Quadrics:
+    grid = ContactGrid.on(solid(mesh)[0], mesh.degree)
+    return Quadrics(ContactGrid(grid.position * size, grid.weight * size**2, grid.stride), upper, lower)
+
+
+def condensed(
+    mesh: Block,
+    upper: tuple[float, float],
+    lower: tuple[float, float] = FLAT,
+    *,
+    size: float,
+    laws: Laws,
+    steels: tuple[Steel, Steel] = (STEEL, STEEL),
+    order: int = 2,
+) -> Condensed:
+    first, second = (compliance(mesh, steel, size) for steel in steels)
+    return Condensed(quadrics(mesh, upper, lower, size), first, second, laws, order=order)
+
+
+def full(
+    mesh: Block,
+    upper: tuple[float, float],
+    lower: tuple[float, float] = FLAT,
+    *,
+    size: float,
+    laws: Laws,
+    steels: tuple[Steel, Steel] = (STEEL, STEEL),
+    order: int = 2,
+    options: FullOptions | None = None,
+) -> Full:
+    bodies = [elastic(mesh, steel, size) for steel in steels]
+    geometry = quadrics(mesh, upper, lower, size)
+    return Full(geometry, bodies[0], bodies[1], laws, order=order, options=options or FullOptions())
+
+
+def rolling(xi: float, eta: float, spin: float, *, speed: float = 10.0) -> Motion:
+    """Upper on lower body, rolling in +x at a speed [m/s] with creepages and spin [1/m]."""
+    flow, slip = np.array([-speed, 0.0, 0.0]), 0.5 * speed * np.array([xi, eta, 0.0])
+    turn, origin = 0.5 * speed * np.array([0.0, 0.0, spin]), np.zeros(3)
+    return Motion(Twist(flow + slip, turn, origin), Twist(flow - slip, -turn, origin))
+
+
+AT_REST = Motion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)) for _ in range(2)))
