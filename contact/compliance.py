@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -19,6 +19,17 @@ from meshes.cache import load, store
 if TYPE_CHECKING:
     from contact.body import ElasticBody
     from meshes.triangulate import Index
+
+
+class Compliance(Protocol):
+    """Compliance of a body at an (nx, ns) grid of its surface."""
+
+    @property
+    def shape(self) -> tuple[int, int]: ...
+
+    def block(self, nodes: Index, directions: Sequence[int] = ...) -> Array:
+        """Symmetric compliance (d n, d n) [m/N] between grid nodes (n,) along the given axes, node by node."""
+
 
 ALL: tuple[int, int, int] = (0, 1, 2)
 TILE = 8  # nodes along x: patches on the tread are half as long as the strip, which must hold those on the flange

@@ -7,7 +7,7 @@ from time import perf_counter
 
 import numpy as np
 
-from contact.compliance import SurfaceCompliance
+from contact.compliance import Compliance
 from contact.kinematics import NotRolling, creepage
 from contact.laws import Laws
 from contact.patches import outcome
@@ -26,8 +26,8 @@ class Condensed:
     """
 
     geometry: Geometry
-    wheel: SurfaceCompliance
-    rail: SurfaceCompliance
+    wheel: Compliance
+    rail: Compliance
     laws: Laws
     order: int = 2
     options: NewtonOptions = field(default_factory=NewtonOptions)
@@ -97,7 +97,7 @@ class Condensed:
         )
 
 
-def condense(coupling: Coupling, compliance: SurfaceCompliance) -> tuple[Array, Array]:
+def condense(coupling: Coupling, compliance: Compliance) -> tuple[Array, Array]:
     """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by
     component.
     """

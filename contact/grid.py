@@ -30,39 +30,50 @@ class ContactGrid:
     @classmethod
     def on(cls, solid: Solid, degree: int) -> ContactGrid:
         """Grid of the strip of a mesh for displacements of the given degree (1 or 2)."""
-        vertex = solid.points[solid.grid]
-        triangles = solid.cell == "tetrahedron"
-        low, high, low_next, high_next = vertex[:-1, :-1], vertex[:-1, 1:], vertex[1:, :-1], vertex[1:, 1:]
-        lower = 0.5 * np.linalg.norm(np.cross(high - low, high_next - low), axis=2)  # holds the edge along the profile
-        upper = 0.5 * np.linalg.norm(np.cross(low_next - low, high_next - low), axis=2)
-        nx, ns = vertex.shape[:2]
-        if degree == 1:
-            weight = np.zeros((nx, ns))
-            parts = (
-                (2 * lower + 2 * upper, 2 * lower, 2 * upper, 2 * lower + 2 * upper)
-                if triangles
-                else (1.5 * (lower + upper),) * 4
-            )
-            for (i, j), part in zip(((0, 0), (0, 1), (1, 0), (1, 1)), parts, strict=True):
-                weight[i : nx - 1 + i, j : ns - 1 + j] += part / 6
-            return cls(vertex, weight, 1)
-        position = np.empty((2 * nx - 1, 2 * ns - 1, 3))
-        position[::2, ::2] = vertex
-        position[1::2, ::2] = 0.5 * (vertex[1:] + vertex[:-1])
-        position[::2, 1::2] = 0.5 * (vertex[:, 1:] + vertex[:, :-1])
-        position[1::2, 1::2] = 0.5 * (low + high_next) if triangles else 0.25 * (low + high + low_next + high_next)
-        weight = np.zeros(position.shape[:2])
-        if triangles:
-            weight[1::2, 1::2] = (lower + upper) / 3
-            weight[::2, 1::2][:-1] += lower / 3
-            weight[::2, 1::2][1:] += upper / 3
-            weight[1::2, ::2][:, :-1] += upper / 3
-            weight[1::2, ::2][:, 1:] += lower / 3
-            # lower holds the profile edge of its first row, upper that of the next one: see `meshes.solids.extruded`
-            return cls(position, weight, 2)
-        area = lower + upper
-        simpson = np.array([1.0, 4.0, 1.0]) / 6
-        for i in range(3):
-            for j in range(3):
-                weight[i : i + 2 * nx - 2 : 2, j : j + 2 * ns - 2 : 2] += simpson[i] * simpson[j] * area
-        return cls(position, weight, 1)
+        nx, ns = ((n - 1) * degree + 1 for n in solid.grid.shape)
+        # grid coordinates of the faces' corners, doubled for degree 2: the middle of two corners is half their sum
+        place = np.zeros((len(solid.points), 2), dtype=np.int64)
+        place[solid.grid] = degree * np.moveaxis(np.indices(solid.grid.shape), 0, -1)
+        corner, point = place[solid.faces], solid.points[solid.faces]
+        rule = RULES[solid.faces.shape[1], degree]
+        nodes = np.einsum("kc,fcd->fkd", rule.corners, corner).round().astype(np.int64)
+        position, weight = np.empty((nx, ns, 3)), np.zeros((nx, ns))
+        position[nodes[..., 0], nodes[..., 1]] = np.einsum("kc,fcd->fkd", rule.corners, point)
+        if degree == 2:  # corners, too, where the rule leaves them out
+            position[::2, ::2] = solid.points[solid.grid]
+        area = _area(point)
+        np.add.at(weight, (nodes[..., 0], nodes[..., 1]), area[:, None] * rule.weights)
+        return cls(position, weight, 2 if rule.weights.size == 3 and degree == 2 else 1)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Quadrature on a face whose points are displacement nodes: their shares of the corners; weights that add to 1."""
+
+    corners: Array
+    weights: Array
+
+
+def _tensor(values: Array, weights: Array) -> Rule:
+    """Rule on a quadrilateral from one on a line, corners in the order of dolfinx."""
+    ends = np.stack([1 - values, values])
+    return Rule(np.einsum("xa,yb->abxy", ends, ends).reshape(len(values) ** 2, 4), np.outer(weights, weights).ravel())
+
+
+# by corners of the face and degree of the displacements; exact for the shape functions
+RULES: dict[tuple[int, int], Rule] = {
+    (3, 1): Rule(np.eye(3), np.full(3, 1 / 3)),
+    (3, 2): Rule(np.array([[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]]), np.full(3, 1 / 3)),
+    (4, 1): _tensor(np.array([0.0, 1.0]), np.array([0.5, 0.5])),
+    (4, 2): _tensor(np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6),
+}
+
+
+def _area(corners: Array) -> Array:
+    """Area (f,) m2 of faces with corners (f, 3 or 4, 3) m."""
+
+    def triangle(a: Array, b: Array, c: Array) -> Array:
+        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+
+    total = triangle(corners[:, 0], corners[:, 1], corners[:, 2])
+    return total if corners.shape[1] == 3 else total + triangle(corners[:, 1], corners[:, 2], corners[:, 3])

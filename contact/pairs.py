@@ -13,6 +13,8 @@ from contact.grid import ContactGrid
 from contact.laws import Laws, Steel
 from contact.quadrics import Quadrics, curvature
 from contact.references.hertz import hertz, modulus
+from contact.waveguide import WaveguideCompliance
+from contact.waveguides import block_waveguide, rail_waveguide, wheel_waveguide
 from contact.wheelrail import WheelRail
 from contact.wheelset import ContactModel
 from meshes.bodies import block, rail, wheel
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from contact.body import ElasticBody
 
 Model = Literal["condensed", "full"]
+Bodies = Literal["solid", "waveguide"]
 
 
 def elastic_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:
@@ -52,16 +55,19 @@ def hertz_pair(
     surface_size: float,
     laws: Laws,
     model: Model = "condensed",
-    degree: int = 1,
+    bodies: Bodies = "solid",
+    degree: int | None = None,
     cell: Cell = "tetrahedron",
     order: int = 2,
     **options: Any,
 ) -> ContactModel:
     """Two quadratic surfaces on large blocks, meshed for a load [N] or an approach [m] with some room to spare.
 
-    Blocks are 40 times as wide as the patch, so the compliance that they lack is about 1 % of the approach.
-    Raises ValueError for radii that do not touch in a point.
+    Blocks are 40 times as wide as the patch, so the compliance that they lack is about 1 % of the approach. bodies:
+    meshed solids, of displacements of degree 1 unless said otherwise, or endless blocks by wavenumbers (degree 2).
+    Raises ValueError for radii that do not touch in a point, and for a full model of endless blocks.
     """
+    _check(model, bodies)
     A, B = curvature(upper_radii) + curvature(lower_radii)
     E_star = modulus((upper_steel.E, upper_steel.nu), (lower_steel.E, lower_steel.nu))
     expected = hertz(A, B, E_star, force=load, approach=approach)
@@ -71,6 +77,15 @@ def hertz_pair(
     half_cells = (half[0] + steps, half[1])
     # in cells, and in coarse steps, so that one mesh and one compliance serve many scenes
     width = 2.0 ** np.ceil(np.log2(40 * max(expected.semi_axes) / surface_size))
+    if bodies == "waveguide":
+
+        def endless(steel: Steel) -> tuple[WaveguideCompliance, ContactGrid]:
+            return block_waveguide(half_cells, steel, size=surface_size, half_width=float(width), degree=degree or 2)
+
+        above, shared = endless(upper_steel)
+        below = above if lower_steel == upper_steel else endless(lower_steel)[0]
+        return Condensed(Quadrics(shared, upper_radii, lower_radii), above, below, laws, order=order, **options)
+    degree = degree or 1
     solid, key = block(half_cells, half_width=float(width), cell=cell)
     grid = ContactGrid.on(solid, degree)
     scaled = ContactGrid(grid.position * surface_size, grid.weight * surface_size**2, grid.stride)
@@ -102,15 +117,32 @@ def wheel_rail_pair(
     surface_size: float,
     laws: Laws,
     model: Model = "condensed",
-    degree: int = 1,
+    bodies: Bodies = "solid",
+    degree: int | None = None,
     cell: Cell = "tetrahedron",
     order: int = 2,
     **options: Any,
 ) -> ContactModel:
     """Left-hand pair of a wheel of nominal radius [m] and a rail as laid, on meshes of the surface size [m].
 
-    Raises ValueError for profiles that do not fit a wheel's or rail's section.
+    bodies: meshed solids, of displacements of degree 1 unless said otherwise, or an endless rail and a whole wheel by
+    wavenumbers (degree 2). Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full
+    model of endless bodies.
     """
+    _check(model, bodies)
+    if bodies == "waveguide":
+        order_of = degree or 2
+        above, wheel_grid, wheel_strip = wheel_waveguide(
+            wheel_outline(wheel_profile, radius), wheel_steel, size=surface_size, degree=order_of
+        )
+        below, rail_grid, rail_strip = rail_waveguide(
+            rail_outline(rail_profile), rail_steel, size=surface_size, degree=order_of
+        )
+        surfaces = WheelRail(
+            wheel_profile, rail_profile, radius, wheel_strip, rail_strip, wheel_grid, rail_grid, order_of, surface_size
+        )
+        return Condensed(surfaces, above, below, laws, order=order, **options)
+    degree = degree or 1
     wheel_solid, wheel_strip, wheel_key = wheel(wheel_outline(wheel_profile, radius), size=surface_size, cell=cell)
     outline = rail_outline(rail_profile, chord_error=min(0.5 * surface_size, 5e-4))
     rail_solid, rail_strip, rail_key = rail(outline, size=surface_size, cell=cell)
@@ -127,8 +159,10 @@ def wheel_rail_pair(
     if model == "full":
         from contact.full import Full
 
-        bodies = elastic_body(wheel_solid, wheel_steel, degree), elastic_body(rail_solid, rail_steel, degree)
-        return Full(geometry, bodies[0], bodies[1], laws, order=order, **options)
+        wheel_body, rail_body = (
+            elastic_body(s, steel, degree) for s, steel in ((wheel_solid, wheel_steel), (rail_solid, rail_steel))
+        )
+        return Full(geometry, wheel_body, rail_body, laws, order=order, **options)
     return Condensed(
         geometry,
         compliance(wheel_solid, wheel_key, wheel_steel, degree),
@@ -137,3 +171,8 @@ def wheel_rail_pair(
         order=order,
         **options,
     )
+
+
+def _check(model: Model, bodies: Bodies) -> None:
+    if model == "full" and bodies != "solid":
+        raise ValueError("the full model needs meshed solids")

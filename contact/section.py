@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
@@ -13,10 +14,15 @@ from scipy.spatial import cKDTree
 from contact.dissection import Dissection, dissect
 from contact.laws import Steel
 from contact.pose import Array, Nodes
+from contact.invariant_grid import surface_points
 from forms import compat
 from forms.elasticity import lame
 from forms.waveguide import wavenumber_forms
 from meshes.triangulate import SectionMesh
+
+
+# Integrals of an edge's quadratic shape functions (end, middle, end) over its first and its second half, unit length
+HALVES = np.array([[5, 8, -1], [-1, 8, 5]]) / 24
 
 
 class Section:
@@ -36,7 +42,7 @@ class Section:
     @cached_property
     def surface(self) -> Nodes:
         """Displacement nodes of the contact surface in order, middles of edges included for degree 2."""
-        return self.nodes(surface_points(self.section, self.degree))
+        return self.nodes(surface_points(self.section.points[self.section.surface], self.degree))
 
     def nodes(self, places: Array) -> Nodes:
         """Displacement nodes at places (m, 2) m."""
@@ -80,18 +86,24 @@ class Section:
         return np.asarray(A0 + k * A1 + k * k * A2)
 
     def flexibility(self, k: float) -> Array:
-        """H(k) (3 ns, 3 ns) [m2/N], displacement amplitudes of the surface nodes by harmonic line loads on them.
+        """H(k) (3 ns, 3 ns) [m2/N], displacement amplitudes at the surface's corners by harmonic line loads there.
 
-        On a body of revolution the load per unit length is counted on the circle of the radius.
+        On linear triangles loads and displacements are nodal. On quadratic ones loads are spread evenly halfway to the
+        neighbours and displacements averaged alike, as forces on single nodes would make corners and middles unlike. On
+        a body of revolution the load per unit length is counted on the circle of the radius.
         """
-        return self.dissection.flexibility(self.stiffness(k)) * (self.radius or 1.0)
+        H = self.dissection.flexibility(self.stiffness(k)) * (self.radius or 1.0)
+        if self.degree == 1:
+            return H
+        return np.asarray(self.cells @ (self.cells @ H).T)
 
-
-def surface_points(mesh: SectionMesh, degree: int) -> Array:
-    """Nodes of the contact surface (ns, 2) m for displacements of the degree, in order."""
-    corner = mesh.points[mesh.surface]
-    if degree == 1:
-        return corner
-    out = np.empty((2 * len(corner) - 1, 2))
-    out[::2], out[1::2] = corner, 0.5 * (corner[1:] + corner[:-1])
-    return out
+    @cached_property
+    def cells(self) -> sp.csr_array:
+        """Mean of a quadratic displacement over the cell around every corner of the surface."""
+        edge = np.hypot(*np.diff(self.section.points[self.section.surface], axis=0).T)
+        number = np.arange(len(edge))[:, None, None]
+        row, column = np.broadcast_arrays(number + np.arange(2)[:, None], 2 * number + np.arange(3))
+        share = edge[:, None, None] * HALVES
+        total = sp.coo_array((share.ravel(), (row.ravel(), column.ravel()))).tocsr()
+        mean = sp.diags(1 / np.asarray(total.sum(axis=1)).ravel()) @ total
+        return sp.csr_array(sp.kron(mean, sp.identity(3)))

@@ -12,22 +12,17 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
-from contact.grid import ContactGrid
+from contact.grid import RULES, ContactGrid
 from contact.laws import Laws
 from contact.pose import Array, Nodes
 from forms import compat
 from forms.traction import frictionless_traction, traction, virtual_work
 from meshes.solids import Solid
 
-# Rules whose points are the nodes that carry weight: exact for the shape functions, and the law acts node by node
-RULES: dict[tuple[str, int], tuple[list[list[float]], list[float]]] = {
-    ("triangle", 1): ([[0, 0], [1, 0], [0, 1]], [1 / 6] * 3),
-    ("triangle", 2): ([[0.5, 0.5], [0, 0.5], [0.5, 0]], [1 / 6] * 3),
-    ("quadrilateral", 1): ([[0, 0], [1, 0], [0, 1], [1, 1]], [1 / 4] * 4),
-    ("quadrilateral", 2): (
-        [[x, y] for y in (0, 0.5, 1) for x in (0, 0.5, 1)],
-        [a * b / 36 for b in (1, 4, 1) for a in (1, 4, 1)],
-    ),
+# Corners of the reference faces, and their areas
+REFERENCE: dict[int, tuple[list[list[float]], float]] = {
+    3: ([[0, 0], [1, 0], [0, 1]], 0.5),
+    4: ([[0, 0], [1, 0], [0, 1], [1, 1]], 1.0),
 }
 
 
@@ -51,15 +46,17 @@ class SurfaceLaw:
             for name, value in (("K", laws.stiffness_per_area), ("mu", laws.friction), ("eps", laws.regularisation))
         }
         self._eps = constant["eps"]
-        points, weights = RULES[cell, degree]
+        # the points are the nodes that carry weight: exact for the shape functions, and the law acts node by node
+        corners, area = REFERENCE[solid.faces.shape[1]]
+        rule = RULES[solid.faces.shape[1], degree]
         measure = ufl.Measure(
             "dx",
             domain=mesh,
             metadata={
                 "quadrature_rule": "custom",
                 "quadrature_degree": degree,
-                "quadrature_points": np.array(points, dtype=float),
-                "quadrature_weights": np.array(weights),
+                "quadrature_points": rule.corners @ np.array(corners, dtype=float),
+                "quadrature_weights": area * rule.weights,
             },
         )
         if self.components == 3:

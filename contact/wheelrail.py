@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.grid import ContactGrid
 from contact.points import ContactPoints, Interpolation, OutsideGrid
-from contact.pose import Array, Pose
+from contact.pose import Array, Nodes, Pose
 from meshes.bodies import Strip
 from meshes.profiles import Profile
 
@@ -22,7 +22,8 @@ from meshes.profiles import Profile
 class WheelRail:
     """Surfaces of a left-hand pair: profiles, strips that carry contact points, grids on them; radius of the wheel, m.
 
-    degree 1 or 2 of the displacements: a grid of quadratic displacements is twice as fine as its strip.
+    degree 1 or 2 of the displacements: a grid of quadratic displacements is twice as fine as its strip. step [m] along
+    the rolling direction, for bodies that are invariant along it (None: as across).
     """
 
     wheel: Profile
@@ -33,6 +34,7 @@ class WheelRail:
     wheel_grid: ContactGrid
     rail_grid: ContactGrid
     degree: int = 1
+    step: float | None = None
 
     @cached_property
     def arc(self) -> Array:
@@ -49,7 +51,8 @@ class WheelRail:
     def angle(self) -> Array:
         """Angle (nx,) of the wheel grid's rows about the axle, forward from straight below, rad."""
         count = self.wheel_grid.shape[0]
-        return np.asarray((np.arange(count) - count // 2) * self.wheel_strip.size / self.degree / self.radius)
+        step = self.step or self.wheel_strip.size / self.degree
+        return np.asarray((np.arange(count) - count // 2) * step / self.radius)
 
     @cached_property
     def surface(self) -> tuple[Array, Array]:
@@ -127,21 +130,23 @@ class WheelRail:
 
     def _on_rail(self, x: Array, s: Array) -> Interpolation:
         """Weights of the rail grid's nodes at x, s (m,), tensor products of linear or quadratic shape functions."""
-        count = self.rail_grid.shape
+        rows, lines = self.rail_grid.shape
         spacing = self.rail_strip.size / self.degree
-        parts = []
-        for value, start, size in ((x, -(count[0] // 2) * spacing, count[0]), (s, self.rail_strip.start, count[1])):
-            place = (value - start) / spacing
-            if place.min() < 0 or place.max() > size - 1:
-                raise OutsideGrid(
-                    "the wheel touches the rail beyond the part of its surface that carries contact points"
-                )
-            cell = np.minimum((place // self.degree).astype(np.int64) * self.degree, size - 1 - self.degree)
-            parts.append((cell, _shape(place - cell, self.degree)))
-        (i, wx), (j, ws) = parts
-        offset = np.arange(self.degree + 1)
-        nodes = (i[:, None, None] + offset[:, None]) * count[1] + j[:, None, None] + offset
+        step, linear = (self.step, 1) if self.step else (spacing, self.degree)
+        i, wx = _cells(x / step + rows // 2, rows, linear)
+        j, ws = _cells((s - self.rail_strip.start) / spacing, lines, self.degree)
+        nodes = (
+            (i[:, None, None] + np.arange(linear + 1)[:, None]) * lines + j[:, None, None] + np.arange(self.degree + 1)
+        )
         return Interpolation(nodes.reshape(len(x), -1), (wx[:, :, None] * ws[:, None, :]).reshape(len(x), -1))
+
+
+def _cells(place: Array, count: int, degree: int) -> tuple[Nodes, Array]:
+    """First node of the cells that hold places (m,) counted in nodes, and their shape functions (m, degree + 1)."""
+    if place.min() < 0 or place.max() > count - 1:
+        raise OutsideGrid("the wheel touches the rail beyond the part of its surface that carries contact points")
+    first = np.minimum((place // degree).astype(np.int64) * degree, count - 1 - degree)
+    return first, _shape(place - first, degree)
 
 
 def _shape(t: Array, degree: int) -> Array:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FORMAT = 1  # raise it when the meaning of stored arrays changes
+FORMAT = 2  # raise it when the meaning of stored arrays changes
 
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -10,9 +10,10 @@ import numpy as np
 from contact.body import ElasticBody
 from contact.compliance import SurfaceCompliance
 from contact.condensed import Condensed
-from contact.full import Full, FullOptions
+from contact.full import Full
 from contact.grid import ContactGrid
 from contact.laws import Laws, Steel
+from contact.newton import FullOptions
 from contact.pose import Motion, Twist
 from contact.quadrics import Quadrics
 from meshes.bodies import block
@@ -37,9 +38,11 @@ class Block:
     first: float = 0.5
 
 
-SMALL = Block((6, 5), 14.0, growth=0.5)
-SMALL_BRICKS = Block((6, 6), 14.0, "hexahedron", growth=0.9, first=1.0)
-SMALL_QUADRATIC = Block((3, 2), 6.0, degree=2, growth=1.0, first=1.0)
+# Coarse ones for all that does not depend on accuracy: equations, symmetries, agreement.
+TETRAHEDRA = Block((6, 4), 8.0, growth=1.0, first=1.0)
+BRICKS = Block((6, 4), 8.0, "hexahedron", growth=1.0, first=1.0)
+QUADRATIC = Block((4, 2), 5.0, degree=2, growth=1.0, first=1.0)
+QUADRATIC_BRICKS = Block((3, 2), 4.0, "hexahedron", degree=2, growth=1.5, first=1.5)
 
 
 @cache

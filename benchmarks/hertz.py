@@ -1,0 +1,149 @@
+"""Error beside time of the contact models on Hertz pairs, as Markdown tables."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import tempfile
+from collections.abc import Iterable, Sequence
+from itertools import product
+from time import perf_counter
+
+import numpy as np
+
+from benchmarks.hertz_pairs import (
+    CIRCULAR,
+    ELLIPTIC,
+    HEAVY,
+    Timed,
+    clocked,
+    creep_force,
+    errors,
+    rolling,
+    timed,
+)
+from benchmarks.machine import stated
+from contact.laws import Laws
+from contact.loading import hertz_pose
+from contact.pairs import Bodies, Model
+
+PENALTY, EXACT = 1e15, np.inf  # N/m3
+CREEPAGE, FRICTION = 1e-3, 0.3
+SLOPE_SIZES = (4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0)  # a staircase has its lucky sizes: a slope needs many
+FULL_SIZE = 5.0
+MODELS: tuple[Model, Model] = ("condensed", "full")
+BODIES: tuple[Bodies, Bodies] = ("solid", "waveguide")
+
+
+def heading(title: str, columns: str) -> None:
+    print(f"\n{title}\n\n| {columns} |\n|{'---|' * (columns.count('|') + 1)}")
+
+
+def percent(values: Iterable[float]) -> str:
+    return " | ".join(f"{100 * value:+.1f}" for value in values)
+
+
+def seconds(found: Timed) -> str:
+    cold = "shared" if found.cold is None else f"{found.cold:.1f}"
+    return f"{cold} | {found.cached:.2f} | {1e3 * found.solve:.1f}"
+
+
+def law_name(stiffness: float) -> str:
+    return "exact" if np.isinf(stiffness) else f"{stiffness:.0e}"
+
+
+def normal_table(sizes: Sequence[float]) -> None:
+    """Normal contact with and without penalty, and what the penalty itself leaves."""
+    heading(
+        "Normal contact at the given load, errors in % of Hertz",
+        "pair | bodies | K N/m3 | across | points | p0 | axis x | axis y | approach | cold s | cached s | solve ms",
+    )
+    cases = [(pair, across) for pair in (CIRCULAR, ELLIPTIC) for across in sizes]
+    for pair, across in [*cases, (HEAVY, max(sizes))]:
+        for bodies, stiffness in product(BODIES, (PENALTY, EXACT)):
+            found = timed(pair, across, Laws(stiffness, friction=0.0), rolling(0.0), bodies)
+            row = f"{across:g} | {found.points} | {percent(errors(pair, found))} | {seconds(found)}"
+            print(f"| {pair.name} | {bodies} | {law_name(stiffness)} | {row} |", flush=True)
+    heading("What the penalty itself leaves", "pair | p0 MPa | p0/K um | of the approach %")
+    for pair in (CIRCULAR, ELLIPTIC, HEAVY):
+        left = pair.exact.peak / PENALTY
+        row = f"{pair.exact.peak / 1e6:.0f} | {1e6 * left:.2f} | {100 * left / pair.exact.approach:.1f}"
+        print(f"| {pair.name} | {row} |")
+
+
+def slopes() -> None:
+    """Order of convergence: slope of log error over log size."""
+    across = ", ".join(f"{a:g}" for a in SLOPE_SIZES)
+    heading(
+        f"Fitted slope of error over size ({CIRCULAR.name}, exact law, {across} across)",
+        "bodies | p0 | axes (RMS of both)",
+    )
+    size = np.log([CIRCULAR.size(across) for across in SLOPE_SIZES])
+    for bodies in BODIES:
+        laws = Laws(EXACT, friction=0.0)
+        solved = (timed(CIRCULAR, across, laws, rolling(0.0), bodies) for across in SLOPE_SIZES)
+        found = np.array([errors(CIRCULAR, one) for one in solved])
+        axes = np.sqrt((found[:, 1:3] ** 2).mean(axis=1))
+        peak, semi = (float(np.polyfit(size, np.log(np.abs(error)), 1)[0]) for error in (found[:, 0], axes))
+        print(f"| {bodies} | {peak:.2f} | {semi:.2f} |", flush=True)
+
+
+def rolling_table(sizes: Sequence[float]) -> None:
+    """Creep force of the circular pair, the paper's laws and the exact ones."""
+    reference = creep_force(CIRCULAR, CREEPAGE, FRICTION)
+    heading(
+        f"Rolling ({CIRCULAR.name}), creepage {CREEPAGE:g}, friction {FRICTION:g}: CONTACT gives {reference:.0f} N",
+        "bodies | laws | across | points | creep force N | error % | lateral N | Newton | cold s | cached s | solve ms",
+    )
+    kinds = {"paper": Laws(PENALTY, FRICTION, 1e-5), "exact": Laws(EXACT, FRICTION, 0.0)}
+    for across, bodies, name in product(sizes, BODIES, kinds):
+        found = timed(CIRCULAR, across, kinds[name], rolling(CREEPAGE), bodies)
+        along, lateral = found.patch.tangential_force
+        row = f"{across:g} | {found.points} | {-along:.0f} | {percent([-along / reference - 1])} | {lateral:.1f}"
+        print(f"| {bodies} | {name} | {row} | {found.result.statistics.newton} | {seconds(found)} |", flush=True)
+
+
+def full_table() -> None:
+    """All displacements beside condensed on the same mesh and law."""
+    heading(
+        f"Full beside condensed ({CIRCULAR.name}, {FULL_SIZE:g} across, the paper's laws, Hertz's approach)",
+        "friction | model | normal N | creep force N | peak MPa | Newton | linear | cold s | solve s",
+    )
+    pose, motion = hertz_pose(CIRCULAR.exact.approach), rolling(CREEPAGE)
+    differences = []
+    for friction in (0.0, FRICTION):
+        values = []
+        for name in MODELS:
+            model = CIRCULAR.model(FULL_SIZE, Laws(PENALTY, friction), model=name)
+            (cold, _), (again, result) = (clocked(lambda m=model: m(pose, motion, None)) for _ in range(2))  # type: ignore[misc]
+            count, peak = result.statistics, result.patches[0].max_pressure
+            values.append(np.append(result.force, peak))
+            row = f"{result.force[2]:.5f} | {-result.force[0]:.5f} | {peak / 1e6:.6f} | {count.newton} | {count.linear}"
+            print(f"| {friction:g} | {name} | {row} | {cold:.2f} | {again:.3g} |", flush=True)
+        force = np.linalg.norm(values[1][:3] - values[0][:3]) / np.linalg.norm(values[0][:3])
+        differences.append(f"friction {friction:g}: force {force:.0e}, peak {abs(values[1][3] / values[0][3] - 1):.0e}")
+    print(f"\nRelative difference of both, {'; '.join(differences)}.")
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.hertz", description=__doc__)
+    parser.add_argument("--sizes", type=float, nargs="+", default=[5.0, 8.0, 12.0], help="points across the short axis")
+    sizes = parser.parse_args().sizes
+    logging.disable(logging.WARNING)  # UFL's and FFCx's notes on quadrature would fall into the tables
+    print(stated(), flush=True)
+    began = perf_counter()
+    with tempfile.TemporaryDirectory() as cache:
+        os.environ["WHEELRAIL_CACHE"] = cache  # empty, so that cold is cold
+        first, _ = clocked(lambda: CIRCULAR.model(3.0, Laws(friction=0.0))(hertz_pose(2e-5), rolling(0.0), None))
+        print(f"First solve of all, with imports and the compilation of forms: {first:.1f} s", flush=True)
+        normal_table(sizes)
+        slopes()
+        rolling_table(sizes)
+        full_table()
+    print(f"\n{perf_counter() - began:.0f} s in all")
+
+
+if __name__ == "__main__":
+    main()
