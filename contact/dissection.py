@@ -133,7 +133,7 @@ def _fronts(
     done[fixed] = True
     where = np.full(graph.shape[0], -1)
     touched: list[Nodes] = []
-    fronts = []
+    fronts: list[Front] = []
 
     def unknowns(nodes: Nodes) -> Nodes:
         return np.asarray((block * nodes[:, None] + np.arange(block)).ravel())

@@ -126,12 +126,13 @@ def wheel_rail_pair(
     """Left-hand pair of a wheel of nominal radius [m] and a rail as laid, on meshes of the surface size [m].
 
     bodies: meshed solids, of displacements of degree 1 unless said otherwise, or an endless rail and a whole wheel by
-    wavenumbers (degree 2). Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full
+    wavenumbers (degree 1). Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full
     model of endless bodies.
     """
     _check(model, bodies)
     if bodies == "waveguide":
-        order_of = degree or 2
+        # on grids that do not match, quadratic lines load their corners and middles unevenly: the pressure wavers
+        order_of = degree or 1
         above, wheel_grid, wheel_strip = wheel_waveguide(
             wheel_outline(wheel_profile, radius), wheel_steel, size=surface_size, degree=order_of
         )

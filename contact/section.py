@@ -12,14 +12,13 @@ from mpi4py import MPI
 from scipy.spatial import cKDTree
 
 from contact.dissection import Dissection, dissect
+from contact.invariant_grid import surface_points
 from contact.laws import Steel
 from contact.pose import Array, Nodes
-from contact.invariant_grid import surface_points
 from forms import compat
 from forms.elasticity import lame
 from forms.waveguide import wavenumber_forms
 from meshes.triangulate import SectionMesh
-
 
 # Integrals of an edge's quadratic shape functions (end, middle, end) over its first and its second half, unit length
 HALVES = np.array([[5, 8, -1], [-1, 8, 5]]) / 24
@@ -62,16 +61,14 @@ class Section:
         return np.asarray(fem.locate_dofs_topological(self.space, 1, facets), dtype=np.int64)
 
     @cached_property
-    def matrices(self) -> tuple[Array, Array, tuple[Array, Array, Array]]:
+    def matrices(self) -> tuple[Nodes, Nodes, tuple[Array, Array, Array]]:
         """Row pointers and columns that the three matrices share, and the values of A0, A1, A2."""
         U, V = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         r = None if self.radius is None else ufl.SpatialCoordinate(self.mesh)[1]
         λ, μ = (fem.Constant(self.mesh, value) for value in lame(self.steel.E, self.steel.nu))
-        found: list[tuple[Array, Array, Array]] = []
-        for form in wavenumber_forms(U, V, λ, μ, radius=r, degree=self.degree):
-            found.append(compat.assemble_csr(fem.form(form)))
-        pointer, columns = found[0][:2]
-        return pointer, columns, (found[0][2], found[1][2], found[2][2])
+        forms = wavenumber_forms(U, V, λ, μ, radius=r, degree=self.degree)
+        (pointer, columns, A0), (_, _, A1), (_, _, A2) = (compat.assemble_csr(fem.form(form)) for form in forms)
+        return pointer.astype(np.int64), columns.astype(np.int64), (A0, A1, A2)
 
     @cached_property
     def dissection(self) -> Dissection:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.special import roots_legendre
 
 from contact.pose import Array, Nodes
 
@@ -54,7 +56,7 @@ def interpolation(samples: Array, shift: float, k: Array) -> Array:
 
 def quadrature(samples: Array, reach: float) -> tuple[Array, Array]:
     """Gauss points and weights on every interval of the samples, fine enough for phases up to k reach."""
-    place, weight = np.polynomial.legendre.leggauss(6)
+    place, weight = roots_legendre(6)
     count = np.ceil(np.diff(samples) * reach / np.pi).astype(int) + 1
     edges = np.concatenate(
         [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(samples[:-1], samples[1:], count, strict=True)]
@@ -103,7 +105,7 @@ def sample(
 
     take(t)
     scale = _scale(found, shift, 16 * step)
-    open_intervals = list(zip(t[:-1], t[1:], strict=True))
+    open_intervals = list(pairwise(t))
     error = 0.0
     while open_intervals:
         known = sorted(found)

@@ -142,7 +142,7 @@ def show_convergence(ax: plt.Axes) -> None:
     ax.legend(frameon=False, fontsize="small")
 
 
-figure, panels = plt.subplots(1, 3, figsize=(13, 3.8), layout="constrained")
+figure, panels = plt.subplots(1, 3, figsize=(13.5, 3.8), layout="constrained")
 show_patch(panels[0], pairs[-1], pressed[-1])
 panels[0].legend(loc="upper left", fontsize="small", frameon=False)
 show_section(panels[1])
@@ -206,7 +206,7 @@ def show_traction(ax: plt.Axes) -> None:
 
 
 shown = len(CREEPAGES) // 2 - 1
-rolling_figure, panels = plt.subplots(1, 3, figsize=(13, 3.8), layout="constrained")
+rolling_figure, panels = plt.subplots(1, 3, figsize=(13.5, 3.8), layout="constrained")
 show_slip(panels[0])
 show_traction(panels[1])
 show_creep(panels[2])

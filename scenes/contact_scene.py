@@ -32,6 +32,7 @@ def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) 
         "model": scene.model,
         "laws": scene.laws,
         "friction": scene.friction,
+        "bodies": scene.meshes,
         "surface_size": scene.surface_size,
         "stiffness_per_area": scene.stiffness_per_area if scene.laws == "paper" else None,
         "regularisation": scene.regularisation if scene.laws == "paper" else 0.0,

@@ -17,7 +17,9 @@ class Contact(Table):
     """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip.
 
     laws: "paper" is the penalty pressure and the regularised Coulomb friction with the constants given; "exact" is
-    their limit, no penetration and Coulomb's law itself, and takes no constants.
+    their limit, no penetration and Coulomb's law itself, and takes no constants. bodies: "solid", meshes in 3D, the
+    default for the paper's laws; or "waveguide", endless bodies by wavenumbers, the default for the exact ones. degree
+    of the displacements, 1 for solids unless given.
     """
 
     model: Literal["condensed", "full"] = "condensed"
@@ -25,7 +27,8 @@ class Contact(Table):
     friction: q.Friction
     surface_size: q.SurfaceSize
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
-    degree: Literal[1, 2] = 1
+    bodies: Literal["solid", "waveguide"] | None = None
+    degree: Literal[1, 2] | None = None
     slip_order: Literal[1, 2] = 2
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
@@ -38,7 +41,16 @@ class Contact(Table):
             for key in ("stiffness_per_area", "regularisation"):
                 if key in self.model_fields_set:
                     raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
+        if self.bodies == "waveguide" and (self.model == "full" or self.cell == "hexahedron"):
+            raise q.refuse('"solid" with model = "full" or hexahedra, which need meshes in 3D', "bodies")
         return self
+
+    @property
+    def meshes(self) -> Literal["solid", "waveguide"]:
+        """How the bodies are discretised: as given, or as suits the laws."""
+        if self.bodies is not None:
+            return self.bodies
+        return "waveguide" if self.laws == "exact" and self.cell == "tetrahedron" else "solid"
 
 
 class HertzScene(Contact):

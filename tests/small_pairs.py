@@ -110,3 +110,4 @@ def rolling(xi: float, eta: float, spin: float, *, speed: float = 10.0) -> Motio
 
 
 AT_REST = Motion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)) for _ in range(2)))
+CREEP = rolling(1e-3, -5e-4, 0.3)  # some of the patch sticks, some slides

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from small_pairs import AT_REST, BRICKS, QUADRATIC, STEEL, TETRAHEDRA, condensed, full, rolling
+from small_pairs import AT_REST, BRICKS, CREEP, QUADRATIC, STEEL, TETRAHEDRA, condensed, full, rolling
 
 from contact.full import Full
 from contact.full_problem import Problem
@@ -17,7 +17,6 @@ from contact.result import ContactResult
 
 SIZE, RADIUS = 1e-3, 0.3
 FRICTIONLESS, ROLLING = Laws(1e15, friction=0.0), Laws(1e15, friction=0.3, regularisation=1e-5)
-CREEP = rolling(1e-3, -5e-4, 0.3)
 DISSIMILAR = (Steel(210e9, 0.1), Steel(180e9, 0.3))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -38,8 +39,6 @@ def executed(notebook: Path, **parameters: Any) -> dict[str, Any]:
 @pytest.fixture(autouse=True)
 def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A cache of its own, unless the session has set one up."""
-    import os
-
     if "WHEELRAIL_CACHE" not in os.environ:
         monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path / "cache"))
 
@@ -54,14 +53,15 @@ def test_first_contact(tmp_path: Path) -> None:
         ROLLING_SIZE=1.2e-3,
         CREEPAGES=(0.3e-3, 1e-3, 4e-3),
     )
-    errors = np.abs(names["peak_error"])
-    assert errors[-1] < 0.03
-    assert errors[-1] < 0.5 * errors[0]
+    assert abs(names["peak_error"][-1]) < 0.03
+    assert np.abs(names["axes_error"][-1]).max() < 0.03
     along = -names["creep_force"] / 3e3
+    assert along[1] == pytest.approx(0.641, rel=0.15)  # CONTACT's curve, see benchmarks.hertz_pairs
     assert np.all(np.diff(along) > 0)
     assert along[-1] == pytest.approx(1.0, abs=1e-6)  # all slips
-    for number, figure in enumerate((names["figure"], names["rolling_figure"])):
-        figure.savefig(tmp_path / f"{number}.png")
-        assert (tmp_path / f"{number}.png").stat().st_size > 10_000
-        assert all(ax.get_xlabel() and ax.get_ylabel() for ax in names["panels"])
+    for name in ("figure", "rolling_figure"):
+        names[name].savefig(tmp_path / f"{name}.png")
+        panels = [ax for ax in names[name].axes if ax.get_label() != "<colorbar>"]
+        assert len(panels) == 3
+        assert all(ax.get_xlabel() and ax.get_ylabel() for ax in panels)
     matplotlib.pyplot.close("all")
