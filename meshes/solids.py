@@ -82,8 +82,8 @@ def layers(half_strip: int, size: float, half_length: float, *, growth: float = 
 def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
     """Extrude a section (y, z) along the layers x [m].
 
-    Triangles become three tetrahedra a layer, quadrilaterals hexahedra. Diagonals turn round from layer to layer: every
-    node then sees the same to its front and its back, and no displacement along x is made out of pressure by the mesh.
+    Triangles become three tetrahedra a layer, quadrilaterals hexahedra. All diagonals of the strip run the same way: turned
+    round from layer to layer, they would make nodes of two kinds, and the pressure would waver between them.
     """
     n, count = len(section.points), len(x)
     points = np.empty((count, n, 3))
@@ -92,11 +92,11 @@ def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
     first = np.arange(count - 1)[:, None, None] * n
     middle = count // 2
     grid = np.arange(middle - half_strip, middle + half_strip + 1)[:, None] * n + section.surface
-    turned = (np.arange(count - 1) % 2 == 1)[:, None, None]
+    low, high, low_next, high_next = (g.ravel() for g in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, :-1], grid[1:, 1:]))
     if section.cells.shape[1] == 3:
         # Diagonals run from the lower to the higher node number of the section: neighbours in it agree.
-        back = np.sort(section.cells, axis=1) + first
-        a, b = np.where(turned, back + n, back), np.where(turned, back, back + n)
+        a = np.sort(section.cells, axis=1) + first
+        b = a + n
         cells = np.stack(
             [
                 np.stack([a[..., 0], a[..., 1], a[..., 2], b[..., 2]], axis=-1),
@@ -105,16 +105,12 @@ def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
             ],
             axis=2,
         ).reshape(-1, 4)
-        away = turned[middle - half_strip : middle + half_strip, :, 0]
-        near, far = np.where(away, grid[1:], grid[:-1]), np.where(away, grid[:-1], grid[1:])
-        low, high, low_far, high_far = (g.ravel() for g in (near[:, :-1], near[:, 1:], far[:, :-1], far[:, 1:]))
-        faces = np.concatenate([np.stack([low, high, high_far], axis=1), np.stack([low, low_far, high_far], axis=1)])
+        faces = np.concatenate([np.stack([low, high, high_next], axis=1), np.stack([low, low_next, high_next], axis=1)])
     else:
         # gmsh goes round the face, dolfinx counts in a tensor product
-        back = section.cells[:, [0, 1, 3, 2]] + first
-        cells = np.concatenate([back, back + n], axis=-1).reshape(-1, 8)
-        corners = (grid[:-1, :-1], grid[:-1, 1:], grid[1:, :-1], grid[1:, 1:])
-        faces = np.stack([g.ravel() for g in corners], axis=1)
+        a = section.cells[:, [0, 1, 3, 2]] + first
+        cells = np.concatenate([a, a + n], axis=-1).reshape(-1, 8)
+        faces = np.stack([low, high, low_next, high_next], axis=1)
     return Solid(points.reshape(-1, 3), cells, grid, faces, np.tile(section.clamped, count))
 
 

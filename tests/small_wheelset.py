@@ -5,11 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from small_pairs import STEEL
 
 from contact.condensed import Condensed
 from contact.grid import ContactGrid
-from contact.laws import Laws
+from contact.laws import Laws, Steel
 from contact.pairs import compliance
 from contact.pose import Array, Mounting, Pose, WheelsetState
 from contact.wheelrail import WheelRail
@@ -55,7 +54,7 @@ def model(laws: Laws) -> Condensed:
     (wheel_section, rail_section) = outlines()
     wheel_solid, _, wheel_key = wheel(wheel_section, size=SIZE, half_length=0.1)
     rail_solid, _, rail_key = rail(rail_section, size=SIZE, half_length=0.2)
-    above, below = compliance(wheel_solid, wheel_key, STEEL, 1), compliance(rail_solid, rail_key, STEEL, 1)
+    above, below = compliance(wheel_solid, wheel_key, Steel(), 1), compliance(rail_solid, rail_key, Steel(), 1)
     return Condensed(geometry(), above, below, laws)
 
 

@@ -58,7 +58,7 @@ def test_first_contact(tmp_path: Path) -> None:
     along = -names["creep_force"] / 3e3
     assert along[1] == pytest.approx(0.641, rel=0.15)  # CONTACT's curve, see benchmarks.hertz_pairs
     assert np.all(np.diff(along) > 0)
-    assert along[-1] == pytest.approx(1.0, abs=1e-6)  # all slips
+    assert along[-1] == pytest.approx(1.0, abs=2e-3)  # all slips, nearly straight backwards
     for name in ("figure", "rolling_figure"):
         names[name].savefig(tmp_path / f"{name}.png")
         panels = [ax for ax in names[name].axes if ax.get_label() != "<colorbar>"]
