@@ -64,7 +64,8 @@ class SurfaceLaw:
         else:
             t = frictionless_traction(self.z, constant["K"])
         work = virtual_work(t, ufl.TestFunction(space), measure)
-        self._force, self._tangent = fem.form(work), fem.form(ufl.derivative(work, self.z))
+        with compat.quiet():
+            self._force, self._tangent = fem.form(work), fem.form(ufl.derivative(work, self.z))
         self._vector, self._matrix = compat.create_vector(self._force), create_matrix(self._tangent)
         distance, node = cKDTree(space.tabulate_dof_coordinates()).query(grid.position.reshape(-1, 3))
         if distance.max() > 1e-6 * np.linalg.norm(grid.position[1, 0] - grid.position[0, 0]):

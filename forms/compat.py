@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import dolfinx
@@ -51,6 +54,18 @@ def assemble_matrix(form: Any, bc: Any, diagonal: float) -> Any:
 def create_vector(form: Any) -> Any:
     """Vector that a linear form is assembled into."""
     return fem.petsc.create_vector(form.function_spaces[0] if RECENT else form)
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """UFL warns of quadrature rules given by their points; there is nothing to do about it."""
+    logger = logging.getLogger("UFL")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def newton_base() -> Any:

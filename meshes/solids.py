@@ -82,8 +82,8 @@ def layers(half_strip: int, size: float, half_length: float, *, growth: float = 
 def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
     """Extrude a section (y, z) along the layers x [m].
 
-    Triangles become three tetrahedra a layer, quadrilaterals hexahedra. All diagonals of the strip run the same way: turned
-    round from layer to layer, they would make nodes of two kinds, and the pressure would waver between them.
+    Triangles become three tetrahedra a layer, quadrilaterals hexahedra. All diagonals of the strip run the same way:
+    turned round from layer to layer, they would make nodes of two kinds, and the pressure would waver between them.
     """
     n, count = len(section.points), len(x)
     points = np.empty((count, n, 3))
