@@ -126,22 +126,18 @@ def wheel_rail_pair(
     """Left-hand pair of a wheel of nominal radius [m] and a rail as laid, on meshes of the surface size [m].
 
     bodies: meshed solids, of displacements of degree 1 unless said otherwise, or an endless rail and a whole wheel by
-    wavenumbers (degree 1). Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full
+    wavenumbers (degree 2). Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full
     model of endless bodies.
     """
     _check(model, bodies)
     if bodies == "waveguide":
-        # on grids that do not match, quadratic lines load their corners and middles unevenly: the pressure wavers
-        order_of = degree or 1
         above, wheel_grid, wheel_strip = wheel_waveguide(
-            wheel_outline(wheel_profile, radius), wheel_steel, size=surface_size, degree=order_of
+            wheel_outline(wheel_profile, radius), wheel_steel, size=surface_size, degree=degree or 2
         )
         below, rail_grid, rail_strip = rail_waveguide(
-            rail_outline(rail_profile), rail_steel, size=surface_size, degree=order_of
+            rail_outline(rail_profile), rail_steel, size=surface_size, degree=degree or 2
         )
-        surfaces = WheelRail(
-            wheel_profile, rail_profile, radius, wheel_strip, rail_strip, wheel_grid, rail_grid, order_of, surface_size
-        )
+        surfaces = WheelRail(wheel_profile, rail_profile, radius, wheel_strip, rail_strip, wheel_grid, rail_grid)
         return Condensed(surfaces, above, below, laws, order=order, **options)
     degree = degree or 1
     wheel_solid, wheel_strip, wheel_key = wheel(wheel_outline(wheel_profile, radius), size=surface_size, cell=cell)

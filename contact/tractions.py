@@ -116,7 +116,7 @@ def tangential_contact(
         z = np.tile(1 - viscous, 2) * q - np.tile(rho, 2) * s
         length = np.hypot(z[:n], z[n:])
         slides = length > b
-        factor = np.where(slides, b / np.maximum(length, 1e-300), 1.0)
+        factor = np.where(slides, b / np.where(slides, length, 1.0), 1.0)
         return b, viscous, rho, z, factor, q - np.tile(factor, 2) * z
 
     b, viscous, rho, z, factor, residual = project(q)

@@ -22,8 +22,7 @@ from meshes.profiles import Profile
 class WheelRail:
     """Surfaces of a left-hand pair: profiles, strips that carry contact points, grids on them; radius of the wheel, m.
 
-    degree 1 or 2 of the displacements: a grid of quadratic displacements is twice as fine as its strip. step [m] along
-    the rolling direction, for bodies that are invariant along it (None: as across).
+    degree 1 or 2 of the displacements: a grid of quadratic displacements is twice as fine as its strip.
     """
 
     wheel: Profile
@@ -34,7 +33,6 @@ class WheelRail:
     wheel_grid: ContactGrid
     rail_grid: ContactGrid
     degree: int = 1
-    step: float | None = None
 
     @cached_property
     def arc(self) -> Array:
@@ -51,8 +49,7 @@ class WheelRail:
     def angle(self) -> Array:
         """Angle (nx,) of the wheel grid's rows about the axle, forward from straight below, rad."""
         count = self.wheel_grid.shape[0]
-        step = self.step or self.wheel_strip.size / self.degree
-        return np.asarray((np.arange(count) - count // 2) * step / self.radius)
+        return np.asarray((np.arange(count) - count // 2) * self.wheel_strip.size / self.degree / self.radius)
 
     @cached_property
     def surface(self) -> tuple[Array, Array]:
@@ -130,14 +127,11 @@ class WheelRail:
 
     def _on_rail(self, x: Array, s: Array) -> Interpolation:
         """Weights of the rail grid's nodes at x, s (m,), tensor products of linear or quadratic shape functions."""
-        rows, lines = self.rail_grid.shape
-        spacing = self.rail_strip.size / self.degree
-        step, linear = (self.step, 1) if self.step else (spacing, self.degree)
-        i, wx = _cells(x / step + rows // 2, rows, linear)
-        j, ws = _cells((s - self.rail_strip.start) / spacing, lines, self.degree)
-        nodes = (
-            (i[:, None, None] + np.arange(linear + 1)[:, None]) * lines + j[:, None, None] + np.arange(self.degree + 1)
-        )
+        (rows, lines), degree, spacing = self.rail_grid.shape, self.degree, self.rail_strip.size / self.degree
+        i, wx = _cells(x / spacing + rows // 2, rows, degree)
+        j, ws = _cells((s - self.rail_strip.start) / spacing, lines, degree)
+        offset = np.arange(degree + 1)
+        nodes = (i[:, None, None] + offset[:, None]) * lines + j[:, None, None] + offset
         return Interpolation(nodes.reshape(len(x), -1), (wx[:, :, None] * ws[:, None, :]).reshape(len(x), -1))
 
 

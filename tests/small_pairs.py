@@ -15,15 +15,22 @@ from contact.grid import ContactGrid
 from contact.laws import Laws, Steel
 from contact.newton import FullOptions
 from contact.pose import Motion, Twist
-from contact.quadrics import Quadrics
+from contact.quadrics import Quadrics, curvature
+from contact.references.hertz import Hertz, hertz, modulus
 from meshes.bodies import block
 from meshes.cache import digest
 from meshes.solids import Cell, Solid
 from meshes.triangulate import Grading
 
-E, NU = 210e9, 0.3
-STEEL = Steel(E, NU)
+STEEL = Steel(210e9, 0.3)
+E_STAR = modulus((210e9, 0.3), (210e9, 0.3))
 FLAT = (np.inf, np.inf)
+
+
+def hertzian(radii: tuple[float, float], force: float) -> Hertz:
+    """Hertz's contact of a steel body on a steel plane under a force [N]."""
+    A, B = curvature(radii)
+    return hertz(float(A), float(B), E_STAR, force=force)
 
 
 @dataclass(frozen=True)

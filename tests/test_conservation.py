@@ -15,7 +15,7 @@ from contact.grid import ContactGrid
 from contact.laws import Laws, Steel
 from contact.loading import hertz_pose
 from contact.points import ContactPoints, Coupling, Geometry, Interpolation, couple_both
-from contact.pose import MIRROR, SIDES, Array, Motion, Pose, Twist, WheelsetState
+from contact.pose import MIRROR, SIDES, Array, Motion, Nodes, Pose, Twist, WheelsetState
 from contact.quadrics import UPSIDE_DOWN
 from meshes.solids import Cell, Solid, extruded
 from meshes.triangulate import SectionMesh
@@ -31,7 +31,7 @@ class Loads:
     rail: tuple[Array, Array]
 
 
-def nodal(coupling: Coupling, components: Array) -> tuple[Array, Array]:
+def nodal(coupling: Coupling, components: Array) -> tuple[Nodes, Array]:
     """Nodes and forces (m, 3) on them by forces (n, 3) on the points, component by component: B^T of the operator."""
     forces = np.zeros((len(coupling.nodes), 3))
     forces[:, coupling.directions] = (coupling.displacement.T @ components.T.ravel()).reshape(len(coupling.nodes), -1)
@@ -147,7 +147,7 @@ def test_left_and_right_are_mirror_images(laws: Laws) -> None:
         for side, other in (SIDES, SIDES[::-1]):
             one, two = contact(state, side), contact(state.mirrored(), other)
             assert one.status == two.status
-            scale = max(np.linalg.norm(one.force), 1.0)
+            scale = max(float(np.linalg.norm(one.force)), 1.0)
             np.testing.assert_allclose(two.force, MIRROR * one.force, atol=1e-8 * scale)
             np.testing.assert_allclose(two.moment, -MIRROR * one.moment, atol=1e-8 * scale)
             for mine, its in zip(one.patches, two.patches, strict=True):

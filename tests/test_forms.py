@@ -12,7 +12,7 @@ from dolfinx import fem
 from small_pairs import BRICKS, QUADRATIC, QUADRATIC_BRICKS, STEEL, TETRAHEDRA, elastic
 
 from contact.laws import Laws
-from contact.pose import Array
+from contact.pose import Array, Nodes
 from contact.surface_law import SurfaceLaw
 from forms.elasticity import lame, strain, stress
 from forms.traction import frictionless_traction, penalty_pressure, regularised_coulomb, traction
@@ -115,7 +115,7 @@ def law(name: str, friction: float) -> SurfaceLaw:
     return SurfaceLaw(body.solid, body.grid, body.degree, Laws(1e13, friction, 1e-4))
 
 
-def sample(name: str) -> tuple[Array, Array]:
+def sample(name: str) -> tuple[Nodes, Array]:
     """Some nodes that carry a contact point, with overlaps of both signs and slips of all sizes."""
     grid = elastic(MESHES[name], STEEL, SIZE).grid
     rng = np.random.default_rng(0)
