@@ -59,20 +59,24 @@ class Condensed:
         # a pressure pushes along the inward normal: the last columns count -p
         operator = np.vstack([slip, normal])
         count = Count()
-        try:
-            found_tractions = solve_tractions(
-                operator,
-                points.overlap,
-                rigid,
-                normal_compliance=self.laws.normal_compliance,
-                friction=self.laws.friction,
-                regularisation=self.laws.regularisation,
-                guess=warm(guess, points.node),
-                options=self.options,
-                count=count,
-            )
-        except (NotConverged, np.linalg.LinAlgError) as error:
-            return replace(ContactResult.separated(approach), status=f"failed: {error}")
+        start_from = warm(guess, points.node)
+        for attempt in (start_from, None):  # what a stale guess led astray may converge from nothing
+            try:
+                found_tractions = solve_tractions(
+                    operator,
+                    points.overlap,
+                    rigid,
+                    normal_compliance=self.laws.normal_compliance,
+                    friction=self.laws.friction,
+                    regularisation=self.laws.regularisation,
+                    guess=attempt,
+                    options=self.options,
+                    count=count,
+                )
+                break
+            except (NotConverged, np.linalg.LinAlgError) as error:
+                if attempt is None:
+                    return replace(ContactResult.separated(approach), status=f"failed: {error}")
         solved = perf_counter()
         p, q = found_tractions.pressure, found_tractions.tangential
         loads = np.concatenate([*q.T, -p]) if order else -p

@@ -38,6 +38,11 @@ class Full:
     order: int = 2
     options: FullOptions = field(default_factory=FullOptions)
 
+    def __post_init__(self) -> None:
+        """Raises ValueError for the exact laws: displacements alone cannot carry them."""
+        if self.laws.normal_compliance == 0 or (self.laws.friction > 0 and self.laws.regularisation == 0):
+            raise ValueError(f"the full model needs a finite penalty and a regularised friction, got {self.laws}")
+
     @cached_property
     def law(self) -> SurfaceLaw:
         return SurfaceLaw(self.wheel.solid, self.wheel.grid, self.wheel.degree, self.laws)

@@ -31,16 +31,23 @@ def cache_folder() -> Path:
 
 
 def digest(**parts: Any) -> str:
-    """Hash of named numbers, strings, tuples and arrays."""
+    """Hash of named numbers, strings, tuples, dictionaries and arrays; floats count to 11 digits, arrays to 1e-11."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, np.ndarray):
-            return [str(value.dtype), value.shape, hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()]
+            exact = np.round(value, 11) + 0.0 if value.dtype.kind == "f" else value
+            return [str(value.dtype), value.shape, hashlib.sha256(np.ascontiguousarray(exact).tobytes()).hexdigest()]
         if isinstance(value, np.generic):
-            return value.item()
-        raise TypeError(f"cannot hash a {type(value).__name__}")
+            return plain(value.item())
+        if isinstance(value, float):
+            return f"{value:.10e}"
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(item) for item in value]
+        return value
 
-    text = json.dumps({"format": FORMAT, **parts}, sort_keys=True, default=plain)
+    text = json.dumps({"format": FORMAT, **plain(parts)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
@@ -69,7 +76,8 @@ def store(name: str, arrays: Arrays) -> None:
         os.replace(temporary, path)
     except OSError as error:
         warnings.warn(f"the cache {path.parent} cannot be written ({error}); going on without it", stacklevel=2)
-        if temporary is not None:
+    finally:
+        if temporary is not None:  # what was not moved into place, for whatever reason
             with contextlib.suppress(OSError):
                 temporary.unlink()
 

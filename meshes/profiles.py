@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshes.arc_length import Section, curve
+from meshes.cache import digest
 from meshes.curve import Array, Curve
 
 Kind = Literal["wheel", "rail"]
@@ -68,7 +69,9 @@ class Profile(Curve):
 
     def digest(self) -> str:
         """Hash of everything that shapes the body: curve, kind and placement, not the name."""
-        return hashlib.sha256(f"{super().digest()} {self.kind} {self.placement!r}".encode()).hexdigest()
+        return hashlib.sha256(
+            f"{super().digest()} {self.kind} {digest(placement=vars(self.placement))}".encode()
+        ).hexdigest()
 
     def laid(self, angle: float) -> Profile:
         """Rail turned by the laying angle [rad], top towards the track's centre, origin at the new highest point."""
