@@ -45,7 +45,9 @@ def digest(**parts: Any) -> str:
             return {key: plain(item) for key, item in value.items()}
         if isinstance(value, list | tuple):
             return [plain(item) for item in value]
-        return value
+        if value is None or isinstance(value, str | int):
+            return value
+        raise TypeError(f"cannot hash a {type(value).__name__}")
 
     text = json.dumps({"format": FORMAT, **plain(parts)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
