@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
@@ -38,9 +38,13 @@ class Condensed:
         try:
             points, approach = self.geometry.contact_points(pose, order)
         except OutsideGrid as error:
-            return replace(ContactResult.separated(), status=f"failed: {error}")
+            return ContactResult.failed(str(error))
         if points is None:
             return ContactResult.separated(approach)
+        try:
+            rigid = creepage(points, motion)[1] if order else None
+        except NotRolling as error:
+            return ContactResult.failed(str(error), approach)
         found = perf_counter()
         wheel, rail = couple_both(points, order)
         columns = np.tile(points.area, 3 if order else 1)
@@ -52,15 +56,10 @@ class Condensed:
         gathered = perf_counter()
         n = len(points.node)
         normal = displacement[-n:]
-        try:
-            rigid = creepage(points, motion)[1] if order else None
-        except NotRolling as error:
-            return replace(ContactResult.separated(approach), status=f"failed: {error}")
         # a pressure pushes along the inward normal: the last columns count -p
         operator = np.vstack([slip, normal])
         count = Count()
-        start_from = warm(guess, points.node)
-        for attempt in (start_from, None):  # what a stale guess led astray may converge from nothing
+        for attempt in (warm(guess, points.node), None):  # what a stale guess led astray may converge from nothing
             try:
                 found_tractions = solve_tractions(
                     operator,
@@ -76,7 +75,7 @@ class Condensed:
                 break
             except (NotConverged, np.linalg.LinAlgError) as error:
                 if attempt is None:
-                    return replace(ContactResult.separated(approach), status=f"failed: {error}")
+                    return ContactResult.failed(str(error), approach)
         solved = perf_counter()
         p, q = found_tractions.pressure, found_tractions.tangential
         loads = np.concatenate([*q.T, -p]) if order else -p
@@ -118,8 +117,7 @@ def warm(guess: ContactResult | None, nodes: Nodes) -> tuple[Array, Array] | Non
     if guess is None or guess.fields is None:
         return None
     old = guess.fields
-    common, mine, theirs = np.intersect1d(nodes, old.node, assume_unique=True, return_indices=True)
+    _, mine, theirs = np.intersect1d(nodes, old.node, assume_unique=True, return_indices=True)
     pressure, traction = np.zeros(len(nodes)), np.zeros((2, len(nodes)))
     pressure[mine], traction[:, mine] = old.pressure[theirs], old.traction[theirs].T
-    del common
     return pressure, traction.ravel()

@@ -7,7 +7,7 @@ bodies, so action equals reaction to round-off.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from time import perf_counter
 
@@ -65,20 +65,20 @@ class Full:
         try:
             points, approach = self.geometry.contact_points(pose, order)
         except OutsideGrid as error:
-            return replace(ContactResult.separated(), status=f"failed: {error}")
+            return ContactResult.failed(str(error))
         if points is None:
             return ContactResult.separated(approach)
         try:
             rigid = creepage(points, motion)[1] if order else None
         except NotRolling as error:
-            return replace(ContactResult.separated(approach), status=f"failed: {error}")
+            return ContactResult.failed(str(error), approach)
         problem = Problem.of(points, self, rigid)
         solver = self.solver
         ready = perf_counter()
         u, status, relative, count = solver.run(problem, warm=guess is not None and guess.ok)
         solved = perf_counter()
         if status != "converged":
-            return replace(ContactResult.separated(approach), status=f"failed: {status}")
+            return ContactResult.failed(status, approach)
         z, forces = problem.state(u)
         traction = forces / points.area[:, None]
         n = len(points.node)

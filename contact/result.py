@@ -107,6 +107,11 @@ class ContactResult:
         """No overlap: no force."""
         return cls(np.zeros(3), np.zeros(3), approach=approach)
 
+    @classmethod
+    def failed(cls, reason: str, approach: float = 0.0) -> ContactResult:
+        """No answer, and why."""
+        return replace(cls.separated(approach), status=f"failed: {reason}")
+
     def about(self, centre: Array) -> ContactResult:
         """The same with the moment about another point (3,) m of the frame."""
         return replace(self, moment=self.moment - np.cross(centre, self.force))
