@@ -115,7 +115,7 @@ def full_table() -> None:
     for friction in (0.0, FRICTION):
         values = []
         for name in MODELS:
-            model = CIRCULAR.model(FULL_SIZE, Laws(PENALTY, friction), model=name)
+            model = CIRCULAR.model(FULL_SIZE, Laws(PENALTY, friction, 1e-5), model=name)
             (cold, _), (again, result) = (clocked(lambda m=model: m(pose, motion, None)) for _ in range(2))  # type: ignore[misc]
             count, peak = result.statistics, result.patches[0].max_pressure
             values.append(np.append(result.force, peak))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
+from typing import Literal
 
 import numpy as np
 
 from contact.compliance import Compliance
-from contact.kinematics import NotRolling, creepage
+from contact.kinematics import NotRolling, creepage, shift
 from contact.laws import Laws
-from contact.patches import outcome
+from contact.patches import connected, outcome
 from contact.points import Coupling, Geometry, OutsideGrid, couple_both
 from contact.pose import Array, Motion, Nodes, Pose
 from contact.result import ContactResult, Statistics
@@ -21,8 +22,11 @@ from contact.tractions import Count, NewtonOptions, NotConverged, solve_traction
 class Condensed:
     """Contact model on surface compliances: pose and velocities in, `ContactResult` out.
 
-    order of the upstream slip: 1 or 2. Cost of a solve with n candidates, a of them active: n^2 to gather the
-    compliance, 5 a^3 a Newton step with friction, a^3 / 3 without.
+    order of the upstream slip: 1 or 2. tangential: steady "rolling", or a "shift": one step of tangential loading from
+    none (Cattaneo, Mindlin), where the motion is read as the rigid displacements of that step [m], slip is a distance
+    [m], and friction must be Coulomb's own. Cost of a solve with n candidates, a of them active: n^2 to gather the
+    compliance, 5 a^3 a Newton step with friction, a^3 / 3 without; the same again where pressure and friction are
+    coupled and the active points change. Raises ValueError for other friction in a shift.
     """
 
     geometry: Geometry
@@ -31,10 +35,16 @@ class Condensed:
     laws: Laws
     order: int = 2
     options: NewtonOptions = field(default_factory=NewtonOptions)
+    tangential: Literal["rolling", "shift"] = "rolling"
+
+    def __post_init__(self) -> None:
+        if self.tangential == "shift" and (self.laws.regularisation > 0 or self.laws.falling is not None):
+            raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
     def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
         start = perf_counter()
-        order = self.order if self.laws.friction > 0 else 0
+        shifts = self.tangential == "shift"
+        order = 0 if not self.laws.friction else 1 if shifts else self.order
         try:
             points, approach = self.geometry.contact_points(pose, order)
         except OutsideGrid as error:
@@ -42,17 +52,23 @@ class Condensed:
         if points is None:
             return ContactResult.separated(approach)
         try:
-            rigid = creepage(points, motion)[1] if order else None
+            speed, rigid = (
+                (0.0, None) if not order else (0.0, shift(points, motion)) if shifts else creepage(points, motion)
+            )
         except NotRolling as error:
             return ContactResult.failed(str(error), approach)
         found = perf_counter()
         wheel, rail = couple_both(points, order)
+        if shifts:
+            wheel, rail = replace(wheel, slip=None), replace(rail, slip=None)
         columns = np.tile(points.area, 3 if order else 1)
         displacement, slip = (
             a + b for a, b in zip(condense(wheel, self.wheel), condense(rail, self.rail), strict=True)
         )
         displacement *= columns
         slip *= columns
+        if shifts and order:
+            slip = displacement[: -len(points.node)]
         gathered = perf_counter()
         n = len(points.node)
         normal = displacement[-n:]
@@ -65,9 +81,8 @@ class Condensed:
                     operator,
                     points.overlap,
                     rigid,
-                    normal_compliance=self.laws.normal_compliance,
-                    friction=self.laws.friction,
-                    regularisation=self.laws.regularisation,
+                    laws=self.laws,
+                    speed=speed,
                     guess=attempt,
                     options=self.options,
                     count=count,
@@ -83,13 +98,14 @@ class Condensed:
         moved[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
         return outcome(
             points,
-            self.wheel.shape,
+            node=points.node,
+            patch=connected(points.node, p > 0, self.wheel.shape),
             pressure=p,
             traction=q,
             slip=found_tractions.slip,
             displacement=moved,
             approach=approach,
-            bound=self.laws.friction * p,
+            bound=self.laws.friction_at(np.hypot(*found_tractions.slip.T), speed)[0] * p,
             statistics=Statistics(
                 newton=count.newton,
                 linear=count.linear,

@@ -3,6 +3,8 @@
 Unknown U = (U_w, U_r); z = z0 + G U collects overlap and slip at the contact points, T(z) the nodal contact forces of
 the law in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. B carries forces to both
 bodies, so action equals reaction to round-off.
+
+Exact laws are reached by multipliers, see `contact.augmented`: each loop is one such solve from the last displacements.
 """
 
 from __future__ import annotations
@@ -15,14 +17,15 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
+from contact.augmented import LOOPS, offset, softened
 from contact.body import ElasticBody
 from contact.full_problem import Problem
 from contact.kinematics import NotRolling, creepage
 from contact.laws import Laws
-from contact.newton import FullOptions, Newton
-from contact.patches import outcome
+from contact.newton import Count, FullOptions, Newton
+from contact.patches import connected, outcome
 from contact.points import Geometry, OutsideGrid
-from contact.pose import Motion, Pose
+from contact.pose import Array, Motion, Pose
 from contact.result import ContactResult, Statistics
 from contact.surface_law import SurfaceLaw
 
@@ -38,14 +41,16 @@ class Full:
     order: int = 2
     options: FullOptions = field(default_factory=FullOptions)
 
-    def __post_init__(self) -> None:
-        """Raises ValueError for the exact laws: displacements alone cannot carry them."""
-        if self.laws.normal_compliance == 0 or (self.laws.friction > 0 and self.laws.regularisation == 0):
-            raise ValueError(f"the full model needs a finite penalty and a regularised friction, got {self.laws}")
+    @cached_property
+    def soft(self) -> Laws:
+        """The laws that displacements are solved with."""
+        size = float(np.sqrt(self.wheel.grid.weight.max()))
+        return softened(self.laws, modulus=self.wheel.steel.E, size=size)
 
     @cached_property
     def law(self) -> SurfaceLaw:
-        return SurfaceLaw(self.wheel.solid, self.wheel.grid, self.wheel.degree, self.laws)
+        gained = 0.0 if self.laws.regularisation else self.soft.regularisation
+        return SurfaceLaw(self.wheel.solid, self.wheel.grid, self.wheel.degree, self.soft, gained=gained)
 
     @cached_property
     def solver(self) -> Newton:
@@ -69,17 +74,16 @@ class Full:
         if points is None:
             return ContactResult.separated(approach)
         try:
-            rigid = creepage(points, motion)[1] if order else None
+            speed, rigid = creepage(points, motion) if order else (0.0, None)
         except NotRolling as error:
             return ContactResult.failed(str(error), approach)
         problem = Problem.of(points, self, rigid)
-        solver = self.solver
         ready = perf_counter()
-        u, status, relative, count = solver.run(problem, warm=guess is not None and guess.ok)
+        self.law.at_speed(speed)
+        u, z, forces, status, count = self._solve(problem, points.area, speed, warm=guess is not None and guess.ok)
         solved = perf_counter()
         if status != "converged":
             return ContactResult.failed(status, approach)
-        z, forces = problem.state(u)
         traction = forces / points.area[:, None]
         n = len(points.node)
         moved = np.zeros((n, 3))
@@ -87,18 +91,46 @@ class Full:
         moved[:, 3 - local.shape[1] :] = local
         return outcome(
             points,
-            self.wheel.grid.shape,
+            node=points.node,
+            patch=connected(points.node, traction[:, 0] < 0, self.wheel.grid.shape),
             pressure=-traction[:, 0] + 0.0,
             traction=traction[:, 1:] if order else np.zeros((n, 2)),
             slip=z[:, 1:] if order else np.zeros((n, 2)),
             displacement=moved,
             approach=approach,
-            bound=-self.laws.friction * traction[:, 0],
+            bound=-traction[:, 0] * self.laws.friction_at(np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)[0],
             statistics=Statistics(
                 newton=count.newton,
                 linear=count.linear,
                 points=n,
-                residual=relative,
+                residual=count.residual,
                 seconds={"points": ready - start, "solve": solved - ready},
             ),
         )
+
+    def _solve(
+        self, problem: Problem, area: Array, speed: float, *, warm: bool
+    ) -> tuple[Array, Array, Array, str, Count]:
+        """Displacements, z (n, c) and nodal forces (n, c) of the laws, status and cost."""
+        u, status, count = self.solver.run(problem, warm=warm)
+        bare, added = problem.constant, np.zeros((len(area), self.law.components))
+        z, forces = problem.state(u)
+        if self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance):
+            return u, z, forces, status, count
+        for _ in range(LOOPS):
+            if status != "converged":
+                break
+            count.loops += 1
+            added = offset(self.laws, self.soft, forces / area[:, None], (z - added)[:, 1:], speed)
+            problem.constant = bare + added.T.ravel()
+            u, status, more = self.solver.run(problem, warm=True)
+            count.add(more)
+            before = forces
+            z, forces = problem.state(u)
+            change = float(np.linalg.norm(forces - before)) / max(float(np.linalg.norm(forces)), 1e-300)
+            count.residual = max(more.residual, change)
+            if change <= max(10 * self.options.tolerance, 1e-9):
+                return u, z - added, forces, status, count
+        else:
+            status = f"the multipliers still change by {change:.1e} after {LOOPS} loops"
+        return u, z - added, forces, status, count

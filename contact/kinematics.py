@@ -1,10 +1,10 @@
-"""Rolling speed and rigid creepage at the contact points, eq. (5)."""
+"""Rolling speed and rigid creepage at the contact points, eq. (5), or the rigid displacement of a step."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from contact.points import ContactPoints
+from contact.points import Places
 from contact.pose import Array, Motion
 
 
@@ -12,7 +12,7 @@ class NotRolling(ValueError):
     """Steady slip needs bodies that roll forward."""
 
 
-def creepage(points: ContactPoints, motion: Motion) -> tuple[float, Array]:
+def creepage(points: Places, motion: Motion) -> tuple[float, Array]:
     """Rolling speed V [m/s] and rigid slip over V, (2 n,) longitudinal then lateral.
 
     V is the mean speed at which both materials flow backwards through the contact. Raises NotRolling unless V > 0.
@@ -25,5 +25,10 @@ def creepage(points: ContactPoints, motion: Motion) -> tuple[float, Array]:
         raise NotRolling(
             f"friction needs a wheel that rolls forward, but the material flows at {speed:g} m/s; mu = 0 needs none"
         )
-    slip = np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail)
-    return speed, slip.ravel() / speed
+    return speed, shift(points, motion) / speed
+
+
+def shift(points: Places, motion: Motion) -> Array:
+    """Tangential part of the motion of wheel against rail (2 n,), longitudinal then lateral, in the motion's unit."""
+    wheel, rail = motion.wheel.at(points.point), motion.rail.at(points.point)
+    return np.asarray(np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail).ravel())

@@ -36,10 +36,21 @@ class FullOptions:
 
 @dataclass
 class Count:
+    """Steps of Newton, BiCGStab, Armijo, linear solves that failed, loops of multipliers, and the relative residual."""
+
     newton: int = 0
     linear: int = 0
     failed_linear: int = 0
     backtracks: int = 0
+    loops: int = 0
+    residual: float = np.inf
+
+    def add(self, more: Count) -> None:
+        """Take over the steps of another solve."""
+        self.newton += more.newton
+        self.linear += more.linear
+        self.failed_linear += more.failed_linear
+        self.backtracks += more.backtracks
 
 
 class Newton(compat.newton_base()):  # type: ignore[misc]
@@ -82,8 +93,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.error_on_nonconvergence = False
         self.report = False
 
-    def run(self, problem: Problem, *, warm: bool = False) -> tuple[Array, str, float, Count]:
-        """Displacements, status, relative residual and cost; warm starts from the displacements of the last solve.
+    def run(self, problem: Problem, *, warm: bool = False) -> tuple[Array, str, Count]:
+        """Displacements, status and cost; warm starts from the displacements of the last solve.
 
         From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
         wanders, from the blunter law's answer it does not.
@@ -109,7 +120,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
                 status += f", {self.count.failed_linear} linear solves without convergence"
         else:
             self._last = x.array_r.copy()
-        return x.array_r.copy(), status, relative, self.count
+        self.count.residual = relative
+        return x.array_r.copy(), status, self.count
 
     def _sharpen(self, x: Any, levels: list[float], sharp: float) -> float:
         """Newton at each regularisation in turn, from and into x; the last relative residual."""

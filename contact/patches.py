@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from contact.points import ContactPoints
+from contact.points import Places
 from contact.pose import Array, Mask, Nodes
 from contact.result import ContactResult, Fields, Patch, Statistics
 
 
 def outcome(
-    points: ContactPoints,
-    grid: tuple[int, int],
+    points: Places,
     *,
+    node: Nodes,
+    patch: Nodes,
     pressure: Array,
     traction: Array,
     slip: Array,
@@ -25,26 +26,28 @@ def outcome(
     """Converged result in the frame of the rail, moment about its origin.
 
     pressure (n,), traction (n, 2) on the wheel and bound (n,), the largest possible traction, in Pa; slip (n, 2) over
-    the rolling speed; displacement (n, 3) m, wheel minus rail; grid is the shape of the wheel's contact grid.
+    the rolling speed; displacement (n, 3) m, wheel minus rail; node (n,) and patch (n,) as in `Fields`.
     """
     area = points.area[:, None]
     local = np.column_stack([traction, -pressure]) * area
     forces = (local[:, None, :] @ points.axes)[:, 0]
-    label = components(points.node[pressure > 0], grid)
-    patch = np.full(len(pressure), -1)
-    patch[pressure > 0] = label
     sticks = np.hypot(*traction.T) < bound * (1 - 1e-9)
-    patches = tuple(
+    found = [
         summarise(points, patch == k, forces=forces, pressure=pressure, sticks=sticks)
-        for k in range(label.max(initial=-1) + 1)
-    )
+        for k in range(patch.max(initial=-1) + 1)
+        if (patch == k).any()
+    ]
+    order = sorted(range(len(found)), key=lambda k: -found[k].normal_force)
+    present = np.unique(patch[patch >= 0])
+    rank = np.full(patch.max(initial=-1) + 2, -1)
+    rank[present[order]] = np.arange(len(order))
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=tuple(sorted(patches, key=lambda p: -p.normal_force)),
+        patches=tuple(found[k] for k in order),
         fields=Fields(
-            points.node,
-            patch,
+            node,
+            rank[patch],
             points.point,
             points.axes,
             points.area,
@@ -60,6 +63,13 @@ def outcome(
     )
 
 
+def connected(nodes: Nodes, loaded: Mask, grid: tuple[int, int]) -> Nodes:
+    """Patch (n,) of each node, -1 where it is not loaded."""
+    patch = np.full(len(nodes), -1)
+    patch[loaded] = components(nodes[loaded], grid)
+    return patch
+
+
 def components(nodes: Nodes, grid: tuple[int, int]) -> Nodes:
     """Number, from 0, of the connected patch (eight neighbours on the grid) of each node."""
     if not len(nodes):
@@ -72,7 +82,7 @@ def components(nodes: Nodes, grid: tuple[int, int]) -> Nodes:
     return np.asarray(labels[i, j] - 1)
 
 
-def summarise(points: ContactPoints, inside: Mask, *, forces: Array, pressure: Array, sticks: Mask) -> Patch:
+def summarise(points: Places, inside: Mask, *, forces: Array, pressure: Array, sticks: Mask) -> Patch:
     """One patch: its resultant, place, angle and shape from the pressure's moments."""
     area, p = points.area[inside], pressure[inside]
     weight = p * area

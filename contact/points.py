@@ -21,27 +21,36 @@ class Interpolation:
 
 
 @dataclass(frozen=True)
-class ContactPoints:
-    """The n points of the wheel's grid that overlap the rail, and the places upstream that their slip looks at.
+class Places:
+    """Where n contact points of a pose are.
 
-    node (n,) on the wheel's grid; point (n, 3) m and axes (n, 3, 3) in the rail frame, rows longitudinal, lateral,
-    normal outward from the wheel; area (n,) m2; overlap (n,) m, undeformed, positive; wheel_rotation (3, 3) from
-    wheel axes to rail axes; upstream (k, n) nodes of the wheel's grid at 0, 1, .. steps upstream; rail the
-    interpolation at their projections, row by row of upstream; step (n,) m upstream; wheel_place and rail_place (n,
-    2) m, arc length and lateral position on the profiles.
+    point (n, 3) m and axes (n, 3, 3) in the rail frame, rows longitudinal, lateral, normal outward from the wheel; area
+    (n,) m2; overlap (n,) m, undeformed; wheel_rotation (3, 3) from wheel axes to rail axes; step (n,) m, the length
+    along the rolling direction that a point stands for; wheel_place and rail_place (n, 2) m, arc length and lateral
+    position on the profiles.
     """
 
-    node: Index
     point: Array
     axes: Array
     area: Array
     overlap: Array
     wheel_rotation: Array
-    upstream: Index
-    rail: Interpolation
     step: Array
     wheel_place: Array
     rail_place: Array
+
+
+@dataclass(frozen=True)
+class ContactPoints(Places):
+    """The n points of the wheel's grid that overlap the rail, and the places upstream that their slip looks at.
+
+    node (n,) on the wheel's grid; upstream (k, n) nodes of the wheel's grid at 0, 1, .. steps upstream; rail the
+    interpolation at their projections, row by row of upstream.
+    """
+
+    node: Index
+    upstream: Index
+    rail: Interpolation
 
 
 class Geometry(Protocol):

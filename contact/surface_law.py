@@ -16,7 +16,7 @@ from contact.grid import RULES, ContactGrid
 from contact.laws import Laws
 from contact.pose import Array, Nodes
 from forms import compat
-from forms.traction import frictionless_traction, traction, virtual_work
+from forms.traction import falling_friction, frictionless_traction, slip, traction, virtual_work
 from meshes.solids import Solid
 
 # Corners of the reference faces, and their areas
@@ -30,10 +30,11 @@ class SurfaceLaw:
     """Nodal forces T_i = a_i t(z_i) and tangent D = dT/dz on the whole contact grid, z = (d, s1, s2) or (d) without
     friction.
 
-    The regularising creepage may be changed between calls: `regularisation`.
+    The regularising creepage may be changed between calls, `regularisation`, and the rolling speed that falling
+    friction asks for, `at_speed`. gained is what multipliers add to the slip of points that slide.
     """
 
-    def __init__(self, solid: Solid, grid: ContactGrid, degree: int, laws: Laws) -> None:
+    def __init__(self, solid: Solid, grid: ContactGrid, degree: int, laws: Laws, *, gained: float = 0.0) -> None:
         cell = "triangle" if solid.cell == "tetrahedron" else "quadrilateral"
         used, faces = np.unique(solid.faces, return_inverse=True)
         mesh = compat.mesh_from_arrays(MPI.COMM_SELF, cell, faces.reshape(solid.faces.shape), solid.points[used])
@@ -46,6 +47,7 @@ class SurfaceLaw:
             for name, value in (("K", laws.stiffness_per_area), ("mu", laws.friction), ("eps", laws.regularisation))
         }
         self._eps = constant["eps"]
+        self._rate = fem.Constant(mesh, PETSc.ScalarType(0.0))  # of falling, over creepage
         # the points are the nodes that carry weight: exact for the shape functions, and the law acts node by node
         corners, area = REFERENCE[solid.faces.shape[1]]
         rule = RULES[solid.faces.shape[1], degree]
@@ -60,7 +62,10 @@ class SurfaceLaw:
             },
         )
         if self.components == 3:
-            t = traction(self.z, constant["K"], constant["mu"], constant["eps"])
+            mu = constant["mu"]
+            if laws.falling is not None:
+                mu = falling_friction(slip(self.z), mu, laws.falling.share, self._rate, gained)
+            t = traction(self.z, constant["K"], mu, constant["eps"])
         else:
             t = frictionless_traction(self.z, constant["K"])
         work = virtual_work(t, ufl.TestFunction(space), measure)
@@ -79,6 +84,10 @@ class SurfaceLaw:
     @regularisation.setter
     def regularisation(self, value: float) -> None:
         self._eps.value = value
+
+    def at_speed(self, speed: float) -> None:
+        """Take over the rolling speed [m/s]."""
+        self._rate.value = 0.0 if self.laws.falling is None else self.laws.falling.rate * speed
 
     def _set(self, nodes: Nodes, z: Array) -> None:
         values = self.z.x.array.reshape(-1, self.components)

@@ -20,11 +20,25 @@ def regularised_coulomb(s: Expr, p: Expr, μ: float | Expr, ε: float | Expr) ->
     return -μ * p * s / ufl.sqrt(ufl.max_value(ufl.dot(s, s), ε * ε))
 
 
+def falling_friction(s: Expr, μ: float | Expr, A: float | Expr, B: float | Expr, ε: float | Expr) -> Expr:
+    """μ(s) = μ ((1 - A) exp(-B s) + A) of the slip s = max(|s| - ε, 0), Polach 2005, doi:10.1016/j.wear.2004.03.046.
+
+    B is the rate of falling times the rolling speed; ε what a multiplier adds to the slip, else 0.
+    """
+    length = ufl.sqrt(ufl.max_value(ufl.dot(s, s), 1e-30))
+    return μ * ((1 - A) * ufl.exp(-B * ufl.max_value(length - ε, 0)) + A)
+
+
 def traction(z: Expr, K: float | Expr, μ: float | Expr, ε: float | Expr) -> Expr:
     """Traction on the wheel (-pₙ, pₜ) from z = (d, s₁, s₂)."""
     p = penalty_pressure(z[0], K)
-    pt = regularised_coulomb(ufl.as_vector([z[1], z[2]]), p, μ, ε)
+    pt = regularised_coulomb(slip(z), p, μ, ε)
     return ufl.as_vector([-p, pt[0], pt[1]])
+
+
+def slip(z: Expr) -> Expr:
+    """(s₁, s₂) of z = (d, s₁, s₂)."""
+    return ufl.as_vector([z[1], z[2]])
 
 
 def frictionless_traction(d: Expr, K: float | Expr) -> Expr:

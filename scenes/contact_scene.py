@@ -8,7 +8,7 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from scenes.models import hertz_model, hertz_motion, hertz_scale, wheel_scale, wheelset_contact
+from scenes.models import hertz_model, hertz_motion, hertz_scale, laws, wheel_scale, wheelset_contact
 from scenes.report import overall, side_report
 from scenes.scene import HertzScene, WheelsetScene
 
@@ -25,6 +25,7 @@ def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) 
     The moment of a Hertz pair is about the point of first touch. A load that cannot be carried, or a contact that does
     not converge, is a status "failed: ..." and no error.
     """
+    found = laws(scene)
     sides = _hertz(scene, say) if isinstance(scene, HertzScene) else _wheelset(scene, say)
     return {
         "status": overall(sides),
@@ -34,8 +35,9 @@ def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) 
         "friction": scene.friction,
         "bodies": scene.meshes,
         "surface_size": scene.surface_size,
-        "stiffness_per_area": scene.stiffness_per_area if scene.laws == "paper" else None,
-        "regularisation": scene.regularisation if scene.laws == "paper" else 0.0,
+        "falling": None if scene.falling is None else scene.falling.model_dump(),
+        "stiffness_per_area": found.stiffness_per_area if found.normal_compliance else None,
+        "regularisation": found.regularisation,
         **sides,
     }
 

@@ -14,13 +14,12 @@ if TYPE_CHECKING:
 
 def laws(scene: HertzScene | WheelsetScene | RunScene) -> Laws:
     """Penalty pressure and regularised Coulomb friction with the scene's constants, or the exact laws."""
-    from contact.laws import Laws
+    from contact.laws import FallingFriction, Laws
 
+    falling = None if scene.falling is None else FallingFriction(scene.falling.share, scene.falling.rate)
     if scene.laws == "exact":
-        return Laws(stiffness_per_area=float("inf"), friction=scene.friction, regularisation=0.0)
-    return Laws(
-        stiffness_per_area=scene.stiffness_per_area, friction=scene.friction, regularisation=scene.regularisation
-    )
+        return Laws(friction=scene.friction, falling=falling)
+    return Laws(scene.stiffness_per_area, scene.friction, scene.regularisation, falling)
 
 
 def hertz_model(scene: HertzScene) -> ContactModel:
@@ -42,6 +41,7 @@ def hertz_model(scene: HertzScene) -> ContactModel:
         cell=scene.cell,
         degree=scene.degree,
         order=scene.slip_order,
+        **({} if scene.shift is None else {"tangential": "shift"}),
     )
 
 
@@ -49,12 +49,15 @@ def hertz_motion(scene: HertzScene) -> Motion:
     """Material of both bodies flows backwards through the contact at the speed, the upper one's creepage faster.
 
     The creepage is shared, so that the mean of both velocities is the speed itself. Zero for a frictionless scene that
-    gives no motion.
+    gives no motion; for a shift, both bodies' displacements instead.
     """
     import numpy as np
 
     from contact.pose import Motion, Twist
 
+    if scene.shift is not None:
+        push, still = 0.5 * np.array([*scene.shift, 0.0]), np.zeros(3)
+        return Motion(Twist(push, still, still), Twist(-push, still, still))
     speed, (xi, eta, phi) = scene.speed or 0.0, scene.creepage or (0.0, 0.0, 0.0)
     flow, slip, origin = np.array([-speed, 0.0, 0.0]), speed * np.array([xi, eta, 0.0]), np.zeros(3)
     spin = np.array([0.0, 0.0, speed * phi])

@@ -59,14 +59,30 @@ class Principal(Range):
         return value
 
 
+@dataclass(frozen=True)
+class OrExact(Range):
+    """A constant of a softened law, or its limit, the exact law."""
+
+    exact: float = 0.0
+
+    def __str__(self) -> str:
+        return f"{super().__str__()}; or {self.exact:g}, the exact law"
+
+    def check(self, value: float) -> float:
+        return value if value == self.exact else super().check(value)
+
+
 Finite = Annotated[float, Strict(), AllowInfNan(False)]
 
 Young = Annotated[Finite, Range(1e9, 1e13, "Pa", "steel is 2.1e11: not 210 in GPa, nor 2.1e5 in MPa")]
 Poisson = Annotated[Finite, Range(-1.0, 0.5, open=True)]
 Friction = Annotated[Finite, Range(0.0, 2.0, hint="0 skips all tangential work")]
 SurfaceSize = Annotated[Finite, Range(5e-5, 1e-2, "m", "half a millimetre is 0.5e-3")]
-StiffnessPerArea = Annotated[Finite, Range(1e10, 1e20, "N/m3")]
-Regularisation = Annotated[Finite, Range(1e-9, 1e-2, hint="a creepage")]
+StiffnessPerArea = Annotated[float, Strict(), AllowInfNan(True), OrExact(1e10, 1e20, "N/m3", exact=inf)]
+Regularisation = Annotated[Finite, OrExact(1e-9, 1e-2, hint="a creepage")]
+Share = Annotated[Finite, Range(0.0, 1.0)]
+FallingRate = Annotated[Finite, Range(0.0, 100.0, "s/m", "over a slip velocity, some tenths for dry rails")]
+Shift = Annotated[Finite, Range(-1e-3, 1e-3, "m", "2 micrometres are 2e-6")]
 Creepage = Annotated[Finite, Range(-1.0, 1.0, hint="a velocity over the speed")]
 Spin = Annotated[Finite, Range(-1e3, 1e3, "rad/m")]
 Load = Annotated[Finite, Range(1e-3, 1e8, "N")]

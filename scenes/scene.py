@@ -10,21 +10,36 @@ from pydantic import Strict, ValidationError, model_validator
 
 from scenes import quantities as q
 from scenes.complaint import SceneError, complain
-from scenes.sections import Axle, Body, Output, Profiles, Sides, Solver, Table, Track, TrackLine, Vehicle, Wheelset
+from scenes.sections import (
+    Axle,
+    Body,
+    Falling,
+    Output,
+    Profiles,
+    Sides,
+    Solver,
+    Table,
+    Track,
+    TrackLine,
+    Vehicle,
+    Wheelset,
+)
 
 
 class Contact(Table):
     """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip.
 
-    laws: "paper" is the penalty pressure and the regularised Coulomb friction with the constants given; "exact" is
-    their limit, no penetration and Coulomb's law itself, and takes no constants. bodies: "solid", meshes in 3D, the
-    default for the paper's laws; or "waveguide", endless bodies by wavenumbers, the default for the exact ones. degree
-    of the displacements, 1 for solids unless given.
+    laws: "exact", no penetration and Coulomb's law itself, takes no constants; "paper", the default of runs, is penalty
+    pressure and regularised Coulomb friction with the constants given. One of the two alone is exact in "paper" with
+    stiffness_per_area = inf or regularisation = 0. falling makes friction fall with the slip velocity. bodies: "solid",
+    meshes in 3D, the default for the paper's laws and model = "full"; or "waveguide", endless bodies by wavenumbers,
+    the default for the exact ones. degree of the displacements, 1 for solids unless given.
     """
 
     model: Literal["condensed", "full"] = "condensed"
-    laws: Literal["paper", "exact"] = "paper"
+    laws: Literal["paper", "exact"] = "exact"
     friction: q.Friction
+    falling: Falling | None = None
     surface_size: q.SurfaceSize
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     bodies: Literal["solid", "waveguide"] | None = None
@@ -36,8 +51,6 @@ class Contact(Table):
     @model_validator(mode="after")
     def _lawful(self) -> Contact:
         if self.laws == "exact":
-            if self.model == "full":
-                raise q.refuse('"paper" with model = "full", whose law needs a penalty', "laws")
             for key in ("stiffness_per_area", "regularisation"):
                 if key in self.model_fields_set:
                     raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
@@ -50,17 +63,23 @@ class Contact(Table):
         """How the bodies are discretised: as given, or as suits the laws."""
         if self.bodies is not None:
             return self.bodies
-        return "waveguide" if self.laws == "exact" and self.cell == "tetrahedron" else "solid"
+        meshed = self.laws == "paper" or self.model == "full" or self.cell == "hexahedron"
+        return "solid" if meshed else "waveguide"
 
 
 class HertzScene(Contact):
-    """Two bodies with given principal radii under a load (N) or an approach (m); a frictionless one needs no motion."""
+    """Two bodies with given principal radii under a load (N) or an approach (m); a frictionless one needs no motion.
+
+    With friction they roll at a speed (m/s) with a creepage, or are pushed once by a shift (m) of the upper body
+    against the lower one (Cattaneo, Mindlin).
+    """
 
     kind: Literal["hertz"]
     load: q.Load | None = None
     approach: q.Approach | None = None
     speed: q.Speed | None = None
     creepage: Annotated[tuple[q.Creepage, q.Creepage, q.Spin], Strict(False)] | None = None
+    shift: Annotated[tuple[q.Shift, q.Shift], Strict(False)] | None = None
     upper: Body
     lower: Body
 
@@ -69,8 +88,14 @@ class HertzScene(Contact):
         if (self.load is None) == (self.approach is None):
             raise q.refuse("exactly one of load and approach must be given", "load")
         for key in ("speed", "creepage"):
-            if self.friction > 0.0 and getattr(self, key) is None:
+            if self.shift is not None and getattr(self, key) is not None:
+                raise q.refuse("bodies roll or are shifted, not both: remove shift", key)
+            if self.shift is None and self.friction > 0.0 and getattr(self, key) is None:
                 raise q.refuse("must be given when friction is not 0", key)
+        if self.shift is not None and self.model == "full":
+            raise q.refuse('only with model = "condensed"', "shift")
+        if self.shift is not None and (self.falling or (self.laws == "paper" and self.regularisation > 0.0)):
+            raise q.refuse('only with Coulomb\'s friction: regularisation = 0 or laws = "exact", not falling', "shift")
         for name, one, other in zip("xy", self.upper.radii, self.lower.radii, strict=True):
             if not 1.0 / one + 1.0 / other > 0.0:
                 text = (
@@ -107,6 +132,7 @@ class RunScene(Contact):
     """A vehicle run along a tangent, a transition and a curve."""
 
     kind: Literal["run"]
+    laws: Literal["paper", "exact"] = "paper"
     E: q.Young
     nu: q.Poisson
     profiles: Profiles

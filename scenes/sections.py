@@ -25,6 +25,13 @@ class Body(Table):
     nu: q.Poisson
 
 
+class Falling(Table):
+    """Friction falls with the slip velocity, at a rate in s/m, to a share of what it is without slip (Polach 2005)."""
+
+    share: q.Share
+    rate: q.FallingRate
+
+
 class Profiles(Table):
     """Cross-sections of wheel and rail, a name or a file each; laying_angle turns the rail to the track's centre."""
 

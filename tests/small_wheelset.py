@@ -15,7 +15,7 @@ from contact.wheelrail import WheelRail
 from contact.wheelset import WheelsetContact
 from meshes.bodies import rail, wheel
 from meshes.profiles import named_profile
-from meshes.sections import Outline, rail_outline, wheel_outline
+from meshes.sections import Outline, rail_outline, rim_outline
 from meshes.solids import Cell
 
 SIZE, RADIUS, SPEED = 3e-3, 0.46, 45.0
@@ -37,7 +37,7 @@ STATE = WheelsetState(
 
 
 def outlines() -> tuple[Outline, Outline]:
-    return wheel_outline(WHEEL, RADIUS), rail_outline(RAIL, chord_error=5e-4)
+    return rim_outline(WHEEL, RADIUS), rail_outline(RAIL, chord_error=5e-4)
 
 
 @cache
@@ -59,7 +59,7 @@ def model(laws: Laws) -> Condensed:
 
 
 def wheelset(laws: Laws | None = None) -> WheelsetContact:
-    return WheelsetContact(model(laws or Laws()), MOUNTING)
+    return WheelsetContact(model(laws or Laws.paper()), MOUNTING)
 
 
 def left_pose(state: WheelsetState = STATE, ahead: float = 0.0) -> Pose:

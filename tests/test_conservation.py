@@ -119,7 +119,7 @@ def test_wheel_and_rail_cancel(cell: Cell, degree: int, ahead: float) -> None:
 
 
 def test_force_and_moment_of_a_result_are_those_on_the_nodes() -> None:
-    contact = condensed(TETRAHEDRA, (0.3, 0.3), size=1e-3, laws=Laws())
+    contact = condensed(TETRAHEDRA, (0.3, 0.3), size=1e-3, laws=Laws.paper())
     result = contact(hertz_pose(1.5e-5), CREEP)
     fields = result.fields
     assert fields is not None
@@ -140,7 +140,7 @@ def test_force_and_moment_of_a_result_are_those_on_the_nodes() -> None:
     np.testing.assert_allclose(moved.moment, result.moment + np.cross(-CENTRE, result.force), rtol=1e-12)
 
 
-@pytest.mark.parametrize("laws", [Laws(friction=0.0), Laws()], ids=["frictionless", "rolling"])
+@pytest.mark.parametrize("laws", [Laws.paper(0.0), Laws.paper()], ids=["frictionless", "rolling"])
 def test_left_and_right_are_mirror_images(laws: Laws) -> None:
     contact = wheelset(laws)
     for state in (STATE, replace(STATE, y=0.001, z=-2.3e-4, yaw=-1e-3)):

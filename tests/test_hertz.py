@@ -76,7 +76,7 @@ def test_what_the_penalty_costs() -> None:
         for K in (np.inf, 1e15):
             overlap = (expected.approach + expected.peak / K) - (x**2 + y**2) / 2 / SPHERE[0]
             pressure = solve_tractions(
-                compliance, overlap, None, normal_compliance=1 / K, friction=0.0, regularisation=0.0, count=Count()
+                compliance, overlap, None, laws=Laws(K, friction=0.0), speed=0.0, count=Count()
             ).pressure
             force = pressure.sum() * cells.area
             relative.append(pressure.max() / hertzian(SPHERE, force).peak)

@@ -48,7 +48,7 @@ def heavy_after(script: str) -> set[str]:
 SOLVE = """
 from small_wheelset import STATE, wheelset
 from contact.laws import Laws
-for laws in (Laws(), Laws(friction=0.0)):
+for laws in (Laws.paper(), Laws.paper(0.0)):
     result = wheelset(laws)(STATE, "left")
     assert result.status == "converged", result.status
     assert result.force[2] > 1e4
@@ -127,7 +127,7 @@ def watch_friction(counter: Counter) -> None:
 
 
 def test_no_friction_no_tangential_work(counter: Counter) -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws(friction=0.0))
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
     watch_friction(counter)
     result = model(TOUCHING, CREEP)
     assert result.status == "converged"
@@ -141,7 +141,7 @@ def test_no_friction_no_tangential_work(counter: Counter) -> None:
 
 
 def test_friction_does_it_all_and_is_counted(counter: Counter) -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws())
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper())
     watch_friction(counter)
     model(TOUCHING, CREEP)
     assert len(counter.calls["tangential_contact"]) == 1
@@ -150,7 +150,7 @@ def test_friction_does_it_all_and_is_counted(counter: Counter) -> None:
 
 
 def test_full_without_friction_solves_for_overlaps_alone(counter: Counter) -> None:
-    model = full(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws(friction=0.0))
+    model = full(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
     watch_friction(counter)
     assert model(TOUCHING, AT_REST).status == "converged"  # nor does it need to roll
     assert not counter.calls["creepage"]
@@ -169,15 +169,15 @@ def test_no_overlap_returns_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*args: Any, **options: Any) -> Any:
         raise AssertionError("called without an overlap")
 
-    pair = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws())
+    pair = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper())
     nobody: Any = Untouchable()
     apart = hertz_pose(-1e-6)
     for name in ("couple_both", "creepage", "solve_tractions", "condense"):
         monkeypatch.setattr(condensed_module, name, never)
-    result = type(pair)(pair.geometry, nobody, nobody, Laws())(apart, CREEP)
+    result = type(pair)(pair.geometry, nobody, nobody, Laws.paper())(apart, CREEP)
     assert result.status == "separated"
     assert result.approach == pytest.approx(-1e-6)
-    both = full_module.Full(pair.geometry, nobody, nobody, Laws())
+    both = full_module.Full(pair.geometry, nobody, nobody, Laws.paper())
     assert both(apart, CREEP).status == "separated"
     assert "solver" not in vars(both)
     assert "law" not in vars(both)
@@ -204,7 +204,7 @@ def test_a_wheel_above_its_rail_costs_one_look(counter: Counter) -> None:
 def test_stress_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     from forms import elasticity
 
-    pair, both = (make(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws()) for make in (condensed, full))
+    pair, both = (make(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper()) for make in (condensed, full))
     first = both(TOUCHING, CREEP)  # assembles the stiffness, which needs the stress as a form
 
     def never(*args: Any) -> Any:
@@ -219,7 +219,7 @@ def test_stress_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_compliance_is_gathered_for_the_candidates_only(counter: Counter) -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws(friction=0.0))
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
     counter.watch(SurfaceCompliance, "block")
     result = model(TOUCHING, AT_REST)
     assert result.fields is not None

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenes.models import hertz_motion, hertz_scale
+from contact.laws import FallingFriction, Laws
+from scenes.models import hertz_motion, hertz_scale, laws
 from scenes.override import overridden
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene, load_scene, parse_scene
 from vehicle.wagon import Wagon
@@ -58,7 +59,7 @@ def test_what_may_be_left_out() -> None:
     text = text.replace("speed = 10.0", "").replace("creepage = [1e-3, 0.0, 0.0]", "")
     scene = parse_scene(text)
     assert isinstance(scene, HertzScene)
-    assert (scene.model, scene.laws, scene.speed) == ("condensed", "paper", None)
+    assert (scene.model, scene.laws, scene.speed) == ("condensed", "exact", None)
     motion = hertz_motion(scene)
     assert not motion.wheel.velocity.any()
 
@@ -83,6 +84,34 @@ def test_scale_of_a_sphere_on_a_plane_is_hertz() -> None:
     depth = hertz_scale(scene, 10e3)
     modulus = 210e9 / (2 * 0.91)
     assert 4 / 3 * modulus * math.sqrt(0.3) * depth**1.5 == pytest.approx(10e3, rel=1e-12)
+
+
+SHIFTED = HERTZ.replace("speed = 10.0", "shift = [1e-6, -2e-6]").replace("creepage = [1e-3, 0.0, 0.0]", "")
+
+
+def test_either_law_may_be_exact_alone() -> None:
+    text = changed(HERTZ, 'laws = "paper"', 'laws = "paper"\nstiffness_per_area = inf\nregularisation = 1e-4')
+    assert laws(parse_scene(text)) == Laws(math.inf, 0.3, 1e-4)
+    assert laws(parse_scene(text.replace("= inf\n", "= 1e14\n").replace("= 1e-4", "= 0.0"))) == Laws(1e14, 0.3, 0.0)
+    assert laws(parse_scene(HERTZ)) == Laws.paper(0.3)
+    assert laws(parse_scene(changed(HERTZ, 'laws = "paper"', ""))) == Laws() == Laws(math.inf, 0.3, 0.0, None)
+    falling = changed(HERTZ, "[upper]", "[falling]\nshare = 0.4\nrate = 0.6\n[upper]")
+    assert laws(parse_scene(falling)) == Laws(1e15, 0.3, 1e-5, FallingFriction(0.4, 0.6))
+
+
+def test_a_run_keeps_the_laws_of_the_paper() -> None:
+    assert laws(parse_scene(changed(CURVE, 'laws = "paper"', ""), FOLDER / "paper_curve.toml")) == Laws.paper(0.3)
+
+
+def test_a_shift_moves_the_bodies_apart_and_needs_coulomb() -> None:
+    with pytest.raises(SceneError, match="Coulomb"):
+        parse_scene(SHIFTED)
+    scene = parse_scene(changed(SHIFTED, 'laws = "paper"', ""))
+    assert isinstance(scene, HertzScene)
+    motion = hertz_motion(scene)
+    np.testing.assert_allclose(motion.wheel.velocity - motion.rail.velocity, [1e-6, -2e-6, 0.0], rtol=1e-12)
+    with pytest.raises(SceneError, match="condensed"):
+        parse_scene(changed(changed(SHIFTED, 'laws = "paper"', ""), 'model = "condensed"', 'model = "full"'))
 
 
 # (scene, what to replace, by what, what the error must say: key, value and what is allowed)
@@ -111,12 +140,11 @@ MALFORMED = [
     (HERTZ, "surface_size = 0.5e-3", "surface_size = 1e-6", ("surface_size = 1e-06",)),
     (HERTZ, 'model = "condensed"', 'model = "condense"', ('model = "condense"', '"condensed" or "full"')),
     (HERTZ, 'laws = "paper"', 'laws = "hertz"', ('laws = "hertz"', '"paper"', '"exact"')),
-    (
-        HERTZ,
-        'model = "condensed"            # or "full"\nlaws = "paper"',
-        'model = "full"\nlaws = "exact"',
-        ('laws = "exact"', '"paper"', '"full"'),
-    ),
+    (HERTZ, 'laws = "paper"', "stiffness_per_area = nan", ("stiffness_per_area = NaN", "inf, the exact law")),
+    (HERTZ, "friction = 0.3", "friction = 0.3\nshift = [1e-6, 0.0]", ("speed = 10.0", "remove shift")),
+    (HERTZ, "speed = 10.0 ", "shift = [1.0, 0.0] ", ("shift[0] = 1.0", "micrometres")),
+    (HERTZ, "[upper]", "[falling]\nshare = 40\nrate = 0.6\n[upper]", ("falling.share = 40", "from 0 to 1")),
+    (HERTZ, "[upper]", "[falling]\nshare = 0.4\n[upper]", ("falling.rate: missing", "s/m")),
     (
         HERTZ,
         'laws = "paper"',

@@ -10,8 +10,10 @@ import pytest
 from half_space import Cells, HalfSpaces, creepage, forces
 from scipy.optimize import nnls
 
-from contact.laws import Steel
+from contact.friction import Friction, tangential_contact
+from contact.laws import Laws, Steel
 from contact.pose import Array
+from contact.pressure import Given
 from contact.references.hertz import Hertz, hertz, modulus
 from contact.tractions import (
     Count,
@@ -20,7 +22,6 @@ from contact.tractions import (
     Tractions,
     normal_contact,
     solve_tractions,
-    tangential_contact,
 )
 
 STEEL = Steel(210e9, 0.3)
@@ -62,9 +63,8 @@ class Sphere:
             operator,
             self.overlap,
             creepage(self.cells, *creepages),
-            normal_compliance=1 / K,
-            friction=friction,
-            regularisation=regularisation,
+            laws=Laws(K, friction, regularisation),
+            speed=10.0,
             guess=guess,
             options=options,
             count=Count(),
@@ -77,9 +77,7 @@ OPERATOR = HalfSpaces(COARSE.cells, STEEL, STEEL).operator(2)
 
 def frictionless(sphere: Sphere, K: float) -> Array:
     normal = HalfSpaces(sphere.cells, STEEL, STEEL).compliance()[2, 2]
-    return solve_tractions(
-        normal, sphere.overlap, None, normal_compliance=1 / K, friction=0.0, regularisation=0.0, count=Count()
-    ).pressure
+    return solve_tractions(normal, sphere.overlap, None, laws=Laws(K, friction=0.0), speed=0.0, count=Count()).pressure
 
 
 def test_hertz_pressure_on_half_spaces() -> None:
@@ -151,8 +149,14 @@ def rolling(cells: Cells, bound: Array, creepages: tuple[float, float, float], o
     n = len(cells.x)
     slip = HalfSpaces(cells, STEEL, STEEL).operator(order)[: 2 * n, : 2 * n]
     rigid = creepage(cells, *creepages)
-    found = tangential_contact(slip, rigid, bound, None, 0.0, np.zeros(2 * n), NewtonOptions(), Count())
-    return found.reshape(2, n).T
+    return under(bound, slip, rigid).T
+
+
+def under(pressure: Array, slip: Array, rigid: Array) -> Array:
+    """Tractions (2, n) under a given pressure and friction 1."""
+    friction = Friction(slip, rigid, None, Given(pressure), Laws(friction=1.0), 0.0)
+    start = np.zeros((2, len(pressure)))
+    return tangential_contact(friction, start, pressure > 0, NewtonOptions(), Count()).q
 
 
 @pytest.mark.parametrize(("grid", "order", "creepages", "expected"), CREEP_FORCES)
@@ -205,9 +209,9 @@ def test_kalker_coefficients() -> None:
             rigid = creepage(cells, xi, eta, spin)
             stick = np.linalg.solve(slip, -rigid)
             bound = np.full(len(cells.x), 10 * np.abs(stick).max())  # so strong that all of it sticks
-            q = tangential_contact(slip, rigid, bound, None, 0.0, np.zeros_like(stick), NewtonOptions(), Count())
-            np.testing.assert_allclose(q, stick, atol=1e-6 * bound.max())
-            return -forces(cells, q.reshape(2, -1).T) / G
+            q = under(bound, slip, rigid)
+            np.testing.assert_allclose(q.ravel(), stick, atol=1e-6 * bound.max())
+            return -forces(cells, q.T) / G
 
         radius = np.sqrt(n * cells.area / np.pi)  # of the circle that has the area of the staircase
         straight, lateral, spin = (coefficients(*unit) for unit in np.eye(3))
@@ -232,9 +236,8 @@ def test_bicgstab_and_lu_agree(eps: float, other: float) -> None:
             operator,
             COARSE.overlap,
             rigid,
-            normal_compliance=1e-15,
-            friction=0.3,
-            regularisation=eps,
+            laws=Laws(1e15, 0.3, eps),
+            speed=10.0,
             options=options,
             count=counts,
         ).tangential
@@ -351,5 +354,5 @@ def test_nothing_presses_where_nothing_overlaps() -> None:
 
 
 def test_running_out_of_steps_is_an_error() -> None:
-    with pytest.raises(NotConverged, match="after 1 Newton steps"):
+    with pytest.raises(NotConverged, match="Newton steps"):
         COARSE.solve(OPERATOR, (1e-3, 5e-4, 0.5), options=NewtonOptions(iterations=1))
