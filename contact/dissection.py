@@ -22,12 +22,13 @@ LEAF = 24  # nodes left whole: dense blocks of about 70 unknowns
 class Front:
     """A dense block: count unknowns to eliminate, then those that they touch, size in all.
 
-    entries: which values of the sparse matrix go to which places of the block; children: earlier fronts whose
-    remainders are added, and where.
+    unknowns (size,): which ones; entries: which values of the sparse matrix go to which places of the block; children:
+    earlier fronts whose remainders are added, and where.
     """
 
     count: int
     size: int
+    unknowns: Nodes
     entries: Nodes
     places: Nodes
     children: tuple[tuple[int, Nodes], ...]
@@ -44,6 +45,26 @@ class Dissection:
 
         Raises LinAlgError unless the matrix is positive definite.
         """
+        return self._eliminate(values, None)
+
+    def solve(self, values: Array, load: Array, size: int) -> Array:
+        """Displacement of all unknowns (size, m) by loads on the kept ones (kept, m), held unknowns at zero.
+
+        Raises LinAlgError unless the matrix is positive definite.
+        """
+        steps: list[tuple[Front, Array, Array]] = []
+        factor, status = lapack.dpotrf(self._eliminate(values, steps), lower=1, clean=0)
+        if status:
+            raise np.linalg.LinAlgError("the stiffness of the surface is not positive definite")
+        found = np.zeros((size, load.shape[1]))
+        found[self.fronts[-1].unknowns] = lapack.dpotrs(factor, load, lower=1)[0]
+        for front, factor, half in reversed(steps):
+            held = half @ found[front.unknowns[front.count :]]
+            found[front.unknowns[: front.count]] = -lapack.dtrtrs(factor, held, lower=0)[0]
+        return found
+
+    def _eliminate(self, values: Array, steps: list[tuple[Front, Array, Array]] | None) -> Array:
+        """The Schur complement; every front's factor R and R^-T A12 are added to the steps when there are any."""
         remainders: list[Array | None] = []
         block = np.empty((0, 0))
         for front in self.fronts:
@@ -61,6 +82,8 @@ class Dissection:
                 raise np.linalg.LinAlgError("the section's stiffness is not positive definite: is it clamped?")
             half, _ = lapack.dtrtrs(factor, block[:n, n:], lower=0, trans=1)
             remainders.append(block[n:, n:] - half.T @ half)
+            if steps is not None:
+                steps.append((front, factor, half))
         return block
 
     def flexibility(self, values: Array) -> Array:
@@ -156,6 +179,6 @@ def _fronts(
         present = node >= 0
         place = np.repeat(np.arange(len(lines)) * size, length) + node * block + column % block
         children = tuple((b, unknowns(where[touched[b]])) for b in below)
-        fronts.append(Front(block * len(members), size, entry[present], place[present], children))
+        fronts.append(Front(block * len(members), size, unknowns(order), entry[present], place[present], children))
         where[order] = -1
     return fronts

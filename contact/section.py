@@ -94,6 +94,13 @@ class Section:
             return H
         return np.asarray(self.cells @ (self.cells @ H).T)
 
+    def displacement(self, k: float, loads: Array) -> Array:
+        """Displacement amplitudes (3 n, m) of all nodes by harmonic line loads (3 ns, m) at the surface's corners,
+        spread as by `flexibility`.
+        """
+        nodal = loads if self.degree == 1 else self.cells.T @ loads
+        return self.dissection.solve(self.stiffness(k), nodal * (self.radius or 1.0), 3 * len(self.points))
+
     @cached_property
     def cells(self) -> sp.csr_array:
         """Mean of a quadratic displacement over the cell around every corner of the surface."""

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import roots_legendre
 
 from contact.pose import Array, Nodes
+
+Samples = TypeVar("Samples", Array, NDArray[np.complex128])
 
 START = 8  # intervals before the first refinement
 MOST = 400  # samples; a spectrum that needs more is not the smooth one of a clamped body
@@ -23,13 +27,15 @@ class Spectrum:
     lines s <= t, row by row.
 
     Between samples (k + shift) H is a cubic spline in log(1 + k / shift). error: estimate of what that costs in any
-    compliance, relative to the smallest one of a line with itself for loads over 16 surface sizes.
+    compliance, relative to the smallest one of a line with itself for loads over 16 surface sizes. round [m]: the way
+    once round a body of revolution, whose harmonics are whole: k = 2 pi n / round (None: a prismatic body's are not).
     """
 
     k: Array
     shift: float
     values: Array
     error: float
+    round: float | None = None
 
     @property
     def lines(self) -> int:
@@ -40,12 +46,22 @@ class Spectrum:
         """Even and odd weights (nx, nk) that turn samples into compliances at distances x [m] along the body.
 
         Tractions are constant over cells of the length step [m] and displacements averaged over them:
-        C(x) = 1/pi int H(k) sinc^2(k step / 2) (cos or sin)(k x) dk.
+        C(x) = 1/pi int H(k) sinc^2(k step / 2) (cos or sin)(k x) dk, the sum over whole harmonics for a body of
+        revolution. Taken as continuous there, a web that lets the rim wobble would cost per cents.
         """
-        k, w = quadrature(self.k, float(np.abs(x).max()) + step)
-        weighted = interpolation(self.k, self.shift, k) * (w * np.sinc(k * step / (2 * np.pi)) ** 2 / np.pi)[:, None]
+        k, w = rule(self.k, float(np.abs(x).max()) + step, self.round)
+        weighted = interpolation(self.k, self.shift, k) * (w * np.sinc(k * step / (2 * np.pi)) ** 2)[:, None]
         phase = np.outer(x, k)
         return np.cos(phase) @ weighted, np.sin(phase) @ weighted
+
+
+def rule(samples: Array, reach: float, around: float | None) -> tuple[Array, Array]:
+    """Wavenumbers and weights of the way back, 1/pi int ... dk, or its sum over the harmonics once round [m]."""
+    if around is None:
+        k, w = quadrature(samples, reach)
+        return k, w / np.pi
+    k = 2 * np.pi / around * np.arange(round(samples[-1] * around / (2 * np.pi)) + 1)
+    return k, np.where(k > 0, 2.0, 1.0) / around
 
 
 def interpolation(samples: Array, shift: float, k: Array) -> Array:
@@ -84,54 +100,105 @@ def sample(
     largest: float,
     step: float,
     tolerance: float,
+    around: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Spectrum:
     """Sample H(k) (3 ns, 3 ns) from 0 to the largest wavenumber, halving intervals until the tolerance holds.
 
-    step [m] is the cell length along x for which the error counts. progress is told samples done and known to come.
-    Raises RuntimeError when 400 samples do not do.
+    step [m] is the cell length along x for which the error counts. around [m]: once round a body of revolution, which
+    is sampled at whole harmonics. progress is told samples done and known to come. Raises RuntimeError when 400 samples
+    do not do.
     """
-    t = [float(v) for v in np.linspace(0.0, np.log1p(largest / shift), START + 1)]
+    axis = Axis(shift, None if around is None else 2 * np.pi / around)
+    k = axis.spaced(largest, START)
     found: dict[float, Array] = {}
 
-    def wavenumber(place: float) -> float:
-        return float(shift * np.expm1(place))
-
-    def take(places: list[float]) -> None:
-        for i, place in enumerate(places):
-            found[place] = pack(H(wavenumber(place)))
+    def take(wavenumbers: list[float]) -> None:
+        for i, wavenumber in enumerate(wavenumbers):
+            found[wavenumber] = pack(H(wavenumber))
             if progress is not None:
-                progress(len(found), len(found) + len(places) - 1 - i)
+                progress(len(found), len(found) + len(wavenumbers) - 1 - i)
 
-    take(t)
+    take(k)
     scale = _scale(found, shift, 16 * step)
-    open_intervals = list(pairwise(t))
-    error = 0.0
+
+    def share(low: float, high: float) -> float:
+        spread = min(1.0, (2 / (low * step)) ** 2) if low > 0 else 1.0
+        return (high - low) * spread / np.pi / scale
+
+    error = refine(found, take, axis, share, tolerance)
+    known = sorted(found)
+    return Spectrum(np.array(known), shift, np.stack([found[place] for place in known]), error, around)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Wavenumbers [1/m] laid out in log(1 + k / shift), multiples of a unit [1/m] where one is given."""
+
+    shift: float
+    unit: float | None = None
+
+    def spaced(self, largest: float, intervals: int) -> list[float]:
+        """From zero to the largest, equally spaced but for the unit."""
+        t = np.linspace(0.0, self.place(largest), intervals + 1)
+        return sorted({0.0, *(self._snapped(self.shift * np.expm1(v)) for v in t)})
+
+    def no_longer(self, known: list[float], length: float) -> list[float]:
+        """The same with intervals divided equally until none exceeds the length [1/m] or a unit."""
+        parts = [np.linspace(a, b, int(np.ceil((b - a) / length)) + 1) for a, b in pairwise(known)]
+        return sorted({self._snapped(float(k)) for part in parts for k in part})
+
+    def place(self, k: float) -> float:
+        return float(np.log1p(k / self.shift))
+
+    def middle(self, low: float, high: float) -> float | None:
+        """Between two wavenumbers; None when no multiple of the unit is."""
+        k = self._snapped(self.shift * np.expm1(0.5 * (self.place(low) + self.place(high))))
+        if self.unit is not None and not low + 0.5 * self.unit < k < high - 0.5 * self.unit:
+            k = self._snapped(0.5 * (low + high))
+            return k if low + 0.5 * self.unit < k < high - 0.5 * self.unit else None
+        return k
+
+    def _snapped(self, k: float) -> float:
+        return float(k if self.unit is None else self.unit * round(k / self.unit))
+
+
+def refine(
+    found: dict[float, Samples],
+    take: Callable[[list[float]], None],
+    axis: Axis,
+    share: Callable[[float, float], float],
+    tolerance: float,
+) -> float:
+    """Halve the intervals between samples until interpolation into them costs no more than the tolerance; the cost.
+
+    take adds samples to those found; share is what an error of one all over an interval (low, high) costs. Raises
+    RuntimeError when 400 samples do not do.
+    """
+    whole = axis.place(max(found))
+    open_intervals = list(pairwise(sorted(found)))
+    error = np.zeros(found[0.0].shape)  # of every entry: they are not worst at the same wavenumbers
     while open_intervals:
         known = sorted(found)
-        middles = [0.5 * (a + b) for a, b in open_intervals]
+        halved = [(low, middle, high) for low, high in open_intervals if (middle := axis.middle(low, high)) is not None]
+        middles = [middle for _, middle, _ in halved]
         if len(found) + len(middles) > MOST:
             raise RuntimeError(f"the compliance needs more than {MOST} wavenumbers for the tolerance {tolerance:g}")
-        k = np.array([wavenumber(place) for place in known])
-        rules = interpolation(k, shift, np.array([wavenumber(place) for place in middles]))
+        rules = interpolation(np.array(known), axis.shift, np.array(middles))
         take(middles)
-        halves = []
-        for (a, b), middle, rule in zip(open_intervals, middles, rules, strict=True):
+        open_intervals = []
+        for (low, middle, high), weights in zip(halved, rules, strict=True):
             miss = found[middle].copy()
-            for weight, place in zip(rule, known, strict=True):
-                miss -= weight * found[place]
-            low, high = wavenumber(a), wavenumber(b)
-            spread = min(1.0, (2 / (low * step)) ** 2) if low > 0 else 1.0
+            for weight, place in zip(weights, known, strict=True):
+                if abs(weight) > 1e-9:  # they die out from interval to interval
+                    miss -= weight * found[place]
             # of a cubic's error over its interval, 8/15 of the peak on average
-            cost = 8 / 15 * (high - low) * spread * float(np.abs(miss).max()) / np.pi / scale / GAIN
-            if cost > tolerance * (b - a) / t[-1]:
-                halves += [(a, middle), (middle, b)]
+            lost = 8 / 15 * share(low, high) / GAIN * np.abs(miss)
+            if lost.max() > tolerance * (axis.place(high) - axis.place(low)) / whole:
+                open_intervals += [(low, middle), (middle, high)]
             else:
-                error += cost
-        open_intervals = halves
-    places = sorted(found)
-    values = np.stack([found[place] for place in places])
-    return Spectrum(np.array([wavenumber(place) for place in places]), shift, values, error)
+                error += lost
+    return float(error.max())
 
 
 def _scale(found: dict[float, Array], shift: float, length: float) -> float:
@@ -139,6 +206,6 @@ def _scale(found: dict[float, Array], shift: float, length: float) -> float:
     places = sorted(found)
     first, second = pairs(int(np.sqrt(2 * len(found[places[0]]))))
     own = np.stack([found[place][first == second] for place in places])
-    rough = Spectrum(shift * np.expm1(np.array(places)), shift, own, 0.0)
+    rough = Spectrum(np.array(places), shift, own, 0.0)
     weight = rough.weights(np.zeros(1), length)[0][0]
     return float(np.einsum("k,knaa->na", weight, own).min())

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshes.curve import Array
 from meshes.profiles import Profile
+from meshes.wheel_shape import WheelShape
 
 HEIGHT = 172.0  # mm, of the 60E1 section
 SNAP = 2e-4  # m; corners of the rest nearer than this to an end of the profile are dropped for it
@@ -96,7 +97,7 @@ def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
     return Outline(profile, (start, stop), rest, (foot, foot + 1))
 
 
-def wheel_outline(
+def rim_outline(
     profile: Profile, radius: float, *, rim_thickness: float = 0.065, faces: tuple[float, float] = (-0.070, 0.065)
 ) -> Outline:
     """Section of a wheel's rim in (y, r), r = radius + z: faces, and an inner face that is clamped, m.
@@ -104,12 +105,39 @@ def wheel_outline(
     A profile that ends inside a face is continued at its radius to it; one that reaches further widens the rim.
     ValueError if the profile ends below the middle of the rim or covers less than half of its width.
     """
+    inner = radius - rim_thickness
+    stop, front, back, start = _rim(profile, radius, rim_thickness, faces)
+    rest = np.array([stop, [front, stop[1]], [front, inner], [back, inner], [back, start[1]], start])
+    kept = np.concatenate([[True], np.hypot(*np.diff(rest, axis=0).T) > 0.0])
+    first = int(kept[:2].sum())
+    return Outline(profile, profile.s_range, rest[kept], (first, first + 1), (0.0, radius))
+
+
+def wheel_outline(profile: Profile, radius: float, shape: WheelShape | None = None) -> Outline:
+    """Section of a monobloc wheel in (y, r), r = radius + z: rim, web and hub, clamped at the bore, m.
+
+    The profile is treated as by `rim_outline`. ValueError if it or the shape does not fit a wheel of the radius.
+    """
+    shape = shape or WheelShape()
+    stop, front, back, start = _rim(profile, radius, shape.rim_thickness, shape.faces)
+    head = np.array([stop, [front, stop[1]]])
+    tail = np.array([[back, start[1]], start])
+    body = shape.below_the_rim(radius, front, back)
+    rest = np.concatenate([head, body, tail])
+    kept = np.concatenate([[True], np.hypot(*np.diff(rest, axis=0).T) > 0.0])
+    bore = np.flatnonzero(rest[kept][:, 1] == shape.bore_radius)
+    return Outline(profile, profile.s_range, rest[kept], (int(bore[0]), int(bore[-1])), (0.0, radius))
+
+
+def _rim(
+    profile: Profile, radius: float, rim_thickness: float, faces: tuple[float, float]
+) -> tuple[Array, float, float, Array]:
+    """End of the profile on the field side, y of the front and the back of the rim, its end on the flange."""
     if profile.kind != "wheel":
         raise ValueError(f"{profile.name} is a {profile.kind}, not a wheel")
     if not 0.0 < rim_thickness < radius:
         raise ValueError(f"rim_thickness must lie in 0 .. {radius} m, not {rim_thickness}")
-    offset = (0.0, radius)
-    start, stop = profile.point(profile.s_range) + offset
+    start, stop = profile.point(profile.s_range) + np.array([0.0, radius])
     inner = radius - rim_thickness
     if min(start[1], stop[1]) < 0.5 * (radius + inner):
         raise ValueError(
@@ -121,10 +149,7 @@ def wheel_outline(
         )
     back = start[0] if start[0] < faces[0] + SNAP else faces[0]
     front = stop[0] if stop[0] > faces[1] - SNAP else faces[1]
-    rest = np.array([stop, [front, stop[1]], [front, inner], [back, inner], [back, start[1]], start])
-    kept = np.concatenate([[True], np.hypot(*np.diff(rest, axis=0).T) > 0.0])
-    first = int(kept[:2].sum())
-    return Outline(profile, profile.s_range, rest[kept], (first, first + 1), offset)
+    return stop, front, back, start
 
 
 def _rest(chord_error: float) -> list[tuple[float, float]]:

@@ -9,7 +9,8 @@ import pytest
 from scipy.integrate import trapezoid
 
 from meshes.profiles import Profile, load_profile, named_profile
-from meshes.sections import rail_outline, wheel_outline
+from meshes.sections import rail_outline, rim_outline, wheel_outline
+from meshes.wheel_shape import WheelShape, rounded
 
 INCLINED = np.arctan(1 / 40)
 
@@ -106,7 +107,7 @@ def test_rail_that_does_not_fit_is_refused(tmp_path: Path) -> None:
 
 def test_wheel_rim() -> None:
     wheel = named_profile("S1002")
-    outline = wheel_outline(wheel, 0.46)
+    outline = rim_outline(wheel, 0.46)
     polygon = outline.polygon(5e-4)
     assert simple(polygon)
     np.testing.assert_allclose([polygon[:, 0].min(), polygon[:, 0].max(), polygon[:, 1].min()], [-0.07, 0.065, 0.395])
@@ -124,7 +125,7 @@ def test_wheel_without_chamfer_is_continued_to_its_faces(tmp_path: Path) -> None
     s = wheel.s_at_y(np.linspace(-0.0690, 0.0550, 400))
     path = tmp_path / "short.csv"
     path.write_text("\n".join(f"{y * 1e3:.6f},{z * 1e3:.6f}" for y, z in wheel.point(s)))
-    outline = wheel_outline(load_profile(path, "wheel"), 0.46)
+    outline = rim_outline(load_profile(path, "wheel"), 0.46)
     polygon = outline.polygon(1e-3)
     assert simple(polygon)
     np.testing.assert_allclose([polygon[:, 0].min(), polygon[:, 0].max()], [-0.07, 0.065])
@@ -135,8 +136,61 @@ def test_wheel_without_chamfer_is_continued_to_its_faces(tmp_path: Path) -> None
 def test_wheels_that_do_not_fit_are_refused() -> None:
     wheel = named_profile("S1002")
     with pytest.raises(ValueError, match="into a rim"):
-        wheel_outline(wheel, 0.46, rim_thickness=0.01)
+        rim_outline(wheel, 0.46, rim_thickness=0.01)
     with pytest.raises(ValueError, match="wide"):
-        wheel_outline(wheel, 0.46, faces=(-0.2, 0.2))
+        rim_outline(wheel, 0.46, faces=(-0.2, 0.2))
+    with pytest.raises(ValueError, match="not a wheel"):
+        rim_outline(named_profile("60E1"), 0.46)
+
+
+def test_wheel_with_web_and_hub() -> None:
+    wheel, shape = named_profile("S1002"), WheelShape()
+    outline = wheel_outline(wheel, 0.46)
+    polygon = outline.polygon(5e-4)
+    assert simple(polygon)
+    np.testing.assert_allclose([polygon[:, 0].min(), polygon[:, 0].max(), polygon[:, 1].min()], [-0.1, 0.08, 0.0925])
+    bore = outline.rest[outline.clamped[0] : outline.clamped[1] + 1]
+    np.testing.assert_allclose(bore, [[0.08, 0.0925], [-0.1, 0.0925]])
+    np.testing.assert_array_equal(outline.is_clamped(np.array([[0.0, 0.0925], [0.065, 0.395]])), [True, False])
+    # rim, a web of trapezium's shape, hub, and four fillets of nearly right angles: R^2 (1 - pi / 4)
+    rim = properties(rim_outline(wheel, 0.46).polygon(5e-4))["area"]
+    web = 0.5 * sum(shape.web) * (0.395 - 0.135)
+    fillets = 2 * (0.035**2 + 0.045**2) * (1 - np.pi / 4)
+    expected = rim + web + 0.18 * (0.135 - 0.0925) + fillets
+    assert properties(polygon)["area"] == pytest.approx(expected, rel=3e-3)
+    # the web between the fillets is as thick as it should be, half way 27.5 mm
+    y = polygon[np.abs(polygon[:, 1] - 0.265) < 0.2]
+    front, back = (y[y[:, 0] * side > 0] for side in (1, -1))
+    middle = [np.interp(0.265, *p[np.argsort(p[:, 1])].T[::-1]) for p in (front, back)]
+    assert middle[0] - middle[1] == pytest.approx(0.0275, abs=2e-4)
+
+
+def test_fillets_touch_both_sides() -> None:
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.5, 1.0]])
+    radius = 0.3
+    found = rounded(corners, np.array([0.0, radius, 0.0]), chord_error=1e-6)
+    arc = found[1:-1]
+    direction = np.array([0.5, 1.0]) / np.hypot(0.5, 1.0)
+    centre = np.array([arc[0, 0], radius])
+    np.testing.assert_allclose(np.hypot(*(arc - centre).T), radius)
+    assert arc[0, 1] == pytest.approx(0.0, abs=1e-15)
+    assert np.cross(direction, arc[-1] - corners[1]) == pytest.approx(0.0, abs=1e-12)
+    assert np.dot(direction, arc[-1] - centre) == pytest.approx(0.0, abs=1e-12)
+    with pytest.raises(ValueError, match="do not fit"):
+        rounded(corners, np.array([0.0, 3.0, 0.0]))
+
+
+def test_wheel_shapes_that_cannot_be_are_refused() -> None:
+    wheel = named_profile("S1002")
+    with pytest.raises(ValueError, match="bore"):
+        WheelShape(bore_radius=0.14)
+    with pytest.raises(ValueError, match="web"):
+        WheelShape(web_middle=(0.06, 0.0))
+    with pytest.raises(ValueError, match="positive"):
+        WheelShape(fillets=(0.0, 0.04))
+    with pytest.raises(ValueError, match="hub"):
+        wheel_outline(wheel, 0.19)
+    with pytest.raises(ValueError, match="fillets"):
+        wheel_outline(wheel, 0.25)
     with pytest.raises(ValueError, match="not a wheel"):
         wheel_outline(named_profile("60E1"), 0.46)

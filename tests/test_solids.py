@@ -13,7 +13,7 @@ from contact.grid import ContactGrid
 from contact.pose import Array
 from meshes.bodies import Strip, block, rail, wheel
 from meshes.profiles import named_profile
-from meshes.sections import Outline, rail_outline, wheel_outline
+from meshes.sections import Outline, rail_outline, rim_outline
 from meshes.solids import Cell, Solid, bulged, layers
 from meshes.triangulate import Grading
 
@@ -30,7 +30,7 @@ def flat(cell: Cell) -> Solid:
 
 @cache
 def outlines() -> tuple[Outline, Outline]:
-    return rail_outline(named_profile("UIC60-benchmark")), wheel_outline(named_profile("S1002"), RADIUS)
+    return rail_outline(named_profile("UIC60-benchmark")), rim_outline(named_profile("S1002"), RADIUS)
 
 
 @cache

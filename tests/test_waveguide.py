@@ -15,12 +15,20 @@ from contact.pose import Array, Motion, Pose, Twist
 from contact.quadrics import UPSIDE_DOWN, Quadrics
 from contact.references.hertz import hertz, modulus
 from contact.section import Section
-from contact.spectrum import sample
+from contact.spectrum import Spectrum, pairs, sample
 from contact.waveguide import WaveguideCompliance
-from contact.waveguides import GRADING, block_waveguide, rail_waveguide, wheel_waveguide
+from contact.waveguides import (
+    GRADING,
+    TOLERANCE,
+    block_waveguide,
+    rail_body,
+    rail_waveguide,
+    wheel_body,
+    wheel_waveguide,
+)
 from meshes.bodies import rail, wheel
 from meshes.profiles import named_profile
-from meshes.sections import rail_outline, wheel_outline
+from meshes.sections import rail_outline, rim_outline, wheel_outline
 from meshes.solids import block_section
 from meshes.triangulate import Grading, SectionMesh, triangulate
 
@@ -114,6 +122,89 @@ def test_without_a_clamp_there_is_no_compliance() -> None:
     loose = Section(SectionMesh(mesh.points, mesh.cells, mesh.surface, np.zeros_like(mesh.clamped)), UNIT)
     with pytest.raises(np.linalg.LinAlgError):
         loose.flexibility(0.0)
+
+
+@pytest.mark.parametrize("name", ["rail", "wheel"])
+def test_interpolation_error_bounds_the_true_one(name: str) -> None:
+    """Of all compliances up to 20 steps, against three times as many wavenumbers; and not by more than 50 times."""
+    size = 4e-3
+    if name == "rail":
+        outline = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
+        body, around = rail_body(outline, UNIT, size=size), None
+    else:
+        outline = wheel_outline(named_profile("S1002"), 0.46)
+        body, around = wheel_body(outline, UNIT, size=size), 2 * np.pi * 0.46
+    shift = 1 / float(np.ptp(outline.polygon(1e-2), axis=0).max())
+
+    def spectrum(tolerance: float) -> tuple[Spectrum, Array]:
+        found = sample(
+            body.flexibility, shift=shift, largest=2 * np.pi / size, step=size, tolerance=tolerance, around=around
+        )
+        both = found.weights(np.arange(20) * size, size)
+        return found, np.stack([np.einsum("xk,kpab->xpab", w, found.values) for w in both])
+
+    coarse, found = spectrum(TOLERANCE)
+    fine, exact = spectrum(1e-5 if name == "rail" else 1e-6)
+    assert len(fine.k) > 3 * len(coarse.k) - 20
+    first, second = pairs(fine.lines)
+    over = np.einsum("k,kpab->pab", fine.weights(np.zeros(1), 16 * size)[0][0], fine.values)[first == second]
+    true = np.abs(found - exact).max() / np.einsum("paa->pa", over).min()
+    assert true < coarse.error < TOLERANCE
+    assert coarse.error < 50 * true
+
+
+def test_once_round_a_wheel_harmonics_are_whole() -> None:
+    """A ring's compliance is the sum over whole harmonics, sampled exactly; the integral would be 3 % off and more."""
+    outline, size = wheel_outline(named_profile("S1002"), 0.46), 8e-3
+    body = wheel_body(outline, UNIT, size=size)
+    around = 2 * np.pi * 0.46
+    kept = sample(body.flexibility, shift=2.5, largest=200.0, step=size, tolerance=1e-5, around=around)
+    whole = kept.k * around / (2 * np.pi)
+    np.testing.assert_allclose(whole, whole.round(), atol=1e-9)
+    x = np.array([0.0, 2 * size, around / 2])
+    n = np.arange(round(float(whole[-1])) + 1)
+    line = 4
+    H = np.array([body.flexibility(float(k))[3 * line : 3 * line + 3, 3 * line : 3 * line + 3] for k in n / 0.46])
+    load = np.where(n > 0, 2, 1) * np.sinc(n / 0.46 * size / (2 * np.pi)) ** 2 / around
+    exact = np.einsum("xn,nab->xab", np.cos(np.outer(x, n / 0.46)) * load, H)
+    place = np.flatnonzero((np.array(pairs(kept.lines)) == line).all(axis=0))[0]
+    found = np.einsum("xk,kab->xab", kept.weights(x, size)[0], kept.values[:, place])
+    np.testing.assert_allclose(found, exact, atol=1e-4 * exact[0, 0, 0])
+    continuous = np.einsum("xk,kab->xab", replace(kept, round=None).weights(x, size)[0], kept.values[:, place])
+    assert abs(continuous[0, 0, 0] / exact[0, 0, 0] - 1) > 0.03
+
+
+def test_a_wheel_bends_more_than_its_rim() -> None:
+    """Web and hub add to the rim's compliance, sideways most, and change what is near the contact by little."""
+    outlines = rim_outline(named_profile("S1002"), 0.46), wheel_outline(named_profile("S1002"), 0.46)
+    own, relative = [], []
+    for outline in outlines:
+        compliance, _, _ = wheel_waveguide(outline, Steel(), size=4e-3, half_length=0.02)
+        nx, ns = compliance.shape
+        node = (nx // 2) * ns + ns // 2
+        block = compliance.block(np.array([node, node + ns, node + 2 * ns])).reshape(3, 3, 3, 3)
+        own.append(np.diag(block[0, :, 0]))
+        relative.append(np.diag(block[0, :, 0] - block[0, :, 1]))
+    assert (own[1] > own[0]).all()
+    assert own[1][1] > 3 * own[0][1]
+    np.testing.assert_allclose(relative[1], relative[0], rtol=0.05)
+
+
+def test_elimination_finds_the_inside_too() -> None:
+    body = Section(block_mesh(6, 60.0), UNIT, degree=2)
+    values = body.stiffness(0.3)
+    load = np.random.default_rng(2).normal(size=(3 * len(body.surface), 2))
+    found = body.dissection.solve(values, load, 3 * len(body.points))
+    import scipy.sparse as sp
+
+    pointer, columns, _ = body.matrices
+    rest = sp.csr_array((values, columns, pointer)) @ found
+    rows = (3 * body.surface[:, None] + np.arange(3)).ravel()
+    np.testing.assert_allclose(rest[rows], load, atol=1e-10)
+    held = (3 * body.fixed[:, None] + np.arange(3)).ravel()
+    assert (found[held] == 0).all()
+    rest[rows] = rest[held] = 0.0
+    assert np.abs(rest).max() < 1e-10
 
 
 def test_interpolation_error_is_estimated_honestly() -> None:
@@ -226,7 +317,7 @@ def test_three_dimensional_meshes_come_nearer(name: str) -> None:
         outline = replace(outline, clamped=(0, len(outline.rest) - 1))
         reference, grid, _ = rail_waveguide(outline, Steel(), size=2e-3, half_length=0.024)
     else:
-        outline = wheel_outline(named_profile("S1002"), 0.46)
+        outline = rim_outline(named_profile("S1002"), 0.46)
         reference, grid, _ = wheel_waveguide(outline, Steel(), size=2e-3, half_length=0.024)
     place = grid.position
     errors, sizes = [], (8e-3, 4e-3)
