@@ -1,0 +1,80 @@
+"""Accuracy of the contact models beside closed forms, Kalker's table and CONTACT, as Markdown tables and JSON."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+from benchmarks.accuracy_bulk import bulk_section
+from benchmarks.accuracy_carter import carter_section
+from benchmarks.accuracy_hertz import hertz_section
+from benchmarks.accuracy_rolling import creep_section, kalker_section
+from benchmarks.accuracy_shift import cattaneo_section
+from benchmarks.accuracy_table import Section, show
+from benchmarks.accuracy_wheelset import manchester_section, wheelset_section
+from benchmarks.machine import stated
+
+Say = Callable[[str], None]
+SECTIONS: dict[str, Callable[[bool, Say], Section]] = {
+    "hertz": lambda quick, _: hertz_section(quick),
+    "cattaneo": cattaneo_section,
+    "carter": carter_section,
+    "kalker": kalker_section,
+    "creep": creep_section,
+    "wheelset": wheelset_section,
+    "manchester": manchester_section,
+    "bulk": bulk_section,
+}
+
+
+def run(name: str, *, quick: bool = False, say: Say = lambda _: None) -> Section:
+    """One section, timed."""
+    start = perf_counter()
+    section = SECTIONS[name](quick, say)
+    section.seconds = perf_counter() - start
+    return section
+
+
+def progress(line: str) -> None:
+    """One line that is overwritten, on terminals only."""
+    if sys.stderr.isatty():
+        print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy", description=__doc__)
+    parser.add_argument("sections", nargs="*", metavar="SECTION", help=f"of {', '.join(SECTIONS)} (all)")
+    parser.add_argument("--quick", action="store_true", help="few cases of every section")
+    parser.add_argument("--json", type=Path, metavar="PATH", help="write everything to a file, too")
+    given = parser.parse_args()
+    unknown = set(given.sections) - set(SECTIONS)
+    if unknown:
+        parser.error(f"no section {', '.join(sorted(unknown))}; there are {', '.join(SECTIONS)}")
+    logging.disable(logging.WARNING)  # UFL's and FFCx's notes on quadrature would fall into the tables
+    machine = stated()
+    print(machine, flush=True)
+    began, done = perf_counter(), []
+    for name in given.sections or SECTIONS:
+        section = run(name, quick=given.quick, say=progress)
+        progress("")
+        print(show(section), flush=True)
+        done.append(section)
+    print("\n## Everything\n\n| section | error | unit | RMS | worst | met |\n|---|---|---|---|---|---|")
+    for section in done:
+        for one in section.measures:
+            met = {None: "", True: "yes", False: "NO"}[one.met]
+            print(f"| {section.name} | {one.name} | {one.unit} | {one.rms:.3g} | {one.worst:.3g} | {met} |")
+    print(f"\n{perf_counter() - began:.0f} s in all")
+    if given.json:
+        report = {"machine": machine, "quick": given.quick, "sections": [section.data() for section in done]}
+        given.json.write_text(json.dumps(report, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
