@@ -9,10 +9,16 @@ import numpy as np
 
 from contact.compliance import SurfaceCompliance
 from contact.condensed import Condensed
+from contact.fitted import FittedContact
 from contact.grid import ContactGrid
 from contact.laws import Laws, Steel
+from contact.pose import Array
 from contact.quadrics import Quadrics, curvature
 from contact.references.hertz import hertz, modulus
+from contact.strip_kernel import StripKernel
+from contact.strip_operators import StripOperators
+from contact.strip_surfaces import ProfileStrips, QuadricStrips
+from contact.surface_error import surface_error
 from contact.waveguide import WaveguideCompliance
 from contact.waveguides import block_waveguide, rail_waveguide, wheel_waveguide
 from contact.wheelrail import WheelRail
@@ -20,7 +26,7 @@ from contact.wheelset import ContactModel
 from meshes.bodies import block, rail, wheel
 from meshes.cache import digest
 from meshes.profiles import Profile
-from meshes.sections import rail_outline, wheel_outline
+from meshes.sections import rail_outline, rim_outline, wheel_outline
 from meshes.solids import Cell, Solid
 
 if TYPE_CHECKING:
@@ -28,6 +34,8 @@ if TYPE_CHECKING:
 
 Model = Literal["condensed", "full"]
 Bodies = Literal["solid", "waveguide"]
+Points = Literal["fitted", "grid"]
+REACH = 0.08  # m along the rolling direction, between the ends of what fitted cells can cover
 
 
 def elastic_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:
@@ -59,15 +67,18 @@ def hertz_pair(
     degree: int | None = None,
     cell: Cell = "tetrahedron",
     order: int = 2,
+    points: Points | None = None,
     **options: Any,
 ) -> ContactModel:
     """Two quadratic surfaces on large blocks, meshed for a load [N] or an approach [m] with some room to spare.
 
     Blocks are 40 times as wide as the patch, so the compliance that they lack is about 1 % of the approach. bodies:
     meshed solids, of displacements of degree 1 unless said otherwise, or endless blocks by wavenumbers (degree 2).
-    Raises ValueError for radii that do not touch in a point, and for a full model of endless blocks.
+    points: cells "fitted" to the patch, the default for endless blocks and the exact normal law, with 12 strips of 16
+    cells whatever the surface size (see `FittedContact`); or a regular "grid". Raises ValueError for radii that do not
+    touch in a point, and for a full model of endless blocks.
     """
-    _check(model, bodies)
+    fitted = _fitted(model, bodies, points, laws)
     A, B = curvature(upper_radii) + curvature(lower_radii)
     E_star = modulus((upper_steel.E, upper_steel.nu), (lower_steel.E, lower_steel.nu))
     expected = hertz(A, B, E_star, force=load, approach=approach)
@@ -84,6 +95,14 @@ def hertz_pair(
 
         above, shared = endless(upper_steel)
         below = above if lower_steel == upper_steel else endless(lower_steel)[0]
+        if fitted:
+            lines, reach = shared.position[0, :, 1:], 5 * np.sqrt(depth / A)
+            operators = StripOperators(
+                QuadricStrips(upper_radii, lower_radii),
+                _kernel(above, lines, lines[:, 0], reach, upper_steel, degree, surface_size),
+                _kernel(below, lines, lines[:, 0], reach, lower_steel, degree, surface_size),
+            )
+            return FittedContact(operators, laws, **options)
         return Condensed(Quadrics(shared, upper_radii, lower_radii), above, below, laws, order=order, **options)
     degree = degree or 1
     solid, key = block(half_cells, half_width=float(width), cell=cell)
@@ -121,26 +140,33 @@ def wheel_rail_pair(
     degree: int | None = None,
     cell: Cell = "tetrahedron",
     order: int = 2,
+    points: Points | None = None,
     **options: Any,
 ) -> ContactModel:
     """Left-hand pair of a wheel of nominal radius [m] and a rail as laid, on meshes of the surface size [m].
 
     bodies: meshed solids, of displacements of degree 1 unless said otherwise, or an endless rail and a whole wheel by
-    wavenumbers (degree 2). Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full
-    model of endless bodies.
+    wavenumbers (degree 2). points as for `hertz_pair`. Raises ValueError for profiles that do not fit a wheel's or
+    rail's section, and for a full model of endless bodies.
     """
-    _check(model, bodies)
+    fitted = _fitted(model, bodies, points, laws)
     if bodies == "waveguide":
+        wheel_section, rail_section = wheel_outline(wheel_profile, radius), rail_outline(rail_profile)
         above, wheel_grid, wheel_strip = wheel_waveguide(
-            wheel_outline(wheel_profile, radius), wheel_steel, size=surface_size, degree=degree or 2
+            wheel_section, wheel_steel, size=surface_size, degree=degree or 2
         )
-        below, rail_grid, rail_strip = rail_waveguide(
-            rail_outline(rail_profile), rail_steel, size=surface_size, degree=degree or 2
-        )
+        below, rail_grid, rail_strip = rail_waveguide(rail_section, rail_steel, size=surface_size, degree=degree or 2)
+        if fitted:
+            operators = StripOperators(
+                ProfileStrips(wheel_profile, rail_profile, radius),
+                _kernel(above, wheel_section.surface(wheel_strip.arc), wheel_strip.arc, REACH, wheel_steel, degree),
+                _kernel(below, rail_section.surface(rail_strip.arc), rail_strip.arc, REACH, rail_steel, degree),
+            )
+            return FittedContact(operators, laws, **options)
         surfaces = WheelRail(wheel_profile, rail_profile, radius, wheel_strip, rail_strip, wheel_grid, rail_grid)
         return Condensed(surfaces, above, below, laws, order=order, **options)
     degree = degree or 1
-    wheel_solid, wheel_strip, wheel_key = wheel(wheel_outline(wheel_profile, radius), size=surface_size, cell=cell)
+    wheel_solid, wheel_strip, wheel_key = wheel(rim_outline(wheel_profile, radius), size=surface_size, cell=cell)
     outline = rail_outline(rail_profile, chord_error=min(0.5 * surface_size, 5e-4))
     rail_solid, rail_strip, rail_key = rail(outline, size=surface_size, cell=cell)
     geometry = WheelRail(
@@ -170,6 +196,34 @@ def wheel_rail_pair(
     )
 
 
-def _check(model: Model, bodies: Bodies) -> None:
+def _kernel(
+    body: WaveguideCompliance,
+    lines: Array,
+    arc: Array,
+    reach: float,
+    steel: Steel,
+    degree: int | None,
+    unit: float = 1.0,
+) -> StripKernel:
+    """Compliance between strips of a body, from the spectrum behind its grid."""
+    return StripKernel(
+        body.spectrum,
+        lines,
+        arc,
+        reach,
+        steel.nu,
+        partial(surface_error, steel.nu, degree or 2),
+        radius=body.radius,
+        unit=unit,
+        scale=body.scale,
+    )
+
+
+def _fitted(model: Model, bodies: Bodies, points: Points | None, laws: Laws) -> bool:
+    """Whether cells are fitted. Raises ValueError for what does not go together."""
     if model == "full" and bodies != "solid":
         raise ValueError("the full model needs meshed solids")
+    possible = bodies == "waveguide" and laws.normal_compliance == 0
+    if points == "fitted" and not possible:
+        raise ValueError('fitted points need bodies = "waveguide" and the exact normal law')
+    return possible and points != "grid"

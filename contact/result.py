@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from contact.error_estimate import ErrorEstimate
 from contact.pose import MIRROR, Array, Nodes, Pose
 
 
@@ -87,7 +88,7 @@ class ContactResult:
     In the frame of the rail, moment about the rail's origin, when a model returns it; `contact.wheelset` moves it to
     the track's axes and the wheelset's centre. approach m: largest undeformed overlap along the normal. status is
     "converged", "separated" (no overlap) or "failed: ..." with the reason; a failed result carries no force to be
-    used.
+    used. error_estimate: when the model was asked for it.
     """
 
     force: Array
@@ -97,6 +98,7 @@ class ContactResult:
     approach: float = 0.0
     status: str = "separated"
     statistics: Statistics = Statistics()
+    error_estimate: ErrorEstimate | None = None
 
     @property
     def ok(self) -> bool:

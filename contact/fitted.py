@@ -1,0 +1,145 @@
+"""Contact on cells fitted to the patch, between bodies invariant along x or in angle: exact normal law, few points.
+
+The normal problem without friction finds the patch: its tips across, the ends of strips along the rolling direction.
+Pressure and traction are then solved on the cells of the strips. What is left is an error that falls smoothly with the
+number of cells, so that a solution on half as many tells how large it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import Literal
+
+import numpy as np
+
+from contact.error_estimate import ErrorEstimate, difference
+from contact.fitting import Fineness, coarse, fit, mean_overlap, patches
+from contact.kinematics import NotRolling, creepage, shift
+from contact.laws import Laws
+from contact.patches import outcome
+from contact.points import OutsideGrid, Places
+from contact.pose import Array, Motion, Pose
+from contact.result import ContactResult, Statistics
+from contact.strip_moments import sharpened
+from contact.strip_operators import StripOperators
+from contact.strips import Layout, marks
+from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
+
+
+@dataclass(frozen=True)
+class FittedContact:
+    """Contact model on strips of cells that end where the contact ends: pose and velocities in, `ContactResult` out.
+
+    tolerance: RMS of the last movement of the strips' ends over their length. tangential as for `Condensed`. estimate:
+    every result carries an estimate of its error, for about a third more time. Raises ValueError for a penalty, whose
+    pressure has no such ends, and for friction that a shift cannot have.
+    """
+
+    operators: StripOperators
+    laws: Laws
+    fineness: Fineness = field(default_factory=Fineness)
+    tolerance: float = 1e-3
+    options: NewtonOptions = field(default_factory=NewtonOptions)
+    tangential: Literal["rolling", "shift"] = "rolling"
+    estimate: bool = False
+
+    def __post_init__(self) -> None:
+        if self.laws.normal_compliance > 0:
+            raise ValueError(f"fitted cells need the exact normal law, got {self.laws}")
+        if self.tangential == "shift" and (self.laws.regularisation > 0 or self.laws.falling is not None):
+            raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
+
+    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+        """The guess is not used: the same pose and motion always give the same result."""
+        result = self._solved(pose, motion)
+        if not (self.estimate and result.patches):
+            return result
+        rough = replace(self, fineness=self.fineness.halved(), estimate=False)(pose, motion)
+        return replace(result, error_estimate=difference(result, rough) if rough.ok else ErrorEstimate.unknown())
+
+    def _solved(self, pose: Pose, motion: Motion) -> ContactResult:
+        start = perf_counter()
+        surfaces, count = self.operators.surfaces, Count()
+        ridge = surfaces.ridge(pose, self.operators.upper.arc)
+        approach = float(ridge.overlap.max())
+        if approach <= 0:
+            return ContactResult.separated(approach)
+        try:
+            layout, pressure = self._fitted(pose, count)
+            if layout is None:
+                return ContactResult.separated(approach)
+            fitted = perf_counter()
+            overlap = mean_overlap(surfaces, pose, layout).ravel()
+            places = replace(surfaces.places(pose, layout), overlap=overlap)
+            n = len(overlap)
+            speed, rigid = self._rigid(places, motion)
+            if rigid is None:
+                displacement = operator = self.operators.normal(pose, layout)
+            else:
+                displacement, slip = self.operators.all(pose, layout, places)
+                slip = displacement[: 2 * n] if self.tangential == "shift" else slip
+                # a pressure pushes along the inward normal: the last columns count -p
+                operator = np.vstack([slip, displacement[2 * n :]])
+            gathered = perf_counter()
+            found = solve_tractions(
+                operator,
+                overlap,
+                rigid,
+                laws=self.laws,
+                speed=speed,
+                guess=(np.maximum(pressure.ravel(), 0.0), np.zeros(2 * n)),
+                options=self.options,
+                count=count,
+            )
+        except (OutsideGrid, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
+            return ContactResult.failed(str(error), approach)
+        solved = perf_counter()
+        p, q = found.pressure, found.tangential
+        loads = -p if rigid is None else np.concatenate([*q.T, -p])
+        moved = np.zeros((n, 3))
+        moved[:, 3 - len(displacement) // n :] = (displacement @ loads).reshape(-1, n).T
+        patch = np.where(p > 0, np.repeat(layout.patch, self.fineness.cells), -1)
+        result = outcome(
+            places,
+            node=np.arange(n),
+            patch=patch,
+            pressure=p,
+            traction=q,
+            slip=found.slip,
+            displacement=moved,
+            approach=approach,
+            bound=self.laws.friction_at(np.hypot(*found.slip.T), speed)[0] * p,
+            statistics=Statistics(
+                newton=count.newton,
+                linear=count.linear,
+                points=n,
+                residual=count.residual,
+                seconds={"fit": fitted - start, "compliance": gathered - fitted, "solve": solved - gathered},
+            ),
+        )
+        return sharpened(result, layout, p)
+
+    def _fitted(self, pose: Pose, count: Count) -> tuple[Layout | None, Array]:
+        """Cells and their frictionless pressures (S, M) Pa; no cells without contact."""
+        surfaces = self.operators.surfaces
+
+        def normal(layout: Layout) -> Array:
+            return self.operators.normal(pose, layout)
+
+        ridge = surfaces.ridge(pose, self.operators.upper.arc)
+        if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
+            raise OutsideGrid("the wheel overlaps the rail beyond the part of its surface that carries contact points")
+        rough, pressure = coarse(surfaces, pose, ridge, normal, count)
+        rolls = self.laws.friction > 0 and self.tangential == "rolling"
+        first = patches(rough, pressure, self.fineness, marks(self.fineness.cells, rolling=rolls))
+        if first is None:
+            return None, pressure
+        found = fit(surfaces, pose, normal, first, self.fineness, tolerance=self.tolerance, count=count)
+        return (None, pressure) if found is None else (found.layout, found.pressure)
+
+    def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
+        """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""
+        if not self.laws.friction:
+            return 0.0, None
+        return (0.0, shift(places, motion)) if self.tangential == "shift" else creepage(places, motion)

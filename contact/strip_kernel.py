@@ -1,0 +1,229 @@
+"""Mean compliance between cells of any length and offset along the strips of a body invariant along x or in angle.
+
+Near its load a body is a half-space, whose flexibility for strips is known; what elements say differs from it smoothly
+across the surface, and is taken from line to line. With G'' = C the compliance along x, the mean over cells [a1, a2] by
+loads on [b1, b2] is the second difference (G(a2 - b1) + G(a1 - b2) - G(a2 - b2) - G(a1 - b1)) / ((a2 - a1) (b2 - b1)):
+four look-ups for any two cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.special import sici
+
+from contact.half_space import strip_flexibility
+from contact.points import OutsideGrid
+from contact.pose import Array
+from contact.spectrum import Spectrum, interpolation, rule
+from contact.surface_error import SurfaceError
+
+NODES = 320  # of the table of G over x: its error in a mean compliance stays below 1e-4
+FINEST = 0.05  # spacing of the first nodes over that of the surface's lines
+
+
+@dataclass
+class StripKernel:
+    """Spectrum of a body's surface lines, turned into tables of G for strips.
+
+    spectrum fetches the samples when first needed; points (ns, 2) m of the lines on the section, and their arc (ns,) m;
+    reach m, the longest distance along x; nu Poisson's ratio; error fetches what the elements miss near a load; unit m
+    and scale turn the spectrum's lengths and compliances into m and m/N;
+    radius m of a body of revolution.
+    """
+
+    spectrum: Callable[[], Spectrum]
+    points: Array
+    arc: Array
+    reach: float
+    nu: float
+    error: Callable[[], SurfaceError]
+    radius: float | None = None
+    unit: float = 1.0
+    scale: float = 1.0
+    _window: tuple[int, int] = field(init=False, default=(0, 0), repr=False)
+    _dense: Array = field(init=False, repr=False)
+
+    @cached_property
+    def samples(self) -> Spectrum:
+        """The spectrum. Raises ValueError when it belongs to another number of lines."""
+        found = self.spectrum()
+        if found.lines != len(self.arc):
+            raise ValueError(f"a spectrum of {found.lines} lines cannot serve {len(self.arc)}")
+        return found
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Ends (ns + 1,) m of the cells around the lines."""
+        middle = 0.5 * (self.arc[1:] + self.arc[:-1])
+        return np.concatenate([[2 * self.arc[0] - middle[0]], middle, [2 * self.arc[-1] - middle[-1]]])
+
+    @cached_property
+    def _spread(self) -> tuple[float, float]:
+        """Nodes of the table lie at x0 sinh(rate n), units."""
+        first = FINEST * float(np.diff(self.arc).min()) / self.unit
+        rate = 1.0 / NODES
+        for _ in range(50):
+            rate = float(np.arcsinh(self.reach / self.unit * rate / first)) / (NODES - 3)
+        return first / rate, rate
+
+    @cached_property
+    def weights(self) -> tuple[Array, Array]:
+        """Even and odd weights (nodes, nk) that turn samples into G at the table's nodes."""
+        start, rate = self._spread
+        x = start * np.sinh(rate * np.arange(-1, NODES - 1))  # one before zero for the interpolation
+        samples = self.samples
+        k, w = rule(samples.k, float(x[-1]), samples.round)
+        phase = np.outer(np.abs(x), k)
+        weighted = interpolation(samples.k, samples.shift, k) * w[:, None]
+        even = (0.5 * x[:, None] ** 2 * np.sinc(phase / (2 * np.pi)) ** 2) @ weighted
+        odd = ((phase - np.sin(phase)) / np.maximum(k, 1e-12 * k[-1]) ** 2) @ weighted
+        even[:, -1] += _tail(np.abs(x), float(samples.k[-1]))
+        odd[0] *= -1
+        return even, odd
+
+    def window(self, low: float, high: float) -> tuple[int, int]:
+        """First and one past the last line whose cells meet an interval of arc length, m.
+
+        Raises OutsideGrid beyond the lines.
+        """
+        if low < self.bounds[0] or high > self.bounds[-1]:
+            raise OutsideGrid("the bodies touch beyond the part of their surface that carries contact points")
+        first, last = np.searchsorted(self.bounds, [low, high], side="right") - 1
+        return max(int(first), 0), min(int(last) + 1, len(self.arc))
+
+    def shares(self, sides: Array, window: tuple[int, int]) -> Array:
+        """Part (S, lines of the window) of every strip, sides (S, 2) m, that lies on the cell of a line."""
+        low, high = self.bounds[window[0] : window[1]], self.bounds[window[0] + 1 : window[1] + 1]
+        common = np.minimum(sides[:, 1:], high) - np.maximum(sides[:, :1], low)
+        part = np.maximum(common, 0.0)
+        return np.asarray(part / part.sum(axis=1, keepdims=True))
+
+    def between(self, sides: Array) -> Array:
+        """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m."""
+        window = self.window(float(sides.min()), float(sides.max()))
+        low, high = self._window
+        if not (low <= window[0] and window[1] <= high):
+            low, high = max(window[0] - 4, 0), min(window[1] + 4, len(self.arc))
+            self._dense, self._window = self._lines(low, high), (low, high)
+        share = self.shares(sides, (low, high))
+        nk, count = len(self._dense), len(sides)
+        half = np.tensordot(share, self._dense, axes=(1, 1))  # S, nk, lines, 9
+        both = np.tensordot(share, half, axes=(1, 2))  # T, S, nk, 9
+        smooth = both.transpose(2, 1, 0, 3).reshape(nk, count, count, 3, 3)
+        return np.asarray(smooth + self._half_space(sides))
+
+    def _lines(self, low: int, high: int) -> Array:
+        """Spectrum (nk, n, n, 9) of a run of lines."""
+        values, ns = self.samples.values, len(self.arc)
+        place = np.zeros((ns, ns), dtype=np.int64)
+        place[np.triu_indices(ns)] = np.arange(ns * (ns + 1) // 2)
+        found = values[:, place[low:high, low:high]]
+        one, other = np.tril_indices(high - low, -1)
+        found[:, one, other] = found[:, other, one].swapaxes(-1, -2)
+        self._mend(found, low, high)
+        bounds = np.column_stack([self.bounds[low:high], self.bounds[low + 1 : high + 1]])
+        found -= self._half_space(bounds)
+        return np.asarray(found.reshape(*found.shape[:3], 9))
+
+    def _mend(self, found: Array, low: int, high: int) -> None:
+        """Add what the elements miss near a load."""
+        arc = self.arc[low:high]
+        spacing = np.gradient(arc) / self.unit / self._stretch(arc)
+        missing = self.error().at(np.outer(self.samples.k, spacing)) / self._stretch(arc)[:, None, None]
+        line = np.arange(high - low)
+        axes = self._pair_axes(arc)
+        for d in range(missing.shape[2]):
+            one, other = line[: len(line) - d], line[d:]
+            value = 0.5 * (missing[:, one, d] + missing[:, other, d])
+            part = np.einsum("kna,nab,nac->knbc", value, axes[one, other], axes[one, other], optimize=True)
+            found[:, one, other] += part
+            if d:
+                found[:, other, one] += part
+
+    def _half_space(self, sides: Array) -> Array:
+        """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m on half-spaces that touch the surface in between."""
+        k = self.samples.k
+        middle = sides.mean(axis=1)
+        stretch = float(self._stretch(middle).mean())
+        found = strip_flexibility(np.maximum(k, 1e-2 * k[1]) / stretch, sides / self.unit, sides / self.unit, self.nu)
+        axes = self._pair_axes(middle)
+        return np.asarray(np.einsum("kija,ijab,ijac->kijbc", found, axes, axes, optimize=True) / stretch)
+
+    def _pair_axes(self, arc: Array) -> Array:
+        """Mean local axes (n, n, 3, 3) of pairs of places, rows along x, across and normal."""
+        tangent = np.column_stack([np.interp(arc, self.arc, part) for part in self._tangent.T])
+        t = tangent[:, None] + tangent
+        t /= np.hypot(t[..., 0], t[..., 1])[..., None]
+        axes = np.zeros((*t.shape[:2], 3, 3))
+        axes[..., 0, 0], axes[..., 1, 1:], axes[..., 2, 1], axes[..., 2, 2] = 1, t, -t[..., 1], t[..., 0]
+        return axes
+
+    @cached_property
+    def _tangent(self) -> Array:
+        return np.gradient(self.points, self.arc, axis=0)
+
+    def _stretch(self, arc: Array) -> Array:
+        """Length on the surface over length on the rolling circle."""
+        if self.radius is None:
+            return np.ones_like(arc)
+        return np.asarray(np.interp(arc, self.arc, self.points[:, 1]) / self.radius)
+
+    def normal(self, spectrum: Array, normals: Array) -> Array:
+        """Table (S, S, nodes, 1) of the compliance along normals (S, 2) (y and z, or y and r) of the strips."""
+        H = np.einsum("ia,kijab,jb->kij", normals, spectrum[..., 1:, 1:], normals, optimize=True)
+        table = np.tensordot(H, self.weights[0], axes=(0, 1)) * (self.scale * self.unit**2)
+        return np.asarray(table[..., None])
+
+    def full(self, spectrum: Array) -> Array:
+        """Table (S, S, nodes, 9) of all components: displacement by force, row by row."""
+        even, odd = self.weights
+        table = np.tensordot(spectrum, even, axes=(0, 1))  # i, j, a, b, nodes
+        sine = np.tensordot(np.concatenate([spectrum[..., 0, 1:], spectrum[..., 1:, 0]], -1), odd, axes=(0, 1))
+        # u_x = -i U_x: a lateral load moves x by +sin, a load along x moves the others by -sin
+        table[:, :, 0, 1:], table[:, :, 1:, 0] = sine[:, :, :2], -sine[:, :, 2:]
+        S, T, _, _, nodes = table.shape
+        return np.ascontiguousarray(table.reshape(S, T, 9, nodes).swapaxes(2, 3)) * (self.scale * self.unit**2)
+
+    def means(self, table: Array, rows: Array, columns: Array) -> Array:
+        """Mean compliance (S, R, S, M, components) m/N between cells that end at rows (S, R + 1), columns (S, M + 1) m.
+
+        Components that are odd in x (all but xx and those without x) change sign with it.
+        """
+        start, rate = self._spread
+        S, count = table.shape[0], table.shape[-1]
+        x = (rows[:, :, None, None] - columns) / self.unit
+        place = np.arcsinh(np.abs(x) / start) / rate + 1.0
+        first = np.minimum(place.astype(np.int64) - 1, NODES - 4)
+        if place.max() > NODES - 1:
+            raise OutsideGrid("the overlap is longer than what fitted cells were made for")
+        pair = (np.arange(S)[:, None, None, None] * S + np.arange(S)[:, None]) * NODES
+        flat, line = table.reshape(-1, count), (pair + first).ravel()
+        found = sum(
+            weight.reshape(-1, 1) * flat.take(line + o, axis=0) for o, weight in enumerate(_cubic(place - first))
+        ).reshape(*x.shape, count)
+        if count == 9:
+            sign = np.sign(x)[..., None]
+            found[..., ODD] *= sign
+        total = np.diff(np.diff(found, axis=1), axis=3)
+        lengths = np.diff(rows)[:, :, None, None] * np.diff(columns)
+        return np.asarray(-total / lengths[..., None])
+
+
+ODD = [1, 2, 3, 6]  # xy, xz, yx, zx
+
+
+def _cubic(t: Array) -> tuple[Array, Array, Array, Array]:
+    """Lagrange's weights of nodes 0 .. 3 at t."""
+    a, b, c, d = t, t - 1, t - 2, t - 3
+    return -b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6
+
+
+def _tail(x: Array, largest: float) -> Array:
+    """Integral of (1 - cos k x) / k^2 beyond the largest wavenumber K over pi, for a spectrum that falls like K / k."""
+    z = np.maximum(largest * x, 1e-9)
+    inner = np.cos(z) / (2 * z * z) - 0.5 * (np.sin(z) / z - sici(z)[1])
+    return np.asarray((0.5 / largest - z * z / largest * inner) / np.pi)

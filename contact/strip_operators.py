@@ -1,0 +1,111 @@
+"""Relative displacement and elastic slip of the cells of a layout by tractions on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.points import Places
+from contact.pose import Array, Pose
+from contact.strip_kernel import StripKernel
+from contact.strip_surfaces import StripSurfaces
+from contact.strips import Layout
+
+AHEAD = 2  # cells in front of a strip, of the length of its first, that the slip looks at
+
+
+@dataclass(frozen=True)
+class StripOperators:
+    """Two bodies invariant along x or in angle, and the surfaces that touch.
+
+    The lower body is taken along the rolling direction: a yaw of 30 mrad turns it by as much, which a half-space does
+    not feel.
+    """
+
+    surfaces: StripSurfaces
+    upper: StripKernel
+    lower: StripKernel
+
+    def area(self, layout: Layout) -> Array:
+        """Area (n,) m2 of the cells."""
+        length = np.diff(layout.edges) * self.surfaces.along(layout.middle)[:, None]
+        return np.asarray((length * layout.width[:, None]).ravel())
+
+    def normal(self, pose: Pose, layout: Layout) -> Array:
+        """Relative normal displacement (n, n) m/Pa of the cells, means by unit pressures."""
+        edges, area = layout.edges, self.area(layout)
+        upper, lower = self.surfaces.normals(pose, layout.middle)
+        stretch = self.surfaces.along(layout.middle)[:, None]
+        total = np.zeros((area.size, area.size))
+        for kernel, normals, sides, x in (
+            (self.upper, upper, layout.sides, edges),
+            (self.lower, lower, self.surfaces.lower_sides(pose, layout), edges * stretch),
+        ):
+            table = kernel.normal(kernel.between(sides), normals)
+            total += kernel.means(table, x, x).reshape(total.shape)
+        return total * area
+
+    def all(self, pose: Pose, layout: Layout, places: Places) -> tuple[Array, Array]:
+        """Relative displacement (3 n, 3 n) m/Pa and elastic slip over the rolling speed (2 n, 3 n) 1/Pa in the local
+        axes of the cells by unit tractions, component by component.
+        """
+        S, M = len(layout.sides), len(layout.marks) - 1
+        n = S * M
+        edges = layout.edges
+        lead = edges[:, -1:] - edges[:, -2:-1]
+        rows = np.column_stack([edges, *(edges[:, -1:] + (k + 1) * lead for k in range(AHEAD))])
+        stretch = self.surfaces.along(layout.middle)[:, None]
+        middle = 0.5 * (rows[:, 1:] + rows[:, :-1])
+        weight = upstream(middle * stretch)
+        displacement, slip = np.zeros((3, n, 3, n)), np.zeros((2, n, 3, n))
+        for kernel, sides, along, axes in (
+            (self.upper, layout.sides, 1.0, self.upper_axes(places)),
+            (self.lower, self.surfaces.lower_sides(pose, layout), stretch, places.axes @ self._yawed(pose)),
+        ):
+            table = kernel.full(kernel.between(sides))
+            means = kernel.means(table, rows * along, edges * along).reshape(S, M + AHEAD, n, 3, 3)
+            loaded = np.einsum("srnab,ncb->srnac", means, axes, optimize=True)  # columns in local axes
+            change = np.zeros((S, M, n, 3, 3))
+            for k in range(AHEAD + 1):
+                part = loaded[:, k : k + M]
+                if kernel.radius is not None and k:
+                    turn = ((middle[:, k : k + M] - middle[:, :M]) / kernel.radius)[..., None, None]
+                    # the circle's axes turn on the way: e' = e - r turn, r' = r + e turn
+                    along_circle = part[..., 0, :] + turn * part[..., 2, :]
+                    outward = part[..., 2, :] - turn * part[..., 0, :]
+                    part = np.stack([along_circle, part[..., 1, :], outward], axis=-2)
+                change += weight[k][..., None, None, None] * part
+            here = loaded[:, :M].reshape(n, n, 3, 3)
+            displacement += np.einsum("mda,mnac->dmcn", axes, here, optimize=True)
+            slip += np.einsum("mda,mnac->dmcn", axes[:, :2], change.reshape(n, n, 3, 3), optimize=True)
+        displacement *= places.area
+        slip *= places.area
+        return displacement.reshape(3 * n, 3 * n), slip.reshape(2 * n, 3 * n)
+
+    def upper_axes(self, places: Places) -> Array:
+        """Local axes (n, 3, 3) in the upper body's own axes: (x, y, z), or (along the circle, y, outward)."""
+        own = places.axes @ places.wheel_rotation
+        if self.upper.radius is None:
+            return np.asarray(own)
+        # normal = n_y e_y + n_r e_r, and lateral = forward x normal = n_r e_y - n_y e_r
+        ny, nr = own[:, 2, 1], np.hypot(own[:, 2, 0], own[:, 2, 2])
+        axes = np.zeros_like(own)
+        axes[:, 0, 0], axes[:, 1, 1], axes[:, 1, 2], axes[:, 2, 1], axes[:, 2, 2] = 1, nr, -ny, ny, nr
+        return axes
+
+    def _yawed(self, pose: Pose) -> Array:
+        """Axes along and across the rolling direction as columns (3, 3)."""
+        if self.upper.radius is None:
+            return np.eye(3)
+        yaw = np.arctan2(pose.rotation[1, 0], pose.rotation[0, 0])
+        c, s = np.cos(yaw), np.sin(yaw)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def upstream(x: Array) -> tuple[Array, Array, Array]:
+    """Weights (S, M) of u at the cell itself and the next two upstream in -du/dx there, second order, for means at
+    places x (S, M + 2) m.
+    """
+    near, far = x[:, 1:-1] - x[:, :-2], x[:, 2:] - x[:, :-2]
+    return (near + far) / (near * far), -far / (near * (far - near)), near / (far * (far - near))
