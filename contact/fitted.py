@@ -132,11 +132,17 @@ class FittedContact:
             raise OutsideGrid("the wheel overlaps the rail beyond the part of its surface that carries contact points")
         rough, pressure = coarse(surfaces, pose, ridge, normal, count)
         rolls = self.laws.friction > 0 and self.tangential == "rolling"
-        first = patches(rough, pressure, self.fineness, marks(self.fineness.cells, rolling=rolls))
-        if first is None:
-            return None, pressure
-        found = fit(surfaces, pose, normal, first, self.fineness, tolerance=self.tolerance, count=count)
-        return (None, pressure) if found is None else (found.layout, found.pressure)
+        few, tolerance = max(self.fineness.cells // 2, 4), 5 * self.tolerance
+        # equal cells find the ends from afar; those that shrink towards the leading end only from near
+        layout = patches(rough, pressure, self.fineness, marks(few, rolling=False))
+        for cells in (marks(few, rolling=False), marks(self.fineness.cells, rolling=rolls)):
+            if layout is None:
+                break
+            start = replace(layout, marks=cells)
+            found = fit(surfaces, pose, normal, start, self.fineness, tolerance=tolerance, count=count)
+            layout, pressure = (None, pressure) if found is None else (found.layout, found.pressure)
+            tolerance = self.tolerance
+        return layout, pressure
 
     def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
         """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""

@@ -15,7 +15,7 @@ from contact.pose import Array, Pose
 from contact.pressure import normal_contact
 from contact.strip_surfaces import Ridge, StripSurfaces
 from contact.strips import Layout, edge_rules, marks, tip
-from contact.tractions import Count
+from contact.tractions import Count, NotConverged
 
 log = logging.getLogger(__name__)
 
@@ -193,6 +193,8 @@ def fit(
         overlap = mean_overlap(surfaces, pose, layout)
         count.newton += 1
         pressure = la.solve(operator(layout), overlap.ravel(), check_finite=False).reshape(overlap.shape)
+        if not np.isfinite(pressure).all():
+            raise NotConverged("the cells of the contact cannot be told apart")
         trailing, leading = edge_rules(tuple(layout.marks.tolist()))
         beyond = np.column_stack(
             [trailing.beyond(pressure[:, 0], pressure[:, 1]), leading.beyond(pressure[:, -1], pressure[:, -2])]

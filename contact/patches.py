@@ -51,6 +51,7 @@ def outcome(
             points.point,
             points.axes,
             points.area,
+            points.step,
             points.overlap,
             pressure,
             traction,

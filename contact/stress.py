@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 from scipy.spatial import cKDTree
 
-from contact.pose import Array, Mask, Nodes
+from contact.cell_loads import CellLoads
+from contact.pose import Array, Mask
 from contact.section import Section
 from contact.spectrum import Axis, interpolation, refine, rule
 from forms.elasticity import lame
@@ -23,40 +24,9 @@ from forms.stress import cauchy
 
 Complex = NDArray[np.complex128]
 
-REACH = 2 * np.pi  # largest wavenumber times the cells' length: there a cell's load has its first zero
+REACH = 2 * np.pi  # largest wavenumber times the cells' mean length: there a cell's load has its first zero
 DECAY = 9.0  # largest wavenumber times the shallowest depth: what lies beyond has died out by e^-9
 PATCH = 20  # nodes of the displacement whose cubic gives the gradient at a place, which takes at least 10
-
-
-@dataclass(frozen=True)
-class CellLoads:
-    """Forces [N] on cells of the surface: x (n,) m of their middles along the body (on the circle of the section's
-    radius for one of revolution), line (n,) number of their surface point, force (n, 3) in body axes, traction times
-    area; step [m] is the length of a cell along x. Raises ValueError when these do not go together.
-    """
-
-    x: Array
-    line: Nodes
-    force: Array
-    step: float
-
-    def __post_init__(self) -> None:
-        n = len(self.x)
-        if n == 0 or self.line.shape != (n,) or self.force.shape != (n, 3):
-            raise ValueError(
-                f"x, line and force of cells must be (n,), (n,), (n, 3), not {self.x.shape}, {self.line.shape}, "
-                f"{self.force.shape}"
-            )
-        if not self.step > 0:
-            raise ValueError(f"cells must have a positive length, not {self.step} m")
-        if not (np.isfinite(self.x).all() and np.isfinite(self.force).all()):
-            raise ValueError("positions and forces of cells must be finite")
-
-    @classmethod
-    def on(cls, shape: tuple[int, int], nodes: Nodes, force: Array, *, step: float) -> CellLoads:
-        """Forces (n, 3) N on nodes (n,) of the (nx, ns) contact grid of the same body."""
-        row, line = np.divmod(nodes, shape[1])
-        return cls((row - shape[0] // 2) * step, line, force, step)
 
 
 def stress(
@@ -77,7 +47,7 @@ def stress(
     spots, number = np.unique(np.round(chart.section, 12), axis=0, return_inverse=True)
     gradients = Gradients(body, spots)
     middle = 0.5 * (loads.x.min() + loads.x.max())
-    half = 0.5 * float(np.ptp(loads.x) + loads.step)
+    half = float((np.abs(loads.x - middle) + 0.5 * loads.step).max())
     around = None if body.radius is None else 2 * np.pi * body.radius
     λ, μ = lame(body.steel.E, body.steel.nu)
     force = _local(body, loads)
@@ -96,7 +66,7 @@ def stress(
 
     size = float(np.ptp(body.section.points, axis=0).max())
     depth = float(gradients.depth.min())
-    largest = min(REACH / loads.step, DECAY / depth if depth > 0 else np.inf)
+    largest = min(REACH / loads.mean_step, DECAY / depth if depth > 0 else np.inf)
     axis = Axis(1 / size, None if around is None else 2 * np.pi / around)
     first = axis.spaced(largest, 8)
     # the load's phases turn by k half: no interval may skip a turn
@@ -219,3 +189,6 @@ def _depth(places: Array, corners: Array) -> Array:
     along = np.einsum("nmk,mk->nm", places[:, None] - a, d) / (d**2).sum(axis=1)
     foot = a + np.clip(along, 0.0, 1.0)[..., None] * d
     return np.asarray(np.hypot(*(places[:, None] - foot).transpose(2, 0, 1)).min(axis=1))
+
+
+__all__ = ["CellLoads", "Gradients", "stress"]

@@ -45,7 +45,8 @@ class StripKernel:
     unit: float = 1.0
     scale: float = 1.0
     _window: tuple[int, int] = field(init=False, default=(0, 0), repr=False)
-    _dense: Array = field(init=False, repr=False)
+    _smooth: Array = field(init=False, repr=False)
+    _smooth_normal: Array = field(init=False, repr=False)
 
     @cached_property
     def samples(self) -> Spectrum:
@@ -104,20 +105,27 @@ class StripKernel:
 
     def between(self, sides: Array) -> Array:
         """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m."""
+        share = self._prepared(sides)
+        half = np.tensordot(share, self._smooth, axes=(1, 1))  # S, nk, lines, 9
+        both = np.tensordot(share, half, axes=(1, 2))  # T, S, nk, 9
+        smooth = both.transpose(2, 1, 0, 3).reshape(len(self.samples.k), len(sides), len(sides), 3, 3)
+        return np.asarray(smooth + self._half_space(sides))
+
+    def _prepared(self, sides: Array) -> Array:
+        """Shares of strips in the lines of the present window, moved when they are not in it."""
         window = self.window(float(sides.min()), float(sides.max()))
         low, high = self._window
         if not (low <= window[0] and window[1] <= high):
             low, high = max(window[0] - 4, 0), min(window[1] + 4, len(self.arc))
-            self._dense, self._window = self._lines(low, high), (low, high)
-        share = self.shares(sides, (low, high))
-        nk, count = len(self._dense), len(sides)
-        half = np.tensordot(share, self._dense, axes=(1, 1))  # S, nk, lines, 9
-        both = np.tensordot(share, half, axes=(1, 2))  # T, S, nk, 9
-        smooth = both.transpose(2, 1, 0, 3).reshape(nk, count, count, 3, 3)
-        return np.asarray(smooth + self._half_space(sides))
+            lines = self._lines(low, high)
+            normal = self._tangents(self.arc[low:high])[:, ::-1] * [-1.0, 1.0]
+            self._smooth_normal = np.einsum("kijab,ia,jb->kij", lines[..., 1:, 1:], normal, normal, optimize=True)
+            self._smooth = lines.reshape(*lines.shape[:3], 9)
+            self._window = low, high
+        return self.shares(sides, (low, high))
 
     def _lines(self, low: int, high: int) -> Array:
-        """Spectrum (nk, n, n, 9) of a run of lines."""
+        """Spectrum (nk, n, n, 3, 3) of a run of lines, less that of half-spaces."""
         values, ns = self.samples.values, len(self.arc)
         place = np.zeros((ns, ns), dtype=np.int64)
         place[np.triu_indices(ns)] = np.arange(ns * (ns + 1) // 2)
@@ -127,7 +135,7 @@ class StripKernel:
         self._mend(found, low, high)
         bounds = np.column_stack([self.bounds[low:high], self.bounds[low + 1 : high + 1]])
         found -= self._half_space(bounds)
-        return np.asarray(found.reshape(*found.shape[:3], 9))
+        return np.asarray(found)
 
     def _mend(self, found: Array, low: int, high: int) -> None:
         """Add what the elements miss near a load."""
@@ -146,25 +154,32 @@ class StripKernel:
 
     def _half_space(self, sides: Array) -> Array:
         """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m on half-spaces that touch the surface in between."""
-        k = self.samples.k
-        middle = sides.mean(axis=1)
-        stretch = float(self._stretch(middle).mean())
-        found = strip_flexibility(np.maximum(k, 1e-2 * k[1]) / stretch, sides / self.unit, sides / self.unit, self.nu)
-        axes = self._pair_axes(middle)
-        return np.asarray(np.einsum("kija,ijab,ijac->kijbc", found, axes, axes, optimize=True) / stretch)
+        axes = self._pair_axes(sides.mean(axis=1))
+        return np.asarray(np.einsum("kija,ijab,ijac->kijbc", self._flat(sides), axes, axes, optimize=True))
+
+    def _flat(self, sides: Array) -> Array:
+        """Spectrum (nk, S, S, 3) along x, across and normal of strips on a half-space."""
+        k, sides = self.samples.k, sides / self.unit
+        stretch = float(self._stretch(sides.mean(axis=1) * self.unit).mean())
+        return strip_flexibility(np.maximum(k, 1e-2 * k[1]) / stretch, sides, sides, self.nu) / stretch
 
     def _pair_axes(self, arc: Array) -> Array:
         """Mean local axes (n, n, 3, 3) of pairs of places, rows along x, across and normal."""
-        tangent = np.column_stack([np.interp(arc, self.arc, part) for part in self._tangent.T])
+        tangent = self._tangents(arc)
         t = tangent[:, None] + tangent
         t /= np.hypot(t[..., 0], t[..., 1])[..., None]
         axes = np.zeros((*t.shape[:2], 3, 3))
         axes[..., 0, 0], axes[..., 1, 1:], axes[..., 2, 1], axes[..., 2, 2] = 1, t, -t[..., 1], t[..., 0]
         return axes
 
+    def _tangents(self, arc: Array) -> Array:
+        """Unit tangents (n, 2) of the section at arc lengths (n,) m."""
+        t = np.column_stack([np.interp(arc, self.arc, part) for part in self._slope.T])
+        return np.asarray(t / np.hypot(*t.T)[:, None])
+
     @cached_property
-    def _tangent(self) -> Array:
-        return np.gradient(self.points, self.arc, axis=0)
+    def _slope(self) -> Array:
+        return np.asarray(np.gradient(self.points, self.arc, axis=0))
 
     def _stretch(self, arc: Array) -> Array:
         """Length on the surface over length on the rolling circle."""
@@ -172,9 +187,14 @@ class StripKernel:
             return np.ones_like(arc)
         return np.asarray(np.interp(arc, self.arc, self.points[:, 1]) / self.radius)
 
-    def normal(self, spectrum: Array, normals: Array) -> Array:
-        """Table (S, S, nodes, 1) of the compliance along normals (S, 2) (y and z, or y and r) of the strips."""
-        H = np.einsum("ia,kijab,jb->kij", normals, spectrum[..., 1:, 1:], normals, optimize=True)
+    def normal(self, sides: Array) -> Array:
+        """Table (S, S, nodes, 1) of the compliance along the surface's normals between strips with sides (S, 2) m."""
+        share = self._prepared(sides)
+        smooth = np.tensordot(share, np.tensordot(share, self._smooth_normal, axes=(1, 1)), axes=(1, 2))  # j, i, k
+        near = self._flat(sides)
+        tangent = self._tangents(sides.mean(axis=1))
+        turn = np.clip(tangent @ tangent.T, -1.0, 1.0)  # cosine of the angle between two strips
+        H = smooth.transpose(2, 1, 0) + 0.5 * ((1 + turn) * near[..., 2] - (1 - turn) * near[..., 1])
         table = np.tensordot(H, self.weights[0], axes=(0, 1)) * (self.scale * self.unit**2)
         return np.asarray(table[..., None])
 

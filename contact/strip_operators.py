@@ -35,15 +35,13 @@ class StripOperators:
     def normal(self, pose: Pose, layout: Layout) -> Array:
         """Relative normal displacement (n, n) m/Pa of the cells, means by unit pressures."""
         edges, area = layout.edges, self.area(layout)
-        upper, lower = self.surfaces.normals(pose, layout.middle)
         stretch = self.surfaces.along(layout.middle)[:, None]
         total = np.zeros((area.size, area.size))
-        for kernel, normals, sides, x in (
-            (self.upper, upper, layout.sides, edges),
-            (self.lower, lower, self.surfaces.lower_sides(pose, layout), edges * stretch),
+        for kernel, sides, x in (
+            (self.upper, layout.sides, edges),
+            (self.lower, self.surfaces.lower_sides(pose, layout), edges * stretch),
         ):
-            table = kernel.normal(kernel.between(sides), normals)
-            total += kernel.means(table, x, x).reshape(total.shape)
+            total += kernel.means(kernel.normal(sides), x, x).reshape(total.shape)
         return total * area
 
     def all(self, pose: Pose, layout: Layout, places: Places) -> tuple[Array, Array]:

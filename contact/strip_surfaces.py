@@ -43,9 +43,6 @@ class StripSurfaces(Protocol):
     def along(self, s: Array) -> Array:
         """Length on the surface at s over length on the rolling circle."""
 
-    def normals(self, pose: Pose, s: Array) -> tuple[Array, Array]:
-        """Normals (n, 2) of both sections at s m: upper in (y, r) or (y, z), lower in (y, z)."""
-
 
 @dataclass(frozen=True)
 class ProfileStrips:
@@ -91,10 +88,6 @@ class ProfileStrips:
     def along(self, s: Array) -> Array:
         return np.asarray(1 + self.wheel.point(s)[..., 1] / self.radius)
 
-    def normals(self, pose: Pose, s: Array) -> tuple[Array, Array]:
-        normal = self._wheel(pose, s, np.zeros_like(s))[1][:, 1:]
-        return self.wheel.normal(s), normal / np.hypot(*normal.T)[:, None]
-
     def lower_sides(self, pose: Pose, layout: Layout) -> Array:
         x = np.repeat(layout.ends.mean(axis=1), 2).reshape(-1, 2)
         return self._overlap(pose, layout.sides, x)[1]
@@ -138,10 +131,6 @@ class QuadricStrips:
 
     def along(self, s: Array) -> Array:
         return np.ones_like(s)
-
-    def normals(self, pose: Pose, s: Array) -> tuple[Array, Array]:
-        up = np.tile([0.0, 1.0], (len(s), 1))
-        return up, up
 
     def lower_sides(self, pose: Pose, layout: Layout) -> Array:
         return layout.sides
