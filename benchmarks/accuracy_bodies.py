@@ -95,7 +95,7 @@ class Track:
 
 
 @cache
-def wheelset_model(track: Track, laws: Laws, size: float) -> WheelsetContact:
+def wheelset_model(track: Track, laws: Laws, size: float, **options: Any) -> WheelsetContact:
     """S1002 on UIC60 (inclined 1/40 as given) with surface size [m]."""
     wheel, rail = load_profile("S1002", "wheel"), load_profile("UIC60-benchmark", "rail")
     model = wheel_rail_pair(
@@ -106,7 +106,7 @@ def wheelset_model(track: Track, laws: Laws, size: float) -> WheelsetContact:
         rail_steel=track.steel,
         surface_size=size,
         laws=laws,
-        **OPTIONS,
+        **{**OPTIONS, **options},
     )
     return WheelsetContact(
         model, Mounting(track.wheel_y, rail.gauge_offset(track.gauge, track.gauge_height), track.radius)

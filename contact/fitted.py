@@ -99,6 +99,7 @@ class FittedContact:
         loads = -p if rigid is None else np.concatenate([*q.T, -p])
         moved = np.zeros((n, 3))
         moved[:, 3 - len(displacement) // n :] = (displacement @ loads).reshape(-1, n).T
+        bound = self.laws.friction_at(np.hypot(*found.slip.T), speed)[0] * p
         patch = np.where(p > 0, np.repeat(layout.patch, self.fineness.cells), -1)
         result = outcome(
             places,
@@ -109,7 +110,7 @@ class FittedContact:
             slip=found.slip,
             displacement=moved,
             approach=approach,
-            bound=self.laws.friction_at(np.hypot(*found.slip.T), speed)[0] * p,
+            bound=bound,
             statistics=Statistics(
                 newton=count.newton,
                 linear=count.linear,
@@ -118,7 +119,7 @@ class FittedContact:
                 seconds={"fit": fitted - start, "compliance": gathered - fitted, "solve": solved - gathered},
             ),
         )
-        return sharpened(result, layout, p)
+        return sharpened(result, layout, bound)
 
     def _fitted(self, pose: Pose, count: Count) -> tuple[Layout | None, Array]:
         """Cells and their frictionless pressures (S, M) Pa; no cells without contact."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg as la
 
-from contact.pose import Array, Pose
+from contact.pose import Array, Mask, Pose
 from contact.pressure import normal_contact
 from contact.strip_surfaces import Ridge, StripSurfaces
 from contact.strips import Layout, edge_rules, marks, tip
@@ -20,8 +20,15 @@ from contact.tractions import Count, NotConverged
 log = logging.getLogger(__name__)
 
 COARSE_STRIPS, COARSE_CELLS = 16, 8
+LONGEST = 0.02  # m to either side: on a steep flange an overlap is far longer than the contact in it
 GAUSS = 0.5 / np.sqrt(3.0)  # of a cell's length, from its middle
 STEPS = 40
+MOST = 4  # times as many strips as a round patch has
+WAIT = 5  # steps without progress
+ROUGH = 0.02  # of a strip's length: contacts known worse than that get room around them
+LEAST = 1e-3  # of the load: patches that carry less are none
+PARTS = 6  # patches at most
+FARTHEST = 0.12  # that an end moves in a step, of the strip's length, before it is stretched
 STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a point contact
 
 
@@ -37,8 +44,9 @@ class Fineness:
             raise ValueError(f"a patch needs at least 4 strips of 4 cells, got {self.strips} of {self.cells}")
 
     def strips_over(self, width: float, length: float) -> int:
-        """Strips of a patch: more when it is wider than long, so that humps side by side are seen."""
-        return max(self.strips, int(np.ceil(0.75 * self.strips * width / max(length, 1e-12))))
+        """Strips of a patch: more when it is wider than long, so that humps side by side are seen, up to a limit."""
+        wanted = 0.75 * self.strips * width / max(length, 1e-12)
+        return int(np.ceil(min(max(self.strips, wanted), MOST * self.strips)))
 
     def halved(self) -> Fineness:
         """Half as fine."""
@@ -86,6 +94,8 @@ def coarse(
     middle = both.mean(axis=1)
     depth = np.maximum(np.interp(middle, ridge.s, ridge.overlap), 0.02 * ridge.overlap.max())
     x, half = np.interp(middle, ridge.s, ridge.x), np.sqrt(2 * depth / np.interp(middle, ridge.s, ridge.bend))
+    half, centre = np.minimum(half, LONGEST), x[np.argmax(depth)]
+    x = np.clip(x, centre - LONGEST, centre + LONGEST)
     layout = Layout(both, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False))
     overlap = mean_overlap(surfaces, pose, layout).ravel()
     pressure, _ = normal_contact(operator(layout), overlap, overlap > 0.4 * overlap.max(), count)
@@ -184,29 +194,36 @@ def fit(
 ) -> Fitted | None:
     """Move ends and tips until their steps, as parts of the strips' length and width, are below the tolerance (RMS).
 
-    None when no pressure is left.
+    Strips inside a patch that would pull are left out until they touch again. None when no pressure is left.
     """
     layout, stretch = start, STRETCH
     previous: Array | None = None
-    pressure = np.zeros((len(start.sides), len(start.marks) - 1))
+    held = np.ones(len(start.sides), dtype=bool)
+    last, damping = np.zeros((0, 2)), np.ones((0, 2))
     for step in range(1, STEPS + 1):
-        overlap = mean_overlap(surfaces, pose, layout)
+        overlap, matrix = mean_overlap(surfaces, pose, layout), operator(layout)
         count.newton += 1
-        pressure = la.solve(operator(layout), overlap.ravel(), check_finite=False).reshape(overlap.shape)
-        if not np.isfinite(pressure).all():
-            raise NotConverged("the cells of the contact cannot be told apart")
-        trailing, leading = edge_rules(tuple(layout.marks.tolist()))
-        beyond = np.column_stack(
-            [trailing.beyond(pressure[:, 0], pressure[:, 1]), leading.beyond(pressure[:, -1], pressure[:, -2])]
-        )
+        pressure, touches = _pressed(matrix, overlap, held)
         load = (pressure * np.diff(layout.edges)).sum(axis=1)
-        length = np.diff(layout.ends)
-        moves = np.clip(np.nan_to_num(beyond), -0.12, 0.12)
+        moves = np.clip(np.nan_to_num(_beyond(layout, pressure)), -FARTHEST, FARTHEST) * held[:, None]
         tips = _tips(layout, load)
-        error = float(np.sqrt((moves**2).mean()))
-        log.debug("step %d: ends move by %.1e, tips by %s widths, %d strips", step, error, tips, len(load))
-        slip = max((abs(move) for pair in tips.values() for move in pair), default=0.0)
-        if error <= tolerance and slip <= 10 * tolerance:
+        if tips.shape != last.shape:
+            last, damping = np.zeros(tips.shape), np.ones(tips.shape)
+        # a tip that swings is moved less and less, one that creeps gets its full step back
+        damping = np.where(tips * last < 0, 0.5 * damping, np.minimum(1.0, 1.5 * damping))
+        last = tips
+        error = float(np.sqrt((moves[held] ** 2).mean()))
+        log.debug(
+            "step %d: ends move by %.1e, tips by %s widths, %d of %d strips",
+            step,
+            error,
+            tips.round(4).tolist(),
+            held.sum(),
+            len(load),
+        )
+        slip = float(np.abs(damping * tips).max())
+        holds = touches & ((load > 0) | _outermost(layout) | ~held)
+        if error <= tolerance and slip <= 10 * tolerance and (holds == held).all():
             return Fitted(layout, pressure, True, step)
         if previous is not None and previous.shape == moves.shape:
             change = moves - previous
@@ -214,41 +231,57 @@ def fit(
             if bottom > 0:
                 stretch = float(np.clip(-stretch * (previous * change).sum() / bottom, 0.7, 2.2))
         previous = moves
-        ends = layout.ends + stretch * moves * length * [-1.0, 1.0]
-        moved = _retipped(replace(layout, ends=ends), load, tips, fineness)
+        ends = layout.ends + stretch * moves * np.diff(layout.ends) * [-1.0, 1.0]
+        moved = _retipped(replace(layout, ends=ends), load, damping * tips, fineness)
         if moved is None:
             return None
+        held = holds if len(moved.sides) == len(held) else np.ones(len(moved.sides), dtype=bool)
         layout = moved
     return Fitted(layout, np.ones((len(layout.sides), len(layout.marks) - 1)), False, STEPS)
 
 
-def _tips(layout: Layout, load: Array) -> dict[int, tuple[float, float]]:
-    """How far each patch reaches beyond its first and its last strip, in widths."""
-    found = {}
-    for k in np.unique(layout.patch):
-        own = load[layout.patch == k]
-        found[int(k)] = tip(own), tip(own[::-1])
-    return found
+def _pressed(matrix: Array, overlap: Array, held: Mask) -> tuple[Array, Mask]:
+    """Pressures (S, M) Pa of the strips that are held, signed; and which strips (S,) touch, as all of these do.
 
-
-def _retipped(layout: Layout, load: Array, tips: dict[int, tuple[float, float]], fineness: Fineness) -> Layout | None:
-    """Strips between the moved tips; patches that lost their load vanish, split where strips lost it, join where they
-    meet.
+    Raises NotConverged when the cells cannot be told apart.
     """
+    own = np.repeat(held, overlap.shape[1])
+    found = np.zeros(own.size)
+    found[own] = la.solve(matrix[np.ix_(own, own)], overlap.ravel()[own], check_finite=False)
+    if not np.isfinite(found).all():
+        raise NotConverged("the cells of the contact cannot be told apart")
+    left = (overlap.ravel() - matrix @ found).reshape(overlap.shape)
+    return found.reshape(overlap.shape), held | (left.max(axis=1) > 0)
+
+
+def _beyond(layout: Layout, pressure: Array) -> Array:
+    """How far every strip reaches beyond its trailing and its leading end (S, 2), as part of its length."""
+    trailing, leading = edge_rules(tuple(layout.marks.tolist()))
+    return np.column_stack(
+        [trailing.beyond(pressure[:, 0], pressure[:, 1]), leading.beyond(pressure[:, -1], pressure[:, -2])]
+    )
+
+
+def _outermost(layout: Layout) -> Mask:
+    """First and last strips of the patches, which the tips' steps move."""
+    new = np.diff(layout.patch) != 0
+    return np.asarray(np.concatenate([[True], new]) | np.concatenate([new, [True]]))
+
+
+def _tips(layout: Layout, load: Array) -> Array:
+    """How far each patch reaches beyond its first and its last strip (patches, 2), in widths."""
+    runs = [load[layout.patch == k] for k in np.unique(layout.patch)]
+    return np.array([(tip(own), tip(own[::-1])) for own in runs])
+
+
+def _retipped(layout: Layout, load: Array, tips: Array, fineness: Fineness) -> Layout | None:
+    """Strips between the moved tips; patches that lost their load vanish, those that meet join."""
     found = []
-    for k, (before, after) in tips.items():
+    for k, (before, after) in zip(np.unique(layout.patch), tips, strict=True):
         own = np.flatnonzero(layout.patch == k)
-        runs = np.split(own, np.flatnonzero(np.diff((load[own] > 0).astype(int))) + 1)
-        runs = [run for run in runs if load[run[0]] > 0]
-        for run in runs:
-            width = layout.width[run[0]]
-            low, high = layout.sides[run[0], 0], layout.sides[run[-1], 1]
-            if run[0] == own[0]:
-                low -= before * width
-            if run[-1] == own[-1]:
-                high += after * width
-            middle = layout.middle[run]
-            if ((middle > low) & (middle < high)).any():
-                count = len(own) if len(run) == len(own) else None
-                found.append(Stretch(float(low), float(high), middle, layout.ends[run], count))
+        width = layout.width[own[0]]
+        low, high = layout.sides[own[0], 0] - before * width, layout.sides[own[-1], 1] + after * width
+        middle = layout.middle[own]
+        if (load[own] > 0).any() and ((middle > low) & (middle < high)).any():
+            found.append(Stretch(float(low), float(high), middle, layout.ends[own], len(own)))
     return _assembled(found, fineness, layout.marks)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 Model = Literal["condensed", "full"]
 Bodies = Literal["solid", "waveguide"]
 Points = Literal["fitted", "grid"]
-REACH = 0.08  # m along the rolling direction, between the ends of what fitted cells can cover
+REACH = 0.2  # m along the rolling direction, between the ends of what fitted cells can cover
 
 
 def elastic_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:

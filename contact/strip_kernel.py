@@ -21,7 +21,7 @@ from contact.pose import Array
 from contact.spectrum import Spectrum, interpolation, rule
 from contact.surface_error import SurfaceError
 
-NODES = 320  # of the table of G over x: its error in a mean compliance stays below 1e-4
+NODES = 400  # of the table of G over x: its error in a mean compliance stays below 1e-4
 FINEST = 0.05  # spacing of the first nodes over that of the surface's lines
 
 

@@ -1,4 +1,4 @@
-"""Peak pressure and semi-axes of a patch from the mean pressures of its cells, to second order."""
+"""Peak pressure, semi-axes and stick area of a patch from the means of its cells, to second order."""
 
 from __future__ import annotations
 
@@ -10,14 +10,20 @@ from contact.pose import Array
 from contact.result import ContactResult
 from contact.strips import Layout
 
+ROUND_OFF = 1e-9  # of the largest traction
 EDGE = 2  # cells next to an end, where pressure goes like a square root, have no peak
 
 
-def sharpened(result: ContactResult, layout: Layout, pressure: Array) -> ContactResult:
-    """The result with the peak between the cells' middles, and semi-axes that know that pressure varies in a cell."""
-    p = pressure.reshape(len(layout.sides), -1)
-    assert result.fields is not None
-    labels = result.fields.patch.reshape(p.shape).max(axis=1)
+def sharpened(result: ContactResult, layout: Layout, bound: Array) -> ContactResult:
+    """The result with the peak between the cells' middles, semi-axes that know that pressure varies in a cell, and
+    stick that ends within cells. bound (n,) Pa, the largest possible traction.
+    """
+    fields = result.fields
+    assert fields is not None
+    p, area = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area))
+    left = (bound - np.hypot(*fields.traction.T)).reshape(p.shape)
+    left[left < ROUND_OFF * bound.reshape(p.shape)] = 0.0
+    labels = fields.patch.reshape(p.shape).max(axis=1)
     found = []
     for k, patch in enumerate(result.patches):
         own = labels == k
@@ -26,8 +32,31 @@ def sharpened(result: ContactResult, layout: Layout, pressure: Array) -> Contact
         load = p[own] * length
         across, wide = (np.broadcast_to(value, load.T.shape) for value in (s, width))
         axes = (spread(p[own], x, length, load), spread(p[own].T, across, wide, load.T))
-        found.append(replace(patch, max_pressure=peak(p[own], x, length, s), semi_axes=axes))
+        stick = sum(
+            stick_length(row, part) * wide[0] / part[0]
+            for row, part, wide in zip(left[own], length, area[own], strict=True)
+        )
+        highest = peak(p[own], x, length, s)
+        found.append(replace(patch, max_pressure=highest, semi_axes=axes, stick_area=float(stick)))
     return replace(result, patches=tuple(found))
+
+
+def stick_length(left: Array, length: Array) -> float:
+    """Length m of a strip that sticks, from what is left to the largest traction, (M,) Pa, zero where it slips.
+
+    It starts like a square root from where slip begins (Cattaneo, Carter), so its square is extrapolated to zero.
+    """
+    sticks = np.concatenate([[False], left > 0, [False]])
+    starts, stops = np.flatnonzero(np.diff(sticks.astype(int)) > 0), np.flatnonzero(np.diff(sticks.astype(int)) < 0)
+    total = 0.0
+    for start, stop in zip(starts, stops, strict=True):
+        total += length[start:stop].sum()
+        for last, inner, outer in ((start, start + 1, start - 1), (stop - 1, stop - 2, stop)):
+            if stop - start > 1 and 0 <= outer < len(left) and left[inner] > left[last]:
+                apart = 0.5 * (length[last] + length[inner])
+                beyond = apart / ((left[inner] / left[last]) ** 2 - 1) - 0.5 * length[last]
+                total += np.clip(beyond, -0.5 * length[last], 0.5 * length[outer])
+    return float(total)
 
 
 def spread(p: Array, x: Array, length: Array, weight: Array) -> float:

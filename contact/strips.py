@@ -39,12 +39,19 @@ class Layout:
         return np.asarray(self.sides[:, 1] - self.sides[:, 0])
 
 
+LEADING = 0.35  # share of the cells' density that favours the leading end alone
+
+
 def marks(cells: int, *, rolling: bool) -> Array:
-    """Ends (cells + 1,) of the cells of a strip, from 0 to 1: quadratically denser towards the leading end of a rolling
-    contact, where traction starts like a square root; equal without friction.
+    """Ends (cells + 1,) of the cells of a strip, from 0 to 1.
+
+    Equal without rolling. Traction in rolling starts like a square root at the leading end and, where all sticks, rises
+    like the inverse of one at the trailing end: cells shrink quadratically towards both, more towards the first.
     """
     t = np.linspace(0.0, 1.0, cells + 1)
-    return np.asarray(1 - (1 - t) ** 2 if rolling else t)
+    if not rolling:
+        return t
+    return np.asarray(LEADING * (1 - (1 - t) ** 2) + (1 - LEADING) * 0.5 * (1 - np.cos(np.pi * t)))
 
 
 @dataclass(frozen=True)
@@ -62,9 +69,11 @@ class EdgeRule:
     other_excess: float
 
     def beyond(self, last: Array, before: Array) -> Array:
-        """z as part of the strip's length from the mean pressures of the last cells and those before."""
-        bottom = before * self.own_excess - last * self.other_excess
-        return np.asarray((self.other * last - self.own * before) / np.where(bottom == 0, np.inf, bottom))
+        """z as part of the strip's length from the mean pressures of the last cells and those before; infinite where
+        the last one is larger than any z makes it.
+        """
+        top, bottom = self.other * last - self.own * before, before * self.own_excess - last * self.other_excess
+        return np.asarray(np.where(bottom > 0, top / np.where(bottom > 0, bottom, 1.0), np.copysign(np.inf, top)))
 
 
 @lru_cache
@@ -111,15 +120,16 @@ CAUTION = 1.1  # of a step of the tips
 def tip(loads: Array) -> float:
     """Where the contact ends beside a run of strips of equal width, in widths outwards of the last strip's side.
 
-    loads (n,) of the strips per width, the last one first: a parabola through the means of the last three (a line for
-    two), as the load of an elliptic contact is 1 - y^2. Within -1/2 .. 1/2.
+    loads (n,) of the strips per width, the last one first: a parabola through the means of the last three, as the load
+    of an elliptic contact is 1 - y^2, and where they bend the other way the line through the last two, so that the tip
+    moves continuously with the loads. Within -1/2 .. 1/2.
     """
-    n = min(len(loads), 3)
-    j = np.arange(n)
-    means = np.column_stack([np.ones(n), j + 0.5, j * j + j + 1 / 3])[:, :n]
-    c = np.linalg.solve(means, loads[:n])
-    roots = np.roots(c[::-1]) if np.abs(c[1:]).max(initial=0.0) > 0 else np.array([])
-    real = roots[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))].real
-    if not len(real):
-        return 0.5 if loads[0] > 0 else -0.5
-    return float(np.clip(CAUTION * (-real[np.argmin(np.abs(real))] - TIP), -0.5, 0.5))
+    first, second = loads[0], loads[min(1, len(loads) - 1)]
+    bend = min(0.5 * (first - 2 * second + loads[2]), 0.0) if len(loads) > 2 else 0.0
+    slope = second - first - 2 * bend  # at the last strip's side
+    start = first - 0.5 * slope - bend / 3
+    root = slope * slope - 4 * bend * start
+    # the smaller root of start + slope t + bend t^2, where the load rises inwards; none: far outwards
+    bottom = slope + np.sqrt(max(root, 0.0))
+    reach = 2 * start / bottom if bottom > 0 else np.inf if start > 0 else -np.inf
+    return float(np.clip(CAUTION * (reach - TIP), -0.5, 0.5))

@@ -1,0 +1,130 @@
+"""A wheel swept across its rail at constant load: do forces jump when patches merge, split or change their cells?
+
+python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--size MM] [--points fitted|grid]
+                           [--picture FILE] [--json FILE]
+
+One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Reported for
+every force and moment: the largest change from one position to the next, and the scatter, the RMS of the second
+difference, both relative to the load (moments to the load on one nominal radius).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from benchmarks.accuracy_bodies import STEEL, Track, wheelset_model
+from benchmarks.machine import stated
+from contact.laws import Laws
+from contact.pose import Array, WheelsetState
+from contact.result import ContactResult
+from contact.wheelset import WheelsetContact
+
+LOAD = 57e3  # N
+NAMES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+SPEED = 10.0  # m/s
+RTOL = 1e-7  # of the load
+
+
+def under_load(contact: WheelsetContact, y: float, depth: float, slope: float) -> tuple[float, float, ContactResult]:
+    """Depth m at which the left wheel carries the load, slope N/m there, and the contact: secant steps."""
+    last: tuple[float, float] | None = None
+    for _ in range(30):
+        state = WheelsetState(y=y, z=-depth, speed=SPEED, pitch_rate=SPEED / contact.mounting.radius)
+        result = contact(state, "left")
+        if not result.ok:
+            raise RuntimeError(f"y = {1e3 * y:.2f} mm: {result.status}")
+        force = float(result.force[2])
+        if last is not None and abs(depth - last[0]) > 1e-10:
+            slope = max((force - last[1]) / (depth - last[0]), 1e7)
+        if abs(force - LOAD) <= RTOL * LOAD or (last is not None and abs(depth - last[0]) < 1e-12):
+            break
+        last = depth, force
+        depth += float(np.clip((LOAD - force) / slope, -2e-5, 2e-5)) if force > 0 else 2e-5
+    return depth, slope, result
+
+
+def sweep(contact: WheelsetContact, positions: Array, say: bool = True) -> tuple[Array, list[int], Array, Array]:
+    """Forces and moments (m, 6) on the wheel, number of patches, largest error of the load, seconds by position."""
+    found, patches, seconds, missed = [], [], [], []
+    depth, slope = 0.0, 1e9
+    depths: list[float] = []
+    start = perf_counter()
+    for i, y in enumerate(positions):
+        began = perf_counter()
+        guess = 2 * depths[-1] - depths[-2] if len(depths) > 1 else depth
+        depth, slope, result = under_load(contact, float(y), guess, slope)
+        depths.append(depth)
+        found.append(np.concatenate([result.force, result.moment]))
+        patches.append(len(result.patches))
+        missed.append(abs(result.force[2] / LOAD - 1))
+        seconds.append(perf_counter() - began)
+        if say and i % 50 == 49:
+            left = (perf_counter() - start) / (i + 1) * (len(positions) - i - 1)
+            print(f"  {1e3 * y:6.2f} mm, {left:.0f} s left", flush=True)
+    return np.array(found), patches, np.array(missed), np.array(seconds)
+
+
+def picture(path: Path, y: Array, forces: Array, patches: list[int]) -> None:
+    """Forces and moments over the lateral position, and their second differences."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(3, 1, figsize=(9, 9), sharex=True, layout="constrained")
+    for k, name in enumerate(NAMES[:3]):
+        axes[0].plot(1e3 * y, 1e-3 * forces[:, k], label=name)
+        axes[1].semilogy(1e3 * y[1:-1], np.abs(np.diff(forces[:, k], 2)) / LOAD * 100, lw=0.8, label=name)
+    axes[2].step(1e3 * y, patches, where="mid")
+    axes[0].set_ylabel("force on the left wheel, kN")
+    axes[1].set_ylabel("second difference, % of the load")
+    axes[2].set(ylabel="patches", xlabel="lateral position y of the wheelset, mm (to the left)")
+    axes[0].legend()
+    axes[0].set_title(f"{LOAD / 1e3:g} kN on the left wheel")
+    figure.savefig(path, dpi=110)
+
+
+def main() -> None:
+    given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    given.add_argument("--step", type=float, default=0.02)
+    given.add_argument("--from", dest="low", type=float, default=-8.0)
+    given.add_argument("--to", dest="high", type=float, default=8.0)
+    given.add_argument("--friction", type=float, default=0.3)
+    given.add_argument("--size", type=float, default=1.0)
+    given.add_argument("--points", choices=("fitted", "grid"), default="fitted")
+    given.add_argument("--picture", type=Path)
+    given.add_argument("--json", type=Path)
+    args = given.parse_args()
+    print(stated())
+    contact = wheelset_model(Track(STEEL), Laws(friction=args.friction), 1e-3 * args.size, points=args.points)
+    positions = 1e-3 * np.arange(args.low, args.high + 0.5 * args.step, args.step)
+    forces, patches, missed, seconds = sweep(contact, positions)
+    scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
+    changes, bends = np.abs(np.diff(forces, axis=0)) / scale, np.diff(forces, 2, axis=0) / scale
+    print(f"\n{len(positions)} positions, {args.step:g} mm apart, friction {args.friction:g}, {args.points} points")
+    print("| | largest change % | at y mm | scatter % | largest second difference % | at y mm |")
+    print("|---|---|---|---|---|---|")
+    for k, name in enumerate(NAMES):
+        i, j = int(np.argmax(changes[:, k])), int(np.argmax(np.abs(bends[:, k])))
+        scatter, most = 100 * np.sqrt((bends[:, k] ** 2).mean()), 100 * np.abs(bends[j, k])
+        where = 1e3 * positions[i], 1e3 * positions[j + 1]
+        print(f"| {name} | {100 * changes[i, k]:.3f} | {where[0]:.2f} | {scatter:.4f} | {most:.3f} | {where[1]:.2f} |")
+    print(
+        f"\npatches from {min(patches)} to {max(patches)}, {np.count_nonzero(np.diff(patches))} changes of their number"
+    )
+    print(f"load missed by {100 * missed.max():.1e} % at most")
+    print(f"{1e3 * np.median(seconds):.0f} ms a position, {seconds.sum():.0f} s in all")
+    if args.json:
+        rows = np.column_stack([positions, forces, patches]).tolist()
+        args.json.write_text(json.dumps({"columns": ["y", *NAMES, "patches"], "rows": rows}))
+    if args.picture:
+        picture(args.picture, positions, forces, patches)
+
+
+if __name__ == "__main__":
+    main()
