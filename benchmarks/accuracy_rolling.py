@@ -18,13 +18,15 @@ from benchmarks.accuracy_bodies import (
     solved,
 )
 from benchmarks.accuracy_table import Section, measure, reference
+from contact.fitting import Fineness
 from contact.laws import Steel
 from contact.pose import Array
 from contact.references.kalker import Name, kalker
 
 Say = Callable[[str], None]
-POINTS = 285  # that carry pressure, so that a staircase stays below 300
-SLOPE_POINTS = (50, 72, 100, 140, 200)
+POINTS = 285  # of a grid as fine as the lines on the blocks
+FINENESS = Fineness()
+ROUGHER = tuple(Fineness(*n) for n in ((4, 6), (6, 8), (8, 10), (10, 13)))  # for the slope of the error
 RATIOS = (0.3, 0.5, 0.7, 1.0, 1 / 0.7, 2.0, 1 / 0.3)
 NAMES: tuple[Name, ...] = ("C11", "C22", "C23", "C33")
 STICKING = 1e3  # friction at which everything sticks
@@ -35,8 +37,9 @@ def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
     law is linear and the size of the creepage does not matter.
     """
     depth, _ = pressed(pair, size)
-    model = hertz_model(pair, frictional(STICKING), size)
     a, b = pair.exact.semi_axes
+    # at most 288 points: 24 cells along, as traction is singular where the contact ends, on at most 12 strips
+    model = hertz_model(pair, frictional(STICKING), size, fineness=Fineness(max(4, int(12 * min(1, a / b / 0.75))), 24))
     c, small = np.sqrt(a * b), 1e-4
     found = [solved(model, depth, rolling(*creep)) for creep in np.diag([small, small, small / c])]
     (fx, *_), (_, fy, mz, _), (_, fy_spin, mz_spin, _) = (
@@ -101,12 +104,12 @@ def kalker_section(quick: bool, say: Say) -> Section:
     return section
 
 
-def curve_errors(curve: dict[str, Any], points: int, every: int = 1) -> tuple[Array, int]:
+def curve_errors(curve: dict[str, Any], fineness: Fineness, every: int = 1) -> tuple[Array, int]:
     """Errors (cases, 3) of Fx, Fy in mu F_n and Mz in mu F_n sqrt(a b); how many points carried pressure."""
     pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Steel(curve["E"] * 1e6, curve["nu"]))
-    size = pair.size(points=points)
+    size = pair.size(points=POINTS)
     depth, _ = pressed(pair, size)
-    model = hertz_model(pair, frictional(curve["mu"]), size)
+    model = hertz_model(pair, frictional(curve["mu"]), size, fineness=fineness)
     unit = curve["mu"] * pair.load * np.array([1, 1, np.sqrt(np.prod(pair.exact.semi_axes))])
     errors, count = [], 0
     for _, xi, eta, phi, *known in curve["cases"][::every]:
@@ -138,14 +141,14 @@ def creep_section(quick: bool, say: Say) -> Section:
         ),
     )
     force, moment, grid, trail = [], [], [], []
-    for points in (*SLOPE_POINTS, POINTS):
+    for fineness in (*ROUGHER, FINENESS):
         at_points, carried = [], []
         for curve in curves:
-            say(f"creep curves a/b {curve['ratio']:g}, {points} points")
-            e, count = curve_errors(curve, points, every if points == POINTS else max(every, 3))
+            say(f"creep curves a/b {curve['ratio']:g}, {fineness.strips} x {fineness.cells} cells")
+            e, count = curve_errors(curve, fineness, every if fineness == FINENESS else max(every, 3))
             carried.append(count)
             at_points.append(e[:, :2])
-            if points != POINTS:
+            if fineness != FINENESS:
                 continue
             cases = curve["cases"][::every]
             known = np.array([case[4:7] for case in cases])

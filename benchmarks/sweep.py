@@ -57,9 +57,13 @@ def sweep(contact: WheelsetContact, positions: Array, say: bool = True) -> tuple
     for i, y in enumerate(positions):
         began = perf_counter()
         guess = 2 * depths[-1] - depths[-2] if len(depths) > 1 else depth
-        depth, slope, result = under_load(contact, float(y), guess, slope)
+        try:
+            depth, slope, result = under_load(contact, float(y), guess, slope)
+        except RuntimeError as error:
+            print(f"  {error}", flush=True)
+            result = ContactResult.failed(str(error))
         depths.append(depth)
-        found.append(np.concatenate([result.force, result.moment]))
+        found.append(np.concatenate([result.force, result.moment]) if result.ok else np.full(6, np.nan))
         patches.append(len(result.patches))
         missed.append(abs(result.force[2] / LOAD - 1))
         seconds.append(perf_counter() - began)
@@ -110,14 +114,15 @@ def main() -> None:
     print("| | largest change % | at y mm | scatter % | largest second difference % | at y mm |")
     print("|---|---|---|---|---|---|")
     for k, name in enumerate(NAMES):
-        i, j = int(np.argmax(changes[:, k])), int(np.argmax(np.abs(bends[:, k])))
-        scatter, most = 100 * np.sqrt((bends[:, k] ** 2).mean()), 100 * np.abs(bends[j, k])
+        i, j = int(np.nanargmax(changes[:, k])), int(np.nanargmax(np.abs(bends[:, k])))
+        scatter, most = 100 * np.sqrt(np.nanmean(bends[:, k] ** 2)), 100 * np.abs(bends[j, k])
         where = 1e3 * positions[i], 1e3 * positions[j + 1]
         print(f"| {name} | {100 * changes[i, k]:.3f} | {where[0]:.2f} | {scatter:.4f} | {most:.3f} | {where[1]:.2f} |")
     print(
         f"\npatches from {min(patches)} to {max(patches)}, {np.count_nonzero(np.diff(patches))} changes of their number"
     )
-    print(f"load missed by {100 * missed.max():.1e} % at most")
+    print(f"{np.count_nonzero(np.isnan(forces[:, 0]))} positions without an answer")
+    print(f"load missed by {100 * np.nanmax(missed):.1e} % at most")
     print(f"{1e3 * np.median(seconds):.0f} ms a position, {seconds.sum():.0f} s in all")
     if args.json:
         rows = np.column_stack([positions, forces, patches]).tolist()

@@ -42,8 +42,10 @@ class CellLoads:
     def mean_step(self) -> float:
         """Length m of a cell, the mean weighted by the forces."""
         size = np.linalg.norm(self.force, axis=1)
-        return float(np.broadcast_to(self.step, size.shape) @ size / size.sum()) if size.any() else float(
-            np.mean(self.step)
+        return (
+            float(np.broadcast_to(self.step, size.shape) @ size / size.sum())
+            if size.any()
+            else float(np.mean(self.step))
         )
 
     @classmethod

@@ -45,7 +45,7 @@ class Fineness:
 
     def strips_over(self, width: float, length: float) -> int:
         """Strips of a patch: more when it is wider than long, so that humps side by side are seen, up to a limit."""
-        wanted = 0.75 * self.strips * width / max(length, 1e-12)
+        wanted = self.strips * width / max(length, 1e-12)
         return int(np.ceil(min(max(self.strips, wanted), MOST * self.strips)))
 
     def halved(self) -> Fineness:

@@ -15,7 +15,7 @@ from contact.laws import Laws, Steel
 from contact.pose import Array
 from contact.quadrics import Quadrics, curvature
 from contact.references.hertz import hertz, modulus
-from contact.strip_kernel import StripKernel
+from contact.strip_kernel import HalfSpaceKernel, StripKernel
 from contact.strip_operators import StripOperators
 from contact.strip_surfaces import ProfileStrips, QuadricStrips
 from contact.surface_error import surface_error
@@ -23,7 +23,7 @@ from contact.waveguide import WaveguideCompliance
 from contact.waveguides import block_waveguide, rail_waveguide, wheel_waveguide
 from contact.wheelrail import WheelRail
 from contact.wheelset import ContactModel
-from meshes.bodies import block, rail, wheel
+from meshes.bodies import Strip, block, rail, rail_touches, wheel, wheel_touches
 from meshes.cache import digest
 from meshes.profiles import Profile
 from meshes.sections import rail_outline, rim_outline, wheel_outline
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from contact.body import ElasticBody
 
 Model = Literal["condensed", "full"]
-Bodies = Literal["solid", "waveguide"]
+Bodies = Literal["solid", "waveguide", "half-space"]
 Points = Literal["fitted", "grid"]
 REACH = 0.2  # m along the rolling direction, between the ends of what fitted cells can cover
 
@@ -73,9 +73,10 @@ def hertz_pair(
     """Two quadratic surfaces on large blocks, meshed for a load [N] or an approach [m] with some room to spare.
 
     Blocks are 40 times as wide as the patch, so the compliance that they lack is about 1 % of the approach. bodies:
-    meshed solids, of displacements of degree 1 unless said otherwise, or endless blocks by wavenumbers (degree 2).
-    points: cells "fitted" to the patch, the default for endless blocks and the exact normal law, with 12 strips of 16
-    cells whatever the surface size (see `FittedContact`); or a regular "grid". Raises ValueError for radii that do not
+    meshed solids, of displacements of degree 1 unless said otherwise, endless blocks by wavenumbers (degree 2), or
+    half-spaces. points: cells "fitted" to the patch, the default for endless blocks and the exact normal law, with 12
+    strips of 16 cells whatever the surface size (see `FittedContact`); or a regular "grid". Raises ValueError for radii
+    that do not
     touch in a point, and for a full model of endless blocks.
     """
     fitted = _fitted(model, bodies, points, laws)
@@ -88,6 +89,11 @@ def hertz_pair(
     half_cells = (half[0] + steps, half[1])
     # in cells, and in coarse steps, so that one mesh and one compliance serve many scenes
     width = 2.0 ** np.ceil(np.log2(40 * max(expected.semi_axes) / surface_size))
+    if bodies == "half-space":
+        lines = np.arange(-half_cells[1], half_cells[1] + 1) * surface_size
+        flat = np.column_stack([lines, np.zeros_like(lines)])
+        halves = [HalfSpaceKernel.under(flat, lines, 5 * np.sqrt(depth / A), s) for s in (upper_steel, lower_steel)]
+        return FittedContact(StripOperators(QuadricStrips(upper_radii, lower_radii), *halves), laws, **options)
     if bodies == "waveguide":
 
         def endless(steel: Steel) -> tuple[WaveguideCompliance, ContactGrid]:
@@ -145,11 +151,23 @@ def wheel_rail_pair(
 ) -> ContactModel:
     """Left-hand pair of a wheel of nominal radius [m] and a rail as laid, on meshes of the surface size [m].
 
-    bodies: meshed solids, of displacements of degree 1 unless said otherwise, or an endless rail and a whole wheel by
-    wavenumbers (degree 2). points as for `hertz_pair`. Raises ValueError for profiles that do not fit a wheel's or
-    rail's section, and for a full model of endless bodies.
+    bodies: meshed solids, of displacements of degree 1 unless said otherwise; an endless rail and a whole wheel by
+    wavenumbers (degree 2); or half-spaces, to compare with codes that know no others. points as for `hertz_pair`.
+    Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full model of endless bodies.
     """
     fitted = _fitted(model, bodies, points, laws)
+    if bodies == "half-space":
+        kernels: list[StripKernel] = []
+        for outline, ends in (
+            (wheel_outline(wheel_profile, radius), wheel_touches(wheel_profile)),
+            (rail_outline(rail_profile), rail_touches(rail_profile)),
+        ):
+            arc = Strip.over(outline, ends, half_length=surface_size, size=surface_size).arc
+            steel = rail_steel if kernels else wheel_steel
+            kernels.append(HalfSpaceKernel.under(outline.surface(arc), arc, REACH, steel))
+        return FittedContact(
+            StripOperators(ProfileStrips(wheel_profile, rail_profile, radius), *kernels), laws, **options
+        )
     if bodies == "waveguide":
         wheel_section, rail_section = wheel_outline(wheel_profile, radius), rail_outline(rail_profile)
         above, wheel_grid, wheel_strip = wheel_waveguide(
@@ -223,7 +241,9 @@ def _fitted(model: Model, bodies: Bodies, points: Points | None, laws: Laws) -> 
     """Whether cells are fitted. Raises ValueError for what does not go together."""
     if model == "full" and bodies != "solid":
         raise ValueError("the full model needs meshed solids")
-    possible = bodies == "waveguide" and laws.normal_compliance == 0
-    if points == "fitted" and not possible:
-        raise ValueError('fitted points need bodies = "waveguide" and the exact normal law')
+    possible = bodies != "solid" and laws.normal_compliance == 0
+    if (points == "fitted" or bodies == "half-space") and not possible:
+        raise ValueError('fitted points need bodies = "waveguide" or "half-space" and the exact normal law')
+    if points == "grid" and bodies == "half-space":
+        raise ValueError("half-spaces have no grid, only fitted points")
     return possible and points != "grid"

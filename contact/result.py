@@ -53,10 +53,10 @@ class Fields:
     """Values at the n contact points that were candidates.
 
     node (n,) index on the wheel's surface grid; patch (n,) index of the patch, -1 outside; point (n, 3) m in the rail
-    frame; axes (n, 3, 3) rows longitudinal, lateral, outward normal of the wheel; area (n,) m2; step (n,) m, the length along
-    the rolling direction that a point stands for; gap (n,) undeformed
-    overlap m, positive where the bodies overlap; pressure (n,) Pa; traction (n, 2) Pa on the wheel; slip (n, 2) slip
-    over rolling speed; displacement (n, 3) m, wheel minus rail, in the local axes.
+    frame; axes (n, 3, 3) rows longitudinal, lateral, outward normal of the wheel; area (n,) m2; step (n,) m, the
+    length along the rolling direction that a point stands for; gap (n,) undeformed overlap m, positive where the bodies
+    overlap; pressure (n,) Pa; traction (n, 2) Pa on the wheel; slip (n, 2) slip over rolling speed; displacement (n, 3)
+    m, wheel minus rail, in the local axes.
     """
 
     node: Nodes

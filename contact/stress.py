@@ -25,7 +25,7 @@ from forms.stress import cauchy
 Complex = NDArray[np.complex128]
 
 REACH = 2 * np.pi  # largest wavenumber times the cells' mean length: there a cell's load has its first zero
-DECAY = 9.0  # largest wavenumber times the shallowest depth: what lies beyond has died out by e^-9
+DECAY = 6.0  # largest wavenumber times the shallowest depth: beyond, e^-6 is left of what a smooth load has there
 PATCH = 20  # nodes of the displacement whose cubic gives the gradient at a place, which takes at least 10
 
 

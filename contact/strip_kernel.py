@@ -16,6 +16,7 @@ import numpy as np
 from scipy.special import sici
 
 from contact.half_space import strip_flexibility
+from contact.laws import Steel
 from contact.points import OutsideGrid
 from contact.pose import Array
 from contact.spectrum import Spectrum, interpolation, rule
@@ -32,7 +33,8 @@ class StripKernel:
     spectrum fetches the samples when first needed; points (ns, 2) m of the lines on the section, and their arc (ns,) m;
     reach m, the longest distance along x; nu Poisson's ratio; error fetches what the elements miss near a load; unit m
     and scale turn the spectrum's lengths and compliances into m and m/N;
-    radius m of a body of revolution.
+    radius m of a body of revolution. flat: the
+    surface is taken as level along x, as a half-space's.
     """
 
     spectrum: Callable[[], Spectrum]
@@ -44,6 +46,7 @@ class StripKernel:
     radius: float | None = None
     unit: float = 1.0
     scale: float = 1.0
+    flat: bool = False
     _window: tuple[int, int] = field(init=False, default=(0, 0), repr=False)
     _smooth: Array = field(init=False, repr=False)
     _smooth_normal: Array = field(init=False, repr=False)
@@ -105,11 +108,20 @@ class StripKernel:
 
     def between(self, sides: Array) -> Array:
         """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m."""
+        return self._half_space(sides) + self._smooth_between(sides)
+
+    def _smooth_between(self, sides: Array) -> Array | float:
+        """What the body is not a half-space by (nk, S, S, 3, 3)."""
         share = self._prepared(sides)
         half = np.tensordot(share, self._smooth, axes=(1, 1))  # S, nk, lines, 9
         both = np.tensordot(share, half, axes=(1, 2))  # T, S, nk, 9
-        smooth = both.transpose(2, 1, 0, 3).reshape(len(self.samples.k), len(sides), len(sides), 3, 3)
-        return np.asarray(smooth + self._half_space(sides))
+        return np.asarray(both.transpose(2, 1, 0, 3).reshape(len(self.samples.k), len(sides), len(sides), 3, 3))
+
+    def _smooth_between_normals(self, sides: Array) -> Array | float:
+        """The same along the normals (nk, S, S)."""
+        share = self._prepared(sides)
+        both = np.tensordot(share, np.tensordot(share, self._smooth_normal, axes=(1, 1)), axes=(1, 2))  # j, i, k
+        return np.asarray(both.transpose(2, 1, 0))
 
     def _prepared(self, sides: Array) -> Array:
         """Shares of strips in the lines of the present window, moved when they are not in it."""
@@ -159,9 +171,19 @@ class StripKernel:
 
     def _flat(self, sides: Array) -> Array:
         """Spectrum (nk, S, S, 3) along x, across and normal of strips on a half-space."""
-        k, sides = self.samples.k, sides / self.unit
-        stretch = float(self._stretch(sides.mean(axis=1) * self.unit).mean())
-        return strip_flexibility(np.maximum(k, 1e-2 * k[1]) / stretch, sides, sides, self.nu) / stretch
+        k = self.samples.k
+        # on a circle of another radius k and the load per length shrink by the stretch, as if strips were narrower
+        across = np.interp(sides, self.arc, self._across) / self.unit
+        stretch = self._stretch(sides.mean(axis=1))
+        between = 0.5 * (stretch[:, None] + stretch)[..., None]
+        return strip_flexibility(np.maximum(k, 1e-2 * k[1]), across, across, self.nu) / between
+
+    @cached_property
+    def _across(self) -> Array:
+        """Arc length (ns,) m over the stretch, summed up from line to line."""
+        inverse = 1 / self._stretch(self.arc)
+        steps = 0.5 * (inverse[1:] + inverse[:-1]) * np.diff(self.arc)
+        return np.concatenate([[0.0], np.cumsum(steps)])
 
     def _pair_axes(self, arc: Array) -> Array:
         """Mean local axes (n, n, 3, 3) of pairs of places, rows along x, across and normal."""
@@ -189,12 +211,10 @@ class StripKernel:
 
     def normal(self, sides: Array) -> Array:
         """Table (S, S, nodes, 1) of the compliance along the surface's normals between strips with sides (S, 2) m."""
-        share = self._prepared(sides)
-        smooth = np.tensordot(share, np.tensordot(share, self._smooth_normal, axes=(1, 1)), axes=(1, 2))  # j, i, k
         near = self._flat(sides)
         tangent = self._tangents(sides.mean(axis=1))
         turn = np.clip(tangent @ tangent.T, -1.0, 1.0)  # cosine of the angle between two strips
-        H = smooth.transpose(2, 1, 0) + 0.5 * ((1 + turn) * near[..., 2] - (1 - turn) * near[..., 1])
+        H = self._smooth_between_normals(sides) + 0.5 * ((1 + turn) * near[..., 2] - (1 - turn) * near[..., 1])
         table = np.tensordot(H, self.weights[0], axes=(0, 1)) * (self.scale * self.unit**2)
         return np.asarray(table[..., None])
 
@@ -231,6 +251,29 @@ class StripKernel:
         total = np.diff(np.diff(found, axis=1), axis=3)
         lengths = np.diff(rows)[:, :, None, None] * np.diff(columns)
         return np.asarray(-total / lengths[..., None])
+
+
+@dataclass
+class HalfSpaceKernel(StripKernel):
+    """The body as half-spaces that touch its surface: what codes for half-spaces see, without any elements."""
+
+    @classmethod
+    def under(cls, points: Array, arc: Array, reach: float, steel: Steel) -> HalfSpaceKernel:
+        """Below the lines (ns, 2) m at arc lengths (ns,) m, strips no narrower than a fifth of their spacing."""
+        k = np.concatenate([[0.0], np.geomspace(1e-3 / reach, 20 * np.pi / float(np.diff(arc).min()), 80)])
+        bare = Spectrum(k, float(k[1]), np.empty((len(k), len(arc) * (len(arc) + 1) // 2, 0, 0)), 0.0)
+        return cls(lambda: bare, points, arc, reach, steel.nu, _no_error, scale=1 / steel.E, flat=True)
+
+    def _smooth_between(self, sides: Array) -> float:
+        self.window(float(sides.min()), float(sides.max()))
+        return 0.0
+
+    def _smooth_between_normals(self, sides: Array) -> float:
+        return self._smooth_between(sides)
+
+
+def _no_error() -> SurfaceError:
+    raise AssertionError("half-spaces have no elements")
 
 
 ODD = [1, 2, 3, 6]  # xy, xz, yx, zx

@@ -59,7 +59,7 @@ class StripOperators:
         displacement, slip = np.zeros((3, n, 3, n)), np.zeros((2, n, 3, n))
         for kernel, sides, along, axes in (
             (self.upper, layout.sides, 1.0, self.upper_axes(places)),
-            (self.lower, self.surfaces.lower_sides(pose, layout), stretch, places.axes @ self._yawed(pose)),
+            (self.lower, self.surfaces.lower_sides(pose, layout), stretch, self.lower_axes(pose, places)),
         ):
             table = kernel.full(kernel.between(sides))
             means = kernel.means(table, rows * along, edges * along).reshape(S, M + AHEAD, n, 3, 3)
@@ -84,13 +84,14 @@ class StripOperators:
     def upper_axes(self, places: Places) -> Array:
         """Local axes (n, 3, 3) in the upper body's own axes: (x, y, z), or (along the circle, y, outward)."""
         own = places.axes @ places.wheel_rotation
-        if self.upper.radius is None:
+        if self.upper.radius is None and not self.upper.flat:
             return np.asarray(own)
-        # normal = n_y e_y + n_r e_r, and lateral = forward x normal = n_r e_y - n_y e_r
-        ny, nr = own[:, 2, 1], np.hypot(own[:, 2, 0], own[:, 2, 2])
-        axes = np.zeros_like(own)
-        axes[:, 0, 0], axes[:, 1, 1], axes[:, 1, 2], axes[:, 2, 1], axes[:, 2, 2] = 1, nr, -ny, ny, nr
-        return axes
+        return level(own[:, 2, 1], np.hypot(own[:, 2, 0], own[:, 2, 2]))
+
+    def lower_axes(self, pose: Pose, places: Places) -> Array:
+        """Local axes (n, 3, 3) along and across the rolling direction, and up."""
+        own = places.axes @ self._yawed(pose)
+        return level(own[:, 2, 1], -np.hypot(own[:, 2, 0], own[:, 2, 2])) if self.lower.flat else np.asarray(own)
 
     def _yawed(self, pose: Pose) -> Array:
         """Axes along and across the rolling direction as columns (3, 3)."""
@@ -99,6 +100,14 @@ class StripOperators:
         yaw = np.arctan2(pose.rotation[1, 0], pose.rotation[0, 0])
         c, s = np.cos(yaw), np.sin(yaw)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def level(across: Array, up: Array) -> Array:
+    """Axes (n, 3, 3) of normals (0, across, up): along x, lateral = x times normal, normal."""
+    axes = np.zeros((len(up), 3, 3))
+    axes[:, 0, 0], axes[:, 2, 1], axes[:, 2, 2] = 1, across, up
+    axes[:, 1, 1], axes[:, 1, 2] = np.abs(up), -across * np.sign(up)
+    return axes
 
 
 def upstream(x: Array) -> tuple[Array, Array, Array]:
