@@ -16,7 +16,7 @@ from benchmarks.accuracy_hertz import hertz_section
 from benchmarks.accuracy_rolling import creep_section, kalker_section
 from benchmarks.accuracy_shift import cattaneo_section
 from benchmarks.accuracy_table import Section, show
-from benchmarks.accuracy_wheelset import manchester_section, wheelset_section
+from benchmarks.accuracy_wheelset import half_space_section, manchester_section, wheelset_section
 from benchmarks.machine import stated
 
 Say = Callable[[str], None]
@@ -27,6 +27,7 @@ SECTIONS: dict[str, Callable[[bool, Say], Section]] = {
     "kalker": kalker_section,
     "creep": creep_section,
     "wheelset": wheelset_section,
+    "half-space": half_space_section,
     "manchester": manchester_section,
     "bulk": bulk_section,
 }

@@ -58,13 +58,15 @@ class Compared:
         return np.asarray(100 * np.stack([apart, high - low]) / self.bound)
 
 
-def seated(track: Track, friction: float, at: WheelsetState, side: Side, load: float, size: float) -> ContactResult:
+def seated(
+    track: Track, friction: float, at: WheelsetState, side: Side, load: float, size: float, **options: Any
+) -> ContactResult:
     """One wheel under its load, the roll given; with friction from the height of the frictionless one."""
-    free = wheelset_model(track, frictionless(), size)
+    free = wheelset_model(track, frictionless(), size, **options)
     seat = wheel_under_load(free, at, side, load, expected=EXPECTED, rtol=RTOL if friction == 0 else 1e-3)
     if friction == 0:
         return seat.results[side]
-    held = wheelset_model(track, frictional(friction), size)
+    held = wheelset_model(track, frictional(friction), size, **options)
     return wheel_under_load(held, seat.state, side, load, expected=EXPECTED, rtol=RTOL).results[side]
 
 
@@ -111,14 +113,19 @@ def measures(kind: str, cases: Iterable[Compared], *, targets: bool) -> list[Mea
     return found
 
 
-def wheelset_section(quick: bool, say: Say, size: float = SIZE) -> Section:
+def half_space_section(quick: bool, say: Say) -> Section:
+    """The same on half-spaces: what is left of the differences is not due to finite bodies."""
+    return wheelset_section(quick, say, bodies="half-space")
+
+
+def wheelset_section(quick: bool, say: Say, size: float = SIZE, bodies: str = "waveguide") -> Section:
     """y = 0 to 6 mm, frictionless and rolling."""
     data = reference("wheelset")
     given, series = data["input"], data["series"]
     track = track_of(given)
     section = Section(
-        "wheelset",
-        f"S1002 on UIC60, 57 kN on each wheel, {1e3 * size:g} mm: differences from CONTACT (0.2 mm)",
+        "wheelset" if bodies == "waveguide" else bodies,
+        f"S1002 on UIC60, bodies {bodies}, 57 kN on each wheel, {1e3 * size:g} mm: differences from CONTACT (0.2 mm)",
         (*COLUMNS, *FORCES, "share of heaviest %"),
     )
     variants = [
@@ -132,7 +139,7 @@ def wheelset_section(quick: bool, say: Say, size: float = SIZE) -> Section:
             at = state(case, speed=given["speed"], pitch_rate=given["pitch_rate"])
             for side in SIDES:
                 say(f"wheelset, {name}, y {case['y']:g} mm {side}")
-                result = seated(track, friction, at, side, given["load"], size)
+                result = seated(track, friction, at, side, given["load"], size, bodies=bodies)
                 known = [wheel_force(v[case["y"]][side]["force"])[:2] for v in variants if case["y"] in v]
                 differs = difference(result, case[side], side)
                 one = Compared(case["y"], side, result, differs, friction * given["load"], np.array(known))

@@ -20,14 +20,9 @@ from contact.tractions import Count, NotConverged
 log = logging.getLogger(__name__)
 
 COARSE_STRIPS, COARSE_CELLS = 16, 8
-LONGEST = 0.02  # m to either side: on a steep flange an overlap is far longer than the contact in it
 GAUSS = 0.5 / np.sqrt(3.0)  # of a cell's length, from its middle
 STEPS = 40
 MOST = 4  # times as many strips as a round patch has
-WAIT = 5  # steps without progress
-ROUGH = 0.02  # of a strip's length: contacts known worse than that get room around them
-LEAST = 1e-3  # of the load: patches that carry less are none
-PARTS = 6  # patches at most
 FARTHEST = 0.12  # that an end moves in a step, of the strip's length, before it is stretched
 STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a point contact
 
@@ -94,8 +89,9 @@ def coarse(
     middle = both.mean(axis=1)
     depth = np.maximum(np.interp(middle, ridge.s, ridge.overlap), 0.02 * ridge.overlap.max())
     x, half = np.interp(middle, ridge.s, ridge.x), np.sqrt(2 * depth / np.interp(middle, ridge.s, ridge.bend))
-    half, centre = np.minimum(half, LONGEST), x[np.argmax(depth)]
-    x = np.clip(x, centre - LONGEST, centre + LONGEST)
+    # on a steep flange strips beside the deepest one overlap over far more than the contact's length
+    longest, centre = half[np.argmax(depth)], x[np.argmax(depth)]
+    half, x = np.minimum(half, longest), np.clip(x, centre - longest, centre + longest)
     layout = Layout(both, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False))
     overlap = mean_overlap(surfaces, pose, layout).ravel()
     pressure, _ = normal_contact(operator(layout), overlap, overlap > 0.4 * overlap.max(), count)

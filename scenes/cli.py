@@ -12,8 +12,10 @@ import typer
 from scenes.terminal import progress_console, result_console, stdout_for_results
 
 if TYPE_CHECKING:
+    from contact.result import ContactResult
     from scenes.scene import HertzScene, RunScene, WheelsetScene
 
+PICTURES = (".png", ".svg", ".pdf")
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
 
 app = typer.Typer(
@@ -30,18 +32,27 @@ SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TO
 def contact(
     scene: SceneFile,
     json: Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")] = False,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Save the patches as a picture (.png, .svg, .pdf)."),
+    ] = None,
 ) -> None:
     """Solve the contact of a Hertz pair or of a wheelset, once."""
     given = _load(scene)
     if given.kind == "run":
         raise _refused(f'{scene}: kind = "run": this is a vehicle run, use wheelrail run')
-    report = {"scene": str(scene), **_solved(given, scene)}
+    if picture is not None and picture.suffix.lower() not in PICTURES:
+        raise _refused(f"--picture {picture}: must end in {', '.join(PICTURES)}")
+    results: dict[str, ContactResult] = {}
+    report = {"scene": str(scene), **_solved(given, scene, results)}
     from scenes.report import json_text, table
 
     if json:
         print(json_text(report))
     elif "model" in report:
         result_console().print(table(report))
+    if picture is not None and results:
+        _draw(given, results, picture)
     if report["status"].startswith("failed"):
         print(report["status"], file=sys.stderr)
         raise typer.Exit(FAILED)
@@ -97,7 +108,19 @@ def _refused(complaint: str) -> typer.Exit:
     return typer.Exit(BAD_INPUT)
 
 
-def _solved(scene: HertzScene | WheelsetScene, name: Path) -> dict[str, Any]:
+def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], file: Path) -> None:
+    """Save the picture, or end with the reason why not on standard error."""
+    from scenes.models import laws
+    from scenes.patch_picture import draw_patches
+
+    try:
+        draw_patches(results, laws(scene), file)
+    except (OSError, ValueError) as error:
+        print(f"{file}: {error}", file=sys.stderr)
+        raise typer.Exit(FAILED) from None
+
+
+def _solved(scene: HertzScene | WheelsetScene, name: Path, results: dict[str, ContactResult]) -> dict[str, Any]:
     """The report of the contact; an error on the way is a status too, with its traceback on standard error."""
     from scenes.contact_scene import solve_contact
     from scenes.scene import SceneError
@@ -105,7 +128,7 @@ def _solved(scene: HertzScene | WheelsetScene, name: Path) -> dict[str, Any]:
     console = progress_console()
     try:
         with stdout_for_results(), console.status("reading the scene") as status:
-            return solve_contact(scene, lambda text: status.update(text))
+            return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
     except SceneError as error:
         raise _refused(f"{name}: {error}") from None
     except KeyboardInterrupt:

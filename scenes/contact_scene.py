@@ -4,29 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from scenes.models import hertz_model, hertz_motion, hertz_scale, laws, wheel_scale, wheelset_contact
+from scenes.models import hertz_model, hertz_motion, hertz_scale, laws, stressed_bodies, wheel_scale, wheelset_contact
 from scenes.report import overall, side_report
-from scenes.scene import HertzScene, WheelsetScene
+from scenes.scene import HertzScene, SceneError, WheelsetScene
 
 if TYPE_CHECKING:
+    from contact.patch_stress import Underneath
+    from contact.pose import Pose
+    from contact.result import ContactResult
     from contact.seating import Seat
-    from contact.wheelset import WheelsetContact
+    from contact.wheelset import ContactModel, WheelsetContact
 
 Say = Callable[[str], None]
+Seen = Callable[[str, "ContactResult"], None]
 
 
-def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) -> dict[str, Any]:
-    """The report of a scene, see `scenes.report`; say is told what is being done.
+def solve_contact(
+    scene: HertzScene | WheelsetScene, say: Say = lambda _: None, seen: Seen = lambda *_: None
+) -> dict[str, Any]:
+    """The report of a scene, see `scenes.report`; say is told what is being done, seen the result of every side.
 
     The moment of a Hertz pair is about the point of first touch. A load that cannot be carried, or a contact that does
     not converge, is a status "failed: ..." and no error.
     """
     found = laws(scene)
-    sides = _hertz(scene, say) if isinstance(scene, HertzScene) else _wheelset(scene, say)
+    sides = _hertz(scene, say, seen) if isinstance(scene, HertzScene) else _wheelset(scene, say, seen)
     return {
         "status": overall(sides),
         "kind": scene.kind,
@@ -34,6 +41,7 @@ def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) 
         "laws": scene.laws,
         "friction": scene.friction,
         "bodies": scene.meshes,
+        "points": scene.placing,
         "surface_size": scene.surface_size,
         "falling": None if scene.falling is None else scene.falling.model_dump(),
         "stiffness_per_area": found.stiffness_per_area if found.normal_compliance else None,
@@ -42,7 +50,7 @@ def solve_contact(scene: HertzScene | WheelsetScene, say: Say = lambda _: None) 
     }
 
 
-def _hertz(scene: HertzScene, say: Say) -> dict[str, Any]:
+def _hertz(scene: HertzScene, say: Say, seen: Seen) -> dict[str, Any]:
     from contact.loading import LoadError, hertz_pose, hertz_under_load
 
     say("meshes and stiffness of both bodies")
@@ -58,12 +66,18 @@ def _hertz(scene: HertzScene, say: Say) -> dict[str, Any]:
             except LoadError as error:
                 return {"contact": {"status": f"failed: {error}"}}
             depth, solves, result = found.depth, found.trials, found.results[0]
-    report = side_report(result, z=-depth, roll=0.0, solves=solves, seconds=seconds())
+    spent, pose = seconds(), hertz_pose(depth)
+    if scene.error_estimate:
+        say("the same on half as many cells")
+        result = _estimated(result, lambda: _halved(model)(pose, motion, None))
+    seen("contact", result)
+    stress = _stress(scene, result, pose, say)
+    report = side_report(result, z=-depth, roll=0.0, solves=solves, seconds=spent, stress=stress)
     # The approach of the bodies: the largest overlap on a grid may miss the point of first touch.
     return {"contact": {**report, "approach": depth} if result.ok else report}
 
 
-def _wheelset(scene: WheelsetScene, say: Say) -> dict[str, Any]:
+def _wheelset(scene: WheelsetScene, say: Say, seen: Seen) -> dict[str, Any]:
     from contact.loading import LoadError
 
     say("meshes and stiffness of wheel and rail")
@@ -78,10 +92,53 @@ def _wheelset(scene: WheelsetScene, say: Say) -> dict[str, Any]:
                 reports |= {side: {"status": f"failed: {error}"} for side in sides}
                 continue
         share, time = seat.solves // len(sides), seconds() / len(sides)
+        state = seat.state
         for side, result in seat.results.items():
-            state = seat.state
-            reports[side] = side_report(result, z=state.z, roll=state.roll, solves=share, seconds=time)
+            if scene.error_estimate:
+                say(f"{side} wheel: the same on half as many cells")
+                rough = replace(contact, model=_halved(contact.model))
+                result = _estimated(result, partial(rough, state, side))
+            seen(side, result)
+            pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
+            stress = _stress(scene, result, pose, say)
+            if side == "right":
+                stress = {name: found.mirrored() for name, found in stress.items()}
+            reports[side] = side_report(result, z=state.z, roll=state.roll, solves=share, seconds=time, stress=stress)
     return reports
+
+
+def _halved(model: ContactModel) -> ContactModel:
+    """The model on half as many cells each way."""
+    from contact.fitted import FittedContact
+
+    assert isinstance(model, FittedContact)
+    return replace(model, fineness=model.fineness.halved())
+
+
+def _estimated(result: ContactResult, rough: Callable[[], ContactResult]) -> ContactResult:
+    """The result with an estimate of its error, once at its place and not at every depth tried on the way."""
+    from contact.error_estimate import ErrorEstimate, difference
+
+    if not result.patches:
+        return result
+    other = rough()
+    return replace(result, error_estimate=difference(result, other) if other.ok else ErrorEstimate.unknown())
+
+
+def _stress(scene: HertzScene | WheelsetScene, result: ContactResult, pose: Pose, say: Say) -> dict[str, Underneath]:
+    """Stresses by body, in the frame of the result's fields. Raises SceneError for depths that leave a body."""
+    if scene.stress is None or not result.patches:
+        return {}
+    import numpy as np
+
+    found = {}
+    for name, body in stressed_bodies(scene, pose).items():
+        say(f"stress inside the {name}")
+        try:
+            found[name] = body.below(result, np.array(scene.stress.depths))
+        except ValueError as error:
+            raise SceneError(f"stress.depths: {name}: {error}") from None
+    return found
 
 
 def _seats(scene: WheelsetScene, contact: WheelsetContact) -> Iterator[tuple[tuple[str, ...], Callable[[], Seat]]]:

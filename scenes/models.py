@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
 
 if TYPE_CHECKING:
+    from contact.fitting import Fineness
     from contact.laws import Laws
-    from contact.pose import Motion
+    from contact.patch_stress import LoadedBody
+    from contact.pose import Motion, Pose
     from contact.wheelset import ContactModel, WheelsetContact
+    from meshes.profiles import Profile
 
 
 def laws(scene: HertzScene | WheelsetScene | RunScene) -> Laws:
@@ -41,7 +44,9 @@ def hertz_model(scene: HertzScene) -> ContactModel:
         cell=scene.cell,
         degree=scene.degree,
         order=scene.slip_order,
+        points=scene.placing,
         **({} if scene.shift is None else {"tangential": "shift"}),
+        **_fineness(scene),
     )
 
 
@@ -82,12 +87,10 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
     from contact.pairs import wheel_rail_pair
     from contact.pose import Mounting
     from contact.wheelset import WheelsetContact
-    from meshes.profiles import load_profile
 
     axle, track, steel = scene.wheelset, scene.track, Steel(scene.E, scene.nu)
+    wheel, rail = _profiles(scene)
     try:
-        wheel = load_profile(scene.profiles.wheel, "wheel")
-        rail = load_profile(scene.profiles.rail, "rail").laid(scene.profiles.laying_angle)
         rail_y = rail.gauge_offset(track.gauge, track.gauge_height)
     except ValueError as error:
         raise SceneError(f"profiles: {error}") from error
@@ -105,8 +108,54 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
         cell=scene.cell,
         degree=scene.degree,
         order=scene.slip_order,
+        points=scene.placing,
+        **_fineness(scene),
     )
     return WheelsetContact(model, mounting)
+
+
+def _profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
+    """Profiles of wheel and rail, the rail as laid. Raises SceneError for one that cannot be read."""
+    from meshes.profiles import load_profile
+
+    try:
+        wheel = load_profile(scene.profiles.wheel, "wheel")
+        return wheel, load_profile(scene.profiles.rail, "rail").laid(scene.profiles.laying_angle)
+    except ValueError as error:
+        raise SceneError(f"profiles: {error}") from error
+
+
+def stressed_bodies(scene: HertzScene | WheelsetScene, pose: Pose) -> dict[str, LoadedBody]:
+    """The bodies inside which the scene asks for stresses, by name; pose of the upper one (of the left pair)."""
+    from contact.laws import Steel
+    from contact.patch_stress import LoadedBody
+
+    if scene.stress is None:
+        return {}
+    if isinstance(scene, HertzScene):
+        pair = {"upper": scene.upper, "lower": scene.lower}
+        return {
+            name: LoadedBody.block(name == "upper", Steel(pair[name].E, pair[name].nu)) for name in scene.stress.bodies
+        }
+    from meshes.sections import rail_outline, wheel_outline
+
+    steel = Steel(scene.E, scene.nu)
+    wheel, rail = _profiles(scene)
+    made = {
+        "wheel": lambda: LoadedBody.wheel(wheel_outline(wheel, scene.wheelset.radius), steel, pose),
+        "rail": lambda: LoadedBody.rail(rail_outline(rail), steel),
+    }
+    return {name: made[name]() for name in scene.stress.bodies}
+
+
+def _fineness(scene: HertzScene | WheelsetScene | RunScene) -> dict[str, Fineness]:
+    """Strips and cells of fitted points, where the scene gives any."""
+    given = {key: value for key in ("strips", "cells") if (value := getattr(scene, key)) is not None}
+    if not given:
+        return {}
+    from contact.fitting import Fineness
+
+    return {"fineness": Fineness(**given)}
 
 
 def wheel_scale(scene: WheelsetScene, load: float) -> float:

@@ -102,5 +102,7 @@ Cant = Annotated[Finite, Range(-0.25, 0.25, "m", "60 mm are 0.06; positive raise
 CantBase = Annotated[Finite, Range(0.5, 2.5, "m", "1.5 for standard gauge")]
 Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille are 0.01")]
 Length = Annotated[Finite, Range(0.0, 1e5, "m")]
+Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm are 2e-3")]
+Fineness = Annotated[int, Strict(), Range(4, 64)]
 Tolerance = Annotated[Finite, Range(1e-12, 0.1)]
 Seconds = Annotated[Finite, Range(0.0, inf, "s", open=True)]

@@ -11,11 +11,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from contact.patch_stress import Underneath
     from contact.result import ContactResult
 
 
-def side_report(result: ContactResult, *, z: float, roll: float, solves: int, seconds: float) -> dict[str, Any]:
-    """One contact: resultants, patches, where the wheel stands, and what it cost.
+def side_report(
+    result: ContactResult,
+    *,
+    z: float,
+    roll: float,
+    solves: int,
+    seconds: float,
+    stress: Mapping[str, Underneath] | None = None,
+) -> dict[str, Any]:
+    """One contact: resultants, patches, where the wheel stands, and what it cost; its error_estimate where the result
+    has one, in the units of what it is an estimate of, and stresses inside the bodies where there are any.
 
     Statistics are those of the last solve; contact_solves counts all that were needed to carry the load, seconds their
     time in total. A contact that failed reports no force.
@@ -25,6 +35,11 @@ def side_report(result: ContactResult, *, z: float, roll: float, solves: int, se
     cost = {**statistics, "contact_solves": solves, "seconds": {**statistics["seconds"], "all_solves": seconds}}
     if not result.ok:
         return {"status": result.status, "statistics": cost}
+    extra: dict[str, Any] = {}
+    if result.error_estimate is not None:
+        extra["error_estimate"] = asdict(result.error_estimate)
+    if stress:
+        extra["stress"] = {name: stress_report(found) for name, found in stress.items()}
     return {
         "status": result.status,
         "force": result.force,
@@ -35,8 +50,27 @@ def side_report(result: ContactResult, *, z: float, roll: float, solves: int, se
         "z": z,
         "roll": roll,
         "patches": [asdict(patch) for patch in result.patches],
+        **extra,
         "statistics": cost,
     }
+
+
+def stress_report(found: Underneath) -> dict[str, Any]:
+    """By patch: depth m, position m, stress Pa, von_mises Pa and where it is largest; and what it cost."""
+    patches = []
+    for patch in found.patches:
+        mises = patch.von_mises
+        worst = int(mises.argmax())
+        patches.append(
+            {
+                "depth": patch.depth,
+                "position": patch.position,
+                "stress": patch.stress,
+                "von_mises": mises,
+                "largest": {"von_mises": mises[worst], "depth": patch.depth[worst]},
+            }
+        )
+    return {"patches": patches, "wavenumbers": found.wavenumbers, "seconds": found.seconds}
 
 
 def overall(sides: Mapping[str, Mapping[str, Any]]) -> str:
@@ -68,12 +102,19 @@ def table(report: Mapping[str, Any]) -> RenderableType:
     from rich.text import Text
 
     sides = [name for name in ("left", "right", "contact") if name in report]
-    view = Table(title=f"{report['model']} model, laws {report['laws']}: {report['status']}", title_justify="left")
+    view = Table(title=f"{_heading(report)}: {report['status']}", title_justify="left")
     view.add_column("")
     for name in sides:
         view.add_column(name, justify="right")
     for label, text in _ROWS:
         view.add_row(Text(label), *(text(report[name]) if "force" in report[name] else "-" for name in sides))
+    if any("error_estimate" in report[name] for name in sides):
+        view.add_section()
+        for label, key, scale in _ERROR_ROWS:
+            found = [report[name].get("error_estimate") for name in sides]
+            view.add_row(
+                Text(f"error estimate: {label}"), *("-" if e is None else _error(scale * e[key]) for e in found)
+            )
     for index in range(max((len(report[name].get("patches", ())) for name in sides), default=0)):
         view.add_section()
         for label, text in _PATCH_ROWS:
@@ -81,7 +122,26 @@ def table(report: Mapping[str, Any]) -> RenderableType:
             view.add_row(
                 Text(f"patch {index + 1}: {label}"), *(text(p[index]) if index < len(p) else "" for p in patches)
             )
+        for body in dict.fromkeys(body for name in sides for body in report[name].get("stress", ())):
+            below = [report[name].get("stress", {}).get(body, {"patches": []})["patches"] for name in sides]
+            label = f"patch {index + 1}: largest von Mises, {body} [MPa], at depth [mm]"
+            view.add_row(Text(label), *(_largest(p[index]) if index < len(p) else "" for p in below))
     return view
+
+
+def _heading(report: Mapping[str, Any]) -> str:
+    parts = [f"{report['model']} model", f"laws {report['laws']}"]
+    parts += [f"{report[key]} {key}" for key in ("bodies", "points") if key in report]
+    return ", ".join(parts)
+
+
+def _error(value: float) -> str:
+    return "unknown" if math.isnan(value) else f"{value:.2g}"
+
+
+def _largest(patch: Mapping[str, Any]) -> str:
+    found = patch["largest"]
+    return f"{1e-6 * found['von_mises']:.1f}  {1e3 * found['depth']:.3f}"
 
 
 def _numbers(values: Any, scale: float, digits: int) -> str:
@@ -97,9 +157,16 @@ _ROWS = (
     ("approach [µm]", lambda s: f"{1e6 * s['approach']:.2f}"),
     ("z [mm]", lambda s: f"{1e3 * s['z']:.4f}"),
     ("roll [mrad]", lambda s: f"{1e3 * s['roll']:.4f}"),
+    ("contact points", lambda s: str(s["statistics"]["points"])),
     ("contact solves", lambda s: str(s["statistics"]["contact_solves"])),
     ("Newton, linear iterations (last)", lambda s: f"{s['statistics']['newton']}, {s['statistics']['linear']}"),
     ("seconds", lambda s: f"{s['statistics']['seconds']['all_solves']:.2f}"),
+)
+_ERROR_ROWS = (
+    ("force [kN]", "force", 1e-3),
+    ("moment [N m]", "moment", 1.0),
+    ("peak pressure [MPa]", "max_pressure", 1e-6),
+    ("area [mm²]", "area", 1e6),
 )
 _PATCH_ROWS = (
     ("normal force [kN]", lambda p: f"{1e-3 * p['normal_force']:.3f}"),

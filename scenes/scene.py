@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from math import isinf
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
@@ -12,12 +13,14 @@ from scenes import quantities as q
 from scenes.complaint import SceneError, complain
 from scenes.sections import (
     Axle,
+    BlockStress,
     Body,
     Falling,
     Output,
     Profiles,
     Sides,
     Solver,
+    Stress,
     Table,
     Track,
     TrackLine,
@@ -33,7 +36,9 @@ class Contact(Table):
     pressure and regularised Coulomb friction with the constants given. One of the two alone is exact in "paper" with
     stiffness_per_area = inf or regularisation = 0. falling makes friction fall with the slip velocity. bodies: "solid",
     meshes in 3D, the default for the paper's laws and model = "full"; or "waveguide", endless bodies by wavenumbers,
-    the default for the exact ones. degree of the displacements, 1 for solids unless given.
+    the default for the exact ones. degree of the displacements, 1 for solids unless given. points: "fitted", strips of
+    cells that end where the contact ends, the default for waveguides and the exact normal law, which alone have them;
+    or "grid". strips over a patch's width and cells along each are those of fitted points, 12 and 16 unless given.
     """
 
     model: Literal["condensed", "full"] = "condensed"
@@ -44,6 +49,9 @@ class Contact(Table):
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     bodies: Literal["solid", "waveguide"] | None = None
     degree: Literal[1, 2] | None = None
+    points: Literal["fitted", "grid"] | None = None
+    strips: q.Fineness | None = None
+    cells: q.Fineness | None = None
     slip_order: Literal[1, 2] = 2
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
@@ -56,7 +64,24 @@ class Contact(Table):
                     raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
         if self.bodies == "waveguide" and (self.model == "full" or self.cell == "hexahedron"):
             raise q.refuse('"solid" with model = "full" or hexahedra, which need meshes in 3D', "bodies")
+        if self.points == "fitted" and not self._fittable:
+            needs = 'bodies = "waveguide" and laws = "exact", or stiffness_per_area = inf'
+            raise q.refuse(f'"fitted" needs {needs}', "points")
+        for key in ("strips", "cells"):
+            if getattr(self, key) is not None and self.placing != "fitted":
+                raise q.refuse('only with points = "fitted"', key)
+        if self.slip_order == 1 and self.placing == "fitted":
+            raise q.refuse('1 only with points = "grid"; fitted points have second order', "slip_order")
         return self
+
+    @property
+    def _fittable(self) -> bool:
+        return self.meshes == "waveguide" and (self.laws == "exact" or isinf(self.stiffness_per_area))
+
+    @property
+    def placing(self) -> Literal["fitted", "grid"]:
+        """Where contact points are: as given, or fitted to the patch where that is possible."""
+        return "fitted" if self._fittable and self.points != "grid" else "grid"
 
     @property
     def meshes(self) -> Literal["solid", "waveguide"]:
@@ -67,7 +92,19 @@ class Contact(Table):
         return "solid" if meshed else "waveguide"
 
 
-class HertzScene(Contact):
+class Solve(Contact):
+    """Keys of one contact solve; error_estimate: solve once more on half as many cells, to say how far off it is."""
+
+    error_estimate: bool = False
+
+    @model_validator(mode="after")
+    def _estimable(self) -> Solve:
+        if self.error_estimate and self.placing != "fitted":
+            raise q.refuse('only with points = "fitted": error estimates need fitted points', "error_estimate")
+        return self
+
+
+class HertzScene(Solve):
     """Two bodies with given principal radii under a load (N) or an approach (m); a frictionless one needs no motion.
 
     With friction they roll at a speed (m/s) with a creepage, or are pushed once by a shift (m) of the upper body
@@ -82,6 +119,7 @@ class HertzScene(Contact):
     shift: Annotated[tuple[q.Shift, q.Shift], Strict(False)] | None = None
     upper: Body
     lower: Body
+    stress: BlockStress | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> HertzScene:
@@ -105,7 +143,7 @@ class HertzScene(Contact):
         return self
 
 
-class WheelsetScene(Contact):
+class WheelsetScene(Solve):
     """One position of a wheelset on its track."""
 
     kind: Literal["wheelset"]
@@ -115,6 +153,7 @@ class WheelsetScene(Contact):
     profiles: Profiles
     track: Track
     wheelset: Wheelset
+    stress: Stress | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> WheelsetScene:

@@ -32,6 +32,28 @@ class Falling(Table):
     rate: q.FallingRate
 
 
+class Stress(Table):
+    """Stress inside wheel and rail at depths m below every patch, along its normal under its resultant."""
+
+    body: Literal["wheel", "rail", "both"] = "both"
+    depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1)]
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        return ("wheel", "rail") if self.body == "both" else (self.body,)
+
+
+class BlockStress(Table):
+    """The same inside the bodies of a Hertz pair."""
+
+    body: Literal["upper", "lower", "both"] = "both"
+    depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1)]
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        return ("upper", "lower") if self.body == "both" else (self.body,)
+
+
 class Profiles(Table):
     """Cross-sections of wheel and rail, a name or a file each; laying_angle turns the rail to the track's centre."""
 

@@ -129,6 +129,74 @@ def test_table_to_read(spring: SpringContact) -> None:
         assert text in outcome.stdout
 
 
+FITTED = ('laws = "paper"', 'laws = "exact"\nstrips = 6\ncells = 8\nerror_estimate = true')
+STRESSED = ("[upper] ", '[stress]\nbody = "lower"\ndepths = [1e-3, 2e-3]\n[upper] ')
+SLOWER = ("surface_size = 0.5e-3", "surface_size = 1e-3")
+
+
+def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
+    """One solve of fitted points, on endless blocks: what is asked for is there, and what is not is not."""
+    scene = edited(tmp_path, HERTZ, FITTED, STRESSED, SLOWER)
+    outcome = contact(scene, "--json", "--picture", str(tmp_path / "patch.png"))
+    assert outcome.exit_code == 0, outcome.stderr
+    report = json.loads(outcome.stdout)
+    assert [report[key] for key in ("model", "laws", "bodies", "points")] == [
+        "condensed",
+        "exact",
+        "waveguide",
+        "fitted",
+    ]
+    found = report["contact"]
+    assert found["statistics"]["points"] == 6 * 8
+    assert set(found["error_estimate"]) == {"force", "moment", "max_pressure", "area"}
+    assert 0 < found["error_estimate"]["force"] < 0.05 * 10e3
+    assert 0 < found["error_estimate"]["max_pressure"] < 0.1 * found["patches"][0]["max_pressure"]
+    assert set(found["stress"]) == {"lower"}
+    (below,) = found["stress"]["lower"]["patches"]
+    assert below["depth"] == [1e-3, 2e-3]
+    assert np.array(below["stress"]).shape == (2, 3, 3)
+    assert [z for _, _, z in below["position"]] == pytest.approx([-1e-3, -2e-3])
+    # the axis of an elliptic contact: von Mises 0.55 to 0.62 p0 at about half the shorter semi-axis, less with depth
+    mises = np.array(below["von_mises"]) / found["patches"][0]["max_pressure"]
+    assert 0.55 < mises[0] < 0.68
+    assert mises[1] < mises[0]
+    assert below["largest"] == {"von_mises": below["von_mises"][0], "depth": 1e-3}
+    assert (tmp_path / "patch.png").read_bytes().startswith(b"\x89PNG")
+    text = contact(scene).stdout
+    for line in (
+        "exact, waveguide bodies, fitted points",
+        "contact points",
+        "error estimate: force",
+        "von Mises, lower",
+    ):
+        assert line in text
+
+
+def test_what_is_not_asked_for_is_not_reported(spring: SpringContact) -> None:
+    found = json.loads(contact(HERTZ, "--json").stdout)
+    assert found["points"] == "grid"
+    assert not {"error_estimate", "stress"} & set(found["contact"])
+
+
+def test_depths_outside_the_body_are_exit_code_2(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from contact.patch_stress import LoadedBody
+
+    def outside(*_: object) -> None:
+        raise ValueError("place [0. -0.1] m lies outside the section")
+
+    monkeypatch.setattr(LoadedBody, "below", outside)
+    outcome = contact(edited(tmp_path, HERTZ, FITTED, STRESSED, SLOWER), "--json")
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert "stress.depths: lower: place" in outcome.stderr
+
+
+def test_a_picture_needs_an_ending_that_is_known(spring: SpringContact, tmp_path: Path) -> None:
+    outcome = contact(HERTZ, "--picture", str(tmp_path / "patch.txt"))
+    assert outcome.exit_code == 2
+    assert "must end in .png" in outcome.stderr
+    assert spring.calls == []
+
+
 def test_failed_load_is_a_status_and_exit_code_1(spring: SpringContact) -> None:
     spring.deepest = 1e-6
     outcome = contact(HERTZ, "--json")
@@ -147,7 +215,7 @@ def test_failed_contact_reports_no_force(spring: SpringContact, tmp_path: Path) 
 
 
 def test_unforeseen_error_is_still_a_json(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(scene: object, say: object) -> None:
+    def broken(scene: object, *_: object) -> None:
         raise MemoryError("no room for the compliance")
 
     monkeypatch.setattr("scenes.contact_scene.solve_contact", broken)
@@ -158,7 +226,7 @@ def test_unforeseen_error_is_still_a_json(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_ctrl_c_during_a_contact_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(scene: object, say: object) -> None:
+    def interrupted(scene: object, *_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr("scenes.contact_scene.solve_contact", interrupted)

@@ -12,8 +12,11 @@ import pytest
 import xarray
 from spring_contact import patch
 
+from contact.laws import Laws
+from contact.result import ContactResult, Fields
 from scenes import figures
 from scenes.netcdf import write
+from scenes.patch_picture import PatchCells, draw_patches, patches_figure
 from scenes.results import BANDS, PATCH_VARIABLES, dataset
 from vehicle.history import History, RunCost
 from vehicle.record import Outputs, PatchPair
@@ -178,3 +181,62 @@ def test_pictures_touch_no_global_state_of_matplotlib(tmp_path: Path) -> None:
         "assert matplotlib.rcParams.copy() == before; assert 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parent)
+
+
+def strips(lean: float = 0.1) -> ContactResult:
+    """A made-up patch of two strips of three cells, leaning to the left; the cells at the trailing ends slip."""
+    ends = np.array([[-3e-3, -1e-3, 2e-3, 3e-3], [-2e-3, 0.0, 1e-3, 2e-3]])
+    x, step = 0.5 * (ends[:, 1:] + ends[:, :-1]).ravel(), np.diff(ends).ravel()
+    normal = np.array([0.0, np.sin(lean), -np.cos(lean)])
+    axes = np.tile(np.stack([[1.0, 0.0, 0.0], np.cross([1.0, 0.0, 0.0], normal), normal]), (6, 1, 1))
+    across = np.repeat([1e-3, -1e-3], 3)
+    point = np.column_stack([x, across * np.cos(lean), across * np.sin(lean)])
+    pressure = np.array([1.0, 3.0, 2.0, 1.0, 2.0, 1.0]) * 1e8
+    share = np.array([0.3, 0.2, 0.1, 0.3, 0.3, 0.1])
+    traction = np.column_stack([-share * pressure, 0.0 * share])
+    none = np.zeros(6)
+    fields = Fields(
+        np.arange(6), np.zeros(6, dtype=int), point, axes, step * 2e-3, step, none, pressure, traction, traction, none
+    )
+    force = np.array([0.0, 0.0, 10e3])
+    return ContactResult(force, none[:3], (patch(10e3, force),), fields, 1e-5, "converged")
+
+
+def test_cells_are_drawn_in_their_true_lengths() -> None:
+    result = strips()
+    assert result.fields is not None
+    cells, mirrored = (PatchCells.of(result.fields, 0, Laws(friction=0.3), mirrored=m) for m in (False, True))
+    size = np.ptp(cells.corners, axis=1)
+    np.testing.assert_allclose(size[:, 0], [2e-3, 3e-3, 1e-3, 2e-3, 1e-3, 1e-3], rtol=1e-12)
+    np.testing.assert_allclose(size[:, 1], 2e-3, rtol=1e-12)  # in the contact plane, not seen from above
+    assert (cells.middle[:3, 1] > 0).all()  # the strip on the left is drawn on the left
+    np.testing.assert_allclose(mirrored.middle, cells.middle * [1, -1], atol=1e-15)
+    np.testing.assert_allclose(cells.traction[0], [-0.3e8, 0.0], atol=1e-6)
+
+
+def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
+    result = strips()
+    assert result.fields is not None
+    cells = PatchCells.of(result.fields, 0, Laws(friction=0.3))
+    assert cells.sticks.tolist() == [False, True, True, False, False, True]
+    pieces = cells.stick_edge()
+    x0 = cells.corners[0, 0, 0] + 3e-3  # where x = 0 is
+    along = np.abs(np.ptp(pieces[..., 0], axis=1)) > 1e-9
+    # across each strip once, at x = -1 and 1 mm, and along the side between from -1 to 0 and 0 to 1 mm
+    assert sorted(np.round(1e3 * (pieces[~along][:, 0, 0] - x0), 6)) == [-1.0, 1.0]
+    assert np.ptp(pieces[along][..., 0], axis=1).sum() == pytest.approx(2e-3)
+
+
+def test_picture_of_patches(tmp_path: Path) -> None:
+    results = {"left": strips(), "right": strips(-0.1)}
+    draw_patches(results, Laws(friction=0.3), tmp_path / "patches.png")
+    assert (tmp_path / "patches.png").read_bytes().startswith(b"\x89PNG")
+    figure = patches_figure(results, Laws(friction=0.3))
+    panels = [ax for ax in figure.axes if ax.get_title(loc="left") or ax.get_title()]
+    assert [ax.get_title(loc="left") or ax.get_title() for ax in panels] == ["left wheel: 10 kN", "right wheel: 10 kN"]
+    for ax in panels:
+        assert ax.get_xlabel().splitlines()[0] == "along, forward [mm]"
+        assert ax.get_ylabel() == "across, to the left [mm]"
+        assert "30 MPa" in ax.get_xlabel() or "60 MPa" in ax.get_xlabel()
+    with pytest.raises(ValueError, match="nothing touches"):
+        draw_patches({"left": ContactResult.separated()}, Laws(), tmp_path / "none.png")

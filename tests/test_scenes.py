@@ -114,6 +114,39 @@ def test_a_shift_moves_the_bodies_apart_and_needs_coulomb() -> None:
         parse_scene(changed(changed(SHIFTED, 'laws = "paper"', ""), 'model = "condensed"', 'model = "full"'))
 
 
+EXACT = changed(HERTZ, 'laws = "paper"', 'laws = "exact"')
+
+
+def test_points_are_fitted_where_they_can_be() -> None:
+    """As in `contact.pairs`: endless bodies and the exact normal law, unless the scene says otherwise."""
+    half = 'laws = "paper"\nstiffness_per_area = inf'
+    for text, placing in (
+        (HERTZ, "grid"),
+        (EXACT, "fitted"),
+        (changed(EXACT, 'laws = "exact"', 'laws = "exact"\npoints = "grid"'), "grid"),
+        (changed(EXACT, 'model = "condensed"', 'model = "full"'), "grid"),
+        (changed(HERTZ, 'laws = "paper"', half), "grid"),
+        (changed(HERTZ, 'laws = "paper"', half + '\nbodies = "waveguide"'), "fitted"),
+        (CURVE, "grid"),
+        (changed(CURVE, 'laws = "paper"', 'laws = "exact"'), "fitted"),
+    ):
+        assert parse_scene(text).placing == placing
+    fine = parse_scene(changed(EXACT, 'laws = "exact"', 'laws = "exact"\nstrips = 8\ncells = 20'))
+    assert (fine.strips, fine.cells) == (8, 20)
+
+
+def test_stress_names_the_bodies_of_its_scene() -> None:
+    asked = parse_scene(HERTZ + "\n[stress]\ndepths = [1e-3, 2e-3]")
+    assert isinstance(asked, HertzScene)
+    assert asked.stress is not None
+    assert asked.stress.bodies == ("upper", "lower")
+    wheelset = parse_scene(WHEELSET + '\n[stress]\nbody = "rail"\ndepths = [2e-3]')
+    assert isinstance(wheelset, WheelsetScene)
+    assert wheelset.stress is not None
+    assert wheelset.stress.bodies == ("rail",)
+    assert parse_scene(EXACT).stress is None  # type: ignore[union-attr]
+
+
 # (scene, what to replace, by what, what the error must say: key, value and what is allowed)
 MALFORMED = [
     (HERTZ, 'kind = "hertz"', "", ("kind: missing", "'hertz', 'wheelset', 'run'")),
@@ -151,6 +184,20 @@ MALFORMED = [
         'laws = "exact"\nregularisation = 1e-5',
         ("regularisation = 1e-05", 'laws = "paper"'),
     ),
+    (HERTZ, 'laws = "paper"', 'points = "regular"', ('points = "regular"', '"fitted" or "grid"')),
+    (HERTZ, 'laws = "paper"', 'laws = "paper"\npoints = "fitted"', ('points = "fitted"', "waveguide", '"exact"')),
+    (EXACT, 'model = "condensed"', 'model = "full"\npoints = "fitted"', ('points = "fitted"', "waveguide")),
+    (HERTZ, 'laws = "paper"', 'laws = "paper"\nstrips = 8', ("strips = 8", 'points = "fitted"')),
+    (EXACT, 'laws = "exact"', "cells = 3", ("cells = 3", "from 4 to 64")),
+    (EXACT, 'laws = "exact"', "cells = 12.5", ("cells = 12.5", "from 4 to 64")),
+    (EXACT, 'laws = "exact"', "slip_order = 1", ("slip_order = 1", 'points = "grid"')),
+    (EXACT, 'laws = "exact"', "error_estimate = 1", ("error_estimate = 1", "true or false")),
+    (HERTZ, 'laws = "paper"', 'laws = "paper"\nerror_estimate = true', ("error_estimate = true", "fitted points")),
+    (CURVE, 'laws = "paper"', 'laws = "exact"\nerror_estimate = true', ("error_estimate = true: unknown key",)),
+    (HERTZ, "[upper]", "[stress]\ndepths = []\n[upper]", ("stress.depths = []", "below the surface")),
+    (HERTZ, "[upper]", "[stress]\ndepths = [2]\n[upper]", ("stress.depths[0] = 2", "2 mm are 2e-3")),
+    (HERTZ, "[upper]", '[stress]\nbody = "rail"\ndepths = [1e-3]\n[upper]', ('"upper" or "lower" or "both"',)),
+    (WHEELSET, "[track]", '[stress]\nbody = "upper"\ndepths = [1e-3]\n[track]', ('"wheel" or "rail" or "both"',)),
     (HERTZ, "radii = [0.46, 0.3]", "radii = [0.46, 0.0]", ("upper.radii[1] = 0.0", "inf is straight")),
     (HERTZ, "radii = [0.46, 0.3]", "radii = [nan, 0.3]", ("upper.radii[0] = NaN",)),
     (

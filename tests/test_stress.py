@@ -5,12 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.laws import Steel
-from contact.pose import Array
+from contact.fitting import Fineness
+from contact.laws import Laws, Steel
+from contact.loading import hertz_pose
+from contact.pairs import hertz_pair
+from contact.patch_stress import LoadedBody
+from contact.pose import Array, Motion, Pose, Twist
+from contact.references.hertz import hertz, modulus
+from contact.references.hertz_axis import axis_stress, worst
+from contact.result import ContactResult, Fields
 from contact.section import Section
 from contact.stress import CellLoads, Gradients, stress
 from contact.waveguides import block_body
 from forms.stress import principal, von_mises
+from meshes.profiles import named_profile
+from meshes.sections import rail_outline, wheel_outline
 from meshes.solids import block_section
 from meshes.triangulate import Grading, triangulate
 
@@ -135,6 +144,113 @@ def test_gradients_of_cubics_are_exact(body: Section) -> None:
         [1j * k * (b**3 + a), one, 3 * b**2],
     ]
     np.testing.assert_allclose(np.moveaxis(G, 0, -1), exact, rtol=1e-8, atol=1e-8)
+
+
+def pressed(points: str) -> tuple[ContactResult, tuple[float, float]]:
+    """A ball of 0.3 m on a flat at Hertz's approach for 10 kN, without friction; radius m and peak Pa of its patch."""
+    steel, ball = Steel(), (0.3, 0.3)
+    exact = hertz(0.5 / 0.3, 0.5 / 0.3, modulus((steel.E, steel.nu), (steel.E, steel.nu)), force=10e3)
+    options = {"fineness": Fineness(10, 12)} if points == "fitted" else {}
+    pair = hertz_pair(
+        ball,
+        (np.inf, np.inf),
+        upper_steel=steel,
+        lower_steel=steel,
+        load=10e3,
+        surface_size=0.5e-3,
+        laws=Laws(friction=0.0),
+        bodies="waveguide",
+        points=points,  # type: ignore[arg-type]
+        **options,
+    )
+    still = Twist(np.zeros(3), np.zeros(3), np.zeros(3))
+    result = pair(hertz_pose(exact.approach), Motion(still, still), None)
+    # the blocks are not half-spaces: the force is a little less than Hertz's at his approach
+    own = hertz(0.5 / 0.3, 0.5 / 0.3, modulus((steel.E, steel.nu), (steel.E, steel.nu)), force=float(result.force[2]))
+    return result, (own.semi_axes[0], own.peak)
+
+
+@pytest.mark.parametrize("points", ["fitted", "grid"])
+def test_below_a_hertz_contact(points: str) -> None:
+    """Largest von Mises stress and its depth within 2 % of the closed form, from the solved pressures, both bodies."""
+    result, (radius, peak) = pressed(points)
+    depths = np.linspace(0.3, 1.0, 15) * radius
+    depth, mises = worst(radius=radius, peak=peak, nu=0.3)
+    both = {upper: LoadedBody.block(upper, Steel()).below(result, depths) for upper in (True, False)}
+    for upper, found in both.items():
+        (below,) = found.patches
+        np.testing.assert_allclose(below.position[:, 2], depths if upper else -depths, rtol=1e-9)
+        i = int(below.von_mises.argmax())
+        a, b, _ = np.polyfit(depths[i - 2 : i + 3], below.von_mises[i - 2 : i + 3], 2)
+        assert -b / (2 * a) == pytest.approx(depth, rel=0.02)
+        assert below.von_mises[i] == pytest.approx(mises, rel=0.01)
+        radial, axial = axis_stress(depths, radius=radius, peak=peak, nu=0.3)
+        exact = np.einsum("am,ab->mab", [radial, radial, axial], np.eye(3))
+        assert np.abs(below.stress - exact).max() < 0.01 * peak
+        assert found.wavenumbers < 80
+    np.testing.assert_allclose(both[True].patches[0].von_mises, both[False].patches[0].von_mises, rtol=1e-6)
+
+
+def strips(centre: float, lean: float) -> Fields:
+    """A made-up patch of 3 strips of 4 cells on a wheel's tread, with traction, in the frame of the rail."""
+    x, y = (v.ravel() for v in np.meshgrid(np.array([-3, -1, 1.5, 4.5]) * 1e-3, centre + np.arange(-1, 2) * 2e-3))
+    step = np.tile(np.array([2, 2, 3, 3]) * 1e-3, 3)
+    normal = np.array([0.0, np.sin(lean), -np.cos(lean)])
+    axes = np.tile(np.stack([[1.0, 0.0, 0.0], np.cross([1.0, 0.0, 0.0], normal), normal]), (12, 1, 1))
+    p = 1e8 * (1.5 - (x / 5e-3) ** 2)
+    point = np.column_stack([x, y, np.zeros(12)])
+    traction = np.outer(p, [-0.1, 0.05])
+    none = np.zeros(12)
+    return Fields(
+        np.arange(12), np.zeros(12, dtype=int), point, axes, step * 2e-3, step, none, p, traction, traction, none
+    )
+
+
+def test_loads_are_action_and_reaction() -> None:
+    """On wheel and rail alike: the whole force, where it acts, and what the one has the other has with the sign turned;
+    a wheel turned by a yaw has the same, in its axes."""
+    from contact.waveguides import rail_body, wheel_body
+
+    fields = strips(0.0, 0.02)
+    local = np.column_stack([fields.traction, -fields.pressure]) * fields.area[:, None]
+    force = np.einsum("na,nac->nc", local, fields.axes).sum(axis=0)
+    steel, size, ends = Steel(), 1.5e-3, (-12e-3, 12e-3)
+    rail, wheel = rail_outline(named_profile("UIC60-benchmark")), wheel_outline(named_profile("S1002"), 0.46)
+    made = LoadedBody.rail(rail, steel)
+    below = made.loads(rail_body(rail, steel, size=size, ends=ends), fields)
+    np.testing.assert_allclose(below.force.sum(axis=0), -force, rtol=1e-12)
+    size_of = below.force[:, 2] / below.force[:, 2].sum()
+    assert size_of @ below.x == pytest.approx(local[:, 2] @ fields.point[:, 0] / local[:, 2].sum(), abs=2e-5)
+    yaw = 0.02
+    turn = np.array([[np.cos(yaw), -np.sin(yaw), 0.0], [np.sin(yaw), np.cos(yaw), 0.0], [0.0, 0.0, 1.0]])
+    section = wheel_body(wheel, steel, size=size, ends=ends)
+    on_wheel = LoadedBody.wheel(wheel, steel, Pose(np.array([0.0, 0.0, 0.46]), turn)).loads(section, fields)
+    np.testing.assert_allclose(turn @ on_wheel.force.sum(axis=0), force, rtol=1e-12)
+    y = section.section.points[section.section.surface][:, 0]
+    share = on_wheel.force[:, 2] / on_wheel.force[:, 2].sum()
+    middle = local[:, 2] @ fields.point / local[:, 2].sum() @ turn
+    assert share @ y[on_wheel.line] == pytest.approx(middle[1], abs=2e-5)
+    assert share @ on_wheel.x == pytest.approx(middle[0], abs=2e-5)
+
+
+def test_cells_are_spread_over_the_lines_they_cover(body: Section) -> None:
+    """Force and place are kept wherever the sides lie; a cell as wide as many lines loads them evenly."""
+    force = np.array([[0.3, -0.2, -1.0]])
+    for y, width in ((0.0, 1.0), (0.37, 0.6), (-2.71, 5.3), (4.4, 0.01)):
+        point = np.array([[2.5, y, 0.0]])
+        loads = CellLoads.over(body, point, force, step=np.ones(1), width=np.array([width]))
+        np.testing.assert_allclose(loads.force.sum(axis=0), force[0], rtol=1e-12)
+        assert loads.force[:, 2] @ (loads.line - HALF) == pytest.approx(-y, abs=1e-12)
+    wide = CellLoads.over(body, np.zeros((1, 3)), force, step=np.ones(1), width=np.array([8.0]))
+    inner = np.abs(wide.line - HALF) < 3.5
+    np.testing.assert_allclose(wide.force[inner], force / 8 * np.ones((7, 1)))
+    with pytest.raises(ValueError, match="beyond the lines"):
+        CellLoads.over(body, np.array([[0.0, HALF + 0.0, 0.0]]), force, step=np.ones(1), width=np.array([2.0]))
+
+
+def test_without_contact_there_is_no_stress() -> None:
+    with pytest.raises(ValueError, match="nothing touches"):
+        LoadedBody.block(True, Steel()).below(ContactResult.separated(), np.ones(1))
 
 
 def test_scalars() -> None:

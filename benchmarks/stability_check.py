@@ -1,0 +1,65 @@
+"""What must hold of any converged contact: laws, balance, dissipation, each as a figure that should be tiny."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks.stability_sample import Case
+from contact.pose import Array, Pose
+from contact.result import ContactResult
+
+LIMITS = {
+    "residual": 1e-8,
+    "force": 1e-10,
+    "moment": 1e-10,
+    "patches": 1e-9,
+    "pull": 0.0,
+    "friction": 1e-8,
+    "work": 1e-8,
+    "penetration": 1e-7,
+}
+
+
+def findings(case: Case, pose: Pose, result: ContactResult) -> dict[str, float]:
+    """Figures by name, see LIMITS.
+
+    residual of the solve; force and moment (about the wheel's own origin) of the result less those of the tractions
+    on the rail, turned round, over load and load times a metre; the patches' forces less the result's; pull, the
+    largest tension over the peak pressure; friction, traction beyond mu p over mu times the peak; work, the largest
+    q . s > 0 over the mean of -q . s; penetration at loaded and open points over the approach, exact law only.
+    """
+    fields = result.fields
+    if fields is None or not fields.pressure.any():
+        return dict.fromkeys(LIMITS, 0.0)
+    p, q, s = fields.pressure, fields.traction, fields.slip
+    load, peak = float(np.linalg.norm(result.force)), float(np.abs(p).max())
+    on_rail = np.einsum("nk,nkc->nc", np.column_stack([-q, p]), fields.axes) * fields.area[:, None]
+    # a moment about a point that no model uses, computed by lever arms one by one
+    moment = sum((cross(a - pose.origin, f) for a, f in zip(fields.point, on_rail, strict=True)), np.zeros(3))
+    about = result.about(pose.origin)
+    bound, power = case.friction * p, (q * s).sum(axis=1)
+    lost = float(-power[power < 0].sum()) / max(len(power), 1)
+    in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
+    # deformed overlap less the penalty's own: nothing where pressed, negative where open
+    d = fields.gap + fields.displacement[:, 2] - p * case.laws.normal_compliance
+    apart = np.where(p > 0, np.abs(d), np.maximum(d, 0.0))
+    return {
+        "residual": result.statistics.residual,
+        "force": float(np.linalg.norm(result.force + on_rail.sum(axis=0))) / load,
+        "moment": float(np.linalg.norm(about.moment + moment)) / load,
+        "patches": float(np.linalg.norm(in_patches - result.force)) / load,
+        "pull": float(max(-p.min(), 0.0)) / peak,
+        "friction": float(np.maximum(np.hypot(*q.T) - bound, 0.0).max()) / max(case.friction * peak, 1e-300),
+        "work": float(np.maximum(power, 0.0).max()) / max(lost, 1e-300) if lost > 0 else 0.0,
+        "penetration": float(apart.max()) / result.approach,
+    }
+
+
+def cross(a: Array, b: Array) -> Array:
+    """a x b, component by component."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def broken(found: dict[str, float]) -> list[str]:
+    """Names of the figures that are beyond their limits."""
+    return [name for name, limit in LIMITS.items() if not found[name] <= limit]
