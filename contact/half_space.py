@@ -1,38 +1,112 @@
-"""Flexibility of a half-space for strips loaded by waves along x: closed form, Boussinesq and Cerruti by wavenumbers.
+"""Strips on a half-space: flexibility by wavenumbers and by distance along x, in closed form (Boussinesq and Cerruti).
 
-A line load cos(k x) displaces its own direction at a distance y by 1/(pi G) times (1 - nu) K0 along the normal,
-K0 - nu z K1 along x and (1 - nu) K0 + nu z K1 across, z = k |y|: the transforms of 1/r and x^2/r^3. Means over strips
-are second differences of antiderivatives over their widths.
+A unit force displaces its own direction at (x, y) by 1/(2 pi G) times (1 - nu)/r along the normal, (1 - nu)/r + nu
+x^2/r^3 along x and (1 - nu)/r + nu y^2/r^3 across; x and across are coupled by nu x y/r^3 (Johnson 1985, eqs. 3.19,
+3.75).
+Means over strips, and over cells along x, are second differences of antiderivatives.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-from scipy.special import iti0k0, k1
+from scipy.special import iti0k0, k0, k1
 
 from contact.pose import Array
 
+TERMS = 40  # of the series of the correction, for arguments up to 10
 
-def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float) -> Array:
-    """Mean displacement (nk, R, C, 3) along x, across and normal of strips rows (R, 2) by unit loads per length along x
-    spread over strips columns (C, 2), unit modulus; wavenumbers k (nk,) > 0.
+
+def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: float) -> Array:
+    """Mean displacement (nk, R, C, 4) of strips rows (R, 2) by unit loads per length along x, waves of wavenumbers k
+    (nk,), spread over strips columns (C, 2); unit modulus.
+
+    Components: along x, across, normal, and along x by across (sine by cosine). 1/r goes like ln k at k = 0, and is
+    taken at sqrt(k^2 + floor^2) instead; see `floor_correction`.
+    """
+
+    def twice(z: Array) -> Array:  # second antiderivative of K0
+        once = z * k1(z)
+        return np.asarray(np.where(z < 40.0, z * iti0k0(np.minimum(z, 40.0))[1], 0.5 * np.pi * z) + once - 1.0)
+
+    def turned(z: Array) -> Array:  # of z K0
+        return np.asarray(z * k0(z) - np.where(z < 40.0, iti0k0(np.minimum(z, 40.0))[1], 0.5 * np.pi))
+
+    widths = (rows[:, 1] - rows[:, 0])[:, None] * (columns[:, 1] - columns[:, 0])
+    raised, plain = np.hypot(k, floor), np.maximum(k, 1e-9 * k[-1])
+    K0 = second_difference(rows, columns, lambda y: twice(_waves(raised, y)), 0.0)
+    zK1 = second_difference(rows, columns, lambda y: _waves(raised, y) * k1(_waves(raised, y)), 1.0) + K0
+    yK0 = second_difference(rows, columns, lambda y: turned(_waves(plain, y)), 0.0, odd=True)
+    scale = 2 * (1 + nu) / np.pi / (raised[:, None, None] ** 2 * widths)
+    cross = 2 * (1 + nu) / np.pi / (plain[:, None, None] ** 2 * widths)
+    return np.stack(
+        [(K0 - nu * zK1) * scale, ((1 - nu) * K0 + nu * zK1) * scale, (1 - nu) * K0 * scale, nu * yK0 * cross], axis=-1
+    )
+
+
+def strip_antiderivative(x: Array, sides: Array, nu: float) -> Array:
+    """G (nodes, S, S, 4) at distances x (nodes,) >= 0 of which the second derivative is the mean compliance between
+    strips with sides (S, 2); unit modulus, components as above.
+    """
+    widths = sides[:, 1] - sides[:, 0]
+    scale = (1 + nu) / np.pi / (widths[:, None] * widths)
+
+    def part(which: int) -> Callable[[Array], Array]:
+        return lambda y: _fourfold(x[:, None], y)[which]
+
+    inverse, xx, yy = (
+        second_difference(sides, sides, part(which), _fourfold(x, np.zeros(1))[which]) for which in range(3)
+    )
+    xy = second_difference(sides, sides, part(3), 0.0, odd=True)
+    parts = [(1 - nu) * inverse + nu * xx, (1 - nu) * inverse + nu * yy, (1 - nu) * inverse, nu * xy]
+    return np.stack([value * scale for value in parts], axis=-1)
+
+
+def floor_correction(x: Array, floor: float, nu: float) -> Array:
+    """G (nodes, 3) at distances x (nodes,) that the flexibility at sqrt(k^2 + floor^2) lacks: along x, across, normal.
+
+    Between ln k and its floored form lies a compliance (1 - exp(-floor x)) / (2 x), the same for all strips.
+    """
+    z = floor * np.abs(x)
+    total, term = np.zeros_like(z), np.ones_like(z)
+    for m in range(TERMS):
+        total += term / ((m + 1) * (m + 1) * (m + 2))  # z^m (-1)^m / m! by then
+        term *= -z / (m + 1)
+    both = 2 * (1 + nu) / np.pi * 0.5 * floor * x * x * total
+    return np.asarray(both[:, None] * np.array([1.0, 1 - nu, 1 - nu]))
+
+
+def _fourfold(x: Array, y: Array) -> tuple[Array, Array, Array, Array]:
+    """Antiderivatives, twice in x and twice in y, of 1/r, x^2/r^3, y^2/r^3 and x y/r^3 at x, y >= 0."""
+    r = np.hypot(x, y)
+    over_x, over_y = np.arcsinh(y / np.maximum(x, 1e-300)), np.arcsinh(x / np.maximum(y, 1e-300))
+    a, b, c = 0.5 * x * x * y * over_x, 0.5 * x * y * y * over_y, r**3 / 6
+    cross = -(x * y * r / 3 + x**3 / 6 * over_x + y**3 / 6 * over_y)
+    return a + b - c, c + b - 0.5 * y * y * r, c + a - 0.5 * x * x * r, cross
+
+
+def _waves(k: Array, y: Array) -> Array:
+    return np.maximum(np.outer(k, y), 1e-12)
+
+
+def second_difference(
+    rows: Array, columns: Array, of: Callable[[Array], Array], same: Array | float, *, odd: bool = False
+) -> Array:
+    """Second difference (m, R, C) over the sides of rows (R, 2) and columns (C, 2) of a function (m, n) of the distance
+    (n,) > 0 between them; same is its value at zero. It changes sign with the distance if odd.
+
+    The sides of neighbours are the same, and strips alike: few distances have to be looked at.
     """
     edges, where = np.unique(np.concatenate([rows.ravel(), columns.ravel()]), return_inverse=True)
     row, column = where[: rows.size].reshape(rows.shape), where[rows.size :].reshape(columns.shape)
     one, other = np.triu_indices(len(edges), 1)
-    apart, place = np.unique(np.round((edges[other] - edges[one]) / np.ptp(edges), 12), return_inverse=True)
-    z = np.maximum(np.outer(k, apart * np.ptp(edges)), 1e-12)
-    once = z * k1(z)
-    # second antiderivatives of K0 and of z K1
-    twice = np.where(z < 40.0, z * iti0k0(np.minimum(z, 40.0))[1], 0.5 * np.pi * z) + once - 1.0
-    widths = (rows[:, 1] - rows[:, 0])[:, None] * (columns[:, 1] - columns[:, 0])
-    scale = 2 * (1 + nu) / np.pi / (k[:, None, None] ** 2 * widths)
-
-    def mean(values: Array, same: float) -> Array:
-        v = np.full((len(k), len(edges), len(edges)), same)
-        v[:, one, other] = v[:, other, one] = values[:, place]
-        ends = [v[:, row[:, i]][:, :, column[:, j]] for i, j in ((1, 0), (0, 1), (0, 0), (1, 1))]
-        return np.asarray((ends[0] + ends[1] - ends[2] - ends[3]) * scale)
-
-    K0, zK1 = mean(twice, 0.0), mean(once + twice, 1.0)
-    return np.stack([K0 - nu * zK1, (1 - nu) * K0 + nu * zK1, (1 - nu) * K0], axis=-1)
+    span = np.ptp(edges)
+    apart, place = np.unique(np.round((edges[other] - edges[one]) / span, 12), return_inverse=True)
+    values = of(np.maximum(apart, 1e-12) * span)
+    v = np.empty((len(values), len(edges), len(edges)))
+    v[:] = np.asarray(same).reshape(-1, 1, 1)
+    v[:, other, one] = values[:, place]
+    v[:, one, other] = -values[:, place] if odd else values[:, place]
+    ends = [v[:, row[:, i]][:, :, column[:, j]] for i, j in ((1, 0), (0, 1), (0, 0), (1, 1))]
+    return np.asarray(ends[0] + ends[1] - ends[2] - ends[3])

@@ -1,7 +1,7 @@
 """Mean compliance between cells of any length and offset along the strips of a body invariant along x or in angle.
 
-Near its load a body is a half-space, whose flexibility for strips is known; what elements say differs from it smoothly
-across the surface, and is taken from line to line. With G'' = C the compliance along x, the mean over cells [a1, a2] by
+Near its load a body is a half-space, whose answer for cells is known; what elements say differs from it smoothly across
+the surface, and is taken from line to line. With G'' = C the compliance along x, the mean over cells [a1, a2] by
 loads on [b1, b2] is the second difference (G(a2 - b1) + G(a1 - b2) - G(a2 - b2) - G(a1 - b1)) / ((a2 - a1) (b2 - b1)):
 four look-ups for any two cells.
 """
@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.special import sici
 
-from contact.half_space import strip_flexibility
+from contact.half_space import floor_correction, strip_antiderivative, strip_flexibility
 from contact.laws import Steel
 from contact.points import OutsideGrid
 from contact.pose import Array
@@ -75,19 +75,29 @@ class StripKernel:
         return first / rate, rate
 
     @cached_property
+    def _nodes(self) -> Array:
+        """Distances along x of the table's nodes, units; one before zero for the interpolation."""
+        start, rate = self._spread
+        return np.asarray(start * np.sinh(rate * np.arange(-1, NODES - 1)))
+
+    @cached_property
     def weights(self) -> tuple[Array, Array]:
         """Even and odd weights (nodes, nk) that turn samples into G at the table's nodes."""
-        start, rate = self._spread
-        x = start * np.sinh(rate * np.arange(-1, NODES - 1))  # one before zero for the interpolation
-        samples = self.samples
+        x, samples = self._nodes, self.samples
         k, w = rule(samples.k, float(x[-1]), samples.round)
-        phase = np.outer(np.abs(x), k)
+        phase = np.outer(x, k)
         weighted = interpolation(samples.k, samples.shift, k) * w[:, None]
         even = (0.5 * x[:, None] ** 2 * np.sinc(phase / (2 * np.pi)) ** 2) @ weighted
         odd = ((phase - np.sin(phase)) / np.maximum(k, 1e-12 * k[-1]) ** 2) @ weighted
-        even[:, -1] += _tail(np.abs(x), float(samples.k[-1]))
-        odd[0] *= -1
-        return even, odd
+        return np.asarray(even), np.asarray(odd)
+
+    @property
+    def _floor(self) -> float:
+        """Wavenumber below which the half-space that is taken out of the spectrum is flat, 1 / unit: that of the body's
+        size, or of twice round it.
+        """
+        samples = self.samples
+        return max(samples.shift, 4 * np.pi / samples.round if samples.round else 0.0)
 
     def window(self, low: float, high: float) -> tuple[int, int]:
         """First and one past the last line whose cells meet an interval of arc length, m.
@@ -106,25 +116,49 @@ class StripKernel:
         part = np.maximum(common, 0.0)
         return np.asarray(part / part.sum(axis=1, keepdims=True))
 
-    def between(self, sides: Array) -> Array:
-        """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m."""
-        return self._half_space(sides) + self._smooth_between(sides)
-
-    def _smooth_between(self, sides: Array) -> Array | float:
-        """What the body is not a half-space by (nk, S, S, 3, 3)."""
+    def normal(self, sides: Array) -> Array:
+        """Table (S, S, nodes, 1) of G along the surface's normals between strips with sides (S, 2) m."""
+        near = self._near(sides)
+        tangent = self._tangents(sides.mean(axis=1))
+        turn = np.clip(tangent @ tangent.T, -1.0, 1.0)[..., None]  # cosine of the angle between two strips
+        table = 0.5 * ((1 + turn) * near[..., 2] - (1 - turn) * near[..., 1])
         share = self._prepared(sides)
-        half = np.tensordot(share, self._smooth, axes=(1, 1))  # S, nk, lines, 9
-        both = np.tensordot(share, half, axes=(1, 2))  # T, S, nk, 9
-        return np.asarray(both.transpose(2, 1, 0, 3).reshape(len(self.samples.k), len(sides), len(sides), 3, 3))
+        if share is not None:
+            smooth = np.tensordot(share, np.tensordot(share, self._smooth_normal, axes=(1, 1)), axes=(1, 2))  # j, i, k
+            table += np.tensordot(smooth, self.weights[0], axes=(2, 1)).swapaxes(0, 1)
+        return np.asarray(table[..., None] * (self.scale * self.unit**2))
 
-    def _smooth_between_normals(self, sides: Array) -> Array | float:
-        """The same along the normals (nk, S, S)."""
+    def full(self, sides: Array) -> Array:
+        """Table (S, S, nodes, 9) of G of all components: displacement by force, row by row."""
+        axes = self._pair_axes(sides.mean(axis=1))
+        near = self._near(sides)
+        table = np.einsum("ijna,ijab,ijac->ijnbc", near[..., :3], axes, axes, optimize=True)
+        table[..., 0, 1:] = near[..., 3:] * axes[:, :, None, 1, 1:]
+        table[..., 1:, 0] = table[..., 0, 1:]
         share = self._prepared(sides)
-        both = np.tensordot(share, np.tensordot(share, self._smooth_normal, axes=(1, 1)), axes=(1, 2))  # j, i, k
-        return np.asarray(both.transpose(2, 1, 0))
+        if share is not None:
+            half = np.tensordot(share, self._smooth, axes=(1, 1))  # i, k, line, 9
+            spectrum = np.tensordot(share, half, axes=(1, 2)).swapaxes(0, 1)  # i, j, k, 9
+            even, odd = (np.einsum("ijkc,nk->ijnc", spectrum, w, optimize=True) for w in self.weights)
+            # u_x = -i U_x: a lateral load moves x by +sin, a load along x moves the others by -sin
+            even[..., [1, 2]], even[..., [3, 6]] = odd[..., [1, 2]], -odd[..., [3, 6]]
+            table += even.reshape(table.shape)
+        return np.asarray(table.reshape(*table.shape[:3], 9) * (self.scale * self.unit**2))
 
-    def _prepared(self, sides: Array) -> Array:
-        """Shares of strips in the lines of the present window, moved when they are not in it."""
+    def _near(self, sides: Array) -> Array:
+        """G (S, S, nodes, 4) of strips on half-spaces, less what the floored spectrum lacks, units."""
+        across = np.interp(sides, self.arc, self._across) / self.unit
+        stretch = self._stretch(sides.mean(axis=1))
+        x = self._nodes
+        found = strip_antiderivative(np.abs(x), across, self.nu)
+        if self._floor > 0:
+            found[..., :3] -= floor_correction(x, self._floor, self.nu)[:, None, None]
+        found[x < 0, ..., 3] *= -1
+        between = 0.5 * (stretch[:, None] + stretch)[..., None, None]
+        return np.asarray(found.transpose(1, 2, 0, 3) / between)
+
+    def _prepared(self, sides: Array) -> Array | None:
+        """Shares of strips in the lines of the present window, moved when they are not in it; None without lines."""
         window = self.window(float(sides.min()), float(sides.max()))
         low, high = self._window
         if not (low <= window[0] and window[1] <= high):
@@ -167,16 +201,14 @@ class StripKernel:
     def _half_space(self, sides: Array) -> Array:
         """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m on half-spaces that touch the surface in between."""
         axes = self._pair_axes(sides.mean(axis=1))
-        return np.asarray(np.einsum("kija,ijab,ijac->kijbc", self._flat(sides), axes, axes, optimize=True))
-
-    def _flat(self, sides: Array) -> Array:
-        """Spectrum (nk, S, S, 3) along x, across and normal of strips on a half-space."""
-        k = self.samples.k
         # on a circle of another radius k and the load per length shrink by the stretch, as if strips were narrower
         across = np.interp(sides, self.arc, self._across) / self.unit
         stretch = self._stretch(sides.mean(axis=1))
-        between = 0.5 * (stretch[:, None] + stretch)[..., None]
-        return strip_flexibility(np.maximum(k, 1e-2 * k[1]), across, across, self.nu) / between
+        flat = strip_flexibility(self.samples.k, across, across, self.nu, self._floor)
+        found = np.einsum("kija,ijab,ijac->kijbc", flat[..., :3], axes, axes, optimize=True)
+        found[..., 0, 1:] = flat[..., 3:] * axes[:, :, 1, 1:]
+        found[..., 1:, 0] = -found[..., 0, 1:]
+        return np.asarray(found / (0.5 * (stretch[:, None] + stretch))[..., None, None])
 
     @cached_property
     def _across(self) -> Array:
@@ -209,25 +241,6 @@ class StripKernel:
             return np.ones_like(arc)
         return np.asarray(np.interp(arc, self.arc, self.points[:, 1]) / self.radius)
 
-    def normal(self, sides: Array) -> Array:
-        """Table (S, S, nodes, 1) of the compliance along the surface's normals between strips with sides (S, 2) m."""
-        near = self._flat(sides)
-        tangent = self._tangents(sides.mean(axis=1))
-        turn = np.clip(tangent @ tangent.T, -1.0, 1.0)  # cosine of the angle between two strips
-        H = self._smooth_between_normals(sides) + 0.5 * ((1 + turn) * near[..., 2] - (1 - turn) * near[..., 1])
-        table = np.tensordot(H, self.weights[0], axes=(0, 1)) * (self.scale * self.unit**2)
-        return np.asarray(table[..., None])
-
-    def full(self, spectrum: Array) -> Array:
-        """Table (S, S, nodes, 9) of all components: displacement by force, row by row."""
-        even, odd = self.weights
-        table = np.tensordot(spectrum, even, axes=(0, 1))  # i, j, a, b, nodes
-        sine = np.tensordot(np.concatenate([spectrum[..., 0, 1:], spectrum[..., 1:, 0]], -1), odd, axes=(0, 1))
-        # u_x = -i U_x: a lateral load moves x by +sin, a load along x moves the others by -sin
-        table[:, :, 0, 1:], table[:, :, 1:, 0] = sine[:, :, :2], -sine[:, :, 2:]
-        S, T, _, _, nodes = table.shape
-        return np.ascontiguousarray(table.reshape(S, T, 9, nodes).swapaxes(2, 3)) * (self.scale * self.unit**2)
-
     def means(self, table: Array, rows: Array, columns: Array) -> Array:
         """Mean compliance (S, R, S, M, components) m/N between cells that end at rows (S, R + 1), columns (S, M + 1) m.
 
@@ -259,20 +272,18 @@ class HalfSpaceKernel(StripKernel):
 
     @classmethod
     def under(cls, points: Array, arc: Array, reach: float, steel: Steel) -> HalfSpaceKernel:
-        """Below the lines (ns, 2) m at arc lengths (ns,) m, strips no narrower than a fifth of their spacing."""
-        k = np.concatenate([[0.0], np.geomspace(1e-3 / reach, 20 * np.pi / float(np.diff(arc).min()), 80)])
-        bare = Spectrum(k, float(k[1]), np.empty((len(k), len(arc) * (len(arc) + 1) // 2, 0, 0)), 0.0)
-        return cls(lambda: bare, points, arc, reach, steel.nu, _no_error, scale=1 / steel.E, flat=True)
+        """Below the lines (ns, 2) m at arc lengths (ns,) m."""
+        return cls(_nothing, points, arc, reach, steel.nu, _nothing, scale=1 / steel.E, flat=True)
 
-    def _smooth_between(self, sides: Array) -> float:
-        self.window(float(sides.min()), float(sides.max()))
+    @property
+    def _floor(self) -> float:
         return 0.0
 
-    def _smooth_between_normals(self, sides: Array) -> float:
-        return self._smooth_between(sides)
+    def _prepared(self, sides: Array) -> None:
+        self.window(float(sides.min()), float(sides.max()))
 
 
-def _no_error() -> SurfaceError:
+def _nothing() -> Any:
     raise AssertionError("half-spaces have no elements")
 
 
@@ -283,10 +294,3 @@ def _cubic(t: Array) -> tuple[Array, Array, Array, Array]:
     """Lagrange's weights of nodes 0 .. 3 at t."""
     a, b, c, d = t, t - 1, t - 2, t - 3
     return -b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6
-
-
-def _tail(x: Array, largest: float) -> Array:
-    """Integral of (1 - cos k x) / k^2 beyond the largest wavenumber K over pi, for a spectrum that falls like K / k."""
-    z = np.maximum(largest * x, 1e-9)
-    inner = np.cos(z) / (2 * z * z) - 0.5 * (np.sin(z) / z - sici(z)[1])
-    return np.asarray((0.5 / largest - z * z / largest * inner) / np.pi)

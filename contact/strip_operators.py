@@ -61,7 +61,7 @@ class StripOperators:
             (self.upper, layout.sides, 1.0, self.upper_axes(places)),
             (self.lower, self.surfaces.lower_sides(pose, layout), stretch, self.lower_axes(pose, places)),
         ):
-            table = kernel.full(kernel.between(sides))
+            table = kernel.full(sides)
             means = kernel.means(table, rows * along, edges * along).reshape(S, M + AHEAD, n, 3, 3)
             loaded = np.einsum("srnab,ncb->srnac", means, axes, optimize=True)  # columns in local axes
             change = np.zeros((S, M, n, 3, 3))

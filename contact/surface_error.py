@@ -55,5 +55,5 @@ def surface_error(nu: float, degree: int) -> SurfaceError:
         own = samples.values[kept][:, place[middle, middle + d]].mean(axis=1)
         elements[:, d] = np.diagonal(own, axis1=1, axis2=2)
     unit = np.column_stack([lines - 0.5, lines + 0.5])
-    missing = strip_flexibility(q, unit[:1], unit, nu)[:, 0] - elements
+    missing = strip_flexibility(q, unit[:1], unit, nu, 0.0)[:, 0, :, :3] - elements
     return SurfaceError(np.log(q), missing[:, :FAR] - missing[:, FAR:])

@@ -72,14 +72,15 @@ def loaded(model: FittedContact) -> tuple[float, ContactResult]:
 def test_strips_of_a_half_space_by_quadrature() -> None:
     k, nu = np.array([0.3, 2.0, 9.0]), 0.3
     rows, columns = np.array([[0.0, 1.0], [1.2, 1.5]]), np.array([[2.0, 2.5], [3.0, 5.0]])
-    found = strip_flexibility(k, rows, columns, nu)
+    found = strip_flexibility(k, rows, columns, nu, 0.0)
     node, weight = np.polynomial.legendre.leggauss(40)
     for i, (a, b) in enumerate(rows):
         for j, (c, d) in enumerate(columns):
             y = 0.5 * (a + b) + 0.5 * (b - a) * node
             eta = 0.5 * (c + d) + 0.5 * (d - c) * node
             z = k[:, None, None] * np.abs(y[:, None] - eta)
-            parts = np.stack([k0(z) - nu * z * k1(z), (1 - nu) * k0(z) + nu * z * k1(z), (1 - nu) * k0(z)], -1)
+            turned = nu * np.sign(y[:, None] - eta) * z * k0(z)
+            parts = np.stack([k0(z) - nu * z * k1(z), (1 - nu) * k0(z) + nu * z * k1(z), (1 - nu) * k0(z), turned], -1)
             mean = np.einsum("kyec,y,e->kc", parts, weight, weight) / 4 * 2 * (1 + nu) / np.pi
             np.testing.assert_allclose(found[:, i, j], mean, rtol=1e-6, atol=1e-12)
 
@@ -95,7 +96,7 @@ def test_cells_of_any_size_and_place(bodies: Bodies, place: float) -> None:
     edge = 1e-3 * place + width * np.arange(3)
     sides = np.column_stack([edge[:-1], edge[1:]])
     ends = np.tile(length * np.arange(4), (2, 1))
-    found = kernel.means(kernel.full(kernel.between(sides)), ends, ends).reshape(2, 3, 2, 3, 3, 3)
+    found = kernel.means(kernel.full(sides), ends, ends).reshape(2, 3, 2, 3, 3, 3)
     x, y = np.meshgrid(
         (np.arange(3 * fine) + 0.5) * length / fine, (np.arange(2 * fine) + 0.5) * width / fine, indexing="ij"
     )
