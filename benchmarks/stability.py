@@ -16,11 +16,11 @@ from rich.progress import Progress, TimeElapsedColumn, TimeRemainingColumn
 
 from benchmarks.machine import stated
 from benchmarks.stability_check import LIMITS
-from benchmarks.stability_run import Outcome, solve
+from benchmarks.stability_run import Outcome, legitimate, solve
 from benchmarks.stability_sample import Case, cases
 from contact.pose import Array
 
-TWIN = 20  # every so many cases are compared with an independent solution
+TWIN = 20  # every so many cases are compared with an independent solution, and all whose cells did not settle
 OUTLIERS = {"force": 0.02, "area": 0.1}
 
 
@@ -64,6 +64,7 @@ def show(found: list[Outcome]) -> str:
             "| figure | median | 99 % | worst | limit | cases beyond |\n|---|---|---|---|---|---|",
             f"| seconds | {_spread(times)} | | |",
             f"| factorisations and Newton steps | {_spread(newton)} | | |",
+            f"| load kN | {_spread(1e-3 * np.array([o.load for o in good]))} | | |",
         ]
         for figure, limit in LIMITS.items():
             values = np.array([o.figures[figure] for o in good])
@@ -75,7 +76,13 @@ def show(found: list[Outcome]) -> str:
                 lines.append(
                     f"| {figure} against twin | {_spread(values)} | {bound:g} | {int((values > bound).sum())} |"
                 )
-    reasons = Counter(o.reason for o in found if o.kind == "no answer")
+        twins, loose = [o for o in good if o.twin], [o for o in part if not o.settled]
+        alone, seen = sum(not np.isfinite(o.force_differs) for o in twins), sum(bool(o.twin) for o in loose)
+        lines += [
+            f"\n{len(twins)} compared with a twin, {alone} of which had no force to compare; "
+            f"{len(loose)} cases whose cells did not settle, {seen} of them compared"
+        ]
+    reasons = Counter(f"{'fitted' if o.fitted else 'grid'}: {o.reason}" for o in found if o.kind == "no answer")
     lines += ["\n## Without an answer\n", *(f"- {number} x {reason}" for reason, number in reasons.most_common())]
     lines += ["\n## Failed, beyond a limit, or unlike their twin\n"]
     lines += [f"- {trouble(o)}: {o.case}" for o in found if trouble(o)] or ["- none"]
@@ -85,12 +92,18 @@ def show(found: list[Outcome]) -> str:
 def trouble(outcome: Outcome) -> str:
     """What is wrong with an outcome, in a few words; nothing if nothing is."""
     if outcome.kind == "failed":
-        return outcome.reason
+        return outcome.reason if outcome.settled else f"{outcome.reason} (cells did not settle)"
     parts = [f"{name} {outcome.figures[name]:.1e}" for name in outcome.broken]
     for figure, bound in OUTLIERS.items():
         differs = getattr(outcome, f"{figure}_differs")
         if differs > bound:
             parts.append(f"{figure} {differs:.1%} from its twin")
+    if outcome.twin and not np.isfinite(outcome.force_differs) and not legitimate(outcome.twin):
+        parts.append(f"its twin: {outcome.twin}")
+    if not outcome.settled and not np.isfinite(outcome.force_differs) and outcome.kind == "converged":
+        parts.append("cells did not settle, and no twin to compare with")
+    if parts and not outcome.settled:
+        parts.append("cells did not settle")
     return ", ".join(parts)
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchmarks.stability_depth import overlap_outside
 from benchmarks.stability_sample import Case
+from contact.laws import Steel
 from contact.pose import Array, Pose
 from contact.result import ContactResult
 
@@ -15,9 +17,12 @@ LIMITS = {
     "patches": 1e-9,
     "pull": 0.0,
     "friction": 1e-8,
+    "law": 1e-8,
     "work": 1e-8,
     "penetration": 1e-7,
+    "missed": 1.0,
 }
+G = Steel().E / (2 + 2 * Steel().nu)  # Pa
 
 
 def findings(case: Case, pose: Pose, result: ContactResult) -> dict[str, float]:
@@ -25,12 +30,15 @@ def findings(case: Case, pose: Pose, result: ContactResult) -> dict[str, float]:
 
     residual of the solve; force and moment (about the wheel's own origin) of the result less those of the tractions
     on the rail, turned round, over load and load times a metre; the patches' forces less the result's; pull, the
-    largest tension over the peak pressure; friction, traction beyond mu p over mu times the peak; work, the largest
-    q . s > 0 over the mean of -q . s; penetration at loaded and open points over the approach, exact law only.
+    largest tension over the peak pressure; friction, traction beyond mu p over mu times the peak; law, the largest
+    q max(|s|, eps) + mu p s, and work, the largest q . s > 0, over mu times the peak times the largest slip, or the
+    strain that mu times the peak makes; penetration at loaded and open points over the approach, exact law only;
+    missed, the largest undeformed overlap outside all patches over that inside: pressure lowers a surface nowhere more
+    than where it acts. All infinite without any pressure: where these bodies overlap, some of it must carry.
     """
     fields = result.fields
     if fields is None or not fields.pressure.any():
-        return dict.fromkeys(LIMITS, 0.0)
+        return dict.fromkeys(LIMITS, np.inf)
     p, q, s = fields.pressure, fields.traction, fields.slip
     load, peak = float(np.linalg.norm(result.force)), float(np.abs(p).max())
     on_rail = np.einsum("nk,nkc->nc", np.column_stack([-q, p]), fields.axes) * fields.area[:, None]
@@ -38,7 +46,10 @@ def findings(case: Case, pose: Pose, result: ContactResult) -> dict[str, float]:
     moment = sum((cross(a - pose.origin, f) for a, f in zip(fields.point, on_rail, strict=True)), np.zeros(3))
     about = result.about(pose.origin)
     bound, power = case.friction * p, (q * s).sum(axis=1)
-    lost = float(-power[power < 0].sum()) / max(len(power), 1)
+    slip = np.maximum(np.hypot(*s.T), case.regularisation)[:, None]
+    astray = np.hypot(*(q * slip + bound[:, None] * s).T)
+    most = max(case.friction * peak, 1e-300)
+    power_scale = max(most * max(float(np.hypot(*s.T).max()), most / G), 1e-300)
     in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
     # deformed overlap less the penalty's own: nothing where pressed, negative where open
     d = fields.gap + fields.displacement[:, 2] - p * case.laws.normal_compliance
@@ -49,9 +60,11 @@ def findings(case: Case, pose: Pose, result: ContactResult) -> dict[str, float]:
         "moment": float(np.linalg.norm(about.moment + moment)) / load,
         "patches": float(np.linalg.norm(in_patches - result.force)) / load,
         "pull": float(max(-p.min(), 0.0)) / peak,
-        "friction": float(np.maximum(np.hypot(*q.T) - bound, 0.0).max()) / max(case.friction * peak, 1e-300),
-        "work": float(np.maximum(power, 0.0).max()) / max(lost, 1e-300) if lost > 0 else 0.0,
+        "friction": float(np.maximum(np.hypot(*q.T) - bound, 0.0).max()) / most,
+        "law": float(astray.max()) / power_scale,
+        "work": float(np.maximum(power, 0.0).max()) / power_scale,
         "penetration": float(apart.max()) / result.approach,
+        "missed": overlap_outside(case, pose, [patch.wheel_band for patch in result.patches]),
     }
 
 

@@ -22,12 +22,15 @@ from meshes.profiles import named_profile
 TWIN_FINENESS = Fineness(16, 24)
 LEAVES = "beyond the part of its surface"  # said by models when the contact leaves what is meshed
 LONG = "longer than what fitted cells"
+BETWEEN = "separated: the contact lies between the grid's points"
 
 
 @dataclass(frozen=True)
 class Outcome:
     """A case and what came of it: kind "converged", "no answer" (with the reason) or "failed"; seconds of the solve;
-    figures of `stability_check`; broken limits; against its twin: differences of force and area over their size.
+    settled, whether the cells' ends did; load N, the vertical part of the pressure; figures of `stability_check` and
+    those beyond their limits; status of its twin, if it has one, and differences from it of force and area over
+    their size.
     """
 
     case: Case
@@ -36,9 +39,11 @@ class Outcome:
     depth: float = np.nan
     seconds: float = np.nan
     newton: int = 0
+    settled: bool = True
     load: float = np.nan
     figures: dict[str, float] = field(default_factory=dict)
     broken: tuple[str, ...] = ()
+    twin: str = ""
     force_differs: float = np.nan
     area_differs: float = np.nan
 
@@ -51,7 +56,9 @@ class Outcome:
 
 
 def solve(case: Case, *, twin: bool = False) -> Outcome:
-    """One case, and if asked an independent solution of the same: finer cells on finer lines, or half the size."""
+    """One case, and if asked, or if its cells did not settle, an independent solution of the same: finer cells on finer
+    lines, or half the size.
+    """
     try:
         depth = depth_for(case)
     except NoDepth as error:
@@ -61,29 +68,37 @@ def solve(case: Case, *, twin: bool = False) -> Outcome:
     start = perf_counter()
     result = model(pose, motion, None)
     seconds = perf_counter() - start
-    newton = result.statistics.newton
+    statistics = result.statistics
+    settled = bool(getattr(statistics, "settled", True))
+    outcome = Outcome(case, "failed", result.status, depth, seconds, statistics.newton, settled)
+    if result.status == "separated":
+        return outcome if outcome.fitted else replace(outcome, kind="no answer", reason=BETWEEN)
     if not result.ok:
-        legitimate = LEAVES in result.status or (LONG in result.status)
-        return Outcome(case, "no answer" if legitimate else "failed", result.status, depth, seconds, newton)
+        return replace(outcome, kind="no answer") if legitimate(result.status) else outcome
     found = findings(case, pose, result)
-    outcome = Outcome(
-        case,
-        "converged",
-        result.status,
-        depth,
-        seconds,
-        newton,
-        float(result.force[2]),
-        found,
-        tuple(broken(found)),
-    )
-    if not twin or (not outcome.fitted and case.size == SIZES[0]):
+    outcome = replace(outcome, kind="converged", load=carried(result), figures=found, broken=tuple(broken(found)))
+    if (settled and not twin) or (not outcome.fitted and case.size == SIZES[0]):
         return outcome
     other = twin_of(case)(pose, motion, None)
-    if not other.ok or not result.patches:
-        return outcome
-    force = float(np.linalg.norm(result.force - other.force)) / max(float(np.linalg.norm(other.force)), 1e-300)
-    return replace(outcome, force_differs=force, area_differs=abs(area(result) / max(area(other), 1e-300) - 1))
+    if not other.patches or not result.patches:
+        return replace(outcome, twin=other.status)
+    force = float(np.linalg.norm(result.force - other.force)) / float(np.linalg.norm(other.force))
+    return replace(
+        outcome, twin=other.status, force_differs=force, area_differs=abs(area(result) / max(area(other), 1e-300) - 1)
+    )
+
+
+def legitimate(status: str) -> bool:
+    """Whether a model says that a contact is beyond what it can see, and not that it failed to solve it."""
+    return LEAVES in status or LONG in status
+
+
+def carried(result: ContactResult) -> float:
+    """Vertical part N of the pressure: on a steep flange friction may carry all of the rest."""
+    fields = result.fields
+    if fields is None:
+        return 0.0
+    return float(-(fields.pressure * fields.area) @ fields.axes[:, 2, 2])
 
 
 def area(result: ContactResult) -> float:

@@ -8,6 +8,7 @@ number of cells, so that a solution on half as many tells how large it is.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from time import perf_counter
 from typing import Literal
 
@@ -23,8 +24,10 @@ from contact.pose import Array, Motion, Pose
 from contact.result import ContactResult, Statistics
 from contact.strip_moments import sharpened
 from contact.strip_operators import StripOperators
-from contact.strips import Layout, marks
+from contact.strips import Layout, connected, marks
 from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
+
+LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
 
 
 @dataclass(frozen=True)
@@ -61,12 +64,12 @@ class FittedContact:
     def _solved(self, pose: Pose, motion: Motion) -> ContactResult:
         start = perf_counter()
         surfaces, count = self.operators.surfaces, Count()
-        ridge = surfaces.ridge(pose, self.operators.upper.arc)
+        ridge = surfaces.ridge(pose, self._lines)
         approach = float(ridge.overlap.max())
         if approach <= 0:
             return ContactResult.separated(approach)
         try:
-            layout, pressure = self._fitted(pose, count)
+            layout, pressure, settled = self._fitted(pose, count)
             if layout is None:
                 return ContactResult.separated(approach)
             fitted = perf_counter()
@@ -100,7 +103,8 @@ class FittedContact:
         moved = np.zeros((n, 3))
         moved[:, 3 - len(displacement) // n :] = (displacement @ loads).reshape(-1, n).T
         bound = self.laws.friction_at(np.hypot(*found.slip.T), speed)[0] * p
-        patch = np.where(p > 0, np.repeat(layout.patch, self.fineness.cells), -1)
+        strip = connected(layout, p.reshape(len(layout.sides), -1))
+        patch = np.where(p > 0, np.repeat(strip, self.fineness.cells), -1)
         result = outcome(
             places,
             node=np.arange(n),
@@ -116,19 +120,26 @@ class FittedContact:
                 linear=count.linear,
                 points=n,
                 residual=count.residual,
+                settled=settled,
                 seconds={"fit": fitted - start, "compliance": gathered - fitted, "solve": solved - gathered},
             ),
         )
         return sharpened(result, layout, bound)
 
-    def _fitted(self, pose: Pose, count: Count) -> tuple[Layout | None, Array]:
-        """Cells and their frictionless pressures (S, M) Pa; no cells without contact."""
+    @cached_property
+    def _lines(self) -> Array:
+        """Where the overlap is looked for, m: more finely than the lines of the compliance."""
+        arc = self.operators.upper.arc
+        return np.asarray(np.linspace(arc[0], arc[-1], max(2 * len(arc), LINES)))
+
+    def _fitted(self, pose: Pose, count: Count) -> tuple[Layout | None, Array, bool]:
+        """Cells, their frictionless pressures (S, M) Pa, and whether they settled; no cells without contact."""
         surfaces = self.operators.surfaces
 
         def normal(layout: Layout) -> Array:
             return self.operators.normal(pose, layout)
 
-        ridge = surfaces.ridge(pose, self.operators.upper.arc)
+        ridge = surfaces.ridge(pose, self._lines)
         if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
             raise OutsideGrid("the wheel overlaps the rail beyond the part of its surface that carries contact points")
         rough, pressure = coarse(surfaces, pose, ridge, normal, count)
@@ -136,14 +147,17 @@ class FittedContact:
         few, tolerance = max(self.fineness.cells // 2, 4), 5 * self.tolerance
         # equal cells find the ends from afar; those that shrink towards the leading end only from near
         layout = patches(rough, pressure, self.fineness, marks(few, rolling=False))
+        settled = True
         for cells in (marks(few, rolling=False), marks(self.fineness.cells, rolling=rolls)):
             if layout is None:
                 break
             start = replace(layout, marks=cells)
             found = fit(surfaces, pose, normal, start, self.fineness, tolerance=tolerance, count=count)
-            layout, pressure = (None, pressure) if found is None else (found.layout, found.pressure)
+            if found is None:
+                return None, pressure, True
+            layout, pressure, settled = found.layout, found.pressure, found.settled
             tolerance = self.tolerance
-        return layout, pressure
+        return layout, pressure, settled
 
     def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
         """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""

@@ -7,11 +7,12 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg as la
 
-from contact.pose import Array, Mask, Pose
+from contact.pose import Array, Mask, Nodes, Pose
 from contact.pressure import normal_contact
 from contact.strip_surfaces import Ridge, StripSurfaces
 from contact.strips import Layout, edge_rules, marks, tip
@@ -19,7 +20,8 @@ from contact.tractions import Count, NotConverged
 
 log = logging.getLogger(__name__)
 
-COARSE_STRIPS, COARSE_CELLS = 16, 8
+COARSE_STRIPS, COARSE_CELLS = 24, 8
+NECK = 0.9  # of the smaller hump beside it: a load lower than that divides a patch into parts with strips of their own
 GAUSS = 0.5 / np.sqrt(3.0)  # of a cell's length, from its middle
 STEPS = 40
 MOST = 4  # times as many strips as a round patch has
@@ -40,7 +42,7 @@ class Fineness:
 
     def strips_over(self, width: float, length: float) -> int:
         """Strips of a patch: more when it is wider than long, so that humps side by side are seen, up to a limit."""
-        wanted = self.strips * width / max(length, 1e-12)
+        wanted = 0.75 * self.strips * width / max(length, 1e-12)
         return int(np.ceil(min(max(self.strips, wanted), MOST * self.strips)))
 
     def halved(self) -> Fineness:
@@ -106,11 +108,15 @@ def _crossing(ridge: Ridge, inner: int, outer: int) -> float:
 
 
 def patches(layout: Layout, pressure: Array, fineness: Fineness, cell_marks: Array) -> Layout | None:
-    """One patch for every run of strips that carry pressure, fitted to it roughly; None without any."""
+    """Parts for every run of strips that carry pressure, fitted to it roughly; None without any.
+
+    A run with several humps is divided at the necks between them, so that a patch about to part has the same strips as
+    the two that it becomes.
+    """
     carries = (pressure > 0).any(axis=1)
     joined = np.concatenate([[False], carries[1:] & carries[:-1] & (layout.patch[1:] == layout.patch[:-1])])
     run = np.cumsum(carries & ~joined) - 1
-    found: list[Stretch] = []
+    found: list[Part] = []
     for k in range(run.max(initial=-1) + 1):
         own = np.flatnonzero(carries & (run == k))
         edges, p, width = layout.edges[own], pressure[own], layout.width[own[0]]
@@ -121,14 +127,35 @@ def patches(layout: Layout, pressure: Array, fineness: Fineness, cell_marks: Arr
         load = (p * np.diff(edges)).sum(axis=1)
         low = layout.sides[own[0], 0] - tip(load) * width
         high = layout.sides[own[-1], 1] + tip(load[::-1]) * width
-        found.append(Stretch(float(low), float(high), layout.middle[own], ends))
+        cuts = [low, *(float(layout.middle[own[j]]) for j in _necks(load)), high]
+        middle = layout.middle[own]
+        for start, stop in pairwise(cuts):
+            inside = (middle >= start - width) & (middle <= stop + width)
+            found.append(Part(float(start), float(stop), middle[inside], ends[inside]))
     return _assembled(found, fineness, cell_marks)
 
 
+def _necks(load: Array) -> list[int]:
+    """Strips between humps of the load (n,), lowest between them."""
+    found: list[int] = []
+    start = 0
+    for j in range(1, len(load) - 1):
+        if load[j] > min(load[j - 1], load[j + 1]) or j <= start:
+            continue
+        before, after = load[start:j].max(), load[j + 1 :].max()
+        if load[j] < NECK * min(before, after) and load[j] <= load[start : j + 1].min():
+            beyond = load[j + 1 :]
+            rise = int(np.argmax(beyond > load[j] / NECK)) if (beyond > load[j] / NECK).any() else len(beyond)
+            if load[j] <= beyond[:rise].min(initial=np.inf):
+                found.append(j)
+                start = j
+    return found
+
+
 @dataclass(frozen=True)
-class Stretch:
-    """A patch to be: its tips low and high m, middles (n,) and ends (n, 2) m of strips known; how many it shall have
-    (None: as suits it).
+class Part:
+    """A patch, or a part of one, to be: its tips low and high m, middles (n,) and ends (n, 2) m of strips known; how
+    many it shall have (None: as suits it).
     """
 
     low: float
@@ -137,44 +164,50 @@ class Stretch:
     ends: Array
     count: int | None = None
 
-    def joined(self, other: Stretch) -> Stretch:
-        """Both as one, the other one beginning later."""
-        return Stretch(
-            self.low,
-            max(self.high, other.high),
-            np.concatenate([self.middle, other.middle]),
-            np.concatenate([self.ends, other.ends]),
-        )
 
-
-def _assembled(found: list[Stretch], fineness: Fineness, cell_marks: Array) -> Layout | None:
-    """Layout of patches; those that meet join. None without any."""
-    joined: list[Stretch] = []
-    for stretch in sorted(found, key=lambda item: item.low):
-        meets = bool(joined) and stretch.low <= joined[-1].high
-        joined.append(joined.pop().joined(stretch) if meets else stretch)
+def _assembled(found: list[Part], fineness: Fineness, cell_marks: Array) -> Layout | None:
+    """Layout of parts; those that meet share a side, halfway between their tips. None without any."""
+    parts = sorted(found, key=lambda part: part.low)
+    low = np.array([part.low for part in parts])
+    high = np.array([part.high for part in parts])
     sides, all_ends, patch = [], [], []
-    for number, stretch in enumerate(joined):
-        low, high, middle, ends = stretch.low, stretch.high, stretch.middle, stretch.ends
-        count = stretch.count or fineness.strips_over(high - low, float(np.diff(ends).max()))
-        edge = np.linspace(low, high, count + 1)
+    for number in range(len(parts) - 1):
+        if low[number + 1] <= high[number]:
+            high[number] = low[number + 1] = 0.5 * (high[number] + low[number + 1])
+    for number, part in enumerate(parts):
+        if not high[number] > low[number]:
+            continue
+        meets = (
+            number > 0 and low[number] == high[number - 1],
+            number + 1 < len(parts) and high[number] == low[number + 1],
+        )
+        length = float(np.diff(part.ends).max())
+        count = part.count or fineness.strips_over(float(high[number] - low[number]), length)
+        edge = np.linspace(low[number], high[number], count + 1)
         sides.append(np.column_stack([edge[:-1], edge[1:]]))
-        all_ends.append(_ends_at(0.5 * (edge[1:] + edge[:-1]), low, high, middle, ends))
+        all_ends.append(_ends_at(0.5 * (edge[1:] + edge[:-1]), edge[[0, -1]], meets, part.middle, part.ends))
         patch += [number] * count
     if not sides:
         return None
     return Layout(np.concatenate(sides), np.concatenate(all_ends), np.array(patch), cell_marks)
 
 
-def _ends_at(at: Array, low: float, high: float, middle: Array, ends: Array) -> Array:
-    """Ends of strips at other places: the squared half lengths of an ellipse are a parabola, zero at its tips."""
-    inner = (middle > low) & (middle < high)
+def _ends_at(at: Array, tips: Array, meets: tuple[bool, bool], middle: Array, ends: Array) -> Array:
+    """Ends of strips at other places: the squared half lengths of an ellipse are a parabola, zero at its tips, but not
+    where it meets another part.
+    """
+    inner = (middle > tips[0]) & (middle < tips[1])
+    if not inner.any():
+        inner = np.abs(middle - tips.mean()) <= np.abs(middle - tips.mean()).min()
     s, known = middle[inner], ends[inner]
-    half2 = np.interp(
-        at, np.concatenate([[low], s, [high]]), np.concatenate([[0], (0.5 * np.diff(known)[:, 0]) ** 2, [0]])
-    )
+    squares = (0.5 * np.diff(known)[:, 0]) ** 2
+    place, value = list(s), list(squares)
+    for side, where in ((0, tips[0]), (1, tips[1])):
+        if not meets[side] and (where < s[0] if side == 0 else where > s[-1]):
+            place.insert(0 if side == 0 else len(place), float(where))
+            value.insert(0 if side == 0 else len(value), 0.0)
+    half = np.sqrt(np.maximum(np.interp(at, place, value), 1e-4 * squares.max()))
     x = np.interp(at, s, known.mean(axis=1))
-    half = np.sqrt(half2)
     return np.column_stack([x - half, x + half])
 
 
@@ -260,24 +293,38 @@ def _beyond(layout: Layout, pressure: Array) -> Array:
 
 def _outermost(layout: Layout) -> Mask:
     """First and last strips of the patches, which the tips' steps move."""
-    new = np.diff(layout.patch) != 0
-    return np.asarray(np.concatenate([[True], new]) | np.concatenate([new, [True]]))
+    found = np.zeros(len(layout.patch), dtype=bool)
+    found[np.concatenate(_bounds(layout))] = True
+    return found
 
 
 def _tips(layout: Layout, load: Array) -> Array:
-    """How far each patch reaches beyond its first and its last strip (patches, 2), in widths."""
-    runs = [load[layout.patch == k] for k in np.unique(layout.patch)]
-    return np.array([(tip(own), tip(own[::-1])) for own in runs])
+    """How far each part reaches beyond its first and its last strip (parts, 2), in widths; nothing where it meets the
+    next one as long as both press there.
+    """
+    first, last = _bounds(layout)
+    found = np.array([(tip(load[i : j + 1]), tip(load[i : j + 1][::-1])) for i, j in zip(first, last, strict=True)])
+    for k in range(len(first) - 1):
+        i, j = last[k], first[k + 1]
+        if layout.sides[i, 1] == layout.sides[j, 0] and load[i] > 0 and load[j] > 0:
+            found[k, 1] = found[k + 1, 0] = 0.0
+    return found
+
+
+def _bounds(layout: Layout) -> tuple[Nodes, Nodes]:
+    """First and last strip of every part."""
+    new = np.flatnonzero(np.diff(layout.patch)) + 1
+    return np.concatenate([[0], new]), np.concatenate([new - 1, [len(layout.patch) - 1]])
 
 
 def _retipped(layout: Layout, load: Array, tips: Array, fineness: Fineness) -> Layout | None:
-    """Strips between the moved tips; patches that lost their load vanish, those that meet join."""
+    """Strips between the moved tips; parts that lost their load vanish, those that meet share a side."""
     found = []
-    for k, (before, after) in zip(np.unique(layout.patch), tips, strict=True):
-        own = np.flatnonzero(layout.patch == k)
-        width = layout.width[own[0]]
-        low, high = layout.sides[own[0], 0] - before * width, layout.sides[own[-1], 1] + after * width
+    for i, j, (before, after) in zip(*_bounds(layout), tips, strict=True):
+        own = slice(i, j + 1)
+        width = layout.width[i]
+        low, high = layout.sides[i, 0] - before * width, layout.sides[j, 1] + after * width
         middle = layout.middle[own]
         if (load[own] > 0).any() and ((middle > low) & (middle < high)).any():
-            found.append(Stretch(float(low), float(high), middle, layout.ends[own], len(own)))
+            found.append(Part(float(low), float(high), middle, layout.ends[own], j + 1 - i))
     return _assembled(found, fineness, layout.marks)

@@ -74,13 +74,17 @@ class Fields:
 
 @dataclass(frozen=True)
 class Statistics:
-    """Cost of one solve: Newton and linear iterations, candidate points, final relative residual, seconds by phase."""
+    """Cost of one solve: Newton and linear iterations, candidate points, final relative residual, seconds by phase.
+
+    settled: whether the ends of fitted cells came to rest; if not, the laws hold on cells that end a little aside.
+    """
 
     newton: int = 0
     linear: int = 0
     points: int = 0
     residual: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
+    settled: bool = True
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ def sharpened(result: ContactResult, layout: Layout, bound: Array) -> ContactRes
             stick_length(row, part) * wide[0] / part[0]
             for row, part, wide in zip(left[own], length, area[own], strict=True)
         )
-        highest = peak(p[own], x, length, s)
+        highest = peak(p[own], x, length, s, width)
         found.append(replace(patch, max_pressure=highest, semi_axes=axes, stick_area=float(stick)))
     return replace(result, patches=tuple(found))
 
@@ -76,7 +76,7 @@ def spread(p: Array, x: Array, length: Array, weight: Array) -> float:
     return float(np.sqrt(5 * max(moment, 0.0)))
 
 
-def peak(p: Array, x: Array, length: Array, s: Array) -> float:
+def peak(p: Array, x: Array, length: Array, s: Array, width: Array) -> float:
     """Largest pressure Pa: a parabola through the mean pressures of the largest cell and its neighbours each way.
 
     A hump that it would raise by more than 1 % is not resolved by three cells and left as it is.
@@ -88,7 +88,7 @@ def peak(p: Array, x: Array, length: Array, s: Array) -> float:
     if not inner[i, j] > 0:
         return float(p.max())
     along = _rise(p[i, j - 1 : j + 2], x[i, j - 1 : j + 2], float(length[i, j]))
-    across = _rise(p[i - 1 : i + 2, j], s[i - 1 : i + 2], float(s[1] - s[0])) if 0 < i < len(p) - 1 else 0.0
+    across = _rise(p[i - 1 : i + 2, j], s[i - 1 : i + 2], float(width[i])) if 0 < i < len(p) - 1 else 0.0
     return best + along + across
 
 

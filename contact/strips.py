@@ -15,7 +15,8 @@ class Layout:
     """S strips of M cells.
 
     sides (S, 2) m, arc length on the wheel's profile; ends (S, 2) m, trailing and leading end along the rolling
-    circle; patch (S,) to which a strip belongs, in order; marks (M + 1,) from 0 (trailing) to 1, where cells end.
+    circle; patch (S,) number of the part, of strips
+    of one width, to which a strip belongs, in order; marks (M + 1,) from 0 (trailing) to 1, where cells end.
     """
 
     sides: Array
@@ -40,6 +41,24 @@ class Layout:
 
 
 LEADING = 0.35  # share of the cells' density that favours the leading end alone
+
+
+def connected(layout: Layout, pressure: Array) -> Nodes:
+    """Patch (S,) of every strip, -1 where none of its cells (S, M) presses: neighbours that press side by side."""
+    presses = pressure > 0
+    found = np.full(len(presses), -1)
+    edges = layout.edges
+    count = -1
+    for i, row in enumerate(presses):
+        if not row.any():
+            continue
+        touches = False
+        if i > 0 and found[i - 1] >= 0 and layout.sides[i, 0] - layout.sides[i - 1, 1] <= 1e-9 * layout.width[i]:
+            mine, other = edges[i][:-1][row], edges[i - 1][1:][presses[i - 1]]
+            touches = bool(mine[0] < other[-1] and edges[i - 1][:-1][presses[i - 1]][0] < edges[i][1:][row][-1])
+        count += not touches
+        found[i] = count
+    return found
 
 
 def marks(cells: int, *, rolling: bool) -> Array:

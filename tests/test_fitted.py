@@ -282,7 +282,8 @@ def test_a_second_patch_does_not_make_forces_jump() -> None:
     assert {len(result.patches) for result in results} >= {1, 2}
     forces = np.array([result.force for result in results])
     bends = np.abs(np.diff(forces, 2, axis=0)).max(axis=0)
-    assert (bends < 0.01 * 57e3).all()
+    # of some 110 kN, which grow by 5 % from one position to the next
+    assert (bends < 0.01 * 110e3).all()
 
 
 def test_yaw_moves_the_patch_but_not_its_load() -> None:
