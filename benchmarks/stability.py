@@ -82,11 +82,15 @@ def show(found: list[Outcome]) -> str:
             f"\n{len(twins)} compared with a twin, {alone} of which had no force to compare; "
             f"{len(loose)} cases whose cells did not settle, {seen} of them compared"
         ]
-    reasons = Counter(f"{'fitted' if o.fitted else 'grid'}: {o.reason}" for o in found if o.kind == "no answer")
+    reasons = Counter(f"{kind(o)}: {o.reason}" for o in found if o.kind == "no answer")
     lines += ["\n## Without an answer\n", *(f"- {number} x {reason}" for reason, number in reasons.most_common())]
     lines += ["\n## Failed, beyond a limit, or unlike their twin\n"]
-    lines += [f"- {trouble(o)}: {o.case}" for o in found if trouble(o)] or ["- none"]
+    lines += [f"- {kind(o)}: {trouble(o)}: {o.case}" for o in found if trouble(o)] or ["- none"]
     return "\n".join(lines)
+
+
+def kind(outcome: Outcome) -> str:
+    return "fitted" if outcome.fitted else "grid"
 
 
 def trouble(outcome: Outcome) -> str:

@@ -1,7 +1,7 @@
 """Depth at which a wheel carries about a load: virtual penetration, Piotrowski and Kik 2008,
 doi:10.1080/00423110701586444. A stress test needs a spread of loads, not the exact ones.
 
-Half-spaces carry about that load there, 0.8 to 1.1 times as much. Wheel and rail give way sideways, so that the same
+Half-spaces carry about that load there, 0.8 to 1.5 times as much. Wheel and rail give way sideways, so that the same
 pose on a flange loads them less, down to a twentieth.
 """
 

@@ -38,8 +38,12 @@ TARGET = {
 }
 HOLDS = {
     **TARGET,
+    "force": 2.0,  # not reached: 1.8 on the tread, beside CONTACT's conformal variant; flange 0.2
 }
-NARROW = 7.0  # %, not reached: at y = 0 the peak is on a hump of 4 mm; 6.2 at 1 mm, 4.2 at 0.6 mm, -0.7 at 0.4 mm
+NARROW = 5.0  # %, of finite bodies at y = 0: they shift load to the narrow hump; half-spaces reach the target
+PUSHED = (
+    5.0  # %, of the area of finite bodies where their sections turn (y = 2 mm, right); half-spaces reach the target
+)
 STEEL = Steel(2.1e11, 0.3)
 COARSE = 1e-3  # m
 
@@ -110,33 +114,52 @@ def test_signs_of_creepage_and_spin() -> None:
 
 
 @cache
-def compared(series: str, y: float, side: Side) -> tuple[ContactResult, Difference]:
+def compared(series: str, y: float, side: Side, bodies: str = "waveguide") -> tuple[ContactResult, Difference]:
     data = reference("wheelset")
     given = data["input"]
+    normal = series == "normal_only"
     (case,) = (case for case in data["series"][series] if case["y"] == y)
     at = state(case, speed=given["speed"], pitch_rate=given["pitch_rate"])
-    friction = 0.0 if series == "normal_only" else given["mu"]
-    result = seated(track_of(given), friction, at, side, given["load"], COARSE)
+    friction = 0.0 if normal else given["mu"]
+    result = seated(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies)
     return result, difference(result, case[side], side)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-@pytest.mark.parametrize(("series", "y"), [("normal_only", 0.0), ("normal_only", 3.0), ("rolling", 2.0)])
-def test_wheelset_on_the_tread(series: str, y: float, side: Side) -> None:
+@pytest.mark.parametrize(
+    ("series", "y"),
+    [("normal_only", 0.0), ("normal_only", 3.0), ("rolling_conformal", 2.0), ("rolling_conformal", 4.5)],
+)
+def test_wheelset_on_half_spaces(series: str, y: float, side: Side) -> None:
+    # the same bodies as CONTACT's: what is left is the discretisation, and how creepage is counted
+    result, apart = compared(series, y, side, "half-space")
+    assert result.force[2] == pytest.approx(57e3, rel=1e-4)
+    assert apart.same_patches
+    assert abs(1e3 * apart.place) < 0.1 * HOLDS["place"]
+    assert abs(100 * apart.area) < HOLDS["area"]
+    assert abs(100 * apart.peak) < HOLDS["peak"]
+    if series != "normal_only":
+        assert np.abs(apart.forces).max() / (0.3 * 57e3) < 1e-2 * HOLDS["force"]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("series", "y"), [("normal_only", 0.0), ("normal_only", 3.0), ("rolling_conformal", 2.0)])
+def test_wheelset_of_finite_bodies(series: str, y: float, side: Side) -> None:
     result, apart = compared(series, y, side)
     assert result.force[2] == pytest.approx(57e3, rel=1e-4)
     assert apart.same_patches
     assert abs(1e3 * apart.place) < HOLDS["place"]
-    assert abs(100 * apart.area) < HOLDS["area"]
+    assert abs(100 * apart.area) < PUSHED
     assert abs(100 * apart.peak) < (HOLDS["peak"] if y else NARROW)
-    if series == "rolling":
+    if series != "normal_only":
         assert np.abs(apart.forces).max() / (0.3 * 57e3) < 1e-2 * HOLDS["force"]
 
 
 def test_two_patches_at_the_gauge_corner() -> None:
-    result, apart = compared("normal_only", 5.0, "right")
+    result, apart = compared("normal_only", 5.0, "right", "half-space")
     assert apart.patches == (2, 2)
-    assert abs(apart.place) < 1e-3
+    assert abs(apart.share) < 0.01
+    assert abs(apart.place) < 0.1e-3
     assert abs(np.diff([patch.rail_y for patch in result.patches])[0]) == pytest.approx(10e-3, abs=1e-3)
 
 
@@ -163,7 +186,7 @@ def test_references_are_mirror_images_at_y_zero(series: str) -> None:
 
 
 def test_a_wrong_sign_would_be_seen() -> None:
-    result, apart = compared("rolling", 2.0, "right")
+    result, apart = compared("rolling_conformal", 2.0, "right")
     case = next(case for case in reference("wheelset")["series"]["rolling"] if case["y"] == 2.0)
     assert apart.patches == (1, 1)
     mirrored = difference(replace(result, force=result.force * [-1, 1, 1]), case["right"], "right")

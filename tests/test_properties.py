@@ -1,4 +1,8 @@
-"""Properties that no contact may lack whatever its radii, approach, creepage and laws: Hertz pairs drawn at random."""
+"""Properties that no contact may lack whatever its radii, approach, creepage and laws: Hertz pairs drawn at random.
+
+On half-spaces, which have no mesh: symmetry and scaling hold there to round-off. Endless blocks are meshed, and their
+triangles are no mirror images of each other.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,7 @@ from contact.fitted import FittedContact
 from contact.fitting import Fineness
 from contact.laws import Laws, Steel
 from contact.loading import hertz_pose
-from contact.pairs import hertz_pair
+from contact.pairs import Bodies, hertz_pair
 from contact.pose import MIRROR, Motion, Pose, Twist
 from contact.result import ContactResult
 
@@ -27,8 +31,8 @@ FEW = settings(
     suppress_health_check=list(HealthCheck),
 )
 RADIUS, APPROACH, SIZE = 0.3, 5e-5, 1e-3
-CELLS = Fineness(8, 8)
-ALIKE = 5e-4  # of the load: the blocks' triangles are no mirror images of each other; 1.7e-4 at worst here
+CELLS = 8
+EXACT = 1e-9  # round-off and what Newton leaves, of the load
 
 creepages = st.floats(-5e-3, 5e-3)
 spins = st.floats(-1.0, 1.0)
@@ -38,7 +42,9 @@ depths = st.floats(5e-6, APPROACH)
 
 
 @cache
-def frictionless(ratio: float, scale: float = 1.0) -> FittedContact:
+def frictionless(
+    ratio: float, scale: float = 1.0, *, cells: int = CELLS, bodies: Bodies = "half-space"
+) -> FittedContact:
     """A steel body with radii R and ratio R on a plane; all lengths times the scale."""
     model = hertz_pair(
         (scale * RADIUS, scale * ratio * RADIUS),
@@ -48,8 +54,8 @@ def frictionless(ratio: float, scale: float = 1.0) -> FittedContact:
         approach=scale * APPROACH,
         surface_size=scale * SIZE,
         laws=Laws(np.inf, 0.0, 0.0),
-        bodies="waveguide",
-        fineness=CELLS,
+        bodies=bodies,
+        fineness=Fineness(cells, cells),
         tolerance=1e-7,  # ends as exact as they can be, so that all that is left is the cells
     )
     assert isinstance(model, FittedContact)
@@ -97,15 +103,57 @@ def test_laws_hold_and_friction_never_feeds(
     assert work.max() <= 1e-9 * mu * f.pressure.max() * max(np.hypot(*f.slip.T).max(), 1e-9)
 
 
+def unlike_mirrored(model: FittedContact, depth: float, xi: float, eta: float, phi: float) -> float:
+    """Difference of force and moment from those of the mirrored motion, over load and load times radius."""
+    one, other = (solved(model, hertz_pose(depth), rolling(xi, sign * eta, sign * phi)) for sign in (1, -1))
+    size = float(np.linalg.norm(one.force))
+    force, moment = other.force - MIRROR * one.force, other.moment + MIRROR * one.moment
+    return float(max(np.abs(force).max(), np.abs(moment).max() / RADIUS)) / size
+
+
 @FEW
 @given(ratios, depths, frictions, creepages, creepages, spins)
 def test_mirror_symmetry(ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float) -> None:
     model = replace(frictionless(ratio), laws=Laws(np.inf, mu, 0.0))
-    one = solved(model, hertz_pose(depth), rolling(xi, eta, phi))
-    other = solved(model, hertz_pose(depth), rolling(xi, -eta, -phi))
-    size = float(np.linalg.norm(one.force))
-    assert other.force == pytest.approx(MIRROR * one.force, abs=ALIKE * size)
-    assert other.moment == pytest.approx(-MIRROR * one.moment, abs=ALIKE * size * RADIUS)
+    assert unlike_mirrored(model, depth, xi, eta, phi) < EXACT
+
+
+def test_what_blocks_lack_of_mirror_symmetry_is_their_triangles() -> None:
+    """The same blocks with a spectrum that is the mean of itself and its mirror image lack none."""
+    model = replace(frictionless(0.4, bodies="waveguide"), laws=Laws(np.inf, 0.5, 0.0))
+    given = 3e-5, 1e-3, 2e-3, 0.4
+    assert EXACT < unlike_mirrored(model, *given) < 1e-3
+    kernel = model.operators.upper
+    spectrum = kernel.samples
+    first, second = np.triu_indices(spectrum.lines)
+    last = spectrum.lines - 1
+    place = np.zeros((last + 1, last + 1), dtype=int)
+    place[first, second] = np.arange(len(first))
+    # the pair (s, t), s <= t, is mirrored to (last - t, last - s) and read the other way round
+    image = spectrum.values[:, place[last - second, last - first]].swapaxes(-1, -2) * np.outer(MIRROR, MIRROR)
+    even = replace(spectrum, values=0.5 * (spectrum.values + image))
+    same = replace(kernel, spectrum=lambda: even)
+    mended = replace(model, operators=replace(model.operators, upper=same, lower=same))
+    assert unlike_mirrored(mended, *given) < EXACT
+
+
+@FEW
+@given(ratios, depths, frictions, creepages, creepages, spins)
+def test_the_same_question_has_the_same_answer(
+    ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float
+) -> None:
+    """To the last bit, whatever was asked before, and whatever the guess."""
+    model, pose, motion = (
+        replace(frictionless(ratio), laws=Laws(np.inf, mu, 0.0)),
+        hertz_pose(depth),
+        rolling(xi, eta, phi),
+    )
+    one = solved(model, pose, motion)
+    solved(model, hertz_pose(0.5 * depth), rolling(-xi, eta, 0.0))
+    again = model(pose, motion, one)
+    assert (again.force == one.force).all()
+    assert (again.moment == one.moment).all()
+    assert repr(again.patches) == repr(one.patches)
 
 
 @FEW
@@ -123,25 +171,32 @@ def test_motion_feeds_what_full_sliding_dissipates(
     assert dissipated(result, 10.0) == pytest.approx(fed, rel=2e-3)
 
 
-@FEW
-@given(ratios, st.floats(1e-5, 4e-5))
-def test_force_is_the_slope_of_the_elastic_energy(ratio: float, depth: float) -> None:
-    """dE/d(approach) = F without friction, by a central difference that is itself off by 2e-5;
-    8 strips of 8 cells leave 0.5 % of the energy.
-    """
-    model, step = frictionless(ratio), 0.02 * depth
-    below, here, above = (solved(model, hertz_pose(depth + k * step), rolling(0, 0, 0)) for k in (-1, 0, 1))
-    slope = (elastic_energy(above) - elastic_energy(below)) / (2 * step)
-    assert slope == pytest.approx(float(here.force[2]), rel=8e-3)
-
-
 @pytest.mark.parametrize("ratio", [0.4, 1.0])
-def test_force_grows_like_the_approach_to_three_halves(ratio: float) -> None:
-    """A fitted slope; finite blocks and their clamped ends lack about 1 % of the approach."""
+def test_force_is_the_slope_of_the_elastic_energy(ratio: float) -> None:
+    """dE/d(approach) = F without friction but for the cells, whose error falls faster than their number squared."""
+    numbers, error = np.array([4, 6, 8, 12]), []
+    for cells in numbers:
+        model, depth = frictionless(ratio, cells=int(cells)), 3e-5
+        below, here, above = (solved(model, hertz_pose(depth * (1 + k * 0.02)), rolling(0, 0, 0)) for k in (-1, 0, 1))
+        slope = (elastic_energy(above) - elastic_energy(below)) / (0.04 * depth)
+        # of d^(5/2) the central difference is too large by 5e-5
+        error.append(slope / 1.00005 / float(here.force[2]) - 1)
+    order = -np.polyfit(np.log(numbers), np.log(np.abs(error)), 1)[0]
+    assert order > 2.1
+    assert abs(error[-1]) < 2.2e-3
+
+
+@pytest.mark.parametrize(("bodies", "off"), [("half-space", 1e-5), ("waveguide", 6e-3)])
+@pytest.mark.parametrize("ratio", [0.4, 1.0])
+def test_force_grows_like_the_approach_to_three_halves(bodies: Bodies, off: float, ratio: float) -> None:
+    """A fitted slope; blocks end after 40 to 80 semi-axes and lack about 1 % of the approach, the larger the patch the
+    more: 0.3 to 0.5 % of the slope.
+    """
     at = APPROACH * np.geomspace(0.1, 1.0, 5)
-    force = [float(solved(frictionless(ratio), hertz_pose(d), rolling(0, 0, 0)).force[2]) for d in at]
+    model = frictionless(ratio, bodies=bodies)
+    force = [float(solved(model, hertz_pose(d), rolling(0, 0, 0)).force[2]) for d in at]
     slope = np.polyfit(np.log(at), np.log(force), 1)[0]
-    assert slope == pytest.approx(1.5, abs=0.02)
+    assert slope == pytest.approx(1.5, abs=off)
 
 
 @FEW
@@ -152,7 +207,6 @@ def test_size_invariance(ratio: float, scale: float, mu: float, xi: float, phi: 
     one = solved(replace(frictionless(ratio), **laws), hertz_pose(APPROACH), rolling(xi, 0.0, phi))
     large = replace(frictionless(ratio, scale), **laws)
     other = solved(large, hertz_pose(scale * APPROACH), rolling(xi, 0.0, phi / scale))
-    assert other.force == pytest.approx(scale**2 * one.force, rel=1e-6, abs=1e-6 * scale**2 * one.force[2])
-    assert other.moment[2] == pytest.approx(
-        scale**3 * one.moment[2], rel=1e-6, abs=1e-6 * scale**3 * one.force[2] * APPROACH**0.5
-    )
+    size = float(one.force[2])
+    assert other.force == pytest.approx(scale**2 * one.force, abs=EXACT * scale**2 * size)
+    assert other.moment == pytest.approx(scale**3 * one.moment, abs=EXACT * scale**3 * size * RADIUS)
