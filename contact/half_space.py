@@ -45,19 +45,28 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: f
     )
 
 
-def strip_antiderivative(x: Array, sides: Array, nu: float) -> Array:
+def strip_antiderivative(x: Array, sides: Array, nu: float, *, tangential: bool = True) -> Array:
     """G (nodes, S, S, 4) at distances x (nodes,) >= 0 of which the second derivative is the mean compliance between
-    strips with sides (S, 2); unit modulus, components as above.
+    strips with sides (S, 2); unit modulus, components as above, or across and normal alone (2).
     """
     widths = sides[:, 1] - sides[:, 0]
     scale = (1 + nu) / np.pi / (widths[:, None] * widths)
 
-    def part(which: int) -> Callable[[Array], Array]:
-        return lambda y: _fourfold(x[:, None], y)[which]
+    known: list[tuple[Array, Array, Array, Array]] = []
 
-    inverse, xx, yy = (
-        second_difference(sides, sides, part(which), _fourfold(x, np.zeros(1))[which]) for which in range(3)
-    )
+    def part(which: int) -> Callable[[Array], Array]:
+        def of(y: Array) -> Array:
+            if not known:  # the distances are the same for all components
+                known.append(_fourfold(x[:, None], y))
+            return known[0][which]
+
+        return of
+
+    still = _fourfold(x, np.zeros(1))
+    inverse, yy = (second_difference(sides, sides, part(which), still[which]) for which in (0, 2))
+    if not tangential:
+        return np.stack([((1 - nu) * inverse + nu * yy) * scale, (1 - nu) * inverse * scale], axis=-1)
+    xx = second_difference(sides, sides, part(1), still[1])
     xy = second_difference(sides, sides, part(3), 0.0, odd=True)
     parts = [(1 - nu) * inverse + nu * xx, (1 - nu) * inverse + nu * yy, (1 - nu) * inverse, nu * xy]
     return np.stack([value * scale for value in parts], axis=-1)
@@ -108,5 +117,8 @@ def second_difference(
     v[:] = np.asarray(same).reshape(-1, 1, 1)
     v[:, other, one] = values[:, place]
     v[:, one, other] = -values[:, place] if odd else values[:, place]
+    if (row[:, 1] == row[:, 0] + 1).all() and (column[:, 1] == column[:, 0] + 1).all():
+        steps = np.diff(np.diff(v, axis=1), axis=2)
+        return np.asarray(-steps[:, row[:, 0]][:, :, column[:, 0]])
     ends = [v[:, row[:, i]][:, :, column[:, j]] for i, j in ((1, 0), (0, 1), (0, 0), (1, 1))]
     return np.asarray(ends[0] + ends[1] - ends[2] - ends[3])

@@ -130,10 +130,10 @@ class StripKernel:
 
     def normal(self, sides: Array) -> Array:
         """Table (S, S, nodes, 1) of G along the surface's normals between strips with sides (S, 2) m."""
-        near = self._near(sides)
+        near = self._near(sides, tangential=False)
         tangent = self._tangents(sides.mean(axis=1))
         turn = np.clip(tangent @ tangent.T, -1.0, 1.0)[..., None]  # cosine of the angle between two strips
-        table = 0.5 * ((1 + turn) * near[..., 2] - (1 - turn) * near[..., 1])
+        table = 0.5 * ((1 + turn) * near[..., 1] - (1 - turn) * near[..., 0])
         share = self._prepared(sides)
         if share is not None:
             smooth = np.tensordot(share, np.tensordot(share, self._smooth_normal, axes=(1, 1)), axes=(1, 2))  # j, i, k
@@ -157,15 +157,17 @@ class StripKernel:
             table += even.reshape(table.shape)
         return np.asarray(table.reshape(*table.shape[:3], 9) * (self.scale * self.unit**2))
 
-    def _near(self, sides: Array) -> Array:
-        """G (S, S, nodes, 4) of strips on half-spaces, less what the floored spectrum lacks, units."""
+    def _near(self, sides: Array, *, tangential: bool = True) -> Array:
+        """G (S, S, nodes, 4 or 2) of strips on half-spaces, less what the floored spectrum lacks, units."""
         across = np.interp(sides, self.arc, self._across) / self.unit
         stretch = self._stretch(sides.mean(axis=1))
         x = self._nodes
-        found = strip_antiderivative(np.abs(x), across, self.nu)
+        found = strip_antiderivative(np.abs(x), across, self.nu, tangential=tangential)
         if self._floor > 0:
-            found[..., :3] -= floor_correction(x, self._floor, self.nu)[:, None, None]
-        found[x < 0, ..., 3] *= -1
+            lacks = floor_correction(x, self._floor, self.nu)[:, None, None]
+            found[..., :3] -= lacks if tangential else lacks[..., 1:]
+        if tangential:
+            found[x < 0, ..., 3] *= -1
         between = 0.5 * (stretch[:, None] + stretch)[..., None, None]
         return np.asarray(found.transpose(1, 2, 0, 3) / between)
 
