@@ -18,7 +18,7 @@ from benchmarks.accuracy_bodies import (
     solved,
 )
 from benchmarks.accuracy_table import Section, measure, reference
-from contact.fitting import Fineness
+from contact.fineness import Fineness
 from contact.laws import Steel
 from contact.pose import Array
 from contact.references.kalker import Name, kalker

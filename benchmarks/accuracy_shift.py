@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.accuracy_bodies import Ellipse, carrying, frictional, hertz_model, pressed, solved
 from benchmarks.accuracy_hertz import lacking
 from benchmarks.accuracy_table import Section, measure, reference
-from contact.fitting import Fineness
+from contact.fineness import Fineness
 from contact.laws import Steel
 from contact.pose import Motion, Twist
 from contact.references.cattaneo import cattaneo

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.stability_check import broken, findings
 from benchmarks.stability_depth import NoDepth, depth_for
 from benchmarks.stability_sample import RADIUS, SIZES, Case
-from contact.fitting import Fineness
+from contact.fineness import Fineness
 from contact.laws import Laws, Steel
 from contact.pairs import wheel_rail_pair
 from contact.result import ContactResult

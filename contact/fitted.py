@@ -14,10 +14,13 @@ from typing import Literal
 
 import numpy as np
 
+from contact.coarse import coarse, mean_overlap
 from contact.error_estimate import ErrorEstimate, difference
-from contact.fitting import Fineness, coarse, fit, mean_overlap, patches
+from contact.fineness import Fineness
+from contact.fitting import fit
 from contact.kinematics import NotRolling, creepage, shift
 from contact.laws import Laws
+from contact.parts import patches
 from contact.patches import outcome
 from contact.points import OutsideGrid, Places
 from contact.pose import Array, Motion, Pose

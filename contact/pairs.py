@@ -79,7 +79,7 @@ def hertz_pair(
     that do not
     touch in a point, and for a full model of endless blocks.
     """
-    fitted = _fitted(model, bodies, points, laws)
+    fitted = _fitted(model, bodies, points, laws, order)
     A, B = curvature(upper_radii) + curvature(lower_radii)
     E_star = modulus((upper_steel.E, upper_steel.nu), (lower_steel.E, lower_steel.nu))
     expected = hertz(A, B, E_star, force=load, approach=approach)
@@ -155,7 +155,7 @@ def wheel_rail_pair(
     wavenumbers (degree 2); or half-spaces, to compare with codes that know no others. points as for `hertz_pair`.
     Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full model of endless bodies.
     """
-    fitted = _fitted(model, bodies, points, laws)
+    fitted = _fitted(model, bodies, points, laws, order)
     if bodies == "half-space":
         kernels: list[StripKernel] = []
         for outline, ends in (
@@ -237,7 +237,7 @@ def _kernel(
     )
 
 
-def _fitted(model: Model, bodies: Bodies, points: Points | None, laws: Laws) -> bool:
+def _fitted(model: Model, bodies: Bodies, points: Points | None, laws: Laws, order: int) -> bool:
     """Whether cells are fitted. Raises ValueError for what does not go together."""
     if model == "full" and bodies != "solid":
         raise ValueError("the full model needs meshed solids")
@@ -246,4 +246,7 @@ def _fitted(model: Model, bodies: Bodies, points: Points | None, laws: Laws) -> 
         raise ValueError('fitted points need bodies = "waveguide" or "half-space" and the exact normal law')
     if points == "grid" and bodies == "half-space":
         raise ValueError("half-spaces have no grid, only fitted points")
-    return possible and points != "grid"
+    fitted = possible and points != "grid"
+    if fitted and order != 2:
+        raise ValueError(f"the slip of fitted points is of second order, got {order}")
+    return fitted

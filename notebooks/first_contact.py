@@ -23,7 +23,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from contact.condensed import Condensed
-from contact.fitting import Fineness
+from contact.fineness import Fineness
 from contact.laws import Laws, Steel
 from contact.loading import Loaded, hertz_pose, hertz_under_load
 from contact.pairs import hertz_pair

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
 
 if TYPE_CHECKING:
-    from contact.fitting import Fineness
+    from contact.fineness import Fineness
     from contact.laws import Laws
     from contact.patch_stress import LoadedBody
     from contact.pose import Motion, Pose
@@ -153,7 +153,7 @@ def _fineness(scene: HertzScene | WheelsetScene | RunScene) -> dict[str, Finenes
     given = {key: value for key in ("strips", "cells") if (value := getattr(scene, key)) is not None}
     if not given:
         return {}
-    from contact.fitting import Fineness
+    from contact.fineness import Fineness
 
     return {"fineness": Fineness(**given)}
 

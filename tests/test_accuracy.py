@@ -17,7 +17,7 @@ from benchmarks.accuracy_hertz import lacking, pair_of
 from benchmarks.accuracy_rolling import coefficients, curve_errors
 from benchmarks.accuracy_table import Section, measure, reference, show
 from benchmarks.accuracy_wheelset import seated, track_of
-from contact.fitting import Fineness
+from contact.fineness import Fineness
 from contact.laws import Steel
 from contact.pose import SIDES, Side
 from contact.references.kalker import Name, kalker

@@ -11,8 +11,8 @@ from half_space import Cells, HalfSpaces
 from scipy.special import k0, k1
 
 from contact.error_estimate import ErrorEstimate
+from contact.fineness import Fineness
 from contact.fitted import FittedContact
-from contact.fitting import Fineness
 from contact.half_space import strip_flexibility
 from contact.laws import Laws, Steel
 from contact.loading import hertz_pose, hertz_under_load

@@ -15,8 +15,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
+from contact.fineness import Fineness
 from contact.fitted import FittedContact
-from contact.fitting import Fineness
 from contact.laws import Laws, Steel
 from contact.loading import hertz_pose
 from contact.pairs import Bodies, hertz_pair

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.fitting import Fineness
+from contact.fineness import Fineness
 from contact.laws import Laws, Steel
 from contact.loading import hertz_pose
 from contact.pairs import hertz_pair

@@ -1,0 +1,62 @@
+"""A first look at a contact: strips over all that overlaps, equal cells, the frictionless pressures on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from contact.pose import Array, Pose
+from contact.pressure import normal_contact
+from contact.strip_surfaces import Ridge, StripSurfaces
+from contact.strips import Layout, marks
+from contact.tractions import Count
+
+COARSE_STRIPS, COARSE_CELLS = 24, 8
+GAUSS = 0.5 / np.sqrt(3.0)  # of a cell's length, from its middle
+
+NormalOperator = Callable[[Layout], Array]  # relative normal compliance (n, n) m/Pa between cells
+
+
+def mean_overlap(surfaces: StripSurfaces, pose: Pose, layout: Layout) -> Array:
+    """Undeformed overlap (S, M) m, the mean over every cell, by Gauss's rule of two points each way."""
+    edges = layout.edges
+    x, length = 0.5 * (edges[:, 1:] + edges[:, :-1]), np.diff(edges)
+    s, width = layout.middle[:, None], layout.width[:, None]
+    at = [(s + i * GAUSS * width, x + j * GAUSS * length) for i in (-1, 1) for j in (-1, 1)]
+    across, along = (np.stack([np.broadcast_to(p[k], x.shape) for p in at]) for k in (0, 1))
+    return np.asarray(surfaces.overlap(pose, across, along).mean(axis=0))
+
+
+def coarse(
+    surfaces: StripSurfaces, pose: Pose, ridge: Ridge, operator: NormalOperator, count: Count
+) -> tuple[Layout, Array]:
+    """Strips over every run of lines that overlap, equal cells over their overlap, and pressures (S, M) Pa there."""
+    inside = ridge.overlap > 0
+    starts = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
+    stops = np.flatnonzero(inside & ~np.concatenate([inside[1:], [False]]))
+    sides, patch = [], []
+    for number, (i, j) in enumerate(zip(starts, stops, strict=True)):
+        low = _crossing(ridge, i, i - 1) if i > 0 else ridge.s[i]
+        high = _crossing(ridge, j, j + 1) if j + 1 < len(ridge.s) else ridge.s[j]
+        edge = np.linspace(low, high, COARSE_STRIPS + 1)
+        sides.append(np.column_stack([edge[:-1], edge[1:]]))
+        patch += [number] * COARSE_STRIPS
+    both = np.concatenate(sides)
+    middle = both.mean(axis=1)
+    depth = np.maximum(np.interp(middle, ridge.s, ridge.overlap), 0.02 * ridge.overlap.max())
+    x, half = np.interp(middle, ridge.s, ridge.x), np.sqrt(2 * depth / np.interp(middle, ridge.s, ridge.bend))
+    # on a steep flange strips beside the deepest one overlap over far more than the contact's length
+    longest, centre = half[np.argmax(depth)], x[np.argmax(depth)]
+    half, x = np.minimum(half, longest), np.clip(x, centre - longest, centre + longest)
+    layout = Layout(both, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False))
+    overlap = mean_overlap(surfaces, pose, layout).ravel()
+    pressure, _ = normal_contact(operator(layout), overlap, overlap > 0.4 * overlap.max(), count)
+    return layout, pressure.reshape(len(both), -1)
+
+
+def _crossing(ridge: Ridge, inner: int, outer: int) -> float:
+    """Arc length between two lines where the overlap vanishes."""
+    a, b = ridge.overlap[inner], ridge.overlap[outer]
+    share = a / (a - b) if np.isfinite(b) else 0.0
+    return float(ridge.s[inner] + share * (ridge.s[outer] - ridge.s[inner]))
