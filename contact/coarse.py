@@ -15,6 +15,7 @@ from contact.tractions import Count
 COARSE_STRIPS, COARSE_CELLS = 24, 8
 GAUSS = 0.5 / np.sqrt(3.0)  # of a cell's length, from its middle
 
+Overlap = Callable[[Layout], Array]  # undeformed overlap (S, M) m of the cells
 NormalOperator = Callable[[Layout], Array]  # relative normal compliance (n, n) m/Pa between cells
 
 
@@ -28,9 +29,7 @@ def mean_overlap(surfaces: StripSurfaces, pose: Pose, layout: Layout) -> Array:
     return np.asarray(surfaces.overlap(pose, across, along).mean(axis=0))
 
 
-def coarse(
-    surfaces: StripSurfaces, pose: Pose, ridge: Ridge, operator: NormalOperator, count: Count
-) -> tuple[Layout, Array]:
+def coarse(ridge: Ridge, overlap: Overlap, operator: NormalOperator, count: Count) -> tuple[Layout, Array]:
     """Strips over every run of lines that overlap, equal cells over their overlap, and pressures (S, M) Pa there."""
     inside = ridge.overlap > 0
     starts = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
@@ -50,8 +49,8 @@ def coarse(
     longest, centre = half[np.argmax(depth)], x[np.argmax(depth)]
     half, x = np.minimum(half, longest), np.clip(x, centre - longest, centre + longest)
     layout = Layout(both, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False))
-    overlap = mean_overlap(surfaces, pose, layout).ravel()
-    pressure, _ = normal_contact(operator(layout), overlap, overlap > 0.4 * overlap.max(), count)
+    depths = overlap(layout).ravel()
+    pressure, _ = normal_contact(operator(layout), depths, depths > 0.4 * depths.max(), count)
     return layout, pressure.reshape(len(both), -1)
 
 

@@ -7,6 +7,7 @@ number of cells, so that a solution on half as many tells how large it is.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
@@ -24,12 +25,17 @@ from contact.parts import patches
 from contact.patches import outcome
 from contact.points import OutsideGrid, Places
 from contact.pose import Array, Motion, Pose
+from contact.raised import Raised
 from contact.result import ContactResult, Statistics
 from contact.strip_moments import sharpened
 from contact.strip_operators import StripOperators
 from contact.strips import Layout, connected, marks
 from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
 
+log = logging.getLogger(__name__)
+
+ROUNDS = 6  # of fitting and solving, where friction changes the overlap
+RAISED = 1e-2  # of the approach, that friction may still change it by
 LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
 
 
@@ -71,36 +77,55 @@ class FittedContact:
         approach = float(ridge.overlap.max())
         if approach <= 0:
             return ContactResult.separated(approach)
+        spent = {"fit": 0.0, "compliance": 0.0, "solve": 0.0}
+        raised: Raised | None = None
         try:
-            layout, pressure, settled = self._fitted(pose, count)
-            if layout is None:
-                return ContactResult.separated(approach)
-            fitted = perf_counter()
-            overlap = mean_overlap(surfaces, pose, layout).ravel()
-            places = replace(surfaces.places(pose, layout), overlap=overlap)
-            n = len(overlap)
-            speed, rigid = self._rigid(places, motion)
-            if rigid is None:
-                displacement = operator = self.operators.normal(pose, layout)
+            for _ in range(ROUNDS):
+                fit_found = self._fitted(pose, count, raised)
+                if fit_found is None:
+                    return ContactResult.separated(approach)
+                layout, pressure, settled = fit_found
+                fitted = perf_counter()
+                overlap = mean_overlap(surfaces, pose, layout).ravel()
+                places = replace(surfaces.places(pose, layout), overlap=overlap)
+                n = len(overlap)
+                speed, rigid = self._rigid(places, motion)
+                if rigid is None:
+                    displacement = operator = self.operators.normal(pose, layout)
+                else:
+                    displacement, slip = self.operators.all(pose, layout, places)
+                    slip = displacement[: 2 * n] if self.tangential == "shift" else slip
+                    # a pressure pushes along the inward normal: the last columns count -p
+                    operator = np.vstack([slip, displacement[2 * n :]])
+                gathered = perf_counter()
+                found = solve_tractions(
+                    operator,
+                    overlap,
+                    rigid,
+                    laws=self.laws,
+                    speed=speed,
+                    guess=(np.maximum(pressure.ravel(), 0.0), np.zeros(2 * n)),
+                    options=self.options,
+                    count=count,
+                )
+                solved = perf_counter()
+                for phase, seconds in zip(spent, (fitted - start, gathered - fitted, solved - gathered), strict=True):
+                    spent[phase] += seconds
+                start = solved
+                if rigid is None:
+                    break
+                # friction presses the bodies together or apart, where one patch pushes another one sideways, too
+                by_friction = (displacement[2 * n :, : 2 * n] @ found.tangential.T.ravel()).reshape(pressure.shape)
+                after = Raised.by(layout, by_friction)
+                change = float(np.abs(after.at(layout) - (0.0 if raised is None else raised.at(layout))).max())
+                log.debug("friction changes the overlap by %.1e of the approach", change / approach)
+                if change <= RAISED * approach:
+                    break
+                raised = after
             else:
-                displacement, slip = self.operators.all(pose, layout, places)
-                slip = displacement[: 2 * n] if self.tangential == "shift" else slip
-                # a pressure pushes along the inward normal: the last columns count -p
-                operator = np.vstack([slip, displacement[2 * n :]])
-            gathered = perf_counter()
-            found = solve_tractions(
-                operator,
-                overlap,
-                rigid,
-                laws=self.laws,
-                speed=speed,
-                guess=(np.maximum(pressure.ravel(), 0.0), np.zeros(2 * n)),
-                options=self.options,
-                count=count,
-            )
+                settled = False
         except (OutsideGrid, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
             return ContactResult.failed(str(error), approach)
-        solved = perf_counter()
         p, q = found.pressure, found.tangential
         loads = -p if rigid is None else np.concatenate([*q.T, -p])
         moved = np.zeros((n, 3))
@@ -124,7 +149,7 @@ class FittedContact:
                 points=n,
                 residual=count.residual,
                 settled=settled,
-                seconds={"fit": fitted - start, "compliance": gathered - fitted, "solve": solved - gathered},
+                seconds=spent,
             ),
         )
         return sharpened(result, layout, bound)
@@ -135,17 +160,23 @@ class FittedContact:
         arc = self.operators.upper.arc
         return np.asarray(np.linspace(arc[0], arc[-1], max(2 * len(arc), LINES)))
 
-    def _fitted(self, pose: Pose, count: Count) -> tuple[Layout | None, Array, bool]:
-        """Cells, their frictionless pressures (S, M) Pa, and whether they settled; no cells without contact."""
+    def _fitted(self, pose: Pose, count: Count, raised: Raised | None) -> tuple[Layout, Array, bool] | None:
+        """Cells, their pressures (S, M) Pa under an overlap raised by friction, and whether they settled; None without
+        contact.
+        """
         surfaces = self.operators.surfaces
 
         def normal(layout: Layout) -> Array:
             return self.operators.normal(pose, layout)
 
+        def overlap(layout: Layout) -> Array:
+            free = mean_overlap(surfaces, pose, layout)
+            return free if raised is None else free + raised.at(layout)
+
         ridge = surfaces.ridge(pose, self._lines)
         if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
             raise OutsideGrid("the wheel overlaps the rail beyond the part of its surface that carries contact points")
-        rough, pressure = coarse(surfaces, pose, ridge, normal, count)
+        rough, pressure = coarse(ridge, overlap, normal, count)
         rolls = self.laws.friction > 0 and self.tangential == "rolling"
         few, tolerance = max(self.fineness.cells // 2, 4), 5 * self.tolerance
         # equal cells find the ends from afar; those that shrink towards the leading end only from near
@@ -153,14 +184,14 @@ class FittedContact:
         settled = True
         for cells in (marks(few, rolling=False), marks(self.fineness.cells, rolling=rolls)):
             if layout is None:
-                break
+                return None
             start = replace(layout, marks=cells)
-            found = fit(surfaces, pose, normal, start, self.fineness, tolerance=tolerance, count=count)
+            found = fit(overlap, normal, start, self.fineness, tolerance=tolerance, count=count)
             if found is None:
-                return None, pressure, True
+                return None
             layout, pressure, settled = found.layout, found.pressure, found.settled
             tolerance = self.tolerance
-        return layout, pressure, settled
+        return None if layout is None else (layout, pressure, settled)
 
     def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
         """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""

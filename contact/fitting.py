@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg as la
 
-from contact.coarse import NormalOperator, mean_overlap
+from contact.coarse import NormalOperator, Overlap
 from contact.fineness import Fineness
 from contact.parts import Part, assembled
-from contact.pose import Array, Mask, Nodes, Pose
-from contact.strip_surfaces import StripSurfaces
+from contact.pose import Array, Mask, Nodes
 from contact.strips import Layout, edge_rules, tip
 from contact.tractions import Count, NotConverged
 
@@ -36,8 +35,7 @@ class Fitted:
 
 
 def fit(
-    surfaces: StripSurfaces,
-    pose: Pose,
+    overlap: Overlap,
     operator: NormalOperator,
     start: Layout,
     fineness: Fineness,
@@ -54,9 +52,9 @@ def fit(
     held = np.ones(len(start.sides), dtype=bool)
     last, damping = np.zeros((0, 2)), np.ones((0, 2))
     for step in range(1, STEPS + 1):
-        overlap, matrix = mean_overlap(surfaces, pose, layout), operator(layout)
+        matrix = operator(layout)
         count.newton += 1
-        pressure, touches = _pressed(matrix, overlap, held)
+        pressure, touches = _pressed(matrix, overlap(layout), held)
         load = (pressure * np.diff(layout.edges)).sum(axis=1)
         moves = np.clip(np.nan_to_num(_beyond(layout, pressure)), -FARTHEST, FARTHEST) * held[:, None]
         tips = _tips(layout, load)

@@ -177,7 +177,9 @@ class StripKernel:
         low, high = self._window
         if not (low <= window[0] and window[1] <= high):
             low, high = max(window[0] - 4, 0), min(window[1] + 4, len(self.arc))
-            lines = self._lines(low, high)
+            # with neighbours, so that what is smoothed does not depend on the window
+            first, last = max(low - len(NEIGHBOURS), 0), min(high + len(NEIGHBOURS), len(self.arc))
+            lines = self._lines(first, last)[:, low - first : high - first, low - first : high - first]
             normal = self._tangents(self.arc[low:high])[:, ::-1] * [-1.0, 1.0]
             self._smooth_normal = np.einsum("kijab,ia,jb->kij", lines[..., 1:, 1:], normal, normal, optimize=True)
             self._smooth = lines.reshape(*lines.shape[:3], 9)

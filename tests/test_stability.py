@@ -22,12 +22,15 @@ from contact.wheelset import ContactModel
 from meshes.profiles import named_profile
 
 SIZE = 3e-3  # m: spectra of coarse lines take half a second each
-COUNT, SEED = 16, 7
+COUNT, SEED = 10, 7
 
 
 @cache
 def outcomes() -> tuple[Outcome, ...]:
-    return tuple(attempt(replace(case, size=SIZE), twin=False) for case in cases(COUNT, SEED))
+    """Twins, of cases whose cells did not settle, are finer on the same lines, whose spectra are there."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(stability_run, "SIZES", (SIZE,))
+        return tuple(attempt(replace(case, size=SIZE), twin=False) for case in cases(COUNT, SEED))
 
 
 def test_every_case_that_has_an_answer_converges_and_keeps_all_limits() -> None:
@@ -172,7 +175,7 @@ def test_no_force_where_bodies_overlap_is_a_failure(monkeypatch: pytest.MonkeyPa
 
 
 def test_the_same_question_has_the_same_answer() -> None:
-    """To the last bit by the same model; by a new one, whose tables hold other lines, to what cancels in them."""
+    """To the last bit by the same model; by a new one, whose tables hold other lines, to round-off."""
     case, depth, _ = rubbing()
     pose, motion = case.at(depth)
     one, again = (model_of(case)(pose, motion, None) for _ in range(2))
@@ -181,7 +184,7 @@ def test_the_same_question_has_the_same_answer() -> None:
     assert repr(again.patches) == repr(one.patches)
     stability_run._pair.cache_clear()
     new = model_of(case)(pose, motion, None)
-    assert new.force == pytest.approx(one.force, abs=3e-8 * float(np.linalg.norm(one.force)))
+    assert new.force == pytest.approx(one.force, abs=1e-9 * float(np.linalg.norm(one.force)))
 
 
 def test_a_wheel_beside_the_rail_has_no_depth() -> None:
