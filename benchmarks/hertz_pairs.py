@@ -63,6 +63,7 @@ class Pair:
             laws=laws,
             model=model,
             bodies=bodies,
+            points="grid",
         )
 
 
