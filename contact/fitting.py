@@ -45,10 +45,12 @@ def fit(
 ) -> Fitted | None:
     """Move ends and tips until their steps, as parts of the strips' length and width, are below the tolerance (RMS).
 
-    Strips inside a patch that would pull are left out until they touch again. None when no pressure is left.
+    Strips inside a patch that would pull are left out until they touch again. The layout nearest to rest when
+    they do not settle; None when no pressure is left.
     """
     layout, stretch = start, STRETCH
     previous: Array | None = None
+    best: tuple[float, Layout, Array] | None = None  # the nearest to rest
     held = np.ones(len(start.sides), dtype=bool)
     last, damping = np.zeros((0, 2)), np.ones((0, 2))
     for step in range(1, STEPS + 1):
@@ -74,8 +76,11 @@ def fit(
         )
         slip = float(np.abs(damping * tips).max())
         holds = touches & ((load > 0) | _outermost(layout) | ~held)
-        if error <= tolerance and slip <= 10 * tolerance and (holds == held).all():
+        distance = max(error / tolerance, slip / (10 * tolerance), 1.0 if (holds == held).all() else 10.0)
+        if distance <= 1.0:
             return Fitted(layout, pressure, True, step)
+        if best is None or distance < best[0]:
+            best = distance, layout, pressure
         if previous is not None and previous.shape == moves.shape:
             change = moves - previous
             bottom = float((change**2).sum())
@@ -88,7 +93,8 @@ def fit(
             return None
         held = holds if len(moved.sides) == len(held) else np.ones(len(moved.sides), dtype=bool)
         layout = moved
-    return Fitted(layout, np.ones((len(layout.sides), len(layout.marks) - 1)), False, STEPS)
+    assert best is not None
+    return Fitted(best[1], best[2], False, STEPS)
 
 
 def _pressed(matrix: Array, overlap: Array, held: Mask) -> tuple[Array, Mask]:
