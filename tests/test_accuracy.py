@@ -41,7 +41,7 @@ HOLDS = {
     "force": 2.0,  # not reached: 1.8 on the tread, beside CONTACT's conformal variant; flange 0.2
 }
 NARROW = 5.0  # %, of finite bodies at y = 0: they shift load to the narrow hump; half-spaces reach the target
-PUSHED = (
+PUSHED = 8.0  # %, by which areas of finite bodies differ from half-spaces, as sections turn under the load
     5.0  # %, of the area of finite bodies where their sections turn (y = 2 mm, right); half-spaces reach the target
 )
 STEEL = Steel(2.1e11, 0.3)
