@@ -42,8 +42,6 @@ HOLDS = {
 }
 NARROW = 5.0  # %, of finite bodies at y = 0: they shift load to the narrow hump; half-spaces reach the target
 PUSHED = 8.0  # %, by which areas of finite bodies differ from half-spaces, as sections turn under the load
-    5.0  # %, of the area of finite bodies where their sections turn (y = 2 mm, right); half-spaces reach the target
-)
 STEEL = Steel(2.1e11, 0.3)
 COARSE = 1e-3  # m
 
