@@ -157,7 +157,10 @@ _ROWS = (
     ("approach [µm]", lambda s: f"{1e6 * s['approach']:.2f}"),
     ("z [mm]", lambda s: f"{1e3 * s['z']:.4f}"),
     ("roll [mrad]", lambda s: f"{1e3 * s['roll']:.4f}"),
-    ("contact points", lambda s: str(s["statistics"]["points"])),
+    (
+        "contact points",
+        lambda s: f"{s['statistics']['points']}" + ("" if s["statistics"]["settled"] else ", ends not at rest"),
+    ),
     ("contact solves", lambda s: str(s["statistics"]["contact_solves"])),
     ("Newton, linear iterations (last)", lambda s: f"{s['statistics']['newton']}, {s['statistics']['linear']}"),
     ("seconds", lambda s: f"{s['statistics']['seconds']['all_solves']:.2f}"),
