@@ -29,6 +29,7 @@ from contact.raised import Raised
 from contact.result import ContactResult, Statistics
 from contact.strip_moments import sharpened
 from contact.strip_operators import StripOperators
+from contact.strip_surfaces import Ridge
 from contact.strips import Layout, connected, marks
 from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
 
@@ -81,7 +82,7 @@ class FittedContact:
         raised: Raised | None = None
         try:
             for _ in range(ROUNDS):
-                fit_found = self._fitted(pose, count, raised)
+                fit_found = self._fitted(pose, ridge, raised, count)
                 if fit_found is None:
                     return ContactResult.separated(approach)
                 layout, pressure, settled = fit_found
@@ -160,7 +161,9 @@ class FittedContact:
         arc = self.operators.upper.arc
         return np.asarray(np.linspace(arc[0], arc[-1], max(2 * len(arc), LINES)))
 
-    def _fitted(self, pose: Pose, count: Count, raised: Raised | None) -> tuple[Layout, Array, bool] | None:
+    def _fitted(
+        self, pose: Pose, ridge: Ridge, raised: Raised | None, count: Count
+    ) -> tuple[Layout, Array, bool] | None:
         """Cells, their pressures (S, M) Pa under an overlap raised by friction, and whether they settled; None without
         contact.
         """
@@ -173,7 +176,6 @@ class FittedContact:
             free = mean_overlap(surfaces, pose, layout)
             return free if raised is None else free + raised.at(layout)
 
-        ridge = surfaces.ridge(pose, self._lines)
         if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
             raise OutsideGrid("the wheel overlaps the rail beyond the part of its surface that carries contact points")
         rough, pressure = coarse(ridge, overlap, normal, count)

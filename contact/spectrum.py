@@ -87,6 +87,13 @@ def pairs(lines: int) -> tuple[Nodes, Nodes]:
     return np.triu_indices(lines)
 
 
+def pair_places(lines: int) -> Nodes:
+    """Place (lines, lines) of a pair s <= t in that order; zero for s > t, which is t, s seen from the other side."""
+    place = np.zeros((lines, lines), dtype=np.int64)
+    place[pairs(lines)] = np.arange(lines * (lines + 1) // 2)
+    return place
+
+
 def pack(H: Array) -> Array:
     """Symmetric (3 ns, 3 ns) -> (pairs, 3, 3)."""
     n = len(H) // 3

@@ -21,7 +21,7 @@ from contact.half_space import floor_correction, strip_antiderivative, strip_fle
 from contact.laws import Steel
 from contact.points import OutsideGrid
 from contact.pose import Array
-from contact.spectrum import Spectrum, interpolation, rule
+from contact.spectrum import Spectrum, interpolation, pair_places, rule
 from contact.surface_error import SurfaceError
 
 NODES = 400  # of the table of G over x: its error in a mean compliance stays below 1e-4
@@ -36,8 +36,7 @@ class StripKernel:
 
     spectrum fetches the samples when first needed; points (ns, 2) m of the lines on the section, and their arc (ns,) m;
     reach m, the longest distance along x; nu Poisson's ratio; error fetches what the elements miss near a load; unit m
-    and scale turn the spectrum's lengths and compliances into m and m/N;
-    radius m of a body of revolution. flat: the
+    and scale turn the spectrum's lengths and compliances into m and m/N; radius m of a body of revolution. flat: the
     surface is taken as level along x, as a half-space's.
     """
 
@@ -103,6 +102,11 @@ class StripKernel:
         samples = self.samples
         return max(samples.shift, 4 * np.pi / samples.round if samples.round else 0.0)
 
+    @cached_property
+    def _lacks(self) -> Array:
+        """What the floored spectrum lacks (nodes, 1, 1, 3) at the table's nodes."""
+        return floor_correction(self._nodes, self._floor, self.nu)[:, None, None]
+
     def window(self, low: float, high: float) -> tuple[int, int]:
         """First and one past the last line whose cells meet an interval of arc length, m.
 
@@ -164,8 +168,7 @@ class StripKernel:
         x = self._nodes
         found = strip_antiderivative(np.abs(x), across, self.nu, tangential=tangential)
         if self._floor > 0:
-            lacks = floor_correction(x, self._floor, self.nu)[:, None, None]
-            found[..., :3] -= lacks if tangential else lacks[..., 1:]
+            found[..., :3] -= self._lacks if tangential else self._lacks[..., 1:]
         if tangential:
             found[x < 0, ..., 3] *= -1
         between = 0.5 * (stretch[:, None] + stretch)[..., None, None]
@@ -188,10 +191,7 @@ class StripKernel:
 
     def _lines(self, low: int, high: int) -> Array:
         """Spectrum (nk, n, n, 3, 3) of a run of lines, less that of half-spaces."""
-        values, ns = self.samples.values, len(self.arc)
-        place = np.zeros((ns, ns), dtype=np.int64)
-        place[np.triu_indices(ns)] = np.arange(ns * (ns + 1) // 2)
-        found = values[:, place[low:high, low:high]]
+        found = self.samples.values[:, pair_places(len(self.arc))[low:high, low:high]]
         one, other = np.tril_indices(high - low, -1)
         found[:, one, other] = found[:, other, one].swapaxes(-1, -2)
         self._mend(found, low, high)

@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 from contact.half_space import strip_flexibility
 from contact.laws import Steel
 from contact.pose import Array
+from contact.spectrum import pair_places
 
 FAR = 8  # lines away from the load, where elements and half-space agree but for the block's finite size
 
@@ -47,8 +48,7 @@ def surface_error(nu: float, degree: int) -> SurfaceError:
     ns = samples.lines
     kept = samples.k > 0.02
     q, lines = samples.k[kept], np.arange(FAR + 1)
-    place = np.zeros((ns, ns), dtype=np.int64)
-    place[np.triu_indices(ns)] = np.arange(ns * (ns + 1) // 2)
+    place = pair_places(ns)
     elements = np.empty((len(q), FAR + 1, 3))
     middle = np.arange(FAR // 2, ns - FAR // 2 - FAR)
     for d in lines:

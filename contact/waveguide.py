@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.compliance import ALL
 from contact.pose import Array, Mask, Nodes
-from contact.spectrum import Spectrum
+from contact.spectrum import Spectrum, pair_places
 
 TILE = 16  # lines transformed together: a patch touches a few tiles
 
@@ -57,10 +57,7 @@ class WaveguideCompliance:
     @cached_property
     def _pair(self) -> Nodes:
         """Place of the pairs s <= t of lines in the spectrum."""
-        ns = self.shape[1]
-        place = np.zeros((ns, ns), dtype=np.int64)
-        place[np.triu_indices(ns)] = np.arange(ns * (ns + 1) // 2)
-        return place
+        return pair_places(self.shape[1])
 
     def block(self, nodes: Nodes, directions: Sequence[int] = ALL) -> Array:
         """Symmetric compliance (d n, d n) [m/N] between grid nodes (n,) along the given axes, node by node."""
