@@ -15,7 +15,8 @@ from contact.patches import connected, outcome
 from contact.points import Coupling, Geometry, OutsideGrid, couple_both
 from contact.pose import Array, Motion, Nodes, Pose
 from contact.result import ContactResult, Statistics
-from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
+from contact.tangent import Linearisation, tangent_of
+from contact.tractions import Count, Elastic, NewtonOptions, NotConverged, solve_tractions
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Condensed:
         n = len(points.node)
         normal = displacement[-n:]
         # a pressure pushes along the inward normal: the last columns count -p
-        operator = np.vstack([slip, normal])
+        operator = Elastic(np.vstack([slip, normal]), n, self.laws)
         count = Count()
         for attempt in (warm(guess, points.node), None):  # what a stale guess led astray may converge from nothing
             try:
@@ -96,7 +97,7 @@ class Condensed:
         loads = np.concatenate([*q.T, -p]) if order else -p
         moved = np.zeros((n, 3))
         moved[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
-        return outcome(
+        result = outcome(
             points,
             node=points.node,
             patch=connected(points.node, p > 0, self.wheel.shape),
@@ -114,6 +115,8 @@ class Condensed:
                 seconds={"points": found - start, "compliance": gathered - found, "solve": solved - gathered},
             ),
         )
+        around = Linearisation(points, pose.origin, motion, operator, rigid, speed, self.laws, found_tractions)
+        return replace(result, linearised=tangent_of(around))
 
 
 def condense(coupling: Coupling, compliance: Compliance) -> tuple[Array, Array]:

@@ -15,29 +15,47 @@ from typing import Literal
 
 import numpy as np
 
+from contact.cells import Cells, Gathered
 from contact.coarse import coarse, mean_overlap
 from contact.error_estimate import ErrorEstimate, difference
 from contact.fineness import Fineness
-from contact.fitting import fit
+from contact.fitting import fit, follow
 from contact.kinematics import NotRolling, creepage, shift
 from contact.laws import Laws
 from contact.parts import patches
 from contact.patches import outcome
 from contact.points import OutsideGrid, Places
 from contact.pose import Array, Motion, Pose
+from contact.pressure import Factors
 from contact.raised import Raised
 from contact.result import ContactResult, Statistics
 from contact.strip_moments import sharpened
 from contact.strip_operators import StripOperators
 from contact.strip_surfaces import Ridge
 from contact.strips import Layout, connected, marks
-from contact.tractions import Count, NewtonOptions, NotConverged, solve_tractions
+from contact.tangent import Linearisation, tangent_of
+from contact.tractions import Count, Elastic, NewtonOptions, NotConverged, solve_tractions
 
 log = logging.getLogger(__name__)
 
+FOLLOWED = 5.0  # times the tolerance, for cells that follow the contact as a whole
+BEYOND = "the wheel overlaps the rail beyond the part of its surface that carries contact points"
 ROUNDS = 6  # of fitting and solving, where friction changes the overlap
 RAISED = 1e-2  # of the approach, that friction may still change it by
 LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
+
+
+class Clock:
+    """Seconds by phase: each lasts from the end of the one before."""
+
+    def __init__(self) -> None:
+        self.spent = {"fit": 0.0, "compliance": 0.0, "solve": 0.0}
+        self._last = perf_counter()
+
+    def ends(self, phase: str) -> None:
+        now = perf_counter()
+        self.spent[phase] += now - self._last
+        self._last = now
 
 
 @dataclass(frozen=True)
@@ -45,7 +63,8 @@ class FittedContact:
     """Contact model on strips of cells that end where the contact ends: pose and velocities in, `ContactResult` out.
 
     tolerance: RMS of the last movement of the strips' ends over their length. tangential as for `Condensed`. estimate:
-    every result carries an estimate of its error, for about a third more time. Raises ValueError for a penalty, whose
+    every result carries an estimate of its error, for about a third more time. warm: solves start from the guess, for a
+    fraction of the time; what they give then depends on it within the tolerance. Raises ValueError for a penalty, whose
     pressure has no such ends, and for friction that a shift cannot have.
     """
 
@@ -56,6 +75,7 @@ class FittedContact:
     options: NewtonOptions = field(default_factory=NewtonOptions)
     tangential: Literal["rolling", "shift"] = "rolling"
     estimate: bool = False
+    warm: bool = False
 
     def __post_init__(self) -> None:
         if self.laws.normal_compliance > 0:
@@ -64,96 +84,93 @@ class FittedContact:
             raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
     def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
-        """The guess is not used: the same pose and motion always give the same result."""
-        result = self._solved(pose, motion)
+        """The guess is only used by a warm model: else the same pose and motion always give the same result."""
+        result = self._solved(pose, motion, guess if self.warm else None)
         if not (self.estimate and result.patches):
             return result
         rough = replace(self, fineness=self.fineness.halved(), estimate=False)(pose, motion)
         return replace(result, error_estimate=difference(result, rough) if rough.ok else ErrorEstimate.unknown())
 
-    def _solved(self, pose: Pose, motion: Motion) -> ContactResult:
-        start = perf_counter()
-        surfaces, count = self.operators.surfaces, Count()
-        ridge = surfaces.ridge(pose, self._lines)
+    def _solved(self, pose: Pose, motion: Motion, guess: ContactResult | None) -> ContactResult:
+        clock, count = Clock(), Count()
+        ridge = self.operators.surfaces.ridge(pose, self._lines)
         approach = float(ridge.overlap.max())
         if approach <= 0:
             return ContactResult.separated(approach)
-        spent = {"fit": 0.0, "compliance": 0.0, "solve": 0.0}
-        raised: Raised | None = None
-        try:
-            for _ in range(ROUNDS):
-                fit_found = self._fitted(pose, ridge, raised, count)
-                if fit_found is None:
-                    return ContactResult.separated(approach)
-                layout, pressure, settled = fit_found
-                fitted = perf_counter()
-                overlap = mean_overlap(surfaces, pose, layout).ravel()
-                places = replace(surfaces.places(pose, layout), overlap=overlap)
-                n = len(overlap)
-                speed, rigid = self._rigid(places, motion)
-                if rigid is None:
-                    displacement = operator = self.operators.normal(pose, layout)
-                else:
-                    displacement, slip = self.operators.all(pose, layout, places)
-                    slip = displacement[: 2 * n] if self.tangential == "shift" else slip
-                    # a pressure pushes along the inward normal: the last columns count -p
-                    operator = np.vstack([slip, displacement[2 * n :]])
-                gathered = perf_counter()
-                found = solve_tractions(
-                    operator,
-                    overlap,
-                    rigid,
-                    laws=self.laws,
-                    speed=speed,
-                    guess=(np.maximum(pressure.ravel(), 0.0), np.zeros(2 * n)),
-                    options=self.options,
-                    count=count,
-                )
-                solved = perf_counter()
-                for phase, seconds in zip(spent, (fitted - start, gathered - fitted, solved - gathered), strict=True):
-                    spent[phase] += seconds
-                start = solved
-                if rigid is None:
-                    break
-                # friction presses the bodies together or apart, where one patch pushes another one sideways, too
-                by_friction = (displacement[2 * n :, : 2 * n] @ found.tangential.T.ravel()).reshape(pressure.shape)
-                after = Raised.by(layout, by_friction)
-                change = float(np.abs(after.at(layout) - (0.0 if raised is None else raised.at(layout))).max())
-                log.debug("friction changes the overlap by %.1e of the approach", change / approach)
-                if change <= RAISED * approach:
-                    break
-                raised = after
-            else:
-                settled = False
-        except (OutsideGrid, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
-            return ContactResult.failed(str(error), approach)
-        p, q = found.pressure, found.tangential
-        loads = -p if rigid is None else np.concatenate([*q.T, -p])
-        moved = np.zeros((n, 3))
-        moved[:, 3 - len(displacement) // n :] = (displacement @ loads).reshape(-1, n).T
-        bound = self.laws.friction_at(np.hypot(*found.slip.T), speed)[0] * p
-        strip = connected(layout, p.reshape(len(layout.sides), -1))
-        patch = np.where(p > 0, np.repeat(strip, self.fineness.cells), -1)
-        result = outcome(
-            places,
-            node=np.arange(n),
-            patch=patch,
-            pressure=p,
-            traction=q,
-            slip=found.slip,
-            displacement=moved,
-            approach=approach,
-            bound=bound,
-            statistics=Statistics(
-                newton=count.newton,
-                linear=count.linear,
-                points=n,
-                residual=count.residual,
-                settled=settled,
-                seconds=spent,
-            ),
+        if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
+            return ContactResult.failed(BEYOND, approach)
+        known = None if guess is None or self.tangential == "shift" else guess.cells
+        starts = (None,) if known is None or not known.covers(ridge) else (known, None)
+        reason = ""
+        for start in starts:
+            try:
+                return self._found(pose, motion, ridge, start, count, clock)
+            except (OutsideGrid, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
+                reason = str(error)
+        return ContactResult.failed(reason, approach)
+
+    def _found(
+        self, pose: Pose, motion: Motion, ridge: Ridge, start: Cells | None, count: Count, clock: Clock
+    ) -> ContactResult:
+        """The result from cells to start from, if any: cells and tractions in turn until friction moves cells no more.
+
+        Raises NotConverged, OutsideGrid, NotRolling.
+        """
+        surfaces, approach = self.operators.surfaces, float(ridge.overlap.max())
+        known, raised, settled = start, None if start is None else start.raised, True
+        q = None if start is None else start.traction
+        for _ in range(ROUNDS):
+            fitted = self._fitted(pose, ridge, known, raised, count)
+            if fitted is None:
+                return ContactResult.separated(approach)
+            cells, pressure, settled = fitted
+            known = cells
+            if start is not None and not settled:
+                raise NotConverged("cells that were fitted before do not settle")
+            clock.ends("fit")
+            layout, gathered, scale = cells.layout, cells.gathered, cells.scale
+            places = replace(surfaces.places(pose, layout), overlap=mean_overlap(surfaces, pose, layout).ravel())
+            speed, rigid = self._rigid(places, motion)
+            operator, body = self._compliance(gathered, rigid is not None)
+            clock.ends("compliance")
+            n = len(places.area)
+            if q is None or len(q) != 2 * n:
+                q = np.zeros(2 * n)
+            # what a scale does to displacements it undoes to the overlap
+            found = solve_tractions(
+                body,
+                places.overlap / scale,
+                rigid,
+                laws=self.laws,
+                speed=speed,
+                guess=(np.maximum(pressure.ravel(), 0.0), q),
+                options=self.options,
+                count=count,
+            )
+            clock.ends("solve")
+            if rigid is None:
+                break
+            # friction presses the bodies together or apart, where one patch pushes another one sideways, too
+            by_friction = scale * (gathered.displacement[2 * n :, : 2 * n] @ found.tangential.T.ravel())
+            after = Raised.by(layout, by_friction.reshape(len(layout.sides), -1))
+            change = float(np.abs(after.at(layout) - (0.0 if raised is None else raised.at(layout))).max())
+            log.debug("friction changes the overlap by %.1e of the approach", change / approach)
+            if change <= RAISED * approach:
+                break
+            raised, q = after, found.tangential.T.ravel()
+        else:
+            settled = False
+        around = Linearisation(places, pose.origin, motion, operator, rigid, speed, self.laws, found)
+        cells = replace(cells, raised=raised, traction=found.tangential.T.ravel())
+        statistics = Statistics(
+            newton=count.newton,
+            linear=count.linear,
+            points=n,
+            residual=count.residual,
+            settled=settled,
+            seconds=clock.spent,
         )
-        return sharpened(result, layout, bound)
+        return self._result(around, cells, approach, statistics)
 
     @cached_property
     def _lines(self) -> Array:
@@ -161,39 +178,83 @@ class FittedContact:
         arc = self.operators.upper.arc
         return np.asarray(np.linspace(arc[0], arc[-1], max(2 * len(arc), LINES)))
 
+    def _compliance(self, gathered: Gathered, tangential: bool) -> tuple[Array, Elastic]:
+        """Operator for the tractions, and what earlier solves made of it."""
+        if not tangential:
+            return gathered.normal.compliance, gathered.frictionless
+        if self.tangential == "shift":
+            return gathered.displacement, gathered.shifting
+        return gathered.operator, gathered.rolling
+
+    def _result(
+        self,
+        around: Linearisation,
+        cells: Cells,
+        approach: float,
+        statistics: Statistics,
+    ) -> ContactResult:
+        """What was found, in the frame of the rail."""
+        places, found, layout = around.places, around.found, cells.layout
+        scale = cells.scale
+        p, q, n = found.pressure, found.tangential, len(places.area)
+        moved = np.zeros((n, 3))
+        if around.rigid is None:
+            moved[:, 2] = -scale * (cells.gathered.normal.compliance @ p)
+        else:
+            moved[:] = scale * (cells.gathered.displacement @ np.concatenate([*q.T, -p])).reshape(3, n).T
+        bound = self.laws.friction_at(np.hypot(*found.slip.T), around.speed)[0] * p
+        strip = connected(layout, p.reshape(len(layout.sides), -1))
+        result = outcome(
+            places,
+            node=np.arange(n),
+            patch=np.where(p > 0, np.repeat(strip, self.fineness.cells), -1),
+            pressure=p,
+            traction=q,
+            slip=found.slip,
+            displacement=moved,
+            approach=approach,
+            bound=bound,
+            statistics=statistics,
+        )
+        return replace(sharpened(result, layout, bound), linearised=tangent_of(around), cells=cells)
+
     def _fitted(
-        self, pose: Pose, ridge: Ridge, raised: Raised | None, count: Count
-    ) -> tuple[Layout, Array, bool] | None:
+        self, pose: Pose, ridge: Ridge, start: Cells | None, raised: Raised | None, count: Count
+    ) -> tuple[Cells, Array, bool] | None:
         """Cells, their pressures (S, M) Pa under an overlap raised by friction, and whether they settled; None without
-        contact.
+        contact. From cells to start from, which may do as a whole, or from a first look.
         """
         surfaces = self.operators.surfaces
 
-        def normal(layout: Layout) -> Array:
-            return self.operators.normal(pose, layout)
+        def normal(layout: Layout) -> Factors:
+            return Factors(self.operators.normal(pose, layout))
 
         def overlap(layout: Layout) -> Array:
             free = mean_overlap(surfaces, pose, layout)
             return free if raised is None else free + raised.at(layout)
 
-        if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
-            raise OutsideGrid("the wheel overlaps the rail beyond the part of its surface that carries contact points")
-        rough, pressure = coarse(ridge, overlap, normal, count)
+        if start is not None and self.warm:
+            followed = follow(overlap, start, tolerance=FOLLOWED * self.tolerance, count=count)
+            if followed is not None:
+                return *followed, True
         rolls = self.laws.friction > 0 and self.tangential == "rolling"
-        few, tolerance = max(self.fineness.cells // 2, 4), 5 * self.tolerance
-        # equal cells find the ends from afar; those that shrink towards the leading end only from near
-        layout = patches(rough, pressure, self.fineness, marks(few, rolling=False))
-        settled = True
-        for cells in (marks(few, rolling=False), marks(self.fineness.cells, rolling=rolls)):
+        stages = [(marks(self.fineness.cells, rolling=rolls), self.tolerance)]
+        if start is None:
+            # equal cells find the ends from afar; those that shrink towards the leading end only from near
+            few = marks(max(self.fineness.cells // 2, 4), rolling=False)
+            stages.insert(0, (few, 5 * self.tolerance))
+            layout = patches(*coarse(ridge, overlap, normal, count), self.fineness, few)
+        else:
+            layout = start.layout
+        for cells, tolerance in stages:
             if layout is None:
                 return None
-            start = replace(layout, marks=cells)
-            found = fit(overlap, normal, start, self.fineness, tolerance=tolerance, count=count)
-            if found is None:
-                return None
-            layout, pressure, settled = found.layout, found.pressure, found.settled
-            tolerance = self.tolerance
-        return None if layout is None else (layout, pressure, settled)
+            found = fit(overlap, normal, replace(layout, marks=cells), self.fineness, tolerance=tolerance, count=count)
+            layout = None if found is None else found.layout
+        if layout is None or found is None:
+            return None
+        gathered = Gathered(self.operators, pose, layout, self.laws)
+        return Cells(layout, raised, gathered, 1.0, np.zeros(0)), found.pressure, found.settled
 
     def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
         """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""

@@ -10,16 +10,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg as la
 
+from contact.cells import Cells
 from contact.coarse import NormalOperator, Overlap
 from contact.fineness import Fineness
 from contact.parts import Part, assembled
 from contact.pose import Array, Mask, Nodes
+from contact.pressure import Factors
 from contact.strips import Layout, edge_rules, tip
 from contact.tractions import Count, NotConverged
 
 log = logging.getLogger(__name__)
 
 STEPS = 40
+FOLLOWED = 3
 FARTHEST = 0.12  # that an end moves in a step, of the strip's length, before it is stretched
 STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a point contact
 
@@ -54,9 +57,7 @@ def fit(
     held = np.ones(len(start.sides), dtype=bool)
     last, damping = np.zeros((0, 2)), np.ones((0, 2))
     for step in range(1, STEPS + 1):
-        matrix = operator(layout)
-        count.newton += 1
-        pressure, touches = _pressed(matrix, overlap(layout), held)
+        pressure, touches = _pressed(operator(layout), overlap(layout), held, count)
         load = (pressure * np.diff(layout.edges)).sum(axis=1)
         moves = np.clip(np.nan_to_num(_beyond(layout, pressure)), -FARTHEST, FARTHEST) * held[:, None]
         tips = _tips(layout, load)
@@ -97,18 +98,47 @@ def fit(
     return Fitted(best[1], best[2], False, STEPS)
 
 
-def _pressed(matrix: Array, overlap: Array, held: Mask) -> tuple[Array, Mask]:
+def follow(overlap: Overlap, cells: Cells, *, tolerance: float, count: Count) -> tuple[Cells, Array] | None:
+    """Cells moved and scaled as a whole, and their pressures (S, M) Pa, if that brings all ends near enough; else None.
+
+    tolerance as for `fit`: here of what moving as a whole leaves of the steps.
+    """
+    for _ in range(FOLLOWED):
+        layout = cells.layout
+        held = np.ones(len(layout.sides), dtype=bool)
+        pressure, _ = _pressed(cells.gathered.normal, overlap(layout) / cells.scale, held, count)
+        load = (pressure * np.diff(layout.edges)).sum(axis=1)
+        if not (load > 0).all():
+            return None
+        moves, tips = _beyond(layout, pressure), _tips(layout, load)
+        error = max(np.sqrt((moves**2).mean()), np.abs(tips).max() / 2)
+        if error <= tolerance:
+            return cells, pressure
+        if not error < FARTHEST:
+            return None
+        copy = cells.copied(STRETCH * moves, tips)
+        if copy is None:
+            return None
+        cells = copy
+    return None
+
+
+def _pressed(factors: Factors, overlap: Array, held: Mask, count: Count) -> tuple[Array, Mask]:
     """Pressures (S, M) Pa of the strips that are held, signed; and which strips (S,) touch, as all of these do.
 
     Raises NotConverged when the cells cannot be told apart.
     """
+    depth = overlap.ravel()
     own = np.repeat(held, overlap.shape[1])
     found = np.zeros(own.size)
-    found[own] = la.solve(matrix[np.ix_(own, own)], overlap.ravel()[own], check_finite=False)
+    found[own] = la.lu_solve(factors.of(own, count), depth[own], check_finite=False)
     if not np.isfinite(found).all():
         raise NotConverged("the cells of the contact cannot be told apart")
-    left = (overlap.ravel() - matrix @ found).reshape(overlap.shape)
-    return found.reshape(overlap.shape), held | (left.max(axis=1) > 0)
+    touches = held
+    if not held.all():
+        left = (depth - factors.compliance @ found).reshape(overlap.shape)
+        touches = held | (left.max(axis=1) > 0)
+    return found.reshape(overlap.shape), touches
 
 
 def _beyond(layout: Layout, pressure: Array) -> Array:

@@ -27,6 +27,9 @@ TINY = 1e-300
 STALLS = 3  # steps without descent that end an attempt
 ROUNDS = 60  # bounds held in turn
 
+# sets of points, by their bytes -> points inside (k,), ds/dq (2 k, 2 k) with the pressure following, dp/dq (k, 2 k)
+Known = dict[bytes, tuple[Nodes, Array, Array | None]]
+
 
 class Pressure(Protocol):
     """Pressures as a function of the tangential tractions; see `contact.pressure`."""
@@ -60,18 +63,25 @@ class Trial:
 
 class Friction:
     """F(q) and its derivative for n points: slip S (2 n, 2 n) 1/Pa of the tractions and rigid (2 n,); T (2 n, n) 1/Pa,
-    slip of the pressure (None: within rigid); speed m/s.
+    slip of the pressure (None: within rigid); speed m/s; known, what solves with the same compliance found before.
     """
 
     def __init__(
-        self, slip: Array, rigid: Array, shift: Array | None, pressure: Pressure, laws: Laws, speed: float
+        self,
+        slip: Array,
+        rigid: Array,
+        shift: Array | None,
+        pressure: Pressure,
+        laws: Laws,
+        speed: float,
+        known: Known | None = None,
     ) -> None:
         n = len(rigid) // 2
         own = 0.5 * (np.diag(slip)[:n] + np.diag(slip)[n:])
         self.rho = np.maximum(own, 1e-3 * np.abs(own).max())
         self._slip, self._rigid, self._shift, self._pressure = slip, rigid, shift, pressure
         self._laws, self._speed = laws, speed
-        self._known: tuple[bytes, Nodes, Array, Array | None] | None = None
+        self._known: Known = {} if known is None else known
 
     def at(self, q: Array, active: Mask, count: Count, bound: Array | None = None) -> Trial:
         """The trial at q (2, n), with bounds (n,) held if given; active points are only where to start from."""
@@ -128,17 +138,18 @@ class Friction:
     def _linearised(self, active: Mask, inside: Mask, count: Count) -> tuple[Nodes, Array, Array | None]:
         """Points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2 k), of those."""
         key = active.tobytes() + inside.tobytes()
-        if self._known is None or self._known[0] != key:
+        if key not in self._known:
             index = np.flatnonzero(inside)
             both = np.concatenate([index, len(active) + index])
-            slip = self._slip[np.ix_(both, both)]
+            slip = self._slip if inside.all() else self._slip[np.ix_(both, both)]
             steep, slope = self._pressure.slope(active, count), None
             if steep is not None and self._shift is not None:
                 slope = np.zeros((len(index), len(both)))
                 slope[active[index]] = steep[:, both]
                 slip = slip + self._shift[np.ix_(both, np.flatnonzero(active))] @ slope[active[index]]
-            self._known = key, index, slip, slope
-        return self._known[1:]
+            self._known.clear()
+            self._known[key] = index, slip, slope
+        return self._known[key]
 
 
 def tangential_contact(friction: Friction, q: Array, active: Mask, options: NewtonOptions, count: Count) -> Trial:

@@ -13,7 +13,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.special import iti0k0, k0, k1
 
-from contact.pose import Array
+from contact.pose import Array, Nodes
+from meshes.compiled import compiled
 
 TERMS = 40  # of the series of the correction, for arguments up to 10
 
@@ -45,31 +46,61 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: f
     )
 
 
-def strip_antiderivative(x: Array, sides: Array, nu: float, *, tangential: bool = True) -> Array:
-    """G (nodes, S, S, 4) at distances x (nodes,) >= 0 of which the second derivative is the mean compliance between
-    strips with sides (S, 2); unit modulus, components as above, or across and normal alone (2).
+@compiled
+def strip_antiderivative(x: Array, sides: Array, nu: float) -> Array:
+    """G (S, S, nodes, 4) at distances x (nodes,) of which the second derivative is the mean compliance between strips
+    with sides (S, 2); unit modulus, components as above. The last one is odd in x, the others are even.
     """
-    widths = sides[:, 1] - sides[:, 0]
-    scale = (1 + nu) / np.pi / (widths[:, None] * widths)
+    S = len(sides)
+    where, apart, place = _distances(sides)
+    found = np.empty((S, S, len(x), 4))
+    known = np.empty((3, len(apart)))
+    pair = np.empty(3)
+    for k in range(len(x)):
+        for d in range(len(apart)):
+            known[0, d], known[1, d], known[2, d] = _fourfold(abs(x[k]), apart[d])
+        turn = 1.0 if x[k] >= 0.0 else -1.0
+        for i in range(S):
+            for j in range(S):
+                pair[:] = 0.0
+                for a in range(2):
+                    for b in range(2):
+                        one, other = where[i, a], where[j, b]
+                        at, sign = place[one, other], 1.0 if a != b else -1.0
+                        pair[0] += sign * known[0, at]
+                        pair[1] += sign * known[1, at]
+                        if one != other:
+                            pair[2] += sign * known[2, at] if one > other else -sign * known[2, at]
+                scale = (1.0 + nu) / np.pi / ((sides[i, 1] - sides[i, 0]) * (sides[j, 1] - sides[j, 0]))
+                inverse = pair[0] + pair[1]
+                found[i, j, k, 0] = scale * ((1.0 - nu) * inverse + nu * pair[0])
+                found[i, j, k, 1] = scale * ((1.0 - nu) * inverse + nu * pair[1])
+                found[i, j, k, 2] = scale * (1.0 - nu) * inverse
+                found[i, j, k, 3] = turn * scale * nu * pair[2]
+    return found
 
-    known: list[tuple[Array, Array, Array, Array]] = []
 
-    def part(which: int) -> Callable[[Array], Array]:
-        def of(y: Array) -> Array:
-            if not known:  # the distances are the same for all components
-                known.append(_fourfold(x[:, None], y))
-            return known[0][which]
-
-        return of
-
-    still = _fourfold(x, np.zeros(1))
-    inverse, yy = (second_difference(sides, sides, part(which), still[which]) for which in (0, 2))
-    if not tangential:
-        return np.stack([((1 - nu) * inverse + nu * yy) * scale, (1 - nu) * inverse * scale], axis=-1)
-    xx = second_difference(sides, sides, part(1), still[1])
-    xy = second_difference(sides, sides, part(3), 0.0, odd=True)
-    parts = [(1 - nu) * inverse + nu * xx, (1 - nu) * inverse + nu * yy, (1 - nu) * inverse, nu * xy]
-    return np.stack([value * scale for value in parts], axis=-1)
+@compiled
+def _distances(sides: Array) -> tuple[Nodes, Array, Nodes]:
+    """Which of the E different sides are whose (S, 2), the different distances (D,) between them, and which they are
+    (E, E): sides of neighbours are the same, and strips alike.
+    """
+    span = sides.max() - sides.min()
+    ordered = np.sort(sides.ravel())
+    edges = ordered[np.concatenate((np.ones(1, dtype=np.bool_), np.diff(ordered) > 1e-9 * span))]
+    where = np.searchsorted(edges, sides.ravel() - 1e-9 * span).reshape(sides.shape)
+    E = len(edges)
+    between = np.abs(edges.reshape(-1, 1) - edges.reshape(1, -1)).ravel()
+    order = np.argsort(between)
+    place = np.empty(E * E, dtype=np.int64)
+    apart = np.empty(E * E)
+    count = 0
+    for at in order:
+        if count == 0 or between[at] - apart[count - 1] > 1e-11 * span:
+            apart[count] = between[at]
+            count += 1
+        place[at] = count - 1
+    return where, apart[:count], place.reshape(E, E)
 
 
 def floor_correction(x: Array, floor: float, nu: float) -> Array:
@@ -86,13 +117,17 @@ def floor_correction(x: Array, floor: float, nu: float) -> Array:
     return np.asarray(both[:, None] * np.array([1.0, 1 - nu, 1 - nu]))
 
 
-def _fourfold(x: Array, y: Array) -> tuple[Array, Array, Array, Array]:
-    """Antiderivatives, twice in x and twice in y, of 1/r, x^2/r^3, y^2/r^3 and x y/r^3 at x, y >= 0."""
-    r = np.hypot(x, y)
-    over_x, over_y = np.arcsinh(y / np.maximum(x, 1e-300)), np.arcsinh(x / np.maximum(y, 1e-300))
-    a, b, c = 0.5 * x * x * y * over_x, 0.5 * x * y * y * over_y, r**3 / 6
-    cross = -(x * y * r / 3 + x**3 / 6 * over_x + y**3 / 6 * over_y)
-    return a + b - c, c + b - 0.5 * y * y * r, c + a - 0.5 * x * x * r, cross
+@compiled
+def _fourfold(x: float, y: float) -> tuple[float, float, float]:
+    """Antiderivatives, twice in x and twice in y, of x^2/r^3, y^2/r^3 and x y/r^3 at x, y >= 0; the first two add up to
+    that of 1/r.
+    """
+    r = np.sqrt(x * x + y * y)
+    over_x = np.arcsinh(y / x) if x > 0.0 else 0.0
+    over_y = np.arcsinh(x / y) if y > 0.0 else 0.0
+    a, b, c = 0.5 * x * x * y * over_x, 0.5 * x * y * y * over_y, r * r * r / 6.0
+    cross = -(x * y * r / 3.0 + x * x * x / 6.0 * over_x + y * y * y / 6.0 * over_y)
+    return c + b - 0.5 * y * y * r, c + a - 0.5 * x * x * r, cross
 
 
 def _waves(k: Array, y: Array) -> Array:

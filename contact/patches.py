@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy import ndimage
 
 from contact.points import Places
 from contact.pose import Array, Mask, Nodes
-from contact.result import ContactResult, Fields, Patch, Statistics
+from contact.result import ContactResult, Fields, Patch, Statistics, Summaries
 
 
 def outcome(
@@ -31,23 +33,18 @@ def outcome(
     area = points.area[:, None]
     local = np.column_stack([traction, -pressure]) * area
     forces = (local[:, None, :] @ points.axes)[:, 0]
-    sticks = np.hypot(*traction.T) < bound * (1 - 1e-9)
-    found = [
-        summarise(points, patch == k, forces=forces, pressure=pressure, sticks=sticks)
-        for k in range(patch.max(initial=-1) + 1)
-        if (patch == k).any()
-    ]
-    order = sorted(range(len(found)), key=lambda k: -found[k].normal_force)
-    present = np.unique(patch[patch >= 0])
-    rank = np.full(patch.max(initial=-1) + 2, -1)
-    rank[present[order]] = np.arange(len(order))
+    load = np.bincount(patch + 1, local[:, 2], patch.max(initial=-1) + 2)[1:]
+    order = np.argsort(load, kind="stable")[: np.count_nonzero(load)]
+    rank = np.full(len(load) + 1, -1)
+    rank[order] = np.arange(len(order))
+    patch = rank[patch]
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=tuple(found[k] for k in order),
+        patches=Summaries(partial(_summarised, points, patch, forces, pressure, traction, bound)),
         fields=Fields(
             node,
-            rank[patch],
+            patch,
             points.point,
             points.axes,
             points.area,
@@ -61,6 +58,17 @@ def outcome(
         approach=approach,
         status="converged",
         statistics=statistics,
+    )
+
+
+def _summarised(
+    points: Places, patch: Nodes, forces: Array, pressure: Array, traction: Array, bound: Array
+) -> tuple[Patch, ...]:
+    """Every patch, by falling load."""
+    sticks = np.hypot(*traction.T) < bound * (1 - 1e-9)
+    return tuple(
+        summarise(points, patch == k, forces=forces, pressure=pressure, sticks=sticks)
+        for k in range(patch.max(initial=-1) + 1)
     )
 
 

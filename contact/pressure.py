@@ -89,11 +89,11 @@ class Given:
 class Coupled:
     """Pressures as a function of the tangential tractions q (2 n,): the normal problem is solved for each of them.
 
-    Piecewise linear: N p = d0 + D q on the active points. N (n, n) m/Pa, D (n, 2 n) m/Pa.
+    Piecewise linear: N p = d0 + D q on the active points. normal: N (n, n) m/Pa; coupling: D (n, 2 n) m/Pa.
     """
 
-    def __init__(self, compliance: Array, overlap: Array, coupling: Array) -> None:
-        self._factors, self._overlap, self._coupling = Factors(compliance), overlap, coupling
+    def __init__(self, normal: Factors, overlap: Array, coupling: Array) -> None:
+        self._factors, self._overlap, self._coupling = normal, overlap, coupling
 
     def at(self, q: Array, active: Mask, count: Count) -> tuple[Array, Mask]:
         """Pressures (n,) and active points, found from a set of active points."""

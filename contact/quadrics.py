@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.following import UnderApex
 from contact.grid import ContactGrid
 from contact.points import ContactPoints, Interpolation, OutsideGrid
 from contact.pose import Array, Pose
@@ -64,6 +65,7 @@ class Quadrics:
                 step=np.full(n, spacing),
                 wheel_place=across,
                 rail_place=across,
+                follows=UnderApex(self.upper),
             ),
             float(-pose.origin[2]),
         )

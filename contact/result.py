@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from contact.error_estimate import ErrorEstimate
 from contact.pose import MIRROR, Array, Nodes, Pose
+
+if TYPE_CHECKING:
+    from contact.cells import Cells
+    from contact.tangent import Tangent
 
 
 @dataclass(frozen=True)
@@ -46,6 +53,45 @@ class Patch:
             tangential_force=(longitudinal, -lateral),
             contact_angle=-self.contact_angle,
         )
+
+
+class Summaries(Sequence[Patch]):
+    """Patches that are summed up when they are first looked at: a vehicle asks for forces alone most of the time."""
+
+    def __init__(self, made: Callable[[], tuple[Patch, ...]]) -> None:
+        self._made: Callable[[], tuple[Patch, ...]] | None = made
+        self._known: tuple[Patch, ...] = ()
+
+    def all(self) -> tuple[Patch, ...]:
+        if self._made is not None:
+            self._known, self._made = self._made(), None
+        return self._known
+
+    @overload
+    def __getitem__(self, index: int) -> Patch: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Patch, ...]: ...
+    def __getitem__(self, index: int | slice) -> Patch | tuple[Patch, ...]:
+        return self.all()[index]
+
+    def __len__(self) -> int:
+        return len(self.all())
+
+    def __repr__(self) -> str:
+        return repr(self.all())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self.all() == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(self.all())
+
+    def __reduce__(self) -> tuple[type[tuple[Patch, ...]], tuple[tuple[Patch, ...]]]:
+        return tuple, (self.all(),)
+
+
+def _mirrored(patches: Sequence[Patch]) -> tuple[Patch, ...]:
+    return tuple(patch.mirrored() for patch in patches)
 
 
 @dataclass(frozen=True)
@@ -94,17 +140,20 @@ class ContactResult:
     In the frame of the rail, moment about the rail's origin, when a model returns it; `contact.wheelset` moves it to
     the track's axes and the wheelset's centre. approach m: largest undeformed overlap along the normal. status is
     "converged", "separated" (no overlap) or "failed: ..." with the reason; a failed result carries no force to be
-    used. error_estimate: when the model was asked for it.
+    used. error_estimate: when the model was asked for it. linearised: what `tangent` is computed from, where the model
+    keeps it. cells: what fitted cells start from next time.
     """
 
     force: Array
     moment: Array
-    patches: tuple[Patch, ...] = ()
+    patches: Sequence[Patch] = ()
     fields: Fields | None = None
     approach: float = 0.0
     status: str = "separated"
     statistics: Statistics = Statistics()
     error_estimate: ErrorEstimate | None = None
+    linearised: Tangent | None = field(default=None, repr=False, compare=False)
+    cells: Cells | None = field(default=None, repr=False, compare=False)
 
     @property
     def ok(self) -> bool:
@@ -120,17 +169,33 @@ class ContactResult:
         """No answer, and why."""
         return replace(cls.separated(approach), status=f"failed: {reason}")
 
+    def tangent(self) -> Array:
+        """Change (6, 12) of force and moment, about the point that it is about now, to first order; solved for when
+        asked, and then known.
+
+        By translation [m] of the wheel's frame, rotation [rad] about its origin, velocity [m/s] and rotation rate
+        [rad/s] of the wheel's motion, whose reference point moves with the frame; in a shift by the motion's m and rad.
+        Zero when separated. Raises ValueError for a failed result and for one whose model keeps no linearisation.
+        """
+        if self.status == "separated":
+            return np.zeros((6, 12))
+        if self.linearised is None:
+            raise ValueError(f"the result has no tangent: {self.status}")
+        return self.linearised()
+
     def about(self, centre: Array) -> ContactResult:
         """The same with the moment about another point (3,) m of the frame."""
-        return replace(self, moment=self.moment - np.cross(centre, self.force))
+        seen = None if self.linearised is None else self.linearised.about(centre)
+        return replace(self, moment=self.moment - np.cross(centre, self.force), linearised=seen)
 
     def mirrored(self) -> ContactResult:
-        """Force, moment and patches in the mirror y = 0; the fields stay those of the solved left-hand pair."""
+        """Force, moment, patches and tangent in the mirror y = 0; the fields stay those of the left-hand pair."""
         return replace(
             self,
             force=MIRROR * self.force,
             moment=-MIRROR * self.moment,
-            patches=tuple(p.mirrored() for p in self.patches),
+            patches=Summaries(partial(_mirrored, self.patches)),
+            linearised=None if self.linearised is None else self.linearised.mirrored(),
         )
 
 

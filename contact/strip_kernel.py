@@ -1,9 +1,7 @@
 """Mean compliance between cells of any length and offset along the strips of a body invariant along x or in angle.
 
 Near its load a body is a half-space, whose answer for cells is known; what elements say differs from it smoothly across
-the surface, and is taken from line to line. With G'' = C the compliance along x, the mean over cells [a1, a2] by
-loads on [b1, b2] is the second difference (G(a2 - b1) + G(a1 - b2) - G(a2 - b2) - G(a1 - b1)) / ((a2 - a1) (b2 - b1)):
-four look-ups for any two cells.
+the surface, and is taken from line to line.
 """
 
 from __future__ import annotations
@@ -22,12 +20,28 @@ from contact.laws import Steel
 from contact.points import OutsideGrid
 from contact.pose import Array
 from contact.spectrum import Spectrum, interpolation, pair_places, rule
+from contact.strip_means import EVEN, ODD, Nodes, full_table, normal_table
 from contact.surface_error import SurfaceError
 
-NODES = 400  # of the table of G over x: its error in a mean compliance stays below 1e-4
+NODES = 128  # of the table of G over x: its error in a mean compliance stays below 1e-4
+FINEST = 0.005  # spacing of the first nodes over that of the surface's lines
 NEIGHBOURS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16  # shares of a line in the mean over its neighbours
-GAUSS = 6  # points over the width of a strip
-FINEST = 0.05  # spacing of the first nodes over that of the surface's lines
+TILE = 8  # lines: parts of the surface are made ready so many at a time, and more on both sides
+GAUSS, WEIGHT = roots_legendre(6)  # places and weights over the width of a strip
+
+
+@dataclass(frozen=True)
+class Smooth:
+    """What elements say of lines low to high beyond half-spaces, wavenumber by wavenumber.
+
+    normal (lines, lines, nk) along the normals; even (lines, lines, 5 nk) and odd (lines, lines, 4 nk) components.
+    """
+
+    low: int
+    high: int
+    normal: Array
+    even: Array
+    odd: Array
 
 
 @dataclass
@@ -50,9 +64,7 @@ class StripKernel:
     unit: float = 1.0
     scale: float = 1.0
     flat: bool = False
-    _window: tuple[int, int] = field(init=False, default=(0, 0), repr=False)
-    _smooth: Array = field(init=False, repr=False)
-    _smooth_normal: Array = field(init=False, repr=False)
+    _known: dict[tuple[int, int], Smooth] = field(init=False, default_factory=dict, repr=False)
 
     @cached_property
     def samples(self) -> Spectrum:
@@ -69,24 +81,14 @@ class StripKernel:
         return np.concatenate([[2 * self.arc[0] - middle[0]], middle, [2 * self.arc[-1] - middle[-1]]])
 
     @cached_property
-    def _spread(self) -> tuple[float, float]:
-        """Nodes of the table lie at x0 sinh(rate n), units."""
-        first = FINEST * float(np.diff(self.arc).min()) / self.unit
-        rate = 1.0 / NODES
-        for _ in range(50):
-            rate = float(np.arcsinh(self.reach / self.unit * rate / first)) / (NODES - 3)
-        return first / rate, rate
-
-    @cached_property
-    def _nodes(self) -> Array:
-        """Distances along x of the table's nodes, units; one before zero for the interpolation."""
-        start, rate = self._spread
-        return np.asarray(start * np.sinh(rate * np.arange(-1, NODES - 1)))
+    def nodes(self) -> Nodes:
+        """Nodes of the tables, units."""
+        return Nodes.over(NODES, FINEST * float(np.diff(self.arc).min()) / self.unit, self.reach / self.unit)
 
     @cached_property
     def weights(self) -> tuple[Array, Array]:
         """Even and odd weights (nodes, nk) that turn samples into G at the table's nodes."""
-        x, samples = self._nodes, self.samples
+        x, samples = self.nodes.x, self.samples
         k, w = rule(samples.k, float(x[-1]), samples.round)
         phase = np.outer(x, k)
         weighted = interpolation(samples.k, samples.shift, k) * w[:, None]
@@ -104,8 +106,8 @@ class StripKernel:
 
     @cached_property
     def _lacks(self) -> Array:
-        """What the floored spectrum lacks (nodes, 1, 1, 3) at the table's nodes."""
-        return floor_correction(self._nodes, self._floor, self.nu)[:, None, None]
+        """What the floored spectrum lacks (nodes, 3) at the table's nodes."""
+        return floor_correction(self.nodes.x, self._floor, self.nu)
 
     def window(self, low: float, high: float) -> tuple[int, int]:
         """First and one past the last line whose cells meet an interval of arc length, m.
@@ -117,77 +119,77 @@ class StripKernel:
         first, last = np.searchsorted(self.bounds, [low, high], side="right") - 1
         return max(int(first), 0), min(int(last) + 1, len(self.arc))
 
-    def shares(self, sides: Array, window: tuple[int, int]) -> Array:
-        """Shares (S, lines of the window) of the lines in the means over strips, sides (S, 2) m, of what is linear from
-        line to line.
+    def shares(self, sides: Array, low: int, high: int) -> Array:
+        """Shares (S, high - low) of lines in the means over strips, sides (S, 2) m, of what is linear from line to
+        line.
         """
-        arc = self.arc[window[0] : window[1]]
-        place, weight = roots_legendre(GAUSS)
-        s = sides.mean(axis=1)[:, None] + 0.5 * np.diff(sides) * place
-        near = np.clip(np.searchsorted(arc, s) - 1, 0, len(arc) - 2)
-        part = np.clip((s - arc[near]) / (arc[near + 1] - arc[near]), 0.0, 1.0)
-        found = np.zeros((len(sides), len(arc)))
-        row = np.broadcast_to(np.arange(len(sides))[:, None], s.shape)
-        np.add.at(found, (row, near), 0.5 * weight * (1 - part))
-        np.add.at(found, (row, near + 1), 0.5 * weight * part)
-        return found
+        arc = self.arc[low:high]
+        s = sides.mean(axis=1)[:, None] + 0.5 * (sides[:, 1:] - sides[:, :1]) * GAUSS
+        near = np.minimum(np.maximum(arc.searchsorted(s) - 1, 0), len(arc) - 2)
+        part = np.minimum(np.maximum((s - arc[near]) / (arc[near + 1] - arc[near]), 0.0), 1.0)
+        place = near + len(arc) * np.arange(len(sides))[:, None]
+        both = np.concatenate([place.ravel(), place.ravel() + 1])
+        weight = np.concatenate([(0.5 * WEIGHT * (1 - part)).ravel(), (0.5 * WEIGHT * part).ravel()])
+        found: Array = np.bincount(both, weight, len(sides) * len(arc)).astype(float)
+        return found.reshape(len(sides), -1)
 
     def normal(self, sides: Array) -> Array:
-        """Table (S, S, nodes, 1) of G along the surface's normals between strips with sides (S, 2) m."""
-        near = self._near(sides, tangential=False)
-        tangent = self._tangents(sides.mean(axis=1))
-        turn = np.clip(tangent @ tangent.T, -1.0, 1.0)[..., None]  # cosine of the angle between two strips
-        table = 0.5 * ((1 + turn) * near[..., 1] - (1 - turn) * near[..., 0])
-        share = self._prepared(sides)
-        if share is not None:
-            smooth = np.tensordot(share, np.tensordot(share, self._smooth_normal, axes=(1, 1)), axes=(1, 2))  # j, i, k
-            table += np.tensordot(smooth, self.weights[0], axes=(2, 1)).swapaxes(0, 1)
-        return np.asarray(table[..., None] * (self.scale * self.unit**2))
+        """Table (S, S, nodes) of G along the surface's normals between strips with sides (S, 2) m."""
+        tangent, S = self._tangents(sides.mean(axis=1)), len(sides)
+        turn = np.minimum(tangent @ tangent.T, 1.0)
+        smooth = self._smooth(sides)
+        if smooth is None:
+            added = np.zeros((S, S, NODES))
+        else:
+            share, known, lines = smooth
+            added = _both(share, known.normal[lines, lines], 1) @ self.weights[0].T
+        return normal_table(*self._near(sides), turn, added.reshape(S, S, NODES), self.scale)
 
     def full(self, sides: Array) -> Array:
         """Table (S, S, nodes, 9) of G of all components: displacement by force, row by row."""
-        axes = self._pair_axes(sides.mean(axis=1))
-        near = self._near(sides)
-        table = np.einsum("ijna,ijab,ijac->ijnbc", near[..., :3], axes, axes, optimize=True)
-        table[..., 0, 1:] = near[..., 3:] * axes[:, :, None, 1, 1:]
-        table[..., 1:, 0] = table[..., 0, 1:]
-        share = self._prepared(sides)
-        if share is not None:
-            half = np.tensordot(share, self._smooth, axes=(1, 1))  # i, k, line, 9
-            spectrum = np.tensordot(share, half, axes=(1, 2)).swapaxes(0, 1)  # i, j, k, 9
-            even, odd = (np.einsum("ijkc,nk->ijnc", spectrum, w, optimize=True) for w in self.weights)
-            # u_x = -i U_x: a lateral load moves x by +sin, a load along x moves the others by -sin
-            even[..., [1, 2]], even[..., [3, 6]] = odd[..., [1, 2]], -odd[..., [3, 6]]
-            table += even.reshape(table.shape)
-        return np.asarray(table.reshape(*table.shape[:3], 9) * (self.scale * self.unit**2))
+        S, smooth = len(sides), self._smooth(sides)
+        if smooth is None:
+            even, odd = np.zeros((S, S, len(EVEN), NODES)), np.zeros((S, S, len(ODD), NODES))
+        else:
+            share, known, lines = smooth
+            even, odd = (
+                _both(share, values[lines, lines], count) @ weights.T
+                for values, count, weights in zip(
+                    (known.even, known.odd), (len(EVEN), len(ODD)), self.weights, strict=True
+                )
+            )
+        tangent = self._tangents(sides.mean(axis=1))
+        return full_table(*self._near(sides), tangent, even, odd, self.scale)
 
-    def _near(self, sides: Array, *, tangential: bool = True) -> Array:
-        """G (S, S, nodes, 4 or 2) of strips on half-spaces, less what the floored spectrum lacks, units."""
+    def _near(self, sides: Array) -> tuple[Array, Array, Array]:
+        """G (S, S, nodes, 4) of strips on half-spaces, what the floored spectrum lacks (nodes, 3), and how the strips
+        (S,) are stretched.
+        """
         across = np.interp(sides, self.arc, self._across) / self.unit
-        stretch = self._stretch(sides.mean(axis=1))
-        x = self._nodes
-        found = strip_antiderivative(np.abs(x), across, self.nu, tangential=tangential)
-        if self._floor > 0:
-            found[..., :3] -= self._lacks if tangential else self._lacks[..., 1:]
-        if tangential:
-            found[x < 0, ..., 3] *= -1
-        between = 0.5 * (stretch[:, None] + stretch)[..., None, None]
-        return np.asarray(found.transpose(1, 2, 0, 3) / between)
+        return strip_antiderivative(self.nodes.x, across, self.nu), self._lacks, self._stretch(sides.mean(axis=1))
 
-    def _prepared(self, sides: Array) -> Array | None:
-        """Shares of strips in the lines of the present window, moved when they are not in it; None without lines."""
-        window = self.window(float(sides.min()), float(sides.max()))
-        low, high = self._window
-        if not (low <= window[0] and window[1] <= high):
-            low, high = max(window[0] - 4, 0), min(window[1] + 4, len(self.arc))
-            # with neighbours, so that what is smoothed does not depend on the window
-            first, last = max(low - len(NEIGHBOURS), 0), min(high + len(NEIGHBOURS), len(self.arc))
-            lines = self._lines(first, last)[:, low - first : high - first, low - first : high - first]
-            normal = self._tangents(self.arc[low:high])[:, ::-1] * [-1.0, 1.0]
-            self._smooth_normal = np.einsum("kijab,ia,jb->kij", lines[..., 1:, 1:], normal, normal, optimize=True)
-            self._smooth = lines.reshape(*lines.shape[:3], 9)
-            self._window = low, high
-        return self.shares(sides, (low, high))
+    def _smooth(self, sides: Array) -> tuple[Array, Smooth, slice] | None:
+        """Shares (S, lines) of strips in the lines that they meet, what elements say of these, and which of its lines
+        they are; None without elements.
+        """
+        first, last = self.window(float(sides.min()), float(sides.max()))
+        first, last = max(first - 1, 0), min(last + 1, len(self.arc))
+        key = first // TILE, -(-last // TILE)
+        if key not in self._known:
+            self._known[key] = self._made(max(TILE * key[0], 0), min(TILE * key[1], len(self.arc)))
+        known = self._known[key]
+        return self.shares(sides, first, last), known, slice(first - known.low, last - known.low)
+
+    def _made(self, low: int, high: int) -> Smooth:
+        # with neighbours, so that what is smoothed does not depend on the part
+        first, last = max(low - len(NEIGHBOURS), 0), min(high + len(NEIGHBOURS), len(self.arc))
+        lines = self._lines(first, last)[:, low - first : high - first, low - first : high - first]
+        normal = self._tangents(self.arc[low:high])[:, ::-1] * [-1.0, 1.0]
+        along = np.einsum("kijab,ia,jb->ijk", lines[..., 1:, 1:], normal, normal, optimize=True)
+        nine = lines.reshape(*lines.shape[:3], 9).transpose(1, 2, 3, 0)
+        n = high - low
+        even, odd = (np.ascontiguousarray(nine[:, :, list(which)]).reshape(n, n, -1) for which in (EVEN, ODD))
+        return Smooth(low, high, np.ascontiguousarray(along), even, odd)
 
     def _lines(self, low: int, high: int) -> Array:
         """Spectrum (nk, n, n, 3, 3) of a run of lines, less that of half-spaces."""
@@ -260,30 +262,6 @@ class StripKernel:
             return np.ones_like(arc)
         return np.asarray(np.interp(arc, self.arc, self.points[:, 1]) / self.radius)
 
-    def means(self, table: Array, rows: Array, columns: Array) -> Array:
-        """Mean compliance (S, R, S, M, components) m/N between cells that end at rows (S, R + 1), columns (S, M + 1) m.
-
-        Components that are odd in x (all but xx and those without x) change sign with it.
-        """
-        start, rate = self._spread
-        S, count = table.shape[0], table.shape[-1]
-        x = (rows[:, :, None, None] - columns) / self.unit
-        place = np.arcsinh(np.abs(x) / start) / rate + 1.0
-        first = np.minimum(place.astype(np.int64) - 1, NODES - 4)
-        if place.max() > NODES - 1:
-            raise OutsideGrid("the overlap is longer than what fitted cells were made for")
-        pair = (np.arange(S)[:, None, None, None] * S + np.arange(S)[:, None]) * NODES
-        flat, line = table.reshape(-1, count), (pair + first).ravel()
-        found = sum(
-            weight.reshape(-1, 1) * flat.take(line + o, axis=0) for o, weight in enumerate(_cubic(place - first))
-        ).reshape(*x.shape, count)
-        if count == 9:
-            sign = np.sign(x)[..., None]
-            found[..., ODD] *= sign
-        total = np.diff(np.diff(found, axis=1), axis=3)
-        lengths = np.diff(rows)[:, :, None, None] * np.diff(columns)
-        return np.asarray(-total / lengths[..., None])
-
 
 @dataclass
 class HalfSpaceKernel(StripKernel):
@@ -298,7 +276,11 @@ class HalfSpaceKernel(StripKernel):
     def _floor(self) -> float:
         return 0.0
 
-    def _prepared(self, sides: Array) -> None:
+    @cached_property
+    def _lacks(self) -> Array:
+        return np.zeros((NODES, 3))
+
+    def _smooth(self, sides: Array) -> None:
         self.window(float(sides.min()), float(sides.max()))
 
 
@@ -306,10 +288,8 @@ def _nothing() -> Any:
     raise AssertionError("half-spaces have no elements")
 
 
-ODD = [1, 2, 3, 6]  # xy, xz, yx, zx
-
-
-def _cubic(t: Array) -> tuple[Array, Array, Array, Array]:
-    """Lagrange's weights of nodes 0 .. 3 at t."""
-    a, b, c, d = t, t - 1, t - 2, t - 3
-    return -b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6
+def _both(share: Array, lines: Array, count: int) -> Array:
+    """Means (S, S, count, nk) over two strips, of lines (L, L, count nk), by their shares (S, L)."""
+    S, L = share.shape
+    half = (share @ lines.reshape(L, -1)).reshape(S, L, -1)
+    return np.asarray((share @ half).reshape(S, S, count, -1))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from contact.pose import Array
-from contact.result import ContactResult
+from contact.result import ContactResult, Fields, Patch, Summaries
 from contact.strips import Layout
 
 ROUND_OFF = 1e-9  # of the largest traction
@@ -19,14 +21,17 @@ def sharpened(result: ContactResult, layout: Layout, bound: Array) -> ContactRes
     """The result with the peak between the cells' middles, semi-axes that know that pressure varies in a cell, and
     stick that ends within cells. bound (n,) Pa, the largest possible traction.
     """
-    fields = result.fields
-    assert fields is not None
+    assert result.fields is not None
+    return replace(result, patches=Summaries(partial(_sharpened, result.patches, result.fields, layout, bound)))
+
+
+def _sharpened(patches: Sequence[Patch], fields: Fields, layout: Layout, bound: Array) -> tuple[Patch, ...]:
     p, area = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area))
     left = (bound - np.hypot(*fields.traction.T)).reshape(p.shape)
     left[left < ROUND_OFF * bound.reshape(p.shape)] = 0.0
     labels = fields.patch.reshape(p.shape).max(axis=1)
     found = []
-    for k, patch in enumerate(result.patches):
+    for k, patch in enumerate(patches):
         own = labels == k
         edges, s, width = layout.edges[own], layout.middle[own], layout.width[own]
         x, length = 0.5 * (edges[:, 1:] + edges[:, :-1]), np.diff(edges)
@@ -39,7 +44,7 @@ def sharpened(result: ContactResult, layout: Layout, bound: Array) -> ContactRes
         )
         highest = peak(p[own], x, length, s, width)
         found.append(replace(patch, max_pressure=highest, semi_axes=axes, stick_area=float(stick)))
-    return replace(result, patches=tuple(found))
+    return tuple(found)
 
 
 def stick_length(left: Array, length: Array) -> float:

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.points import Places
+from contact.points import OutsideGrid, Places
 from contact.pose import Array, Pose
 from contact.strip_kernel import StripKernel
+from contact.strip_means import add_all_means, add_normal_means
 from contact.strip_surfaces import StripSurfaces
 from contact.strips import Layout
 
+TOO_LONG = "the overlap is longer than what fitted cells were made for"
 AHEAD = 2  # cells in front of a strip, of the length of its first, that the slip looks at
 
 
@@ -41,8 +43,10 @@ class StripOperators:
             (self.upper, layout.sides, edges),
             (self.lower, self.surfaces.lower_sides(pose, layout), edges * stretch),
         ):
-            total += kernel.means(kernel.normal(sides), x, x).reshape(total.shape)
-        return total * area
+            nodes = kernel.nodes
+            if not add_normal_means(total, kernel.normal(sides), x / kernel.unit, area, nodes.start, nodes.rate):
+                raise OutsideGrid(TOO_LONG)
+        return total
 
     def all(self, pose: Pose, layout: Layout, places: Places) -> tuple[Array, Array]:
         """Relative displacement (3 n, 3 n) m/Pa and elastic slip over the rolling speed (2 n, 3 n) 1/Pa in the local
@@ -55,30 +59,23 @@ class StripOperators:
         rows = np.column_stack([edges, *(edges[:, -1:] + (k + 1) * lead for k in range(AHEAD))])
         stretch = self.surfaces.along(layout.middle)[:, None]
         middle = 0.5 * (rows[:, 1:] + rows[:, :-1])
-        weight = upstream(middle * stretch)
+        weight = np.stack(upstream(middle * stretch))
         displacement, slip = np.zeros((3, n, 3, n)), np.zeros((2, n, 3, n))
         for kernel, sides, along, axes in (
             (self.upper, layout.sides, 1.0, self.upper_axes(places)),
             (self.lower, self.surfaces.lower_sides(pose, layout), stretch, self.lower_axes(pose, places)),
         ):
-            table = kernel.full(sides)
-            means = kernel.means(table, rows * along, edges * along).reshape(S, M + AHEAD, n, 3, 3)
-            loaded = np.einsum("srnab,ncb->srnac", means, axes, optimize=True)  # columns in local axes
-            change = np.zeros((S, M, n, 3, 3))
-            for k in range(AHEAD + 1):
-                part = loaded[:, k : k + M]
-                if kernel.radius is not None and k:
-                    turn = ((middle[:, k : k + M] - middle[:, :M]) / kernel.radius)[..., None, None]
-                    # the circle's axes turn on the way: e' = e - r turn, r' = r + e turn
-                    along_circle = part[..., 0, :] + turn * part[..., 2, :]
-                    outward = part[..., 2, :] - turn * part[..., 0, :]
-                    part = np.stack([along_circle, part[..., 1, :], outward], axis=-2)
-                change += weight[k][..., None, None, None] * part
-            here = loaded[:, :M].reshape(n, n, 3, 3)
-            displacement += np.einsum("mda,mnac->dmcn", axes, here, optimize=True)
-            slip += np.einsum("mda,mnac->dmcn", axes[:, :2], change.reshape(n, n, 3, 3), optimize=True)
-        displacement *= places.area
-        slip *= places.area
+            turn = np.zeros(weight.shape)
+            if kernel.radius is not None:
+                for k in range(1, AHEAD + 1):
+                    turn[k] = (middle[:, k : k + M] - middle[:, :M]) / kernel.radius
+            nodes = kernel.nodes
+            x, columns = rows * (along / kernel.unit), edges * (along / kernel.unit)
+            table, own = kernel.full(sides), np.ascontiguousarray(axes)
+            if not add_all_means(
+                displacement, slip, table, x, columns, own, places.area, weight, turn, nodes.start, nodes.rate
+            ):
+                raise OutsideGrid(TOO_LONG)
         return displacement.reshape(3 * n, 3 * n), slip.reshape(2 * n, 3 * n)
 
     def upper_axes(self, places: Places) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from contact.points import Places
 from contact.pose import Array, Pose
 from contact.quadrics import UPSIDE_DOWN, curvature
 from contact.strips import Layout
+from meshes.closest import Shape, foot, local, nearest_sample, piece
+from meshes.compiled import compiled
 from meshes.profiles import Profile
 
 
@@ -44,6 +46,44 @@ class StripSurfaces(Protocol):
         """Length on the surface at s over length on the rolling circle."""
 
 
+class Seen(NamedTuple):
+    """Places of a wheel seen from a rail: undeformed overlap (n,) m, -inf beyond the rail's ends; arc length (n,) m of
+    their feet on the rail; point (n, 3) m and local axes (n, 3, 3), rows longitudinal, lateral, outward.
+    """
+
+    overlap: Array
+    foot: Array
+    point: Array
+    axes: Array
+
+
+@compiled
+def seen(
+    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
+) -> tuple[Array, Array, Array, Array]:
+    """`Seen` of places s, x (n,) on a wheel of a radius, revolved about y, from a rail, extruded along x."""
+    n = len(s)
+    overlap, feet, points, axes = np.empty(n), np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        z, t, _ = local(wheel, s[i], piece(wheel, s[i]))
+        r, sine, cosine = z.imag + radius, np.sin(x[i] / radius), np.cos(x[i] / radius)
+        own = np.array([r * sine, z.real, -r * cosine])
+        normal = np.array([t.real * sine, -t.imag, -t.real * cosine])
+        for c in range(3):
+            row = rotation[c]
+            points[i, c] = origin[c] + row[0] * own[0] + row[1] * own[1] + row[2] * own[2]
+            axes[i, 2, c] = row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2]
+            axes[i, 0, c] = row[0] * cosine + row[2] * sine
+        f, u = axes[i, 0], axes[i, 2]
+        axes[i, 1, 0], axes[i, 1, 1] = f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2]
+        axes[i, 1, 2] = f[0] * u[1] - f[1] * u[0]
+        q = complex(points[i, 1], points[i, 2])
+        feet[i], _, inside = foot(rail, q, nearest_sample(rail, q))
+        on_rail, _, _ = local(rail, feet[i], piece(rail, feet[i]))
+        overlap[i] = (q.real - on_rail.real) * u[1] + (q.imag - on_rail.imag) * u[2] if inside else -np.inf
+    return overlap, feet, points, axes
+
+
 @dataclass(frozen=True)
 class ProfileStrips:
     """A wheel of nominal radius m, its profile revolved about y, on a rail, its profile extruded."""
@@ -52,22 +92,19 @@ class ProfileStrips:
     rail: Profile
     radius: float
 
-    def _wheel(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array, Array]:
-        """Points (..., 3) m, outward normals and forward directions in the rail's frame."""
-        (y, z), (ny, nr) = np.moveaxis(self.wheel.point(s), -1, 0), np.moveaxis(self.wheel.normal(s), -1, 0)
-        r, sine, cosine = z + self.radius, np.sin(x / self.radius), np.cos(x / self.radius)
-        point = pose.origin + np.stack([r * sine, y, -r * cosine], axis=-1) @ pose.rotation.T
-        normal = np.stack([nr * sine, ny, -nr * cosine], axis=-1) @ pose.rotation.T
-        forward = np.stack([cosine, np.zeros_like(y), sine], axis=-1) @ pose.rotation.T
-        return point, normal, forward
-
-    def _overlap(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array, Array]:
-        """Overlap m, arc length m of the foot on the rail, and the wheel's points."""
-        point, normal, _ = self._wheel(pose, s, x)
-        foot = self.rail.closest(point[..., 1:].reshape(-1, 2))
-        on_rail = foot.s.reshape(s.shape)
-        depth = np.einsum("...c,...c->...", point[..., 1:] - self.rail.point(on_rail), normal[..., 1:])
-        return np.where(foot.inside.reshape(s.shape), depth, -np.inf), on_rail, point
+    def _seen(self, pose: Pose, s: Array, x: Array) -> Seen:
+        """Places of the wheel, seen from the rail."""
+        both = np.broadcast_arrays(s, x)
+        return Seen(
+            *seen(
+                self.wheel.shape,
+                self.rail.shape,
+                self.radius,
+                pose.origin,
+                np.ascontiguousarray(pose.rotation),
+                *(np.ascontiguousarray(part.ravel(), dtype=float) for part in both),
+            )
+        )
 
     def ridge(self, pose: Pose, s: Array) -> Ridge:
         """The wheel's circle is nearest to the rail where it runs along it: its forward direction has no part in the
@@ -75,40 +112,37 @@ class ProfileStrips:
         """
         x = np.zeros_like(s)
         for _ in range(2 if pose.rotation[1, 0] != 0 else 0):
-            _, foot, _ = self._overlap(pose, s, x)
-            across = np.column_stack([np.zeros_like(s), self.rail.normal(foot)]) @ pose.rotation
+            across = np.column_stack([np.zeros_like(s), self.rail.normal(self._seen(pose, s, x).foot)]) @ pose.rotation
             x = -self.radius * np.arctan(across[:, 0] / across[:, 2])
-        depth = self._overlap(pose, s, x)[0]
+        depth = self._seen(pose, s, x).overlap
         r, nr = self.wheel.point(s)[:, 1] + self.radius, self.wheel.normal(s)[:, 1]
         return Ridge(s, depth, x, np.maximum(r * nr, 0.05 * r) / self.radius**2)
 
     def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
-        return self._overlap(pose, s, x)[0]
+        return self._seen(pose, s, x).overlap.reshape(x.shape)
 
     def along(self, s: Array) -> Array:
         return np.asarray(1 + self.wheel.point(s)[..., 1] / self.radius)
 
     def lower_sides(self, pose: Pose, layout: Layout) -> Array:
         x = np.repeat(layout.ends.mean(axis=1), 2).reshape(-1, 2)
-        return self._overlap(pose, layout.sides, x)[1]
+        return self._seen(pose, layout.sides, x).foot.reshape(x.shape)
 
     def places(self, pose: Pose, layout: Layout) -> Places:
         edges = layout.edges
         x = 0.5 * (edges[:, 1:] + edges[:, :-1])
         s = np.broadcast_to(layout.middle[:, None], x.shape)
-        overlap, on_rail, point = self._overlap(pose, s, x)
-        _, normal, forward = self._wheel(pose, s, x)
+        at = self._seen(pose, s, x)
         length = np.diff(edges) * self.along(layout.middle)[:, None]
-        lateral = np.cross(forward, normal)
         return Places(
-            point=point.reshape(-1, 3),
-            axes=np.stack([forward, lateral, normal], axis=-2).reshape(-1, 3, 3),
+            point=at.point,
+            axes=at.axes,
             area=(length * layout.width[:, None]).ravel(),
-            overlap=overlap.ravel(),
+            overlap=at.overlap,
             wheel_rotation=pose.rotation,
             step=length.ravel(),
             wheel_place=np.stack([s.ravel(), self.wheel.point(s.ravel())[:, 0]], axis=1),
-            rail_place=np.stack([on_rail.ravel(), self.rail.point(on_rail.ravel())[:, 0]], axis=1),
+            rail_place=np.stack([at.foot, self.rail.point(at.foot)[:, 0]], axis=1),
         )
 
 

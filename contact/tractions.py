@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.convergence import Count, LinearSolver, NewtonOptions, NotConverged
-from contact.friction import TINY, Friction, tangential_contact
+from contact.friction import TINY, Friction, Known, tangential_contact
 from contact.laws import Laws
 from contact.pose import Array, Mask
-from contact.pressure import ROUND_OFF, Coupled, Given, normal_contact
+from contact.pressure import ROUND_OFF, Coupled, Factors, Given, normal_contact
 
 __all__ = ["Count", "LinearSolver", "NewtonOptions", "NotConverged", "Tractions", "normal_contact", "solve_tractions"]
 
@@ -32,8 +32,24 @@ class Tractions:
     active: Mask
 
 
+class Elastic:
+    """Relative compliance of n points, see `solve_tractions`, and what was made of it in earlier solves."""
+
+    def __init__(self, operator: Array, points: int, laws: Laws) -> None:
+        n = points
+        normal = operator[-n:, -n:].copy()
+        normal[np.arange(n), np.arange(n)] += laws.normal_compliance
+        self.normal = Factors(normal)
+        # the operator's last columns count -p
+        self.slip, self.shift = operator[: 2 * n, : 2 * n], -operator[: 2 * n, 2 * n :]
+        coupling = operator[-n:, :-n]  # overlap from tangential tractions
+        coupled = coupling.size and np.abs(coupling).max() > ROUND_OFF * np.abs(normal).max()
+        self.coupling = coupling if coupled else None
+        self.known: Known = {}
+
+
 def solve_tractions(
-    operator: Array,
+    operator: Array | Elastic,
     overlap: Array,
     rigid: Array | None,
     *,
@@ -46,39 +62,42 @@ def solve_tractions(
     """Pressure and traction at n points from their relative compliance.
 
     operator maps tractions on the wheel (along the local axes, component by component) to slip and overlap: (n, n) for
-    normal components only, else (3 n, 3 n) with rows slip 1, slip 2, overlap. overlap (n,) m undeformed; rigid (2 n,)
-    creepage, None without friction; speed m/s, which only falling friction asks for; guess (pressure, tangential
-    (2 n,)). Raises NotConverged.
+    normal components only, else (3 n, 3 n) with rows slip 1, slip 2, overlap; or what was made of it before. overlap
+    (n,) m undeformed; rigid (2 n,) creepage, None without friction; speed m/s, which only falling friction asks for;
+    guess (pressure, tangential (2 n,)). Raises NotConverged.
     """
     options = options or NewtonOptions()
     n = len(overlap)
-    normal = operator[-n:, -n:].copy()
-    normal[np.arange(n), np.arange(n)] += laws.normal_compliance
+    body = operator if isinstance(operator, Elastic) else Elastic(operator, n, laws)
     q = np.zeros((2, n)) if guess is None else guess[1].reshape(2, n)
     active = overlap > 0.4 * overlap.max() if guess is None or not (guess[0] > 0).any() else guess[0] > 0
     if rigid is None or not laws.friction:
-        pressure, active = normal_contact(normal, overlap, active, count)
-        count.residual = misfit(normal, overlap, pressure)
+        pressure, active = normal_contact(body.normal, overlap, active, count)
+        count.residual = misfit(body.normal.compliance, overlap, pressure)
         return Tractions(pressure, np.zeros((n, 2)), np.zeros((n, 2)), active)
 
-    coupling = operator[-n:, :-n]  # overlap from tangential tractions
-    slip, shift = operator[: 2 * n, : 2 * n], -operator[: 2 * n, 2 * n :]  # the operator's last columns count -p
-    if np.abs(coupling).max() > ROUND_OFF * np.abs(normal).max():
-        found = tangential_contact(
-            Friction(slip, rigid, shift, Coupled(normal, overlap, coupling), laws, speed), q, active, options, count
-        )
+    raised = overlap
+    if body.coupling is not None:
+        pressures = Coupled(body.normal, overlap, body.coupling)
+        friction = Friction(body.slip, rigid, body.shift, pressures, laws, speed, body.known)
+        found = tangential_contact(friction, q, active, options, count)
         q, pressure, active = found.q, found.pressure, found.active
+        raised = overlap + body.coupling @ q.ravel()
     else:  # the pressure is known beforehand: only the points that carry it are left
-        pressure, active = normal_contact(normal, overlap, active, count)
-        index = np.flatnonzero(active)
-        both = np.concatenate([index, n + index])
-        creep = rigid[both] + shift[np.ix_(both, index)] @ pressure[index]
-        friction = Friction(slip[np.ix_(both, both)], creep, None, Given(pressure[index]), laws, speed)
-        found = tangential_contact(friction, q[:, index], active[index], options, count)
-        q = np.zeros((2, n))
-        q[:, index] = found.q
-    s = (rigid + slip @ q.ravel() + shift @ pressure).reshape(2, n)
-    count.residual = max(count.residual, misfit(normal, overlap + coupling @ q.ravel(), pressure))
+        pressure, active = normal_contact(body.normal, overlap, active, count)
+        creep = rigid + body.shift @ pressure
+        if active.all():
+            friction = Friction(body.slip, creep, None, Given(pressure), laws, speed, body.known)
+            q = tangential_contact(friction, q, active, options, count).q
+        else:
+            index = np.flatnonzero(active)
+            both = np.concatenate([index, n + index])
+            friction = Friction(body.slip[np.ix_(both, both)], creep[both], None, Given(pressure[index]), laws, speed)
+            found = tangential_contact(friction, q[:, index], active[index], options, count)
+            q = np.zeros((2, n))
+            q[:, index] = found.q
+    s = (rigid + body.slip @ q.ravel() + body.shift @ pressure).reshape(2, n)
+    count.residual = max(count.residual, misfit(body.normal.compliance, raised, pressure))
     return Tractions(pressure, q.T, s.T, active)
 
 

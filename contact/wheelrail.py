@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from contact.following import OnRail
 from contact.grid import ContactGrid
 from contact.points import ContactPoints, Interpolation, OutsideGrid
 from contact.pose import Array, Nodes, Pose
@@ -68,6 +69,10 @@ class WheelRail:
         return point, np.stack([forward, np.cross(forward, normal), normal], axis=1)
 
     @cached_property
+    def _follows(self) -> OnRail:
+        return OnRail.of(self.rail)
+
+    @cached_property
     def skyline(self) -> tuple[Array, Array]:
         """Lateral position and height of the rail, to tell quickly what may overlap."""
         points = self.rail.point(self.rail.samples(1e-4))
@@ -121,6 +126,7 @@ class WheelRail:
                 step=self.lines[0][line, 1] * (self.angle[stride] - self.angle[0]),
                 wheel_place=np.stack([self.arc[line], self.lines[0][line, 0]], axis=1),
                 rail_place=np.stack([rail_s, projected[:, 0]], axis=1),
+                follows=self._follows,
             ),
             float(overlap.max()),
         )

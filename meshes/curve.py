@@ -5,15 +5,12 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshes.closest import SPACING, Closest, closest
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
+from meshes.closest import SPACING, Closest, Shape, closest
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -72,12 +69,9 @@ class Curve:
         the local minimum near it. Of two feet whose distances d differ by less than (0.1 mm)^2 / 8 d, as on the
         bisector inside a corner, either may be returned.
         """
-        at = None if guess is None else np.asarray(guess, dtype=float)
-        return closest(self, np.asarray(points, dtype=float), at)
-
-    def nearest_sample(self, points: Array) -> Array:
-        """Arc length m of the nearest of samples SPACING apart, for points (n, 2) m."""
-        return np.asarray(self._samples[self._tree.query(points)[1]])
+        p = np.asarray(points, dtype=float)
+        at = np.empty(0) if guess is None else np.asarray(guess, dtype=float)
+        return Closest(*closest(self.shape, p[:, 0] + 1j * p[:, 1], at))
 
     def s_at_y(self, y: ArrayLike) -> Array:
         """Arc length m at lateral position y m, on the part around s = 0 where y increases; ValueError beyond it."""
@@ -132,10 +126,10 @@ class Curve:
         return np.asarray(self._evaluate(self._samples)[0])
 
     @cached_property
-    def _tree(self) -> cKDTree:
-        from scipy.spatial import cKDTree
-
-        return cKDTree(_pair(self._sampled))
+    def shape(self) -> Shape:
+        """The curve for compiled code."""
+        table = np.ascontiguousarray(self._table.transpose(2, 0, 1))
+        return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled)
 
     @cached_property
     def _middles(self) -> Array:

@@ -21,6 +21,7 @@ from contact.pose import Array, Motion, Mounting, Twist, WheelsetState
 from contact.references.hertz import Hertz, hertz, modulus
 from contact.result import ContactResult
 from contact.strip_kernel import StripKernel
+from contact.strip_means import means
 from contact.strip_moments import stick_length
 from contact.strip_operators import upstream
 from contact.strips import CAUTION, TIP, edge_rules, line_contact, marks, tip
@@ -96,7 +97,12 @@ def test_cells_of_any_size_and_place(bodies: Bodies, place: float) -> None:
     edge = 1e-3 * place + width * np.arange(3)
     sides = np.column_stack([edge[:-1], edge[1:]])
     ends = np.tile(length * np.arange(4), (2, 1))
-    found = kernel.means(kernel.full(sides), ends, ends).reshape(2, 3, 2, 3, 3, 3)
+    table, nodes, x = kernel.full(sides), kernel.nodes, ends / kernel.unit
+    found = np.empty((2, 3, 2, 3, 9))
+    for i in range(2):
+        for j in range(2):
+            assert means(x[i], x[j], table[i, j], nodes.start, nodes.rate, np.empty((4, 4, 9)), found[i, :, j])
+    found = found.reshape(2, 3, 2, 3, 3, 3)
     x, y = np.meshgrid(
         (np.arange(3 * fine) + 0.5) * length / fine, (np.arange(2 * fine) + 0.5) * width / fine, indexing="ij"
     )

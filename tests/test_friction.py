@@ -14,7 +14,7 @@ from contact.laws import FallingFriction, Laws, Steel
 from contact.loading import hertz_pose
 from contact.pairs import hertz_pair
 from contact.pose import Array, Motion, Twist
-from contact.pressure import Coupled
+from contact.pressure import Coupled, Factors
 from contact.references.hertz import hertz, modulus
 from contact.tractions import Count, NewtonOptions, Tractions, solve_tractions
 
@@ -89,7 +89,7 @@ def test_newton_step_is_that_of_the_derivative(eps: float) -> None:
         UNLIKE[: 2 * n, : 2 * n],
         creepage(CELLS, 1e-3, -5e-4, 0.3),
         -UNLIKE[: 2 * n, 2 * n :],
-        Coupled(UNLIKE[2 * n :, 2 * n :], OVERLAP, UNLIKE[2 * n :, : 2 * n]),
+        Coupled(Factors(UNLIKE[2 * n :, 2 * n :]), OVERLAP, UNLIKE[2 * n :, : 2 * n]),
         Laws(np.inf, 0.3, eps, FallingFriction(0.4, 1.0)),
         SPEED,
     )

@@ -1,0 +1,116 @@
+"""Compliance gathered on fitted cells, kept for copies of them that are moved and scaled as a whole.
+
+A half-space knows no length: if all lengths grow by a factor, the displacement by the same tractions does, and slip,
+its derivative, stays. Bodies of elements differ from half-spaces by what changes slowly over the surface, so that a
+copy may only be a little LARGER or ASIDE.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from contact.coarse import humps
+from contact.laws import Laws
+from contact.pose import Array, Pose
+from contact.pressure import Factors
+from contact.raised import Raised
+from contact.strip_operators import StripOperators
+from contact.strip_surfaces import Ridge
+from contact.strips import Layout
+from contact.tractions import Elastic
+
+LARGER = 1e-2  # of all lengths
+ASIDE = 0.5  # strips
+
+
+class Gathered:
+    """Compliance on the cells of a layout in a pose: along the normals, or of all components, made when asked for."""
+
+    def __init__(self, operators: StripOperators, pose: Pose, layout: Layout, laws: Laws) -> None:
+        self.layout = layout
+        self._operators, self._pose, self._laws = operators, pose, laws
+
+    @cached_property
+    def normal(self) -> Factors:
+        """Along the normals alone (n, n) m/Pa."""
+        return Factors(self._operators.normal(self._pose, self.layout))
+
+    @cached_property
+    def displacement(self) -> Array:
+        """Relative displacement (3 n, 3 n) m/Pa."""
+        return self._all[0]
+
+    @cached_property
+    def operator(self) -> Array:
+        """Slip and overlap (3 n, 3 n) as `contact.tractions.solve_tractions` wants them."""
+        return np.vstack([self._all[1], self.displacement[-self.displacement.shape[0] // 3 :]])
+
+    @cached_property
+    def frictionless(self) -> Elastic:
+        """Compliance along the normals and what solves make of it."""
+        return Elastic(self.normal.compliance, len(self.normal.compliance), self._laws)
+
+    @cached_property
+    def rolling(self) -> Elastic:
+        """The operator and what solves make of it."""
+        return Elastic(self.operator, len(self.operator) // 3, self._laws)
+
+    @cached_property
+    def shifting(self) -> Elastic:
+        """The same where displacement stands for slip: one step from none."""
+        return Elastic(self.displacement, len(self.displacement) // 3, self._laws)
+
+    @cached_property
+    def _all(self) -> tuple[Array, Array]:
+        places = self._operators.surfaces.places(self._pose, self.layout)
+        return self._operators.all(self._pose, self.layout, places)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """What a solve on fitted cells leaves for the next one: cells, overlap added by friction, tractions (2 n,) Pa, and
+    compliance, gathered on cells of which the present ones are a copy, moved aside and larger by a scale.
+    """
+
+    layout: Layout
+    raised: Raised | None
+    gathered: Gathered
+    scale: float
+    traction: Array
+
+    def covers(self, ridge: Ridge) -> bool:
+        """Whether all humps of the overlap lie on the cells, or next to them."""
+        low, high = self.layout.sides.T
+        at = ridge.s[humps(ridge)][:, None]
+        return bool(((at > low - self.layout.width) & (at < high + self.layout.width)).any(axis=1).all())
+
+    def copied(self, moves: Array, tips: Array) -> Cells | None:
+        """Moved and scaled as a whole, as near as that comes to steps of the ends; None too far from the original.
+
+        moves (S, 2) of the strips' lengths and tips (parts, 2) of their widths, outwards.
+        """
+        old, original = self.layout, self.gathered.layout
+        new_part = np.diff(old.patch, prepend=old.patch[0] - 1) != 0
+        first, part = np.flatnonzero(new_part), np.cumsum(new_part) - 1
+        count, length = np.bincount(part), np.diff(old.ends)[:, 0]
+        step = moves * length[:, None] * [-1.0, 1.0]
+        longer = np.bincount(part, step[:, 1] - step[:, 0]) / np.bincount(part, length)
+        growth = 0.5 * float(np.mean(longer + tips.sum(axis=1) / count))
+        along = np.bincount(part, step.mean(axis=1)) / count
+        across = 0.5 * (tips[:, 1] - tips[:, 0]) * old.width[first]
+
+        def moved(places: Array, aside: Array) -> Array:
+            middle = np.bincount(part, places.mean(axis=1)) / count
+            return np.asarray((middle + aside)[part, None] + (1 + growth) * (places - middle[part, None]))
+
+        new, scale = (
+            replace(old, sides=moved(old.sides, across), ends=moved(old.ends, along)),
+            self.scale * (1 + growth),
+        )
+        away = np.abs(new.middle[first] - original.middle[first]).max() / original.width.min()
+        if abs(scale - 1) > LARGER or away > ASIDE:
+            return None
+        return replace(self, layout=new, scale=scale)
