@@ -61,6 +61,9 @@ def costs(history: History) -> RenderableType:
         )
     view.add_section()
     done = f"{steps.accepted} steps, {steps.rejected} rejected, {steps.failed} failed"
-    view.caption = f"{done}, {steps.evaluations} evaluations, {history.cost.seconds:.1f} s in all"
+    done += f", {steps.evaluations} evaluations"
+    if steps.jacobians:
+        done += f", {steps.jacobians} Jacobians, {steps.factorisations} factorisations"
+    view.caption = f"{done}, {history.cost.seconds:.1f} s in all"
     view.caption_justify = "left"
     return view

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from math import atan
 from pathlib import Path
@@ -18,6 +18,7 @@ from scenes.scene import RunScene
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
+    from vehicle.dynamics import Contact
     from vehicle.history import History
     from vehicle.track import Track
     from vehicle.wagon import Wagon
@@ -53,11 +54,11 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console) -> Out
         contact = wheelset_contact(scene)
     from vehicle.simulate import simulate
 
-    with progress_bar(console, scene.track.length) as progress:
+    with _workers(contact, scene.solver.workers) as shared, progress_bar(console, scene.track.length) as progress:
         history = simulate(
             wagon(scene),
             track(scene),
-            contact,
+            shared,
             speed=scene.vehicle.speed,
             span=(0.0, scene.track.length / scene.vehicle.speed),
             method=scene.solver.method,
@@ -118,6 +119,13 @@ def wagon(scene: RunScene) -> Wagon:
     given = replace(standard, wheelset=replace(standard.wheelset, height=scene.wheelset.radius))
     changed: Wagon = overridden(given, scene.vehicle.model_extra or {})
     return changed
+
+
+def _workers(contact: Contact, count: int) -> AbstractContextManager[Contact]:
+    """The contact in this process, or with its right side in a second one."""
+    from vehicle.parallel import in_parallel
+
+    return nullcontext(contact) if count == 1 else in_parallel(contact)
 
 
 @contextmanager

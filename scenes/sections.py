@@ -176,11 +176,12 @@ class Vehicle(Table):
 
 
 class Solver(Table):
-    """Time stepper and its tolerances."""
+    """Time stepper and its tolerances; with two workers, the right-hand contact is solved in a process of its own."""
 
-    method: Literal["ode23", "ode45"] = "ode23"
+    method: Literal["ode23", "ode45", "rosenbrock"] = "ode23"
     rtol: q.Tolerance = 1e-3
     atol: q.Tolerance = 1e-6
+    workers: Literal[1, 2] = 1
 
 
 class Output(Table):

@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle.attempts import StepFailure
 from vehicle.dynamics import Contacts, Dynamics, Wrench
 from vehicle.frame import Frame
 from vehicle.state import COUNT, PITCH, ROLL, Y, Z
-from vehicle.steppers import StepFailure
 
 Array = NDArray[np.float64]
 

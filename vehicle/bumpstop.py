@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -26,14 +29,11 @@ class Bumpstop:
         if d[0] != 0.0 or f[0] != 0.0 or (np.diff(d) <= 0.0).any() or (np.diff(f) < 0.0).any():
             raise ValueError("bumpstop: deflection rises strictly and force does not fall, both from zero")
 
-    def __call__(self, deflection: float) -> float:
-        """Force [N] with the sign of the deflection [m]."""
-        d, f, size = self.deflection, self.force, abs(deflection)
-        if size > d[-1]:
-            value = f[-1] + (size - d[-1]) * (f[-1] - f[-2]) / (d[-1] - d[-2])
-        else:
-            value = float(np.interp(size, d, f))
-        return value if deflection >= 0.0 else -value
+    def __call__(self, deflection: float | Array) -> Array:
+        """Force [N] with the sign of the deflection [m], of any shape."""
+        d, f, size = self.deflection, self.force, np.abs(deflection)
+        beyond = np.maximum(size - d[-1], 0.0) * (f[-1] - f[-2]) / (d[-1] - d[-2])
+        return np.asarray(np.copysign(np.interp(size, d, f) + beyond, deflection))
 
     def scaled(self, factor: float) -> Bumpstop:
         return replace(self, force=tuple(factor * f for f in self.force))

@@ -7,12 +7,19 @@ from dataclasses import dataclass
 
 @dataclass
 class Counts:
-    """Steps accepted, rejected for their error, failed by the right-hand side, and evaluations asked for."""
+    """Steps accepted, rejected for their error, failed by the right-hand side, and evaluations asked for.
+
+    Of implicit steps also: Jacobians, evaluations for their differences when the contact has no tangent (not among the
+    evaluations), and factorisations.
+    """
 
     accepted: int = 0
     rejected: int = 0
     failed: int = 0
     evaluations: int = 0
+    jacobians: int = 0
+    differences: int = 0
+    factorisations: int = 0
 
 
 @dataclass(frozen=True)

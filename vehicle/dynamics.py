@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.pose import SIDES, Side, WheelsetState
 from contact.result import ContactResult
+from vehicle.attempts import StepFailure
 from vehicle.frame import Frame
 from vehicle.state import COUNT, split
-from vehicle.steppers import StepFailure
 from vehicle.suspension import Assembly
 from vehicle.track import Track
 from vehicle.wagon import Wagon
@@ -21,6 +22,22 @@ from vehicle.wagon import Wagon
 Array = NDArray[np.float64]
 Contact = Callable[[WheelsetState, Side, ContactResult | None], ContactResult]
 Contacts = dict[Side, ContactResult]
+
+
+@runtime_checkable
+class HasTangent(Protocol):
+    """A contact that knows how force and moment (6,) follow the wheelset (6, 8), see `contact.wheelset`."""
+
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array: ...
+
+
+@runtime_checkable
+class WorksAhead(Protocol):
+    """A contact that can begin with the right side before it is asked for the left one."""
+
+    def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None: ...
+
+    def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None: ...
 
 
 @dataclass(frozen=True)
@@ -91,7 +108,7 @@ class Dynamics:
         frame = self.track.frame(self.speed * time, self.speed)
         contacts = self.solve_contacts(frame, state, previous.contacts if previous else None)
         accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
-        return Evaluation(np.concatenate([state[COUNT:], accelerations]), contacts, yaw_reaction)
+        return Evaluation(np.concatenate([state[COUNT:], accelerations]), contacts, float(yaw_reaction))
 
     def wheelset_state(self, frame: Frame, state: Array) -> WheelsetState:
         position, rate, _, pitch_rate = split(state)
@@ -104,7 +121,7 @@ class Dynamics:
             y_rate=vy,
             z_rate=vz,
             roll_rate=spin,
-            pitch_rate=self.rolling_rate + pitch_rate,
+            pitch_rate=self.rolling_rate + float(pitch_rate),
             speed=self.speed,
             frame_rate=frame.rate,
         )
@@ -113,7 +130,12 @@ class Dynamics:
         """Both contacts; raises StepFailure for a result that failed or is not finite."""
         if not np.isfinite(state).all():
             raise StepFailure("the state is not finite")
-        wheelset = self.wheelset_state(frame, state)
+        return self.solve_wheelset(self.wheelset_state(frame, state), guess)
+
+    def solve_wheelset(self, wheelset: WheelsetState, guess: Contacts | None) -> Contacts:
+        """The same at a state of the wheelset."""
+        if isinstance(self.contact, WorksAhead):
+            self.contact.ahead(wheelset, guess["right"] if guess else None)
         return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
 
     def _solve(self, wheelset: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
@@ -127,35 +149,37 @@ class Dynamics:
             raise StepFailure(f"{side} contact: force or moment is not finite")
         return result
 
-    def accelerations(self, frame: Frame, state: Array, contact: Wrench) -> tuple[Array, float]:
-        """Accelerations (10,) of the coordinates under contact forces, and the yaw reaction N m."""
+    def accelerations(self, frame: Frame, state: Array, contact: Wrench) -> tuple[Array, Array]:
+        """Accelerations (..., 10) of the coordinates of states (..., 20) under contact forces; yaw reactions (...)
+        N m.
+        """
         position, rate, _, pitch_rate = split(state)
         mass, ixx, iyy, izz, height = self.constants
-        y, z, roll = position.T
-        vy, vz, spin = rate.T
+        y, z, roll = position[..., 0], position[..., 1], np.ascontiguousarray(position[..., 2])
+        vy, vz, spin = rate[..., 0], rate[..., 1], rate[..., 2]
         theta_rate = self.rolling_rate + pitch_rate
 
-        forces = self.suspension.forces(position, rate).on_bodies.copy()
-        forces[2] += contact.force[1], contact.force[2], contact.moment[0]
+        forces = self.suspension.forces(position, rate).on_bodies
+        forces[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
         inertial_y, inertial_z = frame.acceleration_of(y, height + z, vy, vz)
         g = self.plane.gravity
         o_y, o_z = frame.turned(roll)
 
-        result = np.empty(COUNT)
-        of_bodies = result[:9].reshape(3, 3)
-        of_bodies[:, 0] = forces[:, 0] / mass + g * frame.down[1] - inertial_y
-        of_bodies[:, 1] = forces[:, 1] / mass + g * frame.down[2] - inertial_z
+        result = np.empty((*state.shape[:-1], COUNT))
+        result[..., 0:9:3] = forces[..., 0] / mass + g * frame.down[1] - inertial_y
+        result[..., 1:9:3] = forces[..., 1] / mass + g * frame.down[2] - inertial_z
         gyroscopic = (izz - iyy) * o_y * o_z
-        gyroscopic[2] -= iyy[2] * theta_rate * o_z[2]
-        of_bodies[:, 2] = (forces[:, 2] - gyroscopic) / ixx - frame.rate_dot[0]
+        gyroscopic[..., 2] -= iyy[2] * theta_rate * o_z[..., 2]
+        result[..., 2:9:3] = (forces[..., 2] - gyroscopic) / ixx - frame.rate_dot[0]
 
         # About the axle and about the vertical axis of the wheelset, which rolled but did not spin.
-        c, s, spin_ws = np.cos(roll[2]), np.sin(roll[2]), spin[2]
+        leaning, spin_ws, o_y, o_z = np.ascontiguousarray(roll[..., 2]), spin[..., 2], o_y[..., 2], o_z[..., 2]
+        c, s = np.cos(leaning), np.sin(leaning)
         _, my, mz = contact.moment
         _, dy, dz = frame.rate_dot
-        o_y_dot = dy * c + dz * s + spin_ws * o_z[2]
-        o_z_dot = dz * c - dy * s - spin_ws * o_y[2]
-        result[9] = (my * c + mz * s) / iyy[2] - o_y_dot
+        o_y_dot = dy * c + dz * s + spin_ws * o_z
+        o_z_dot = dz * c - dy * s - spin_ws * o_y
+        result[..., 9] = (my * c + mz * s) / iyy[2] - o_y_dot
         o_x = frame.rate[0] + spin_ws
-        needed = izz[2] * o_z_dot + o_x * iyy[2] * (o_y[2] + theta_rate) - ixx[2] * o_x * o_y[2]
-        return result, float(needed - (mz * c - my * s))
+        needed = izz[2] * o_z_dot + o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
+        return result, needed - (mz * c - my * s)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle.attempts import StepFailure
 from vehicle.balance import LARGE, Balance, size_of
 from vehicle.dynamics import Contacts, Dynamics
-from vehicle.steppers import StepFailure
 
 Array = NDArray[np.float64]
 

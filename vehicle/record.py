@@ -63,7 +63,7 @@ class Row:
     def of(cls, dynamics: Dynamics, time: float, state: Array, at: Evaluation) -> Row:
         left, right = (at.contacts[side] for side in SIDES)
         outputs = Outputs.of(dynamics, state, at)
-        return cls(time, state, outputs, (left.patches, right.patches), (left.status, right.status))
+        return cls(time, state, outputs, (tuple(left.patches), tuple(right.patches)), (left.status, right.status))
 
 
 @dataclass

@@ -8,19 +8,27 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle.attempts import StepFailure
 from vehicle.control import Control
 from vehicle.dynamics import Contact, Dynamics
 from vehicle.equilibrium import EquilibriumError, equilibrium
 from vehicle.history import History, RunCost
+from vehicle.jacobian import Jacobian
 from vehicle.record import Recorder
-from vehicle.steppers import StepFailure, StepTooSmall, integrate
-from vehicle.tableau import METHODS
+from vehicle.rosenbrock import ROS34PW2, Rosenbrock
+from vehicle.state import COUNT
+from vehicle.steppers import StepTooSmall, integrate
+from vehicle.tableau import METHODS as EXPLICIT
+from vehicle.tableau import Tableau
 from vehicle.tally import Tally
 from vehicle.track import Track
 from vehicle.wagon import Wagon
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, Mapping[str, float]], None]
+
+METHODS: dict[str, Tableau | Rosenbrock] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
+RATE_SCALE = 100.0  # 1/s: what a rate may be off against a position, see `tolerances`
 
 
 def simulate(
@@ -42,11 +50,12 @@ def simulate(
 ) -> History:
     """Motion of the wagon over the times span s at constant speed m/s; distance along the track is speed times time.
 
-    initial: state (20,) of `vehicle.state`, else the equilibrium at the start. Rows at accepted steps, or `every` so
-    many seconds. Each contact solve starts from the result before, the first of a step from the latest accepted one.
-    A solve that fails makes the step shorter; when min_step s does not help either, or on Ctrl-C, the history ends
-    there and its status tells. progress gets the share done and figures at each accepted step. Raises ValueError for
-    senseless input.
+    method: "ode23" and "ode45" are explicit and follow the contact's 150 Hz; "rosenbrock" is linearly implicit and uses
+    the contact's tangent where there is one. atol: see `tolerances`. initial: state (20,) of `vehicle.state`, else the
+    equilibrium at the start. Rows at accepted steps, or `every` so many seconds. Each contact solve starts from the
+    result before, the first of a step from the latest accepted one. A solve that fails makes the step shorter; when
+    min_step s does not help either, or on Ctrl-C, the history ends there and its status tells. progress gets the share
+    done and figures at each accepted step. Raises ValueError for senseless input.
     """
     if method not in METHODS:
         raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
@@ -66,8 +75,9 @@ def simulate(
             state,
             t1,
             tableau=METHODS[method],
+            jacobian=Jacobian(dynamics, cost.steps),
             rtol=rtol,
-            atol=atol,
+            atol=tolerances(method, atol),
             control=control,
             start=start,
             max_step=max_step,
@@ -83,6 +93,18 @@ def simulate(
         status = f"failed: {error}"
     cost.seconds = perf_counter() - began
     return History.of(recorder, cost, status)
+
+
+def tolerances(method: str, atol: float | Array) -> float | Array:
+    """Absolute tolerance of each component: an array as it is, a number for positions in m and rad.
+
+    Explicit steps take the same number for the rates; they are bound by stability anyway. Implicit ones take 100 times
+    that, per second: what they step over fades within 10 ms, so that such a rate moves a position by as much as the
+    tolerance of a position.
+    """
+    if np.ndim(atol) or not isinstance(METHODS[method], Rosenbrock):
+        return atol
+    return np.repeat([float(atol), RATE_SCALE * float(atol)], COUNT)
 
 
 def _figures(time: float, step: float, speed: float, cost: RunCost) -> dict[str, float]:

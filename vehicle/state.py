@@ -27,17 +27,18 @@ MIRROR = np.tile([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0], 2)  #
 
 
 class Split(NamedTuple):
-    """position, rate (3, 3): y, z, roll of car body, bogie, wheelset, and their rates; pitch and its rate."""
+    """position, rate (..., 3, 3): y, z, roll of the three bodies, and their rates; pitch and its rate (...)."""
 
     position: Array
     rate: Array
-    pitch: float
-    pitch_rate: float
+    pitch: Array
+    pitch_rate: Array
 
 
 def split(state: Array) -> Split:
-    """Parts of a state (20,): y, z in m (z from the nominal height), angles in rad, rates per second.
+    """Parts of states (..., 20): y, z in m (z from the nominal height), angles in rad, rates per second.
 
     The pitch counts what exceeds nominal rolling, V t / r: tolerances then bear on the creepage and not on the speed.
     """
-    return Split(state[:9].reshape(3, 3), state[10:19].reshape(3, 3), float(state[9]), float(state[19]))
+    shape = (*state.shape[:-1], 3, 3)
+    return Split(state[..., :9].reshape(shape), state[..., 10:19].reshape(shape), state[..., 9], state[..., 19])

@@ -1,35 +1,24 @@
-"""One loop for every embedded explicit Runge-Kutta pair, with adaptive steps."""
+"""One loop for every embedded Runge-Kutta pair, explicit or linearly implicit, with adaptive steps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle.attempts import Attempt, E, Explicit, Linearise, LinearlyImplicit, RightHandSide, StepFailure
 from vehicle.control import Control, Counts
+from vehicle.rosenbrock import Rosenbrock
 from vehicle.tableau import Tableau
 
 Array = NDArray[np.float64]
 
 
-class StepFailure(RuntimeError):
-    """The right-hand side has no value here; a smaller step may avoid it."""
-
-
 class StepTooSmall(RuntimeError):
     """No step of the smallest length permitted succeeds."""
-
-
-class HasRate(Protocol):
-    @property
-    def rate(self) -> Array: ...
-
-
-E = TypeVar("E", bound=HasRate)
-RightHandSide = Callable[[float, Array, E | None], E]
 
 
 @dataclass(frozen=True)
@@ -59,7 +48,8 @@ def integrate(
     x0: Array,
     t1: float,
     *,
-    tableau: Tableau,
+    tableau: Tableau | Rosenbrock,
+    jacobian: Linearise[E] | None = None,
     rtol: float = 1e-3,
     atol: float | Array = 1e-6,
     control: Control | None = None,
@@ -73,12 +63,17 @@ def integrate(
 
     The right-hand side is handed the evaluation before: of the stage before, or of the last accepted state for the
     first stage, so that nothing of a rejected step lives on. It may raise StepFailure: the step is then tried again,
-    shorter. Error: largest component over atol + rtol |x|. Raises StepTooSmall below min_step, ValueError for
-    senseless input.
+    shorter. An implicit method asks the jacobian once at every accepted state. Error: largest component over atol +
+    rtol |x|. Raises StepTooSmall below min_step, ValueError for senseless input.
     """
     if not (t1 > t0 and rtol >= 0.0 and np.all(np.asarray(atol) > 0.0) and 0.0 < min_step <= max_step):
         raise ValueError("integrate: t1 > t0, rtol >= 0, atol > 0 and 0 < min_step <= max_step are needed")
     control, counts = control or Control(), counts if counts is not None else Counts()
+    attempt: Attempt[E] = (
+        Explicit(rhs, tableau, counts)
+        if isinstance(tableau, Tableau)
+        else LinearlyImplicit(rhs, tableau, counts, jacobian)
+    )
     t, x, k = t0, np.array(x0, dtype=float), tableau.error_order + 1
     if start is None:
         counts.evaluations += 1
@@ -94,42 +89,26 @@ def integrate(
         elif h < min_step:
             raise StepTooSmall(f"step {h:.3g} s < {min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
         try:
-            end, new, difference = _attempt(rhs, t, x, start, h, tableau, counts)
+            new, difference, last = attempt(t, x, start, h)
+            error = float(np.max(np.abs(difference) / (atol + rtol * np.maximum(np.abs(x), np.abs(new)))))
+            if error > 1.0:
+                counts.rejected += 1
+                reason, fresh = StepFailure(f"error of {error:.3g} tolerances"), False
+                h *= max(control.smallest, control.safety * error ** (-1.0 / k))
+                continue
+            after = t1 if h == t1 - t else t + h
+            end = attempt.end(after, new, last)
         except StepFailure as failure:
             counts.failed += 1
             reason, fresh = failure, False
             h *= control.retry
             continue
-        error = float(np.max(np.abs(difference) / (atol + rtol * np.maximum(np.abs(x), np.abs(new)))))
-        if error > 1.0:
-            counts.rejected += 1
-            reason, fresh = StepFailure(f"error of {error:.3g} tolerances"), False
-            h *= max(control.smallest, control.safety * error ** (-1.0 / k))
-            continue
         counts.accepted += 1
-        step = Step(t, x, start, t1 if h == t1 - t else t + h, new, end, error)
+        step = Step(t, x, start, after, new, end, error)
         factor = control.factor(error, before, k)
         h = min(max_step, h * (factor if fresh else min(1.0, factor)))
         t, x, start, before, fresh, reason = step.t, new, end, error, True, None
         yield step
-
-
-def _attempt(
-    rhs: RightHandSide[E], t: float, x: Array, start: E, h: float, tableau: Tableau, counts: Counts
-) -> tuple[E, Array, Array]:
-    """Last evaluation, new state and its difference to the companion; raises StepFailure for rates that are not
-    finite.
-    """
-    rates, new, now = [start.rate], x, start
-    for row, node in zip(tableau.rows, tableau.nodes, strict=True):
-        new = x + h * np.dot(row, rates)
-        counts.evaluations += 1
-        now = rhs(t + node * h, new, now)
-        rates.append(now.rate)
-    difference = h * np.dot(tableau.error, rates)
-    if not (np.isfinite(new).all() and np.isfinite(difference).all()):
-        raise StepFailure("the rates are not finite")
-    return now, new, difference
 
 
 def _first_step(rhs: RightHandSide[E], t: float, x: Array, start: E, scale: Array, k: int) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -19,11 +20,12 @@ Row = tuple[float, ...]  # upper and lower body, y and height, stiffness y z, da
 
 
 class SuspensionForces(NamedTuple):
-    """on_bodies (3, 3): lateral and vertical force N, roll moment N m about the centre, on car body, bogie, wheelset.
+    """on_bodies (..., 3, 3): lateral and vertical force N, roll moment N m about the centre, on car body, bogie,
+    wheelset.
 
-    deflection (n, 2) m and force (n, 2) N of the elements, lateral and vertical in their own axes, force on the upper
-    body. Elements: primary spring and damper, secondary spring and damper of the left side, the same of the right side,
-    bumpstop.
+    deflection (..., n, 2) m and force (..., n, 2) N of the elements, lateral and vertical in their own axes, force on
+    the upper body. Elements: primary spring and damper, secondary spring and damper of the left side, the same of the
+    right side, bumpstop.
     """
 
     on_bodies: Array
@@ -67,7 +69,7 @@ class Assembly:
     preload: Array
     turn: Array
     couple: float
-    stop: Callable[[float], float]
+    stop: Callable[[Array], Array]
 
     @classmethod
     def of(cls, wagon: Wagon) -> Assembly:
@@ -94,38 +96,54 @@ class Assembly:
             stop=w.bumpstop,
         )
 
+    @cached_property
+    def reach(self) -> Array:
+        """(2, n): from the element's end on each body to where its force acts, as a share of the gap."""
+        return np.stack([-self.turn, 1.0 - self.turn])
+
+    @cached_property
+    def incidence(self) -> tuple[Array, Array]:
+        """Two of (3, 5): which body is the upper, less which is the lower one, of a pair of elements or the stop."""
+        pairs = self.ends[:, [0, 1, 2, 3, 8]]
+        upper, lower = (np.arange(3)[:, None] == pairs[:, None, :]).astype(float)
+        return upper, -lower
+
     def forces(self, position: Array, rate: Array) -> SuspensionForces:
-        """Forces at position (3, 3): y m, z m from the nominal height, roll rad of each body, and its rate (3, 3)."""
-        y, z, roll = position[self.ends].transpose(2, 0, 1)
-        vy, vz, spin = rate[self.ends].transpose(2, 0, 1)
+        """Forces at position (..., 3, 3), y m, z m from the nominal height, roll rad of each body, and its rate."""
+        where, moving = position[..., self.ends, :], rate[..., self.ends, :]
+        # NumPy's sine of an array with gaps depends, in the last bit, on where in memory it lies.
+        y, z, roll = where[..., 0], where[..., 1], np.ascontiguousarray(where[..., 2])
+        vy, vz, spin = moving[..., 0], moving[..., 1], moving[..., 2]
         c, s = np.cos(roll), np.sin(roll)
         arm_y, arm_z = self.across * c - self.above * s, self.across * s + self.above * c
         gap_y, gap_z = _upper_minus_lower(y + arm_y), _upper_minus_lower(z + arm_z - self.above)
         slide_y, slide_z = _upper_minus_lower(vy - spin * arm_z), _upper_minus_lower(vz + spin * arm_y)
 
-        share = np.stack([self.turn, 1.0 - self.turn])
-        lean, lean_rate = (share * roll).sum(0), (share * spin).sum(0)
+        upper = self.turn
+        lean = upper * roll[..., 0, :] + (1.0 - upper) * roll[..., 1, :]
+        lean_rate = upper * spin[..., 0, :] + (1.0 - upper) * spin[..., 1, :]
         c, s = np.cos(lean), np.sin(lean)
         slide_y, slide_z = slide_y + lean_rate * gap_z, slide_z - lean_rate * gap_y
-        deflection = np.stack([c * gap_y + s * gap_z, c * gap_z - s * gap_y], axis=1)
-        velocity = np.stack([c * slide_y + s * slide_z, c * slide_z - s * slide_y], axis=1)
+        deflection = np.stack([c * gap_y + s * gap_z, c * gap_z - s * gap_y], axis=-1)
+        velocity = np.stack([c * slide_y + s * slide_z, c * slide_z - s * slide_y], axis=-1)
         force = -self.stiffness * deflection - self.damping * velocity
-        force[:, 1] += self.preload
-        force[-1, 0] -= self.stop(float(deflection[-1, 0]))
+        force[..., 1] += self.preload
+        force[..., -1, 0] -= self.stop(deflection[..., -1, 0])
 
-        fy, fz = c * force[:, 0] - s * force[:, 1], s * force[:, 0] + c * force[:, 1]
-        reach = np.stack([-self.turn, 1.0 - self.turn])  # from the body's point to where the force acts
-        moment = (arm_y + reach * gap_y) * fz - (arm_z + reach * gap_z) * fy
-        on_bodies = np.zeros((3, 3))
-        for sign, body, m in zip((1.0, -1.0), self.ends, moment, strict=True):
-            each = sign * np.stack([fy, fz, m], axis=1)
+        fy = c * force[..., 0] - s * force[..., 1]
+        fz = s * force[..., 0] + c * force[..., 1]
+        arm_y += self.reach * gap_y[..., None, :]
+        arm_z += self.reach * gap_z[..., None, :]
+        on_bodies = np.zeros(position.shape)
+        for i, incidence in enumerate(self.incidence):
+            each = np.stack([fy, fz, arm_y[..., i, :] * fz - arm_z[..., i, :] * fy], axis=-1)
             # Left and right first: the mirror image of a state then has the mirrored forces to the last bit.
-            np.add.at(on_bodies, body[[0, 1, 2, 3, 8]], np.concatenate([each[:4] + each[4:8], each[8:]]))
-        couple = self.couple * (position[CAR_BODY, 2] - position[BOGIE, 2])
-        on_bodies[CAR_BODY, 2] -= couple
-        on_bodies[BOGIE, 2] += couple
+            on_bodies += incidence @ np.concatenate([each[..., :4, :] + each[..., 4:8, :], each[..., 8:, :]], axis=-2)
+        couple = self.couple * (position[..., CAR_BODY, 2] - position[..., BOGIE, 2])
+        on_bodies[..., CAR_BODY, 2] -= couple
+        on_bodies[..., BOGIE, 2] += couple
         return SuspensionForces(on_bodies, deflection, force)
 
 
 def _upper_minus_lower(pair: Array) -> Array:
-    return np.asarray(pair[0] - pair[1])
+    return np.asarray(pair[..., 0, :] - pair[..., 1, :])

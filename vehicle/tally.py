@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from contact.pose import Side, WheelsetState
 from contact.result import ContactResult
 from vehicle.dynamics import Contact
 
+Array = NDArray[np.float64]
+
 
 @dataclass
 class SideCost:
-    """Solves (failed ones included), failed ones, Newton and linear iterations, seconds; and seconds by phase."""
+    """Solves (failed ones included), failed ones, Newton and linear iterations, seconds, tangents included, as this
+    process waited for them; seconds by phase; tangents.
+    """
 
     solves: int = 0
     failed: int = 0
@@ -20,11 +30,12 @@ class SideCost:
     linear: int = 0
     seconds: float = 0.0
     phases: dict[str, float] = field(default_factory=dict)
+    tangents: int = 0
 
 
 @dataclass
 class Tally:
-    """A contact that passes calls on to another one and adds up what they cost."""
+    """A contact that passes calls on to another one and adds up what they cost; it can what the other one can."""
 
     contact: Contact
     costs: dict[Side, SideCost] = field(default_factory=lambda: {"left": SideCost(), "right": SideCost()})
@@ -42,3 +53,25 @@ class Tally:
         for phase, seconds in result.statistics.seconds.items():
             cost.phases[phase] = cost.phases.get(phase, 0.0) + seconds
         return result
+
+    def __getattr__(self, name: str) -> Any:
+        """What only some contacts can; a method here would promise it for all of them."""
+        if name not in ("tangent", "ahead", "ahead_tangent"):
+            raise AttributeError(name)
+        inner = getattr(self.contact, name)
+        return partial(self._tangent, inner) if name == "tangent" else inner
+
+    def _tangent(
+        self,
+        inner: Callable[[WheelsetState, Side, ContactResult], Array],
+        state: WheelsetState,
+        side: Side,
+        result: ContactResult,
+    ) -> Array:
+        cost, start = self.costs[side], perf_counter()
+        try:
+            found = inner(state, side, result)
+            cost.tangents += 1
+            return found
+        finally:
+            cost.seconds += perf_counter() - start

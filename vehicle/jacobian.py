@@ -1,0 +1,107 @@
+"""Derivative of the equations of motion by the state and by time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.pose import SIDES, WheelsetState
+from vehicle.attempts import StepFailure
+from vehicle.control import Counts
+from vehicle.dynamics import Contacts, Dynamics, Evaluation, HasTangent, WorksAhead, Wrench
+from vehicle.frame import Frame
+from vehicle.state import COUNT, PITCH, ROLL, Y, Z
+
+Array = NDArray[np.float64]
+
+# Fields of a WheelsetState that the state moves, their places in the state, in the order of a contact's tangent (which
+# also has the yaw, its fourth), and how far a difference goes: far above a contact's noise, far below its curvature.
+SEEN = ("y", "z", "roll", "y_rate", "z_rate", "roll_rate", "pitch_rate")
+PLACES = np.array([Y, Z, ROLL, COUNT + Y, COUNT + Z, COUNT + ROLL, COUNT + PITCH])
+COLUMNS = [0, 1, 2, 4, 5, 6, 7]
+SMALL = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
+STEP = 1e-7  # m, rad, m/s or rad/s: for what is smooth and costs nothing
+MOMENT = 1e-5  # s
+KEPT = 8  # Jacobians that share one set of differences of the contact: 2 of 3 solves saved, a third more steps
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """Derivatives of the rate (20,) by the state (20, 20) and, contacts held, by time (20,)."""
+
+    by_state: Array
+    by_time: Array
+
+
+@dataclass
+class Jacobian:
+    """Linearisation at a time s and state (20,) with its evaluation; what it costs goes to the counts.
+
+    Suspension, inertia and kinematics by differences under held contact forces (all 20 columns in one vectorised look);
+    contact forces by the contact's tangent or, when it has none, by differences of 7 solves a side at every eighth
+    call: the methods of `vehicle.rosenbrock` keep their order with any matrix.
+    """
+
+    dynamics: Dynamics
+    counts: Counts
+    differences: Array | None = field(default=None, init=False)
+    age: int = field(default=0, init=False)
+
+    def __call__(self, time: float, state: Array, at: Evaluation) -> Linearised:
+        """Raises StepFailure when a contact cannot be solved or gives no tangent."""
+        self.counts.jacobians += 1
+        d = self.dynamics
+        frame, later = (d.track.frame(d.speed * t, d.speed) for t in (time, time + MOMENT))
+        wrench = Wrench.of(at.contacts)
+        by_state = np.zeros((2 * COUNT, 2 * COUNT))
+        by_state[:COUNT, COUNT:] = np.eye(COUNT)
+        looks, _ = d.accelerations(frame, np.vstack([state, state + STEP * np.eye(2 * COUNT)]), wrench)
+        by_state[COUNT:] = (looks[1:] - looks[0]).T / STEP
+        by_state[COUNT:, PLACES] += self.by_wrench(state) @ self.tangent(frame, state, at.contacts)[:, COLUMNS]
+        by_time = np.zeros(2 * COUNT)
+        by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - looks[0]) / MOMENT
+        return Linearised(by_state, by_time)
+
+    def by_wrench(self, state: Array) -> Array:
+        """Accelerations by force and moment on the wheelset (10, 6)."""
+        mass, ixx, iyy, _, _ = self.dynamics.constants[:, 2]
+        c, s = np.cos(state[ROLL]), np.sin(state[ROLL])
+        result = np.zeros((COUNT, 6))
+        result[Y, 1] = result[Z, 2] = 1.0 / mass
+        result[ROLL, 3] = 1.0 / ixx
+        result[PITCH, 4:] = c / iyy, s / iyy
+        return result
+
+    def tangent(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
+        """Force and moment of both wheels by the wheelset's position and rates (6, 8)."""
+        contact, wheelset = self.dynamics.contact, self.dynamics.wheelset_state(frame, state)
+        if not isinstance(contact, HasTangent):
+            return self._differences(wheelset, contacts)
+        try:
+            if isinstance(contact, WorksAhead):
+                contact.ahead_tangent(wheelset, contacts["right"])
+            total: Array = np.sum([contact.tangent(wheelset, side, contacts[side]) for side in SIDES], axis=0)
+        except ValueError:  # not every model's results carry one
+            return self._differences(wheelset, contacts)
+        except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
+            raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error
+        return total if np.isfinite(total).all() else self._differences(wheelset, contacts)
+
+    def _differences(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
+        self.age = (self.age + 1) % KEPT
+        if self.differences is not None and self.age:
+            return self.differences
+        result, here = np.zeros((6, 8)), _six(contacts)
+        for column, name, small in zip(COLUMNS, SEEN, SMALL, strict=True):
+            self.counts.differences += 1
+            moved = replace(wheelset, **{name: getattr(wheelset, name) + small})
+            result[:, column] = (_six(self.dynamics.solve_wheelset(moved, contacts)) - here) / small
+        self.differences, self.age = result, 0
+        return result
+
+
+def _six(contacts: Contacts) -> Array:
+    total = Wrench.of(contacts)
+    return np.concatenate([total.force, total.moment])
