@@ -131,7 +131,7 @@ class FittedContact:
             layout, gathered, scale = cells.layout, cells.gathered, cells.scale
             places = replace(surfaces.places(pose, layout), overlap=mean_overlap(surfaces, pose, layout).ravel())
             speed, rigid = self._rigid(places, motion)
-            operator, body = self._compliance(gathered, rigid is not None)
+            body = self._compliance(gathered, rigid is not None)
             clock.ends("compliance")
             n = len(places.area)
             if q is None or len(q) != 2 * n:
@@ -160,7 +160,9 @@ class FittedContact:
             raised, q = after, found.tangential.T.ravel()
         else:
             settled = False
-        around = Linearisation(places, pose.origin, motion, operator, rigid, speed, self.laws, found)
+        around = Linearisation(
+            places, pose.origin, motion, body, rigid, speed, self.laws, found, self.fineness.cells, scale
+        )
         cells = replace(cells, raised=raised, traction=found.tangential.T.ravel())
         statistics = Statistics(
             newton=count.newton,
@@ -178,13 +180,11 @@ class FittedContact:
         arc = self.operators.upper.arc
         return np.asarray(np.linspace(arc[0], arc[-1], max(2 * len(arc), LINES)))
 
-    def _compliance(self, gathered: Gathered, tangential: bool) -> tuple[Array, Elastic]:
-        """Operator for the tractions, and what earlier solves made of it."""
+    def _compliance(self, gathered: Gathered, tangential: bool) -> Elastic:
+        """Compliance for the tractions, and what earlier solves made of it."""
         if not tangential:
-            return gathered.normal.compliance, gathered.frictionless
-        if self.tangential == "shift":
-            return gathered.displacement, gathered.shifting
-        return gathered.operator, gathered.rolling
+            return gathered.frictionless
+        return gathered.shifting if self.tangential == "shift" else gathered.rolling
 
     def _result(
         self,

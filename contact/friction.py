@@ -21,11 +21,14 @@ import scipy.sparse.linalg as sla
 from contact.convergence import Count, NewtonOptions, NotConverged
 from contact.laws import Laws
 from contact.pose import Array, Mask, Nodes
+from meshes.compiled import compiled
 
 RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # renamed in SciPy 1.12
 TINY = 1e-300
 STALLS = 3  # steps without descent that end an attempt
 ROUNDS = 60  # bounds held in turn
+
+NONE, NOTHING = np.empty((0, 0)), np.empty(0)
 
 # sets of points, by their bytes -> points inside (k,), ds/dq (2 k, 2 k) with the pressure following, dp/dq (k, 2 k)
 Known = dict[bytes, tuple[Nodes, Array, Array | None]]
@@ -90,49 +93,35 @@ class Friction:
         if self._shift is not None:
             s = s + self._shift @ p
         s = s.reshape(2, -1)
-        mu, fall = self._laws.friction_at(np.hypot(*s), self._speed)
-        b, y = mu * p if bound is None else bound, self.rho * q - s
-        length, limit = np.hypot(*y), b * self.rho + self._laws.regularisation
-        longest = np.maximum(length, limit)
-        F = q - b / np.maximum(longest, TINY) * y
-        return Trial(
-            q, p, active, s, y, mu, fall, b, longest, length > limit, F, float(np.linalg.norm(F)), bound is not None
-        )
+        mu, fall = self._laws.friction_at(np.hypot(s[0], s[1]), self._speed)
+        b = mu * p if bound is None else bound
+        y, longest, slides, F, norm = misfit(q, s, b, self.rho, self._laws.regularisation)
+        return Trial(q, p, active, s, y, mu, fall, b, longest, slides, F, norm, bound is not None)
 
     def step(self, t: Trial, options: NewtonOptions, count: Count) -> Array:
         """Newton's step (2, n) from a trial."""
-        n = len(t.bound)
-        inside = t.active | (t.q != 0).any(axis=0) | (t.bound > 0)
+        inside = t.active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
         index, slip, slope = self._linearised(t.active, inside, count)
-        k = len(index)
-        b, y, s, longest, slides = t.bound[index], t.y[:, index], t.s[:, index], t.longest[index], t.slides[index]
-        longest = np.maximum(longest, TINY)
-        u = y / np.maximum(np.hypot(*y), TINY)
-        # dF = dq - along db - across (rho dq - ds)
-        along = np.where(slides, u, y * self._laws.regularisation / longest**2)
-        keep = b / longest
-        turn = np.where(slides, keep, 0.0)
-        across = np.array(
-            [[keep - turn * u[0] ** 2, -turn * u[0] * u[1]], [-turn * u[0] * u[1], keep - turn * u[1] ** 2]]
+        falls = bool(t.fall.any()) and not t.held
+        jacobian = derivative(
+            index,
+            slip,
+            NONE if slope is None or t.held else slope,
+            t.y,
+            t.s,
+            t.bound,
+            t.longest,
+            t.slides,
+            self.rho,
+            t.mu,
+            t.pressure * t.fall if falls else NOTHING,
+            self._laws.regularisation,
         )
-        db = None if slope is None or t.held else t.mu[index, None] * slope
-        if t.fall.any() and not t.held:
-            direction = (t.pressure * t.fall)[index] * s / np.maximum(np.hypot(*s), TINY)
-            fall = direction[0][:, None] * slip[:k] + direction[1][:, None] * slip[k:]
-            db = fall if db is None else db + fall
-        jacobian = np.empty((2 * k, 2 * k))
-        diagonal = np.arange(k)
-        for i, rows in enumerate((slice(0, k), slice(k, 2 * k))):
-            block = jacobian[rows]
-            np.multiply(across[i, 0][:, None], slip[:k], out=block)
-            block += across[i, 1][:, None] * slip[k:]
-            if db is not None:
-                block -= along[i][:, None] * db
-            for j in range(2):
-                block[diagonal, j * k + diagonal] += (i == j) - across[i, j] * self.rho[index]
         found = linear_solve(jacobian, -t.F[:, index].ravel(), options, count)
-        whole = np.zeros((2, n))
-        whole[:, index] = found.reshape(2, k)
+        if len(index) == t.q.shape[1]:
+            return found.reshape(2, -1)
+        whole = np.zeros(t.q.shape)
+        whole[:, index] = found.reshape(2, -1)
         return whole
 
     def _linearised(self, active: Mask, inside: Mask, count: Count) -> tuple[Nodes, Array, Array | None]:
@@ -150,6 +139,74 @@ class Friction:
             self._known.clear()
             self._known[key] = index, slip, slope
         return self._known[key]
+
+
+@compiled
+def misfit(q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, Array, Mask, Array, float]:
+    """y, the larger of |y| and b rho + eps, where it is |y|, F and its norm, see `Trial`."""
+    n = len(b)
+    y, F, longest, slides = np.empty((2, n)), np.empty((2, n)), np.empty(n), np.empty(n, dtype=np.bool_)
+    total = 0.0
+    for i in range(n):
+        y[0, i], y[1, i] = rho[i] * q[0, i] - s[0, i], rho[i] * q[1, i] - s[1, i]
+        length, limit = np.sqrt(y[0, i] * y[0, i] + y[1, i] * y[1, i]), b[i] * rho[i] + eps
+        slides[i] = length > limit
+        longest[i] = max(length, limit, TINY)
+        part = b[i] / longest[i]
+        F[0, i], F[1, i] = q[0, i] - part * y[0, i], q[1, i] - part * y[1, i]
+        total += F[0, i] * F[0, i] + F[1, i] * F[1, i]
+    return y, longest, slides, F, np.sqrt(total)
+
+
+@compiled
+def derivative(
+    index: Nodes,
+    slip: Array,
+    slope: Array,
+    y: Array,
+    s: Array,
+    bound: Array,
+    longest: Array,
+    slides: Mask,
+    rho: Array,
+    mu: Array,
+    falls: Array,
+    eps: float,
+) -> Array:
+    """dF/dq (2 k, 2 k) at the points index (k,): dF = dq - along db - across (rho dq - ds).
+
+    slip (2 k, 2 k) and slope (k, 2 k) are ds/dq and dp/dq, an empty slope none; falls (n,) p dmu/d|s|, empty for none.
+    Column by column in memory, as LAPACK wants it.
+    """
+    k = len(index)
+    turned = np.empty((2 * k, 2 * k))
+    for i in range(k):
+        m = index[i]
+        length = max(np.sqrt(y[0, m] * y[0, m] + y[1, m] * y[1, m]), TINY)
+        ux, uy = y[0, m] / length, y[1, m] / length
+        keep = bound[m] / longest[m]
+        if slides[m]:
+            along_x, along_y = ux, uy
+            xx, xy, yy = keep * (1.0 - ux * ux), -keep * ux * uy, keep * (1.0 - uy * uy)
+        else:
+            over = eps / (longest[m] * longest[m])
+            along_x, along_y = y[0, m] * over, y[1, m] * over
+            xx, xy, yy = keep, 0.0, keep
+        for c in range(2 * k):
+            sx, sy = slip[i, c], slip[k + i, c]
+            db = 0.0
+            if len(slope):
+                db += mu[m] * slope[i, c]
+            if len(falls):
+                fast = max(np.sqrt(s[0, m] * s[0, m] + s[1, m] * s[1, m]), TINY)
+                db += falls[m] * (s[0, m] * sx + s[1, m] * sy) / fast
+            turned[c, i] = xx * sx + xy * sy - along_x * db
+            turned[c, k + i] = xy * sx + yy * sy - along_y * db
+        turned[i, i] += 1.0 - xx * rho[m]
+        turned[k + i, i] -= xy * rho[m]
+        turned[i, k + i] -= xy * rho[m]
+        turned[k + i, k + i] += 1.0 - yy * rho[m]
+    return turned.T
 
 
 def tangential_contact(friction: Friction, q: Array, active: Mask, options: NewtonOptions, count: Count) -> Trial:
@@ -208,7 +265,7 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
 def linear_solve(matrix: Array, right: Array, options: NewtonOptions, count: Count) -> Array:
     """Newton's linear system by LU, or by BiCGStab to the forcing term, eqs. (17) and (18)."""
     if options.linear == "lu":
-        return np.asarray(la.solve(matrix, right, check_finite=False))
+        return direct(matrix, right)
     steps = 0
 
     def tick(_: Array) -> None:
@@ -217,4 +274,12 @@ def linear_solve(matrix: Array, right: Array, options: NewtonOptions, count: Cou
 
     solution, info = sla.bicgstab(matrix, right, **{RELATIVE: options.forcing}, atol=0.0, maxiter=200, callback=tick)
     count.linear += steps
-    return np.asarray(solution) if info == 0 else np.asarray(la.solve(matrix, right, check_finite=False))
+    return np.asarray(solution) if info == 0 else direct(matrix, right)
+
+
+def direct(matrix: Array, right: Array) -> Array:
+    """By LU, without the checks that cost as much as the factors of a small matrix. Raises LinAlgError."""
+    _, _, found, info = la.lapack.dgesv(matrix, right)
+    if info:
+        raise np.linalg.LinAlgError(f"the Jacobian of friction is singular (LAPACK's dgesv: {info})")
+    return np.asarray(found)

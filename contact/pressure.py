@@ -32,9 +32,12 @@ class Factors:
             count.newton += 1
             if len(self._known) >= self.KEPT:
                 del self._known[next(iter(self._known))]
-            index = np.flatnonzero(active)
+            own = self.compliance
+            if not active.all():
+                index = np.flatnonzero(active)
+                own = own[np.ix_(index, index)]
             # columns carry the points' areas: positive definite up to that scaling, but not symmetric
-            self._known[key] = la.lu_factor(self.compliance[np.ix_(index, index)], check_finite=False)
+            self._known[key] = la.lu_factor(own, check_finite=False)
         return self._known[key]
 
 

@@ -17,6 +17,7 @@ from scipy.special import roots_legendre
 
 from contact.half_space import floor_correction, strip_antiderivative, strip_flexibility
 from contact.laws import Steel
+from contact.line_shares import between_lines, shares
 from contact.points import OutsideGrid
 from contact.pose import Array
 from contact.spectrum import Spectrum, interpolation, pair_places, rule
@@ -119,54 +120,51 @@ class StripKernel:
         first, last = np.searchsorted(self.bounds, [low, high], side="right") - 1
         return max(int(first), 0), min(int(last) + 1, len(self.arc))
 
-    def shares(self, sides: Array, low: int, high: int) -> Array:
-        """Shares (S, high - low) of lines in the means over strips, sides (S, 2) m, of what is linear from line to
-        line.
+    def normal(self, sides: Array, reach: float) -> Array:
+        """Table (S, S, nodes) of G along the surface's normals between strips with sides (S, 2) m, for distances along
+        x up to a reach [m].
         """
-        arc = self.arc[low:high]
-        s = sides.mean(axis=1)[:, None] + 0.5 * (sides[:, 1:] - sides[:, :1]) * GAUSS
-        near = np.minimum(np.maximum(arc.searchsorted(s) - 1, 0), len(arc) - 2)
-        part = np.minimum(np.maximum((s - arc[near]) / (arc[near + 1] - arc[near]), 0.0), 1.0)
-        place = near + len(arc) * np.arange(len(sides))[:, None]
-        both = np.concatenate([place.ravel(), place.ravel() + 1])
-        weight = np.concatenate([(0.5 * WEIGHT * (1 - part)).ravel(), (0.5 * WEIGHT * part).ravel()])
-        found: Array = np.bincount(both, weight, len(sides) * len(arc)).astype(float)
-        return found.reshape(len(sides), -1)
-
-    def normal(self, sides: Array) -> Array:
-        """Table (S, S, nodes) of G along the surface's normals between strips with sides (S, 2) m."""
-        tangent, S = self._tangents(sides.mean(axis=1)), len(sides)
+        count = self.nodes.up_to(reach / self.unit)
+        S, (across, stretch, tangent) = len(sides), self._strips(sides)
         turn = np.minimum(tangent @ tangent.T, 1.0)
         smooth = self._smooth(sides)
         if smooth is None:
-            added = np.zeros((S, S, NODES))
+            added = np.zeros((S, S, count))
         else:
             share, known, lines = smooth
-            added = _both(share, known.normal[lines, lines], 1) @ self.weights[0].T
-        return normal_table(*self._near(sides), turn, added.reshape(S, S, NODES), self.scale)
+            added = _both(share, known.normal[lines, lines], 1) @ self.weights[0][:count].T
+        near = strip_antiderivative(self.nodes.x[:count], across, self.nu)
+        return normal_table(near, self._lacks[:count], stretch, turn, added.reshape(S, S, count), self.scale)
 
-    def full(self, sides: Array) -> Array:
+    def full(self, sides: Array, reach: float) -> Array:
         """Table (S, S, nodes, 9) of G of all components: displacement by force, row by row."""
-        S, smooth = len(sides), self._smooth(sides)
+        S, smooth, count = len(sides), self._smooth(sides), self.nodes.up_to(reach / self.unit)
         if smooth is None:
-            even, odd = np.zeros((S, S, len(EVEN), NODES)), np.zeros((S, S, len(ODD), NODES))
+            even, odd = np.zeros((S, S, len(EVEN), count)), np.zeros((S, S, len(ODD), count))
         else:
             share, known, lines = smooth
             even, odd = (
-                _both(share, values[lines, lines], count) @ weights.T
-                for values, count, weights in zip(
+                _both(share, values[lines, lines], components) @ weights[:count].T
+                for values, components, weights in zip(
                     (known.even, known.odd), (len(EVEN), len(ODD)), self.weights, strict=True
                 )
             )
-        tangent = self._tangents(sides.mean(axis=1))
-        return full_table(*self._near(sides), tangent, even, odd, self.scale)
+        across, stretch, tangent = self._strips(sides)
+        near = strip_antiderivative(self.nodes.x[:count], across, self.nu)
+        return full_table(near, self._lacks[:count], stretch, tangent, even, odd, self.scale)
 
-    def _near(self, sides: Array) -> tuple[Array, Array, Array]:
-        """G (S, S, nodes, 4) of strips on half-spaces, what the floored spectrum lacks (nodes, 3), and how the strips
-        (S,) are stretched.
-        """
-        across = np.interp(sides, self.arc, self._across) / self.unit
-        return strip_antiderivative(self.nodes.x, across, self.nu), self._lacks, self._stretch(sides.mean(axis=1))
+    def _strips(self, sides: Array) -> tuple[Array, Array, Array]:
+        """Sides (S, 2) of strips on half-spaces, units; how the strips are stretched (S,); their tangents (S, 2)."""
+        sides = np.ascontiguousarray(sides)
+        across = between_lines(self.arc, self._along_lines[:, :1], sides.ravel()).reshape(sides.shape) / self.unit
+        seen = between_lines(self.arc, self._along_lines, 0.5 * (sides[:, 0] + sides[:, 1]))
+        tangent = seen[:, 2:]
+        return across, seen[:, 1], tangent / np.sqrt((tangent * tangent).sum(axis=1))[:, None]
+
+    @cached_property
+    def _along_lines(self) -> Array:
+        """Of every line (ns, 4): length up to it over the stretch, m, stretch, and tangent."""
+        return np.column_stack([self._across, self._stretch(self.arc), self._slope])
 
     def _smooth(self, sides: Array) -> tuple[Array, Smooth, slice] | None:
         """Shares (S, lines) of strips in the lines that they meet, what elements say of these, and which of its lines
@@ -178,7 +176,8 @@ class StripKernel:
         if key not in self._known:
             self._known[key] = self._made(max(TILE * key[0], 0), min(TILE * key[1], len(self.arc)))
         known = self._known[key]
-        return self.shares(sides, first, last), known, slice(first - known.low, last - known.low)
+        share = shares(self.arc[first:last], np.ascontiguousarray(sides), GAUSS, WEIGHT)
+        return share, known, slice(first - known.low, last - known.low)
 
     def _made(self, low: int, high: int) -> Smooth:
         # with neighbours, so that what is smoothed does not depend on the part

@@ -38,6 +38,10 @@ class Nodes:
     def x(self) -> Array:
         return np.asarray(self.start * np.sinh(self.rate * np.arange(-BEFORE, self.count - BEFORE)))
 
+    def up_to(self, x: float) -> int:
+        """How many nodes serve distances up to x."""
+        return min(int(np.arcsinh(x / self.start) / self.rate) + BEFORE + 5, self.count)
+
 
 @compiled
 def normal_table(near: Array, lacks: Array, stretch: Array, turn: Array, smooth: Array, factor: float) -> Array:
@@ -146,7 +150,9 @@ def add_normal_means(total: Array, table: Array, edges: Array, area: Array, star
 
 @compiled
 def means(rows: Array, columns: Array, table: Array, start: float, rate: float, G: Array, C: Array) -> bool:
-    """Means C (R, M, 9) between cells with edges rows (R + 1,) and columns (M + 1,) of two strips, table (nodes, 9)."""
+    """Means C (9, R, M) between cells with edges rows (R + 1,) and columns (M + 1,) of two strips, table (nodes, 9);
+    G (R + 1, M + 1, 9) is room to work in. False where cells are farther apart than the table reaches.
+    """
     R, M, count = len(rows) - 1, len(columns) - 1, table.shape[0]
     w = np.empty(6)
     for r in range(R + 1):
@@ -157,21 +163,23 @@ def means(rows: Array, columns: Array, table: Array, start: float, rate: float, 
             if first + 6 > count:
                 return False
             _weights(place - first + BEFORE, w)
+            sign = 1.0 if x > 0.0 else (-1.0 if x < 0.0 else 0.0)
             g = G[r, c]
             for k in range(9):
-                g[k] = w[0] * table[first, k]
-            for o in range(1, 6):
-                for k in range(9):
-                    g[k] += w[o] * table[first + o, k]
-            if x < 0.0:
-                g[1], g[2], g[3], g[6] = -g[1], -g[2], -g[3], -g[6]
-            elif x == 0.0:
-                g[1] = g[2] = g[3] = g[6] = 0.0
+                g[k] = (
+                    w[0] * table[first, k]
+                    + w[1] * table[first + 1, k]
+                    + w[2] * table[first + 2, k]
+                    + w[3] * table[first + 3, k]
+                    + w[4] * table[first + 4, k]
+                    + w[5] * table[first + 5, k]
+                )
+            g[1], g[2], g[3], g[6] = sign * g[1], sign * g[2], sign * g[3], sign * g[6]
     for r in range(R):
         for c in range(M):
             over = 1.0 / ((rows[r + 1] - rows[r]) * (columns[c + 1] - columns[c]))
             for k in range(9):
-                C[r, c, k] = over * (G[r + 1, c, k] + G[r, c + 1, k] - G[r, c, k] - G[r + 1, c + 1, k])
+                C[k, r, c] = over * (G[r + 1, c, k] + G[r, c + 1, k] - G[r, c, k] - G[r + 1, c + 1, k])
     return True
 
 
@@ -192,47 +200,51 @@ def add_all_means(
     """Add displacement (3, n, 3, n) and slip (2, n, 3, n) in the local axes (n, 3, 3) of the cells, component by
     component, times the area (n,) of the loaded ones.
 
-    rows (S, M + k) edges of the strips' cells and of k - 1 more ahead of each; columns (S, M + 1); weight (k, S, M) of
-    the displacements at a cell and the next ones ahead in its slip, and turn (k, S, M) rad by which the body's axes
-    turn (about y) up to these.
+    rows (S, M + 3) edges of the strips' cells and of two more ahead of each; columns (S, M + 1); weight (3, S, M) of
+    the displacements at a cell and the next two ahead in its slip, and turn (3, S, M) rad by which the body's axes
+    turn (about y) up to these. False, with both spoilt, where cells are farther apart than the table reaches.
     """
-    S, M, ahead = columns.shape[0], columns.shape[1] - 1, len(weight)
+    S, M = columns.shape[0], columns.shape[1] - 1
     R = rows.shape[1] - 1
-    G, C, L = np.empty((R + 1, M + 1, 9)), np.empty((R, M, 9)), np.empty((R, 3, 3))
-    change = np.empty((3, 3))
+    G, C, L = np.empty((R + 1, M + 1, 9)), np.empty((9, R, M)), np.empty((3, R, M))
+    own = np.empty((3, M))
     for i in range(S):
         for j in range(S):
             if not means(rows[i], columns[j], table[i, j], start, rate, G, C):
                 return False
-            for c in range(M):
-                n = j * M + c
-                own = axes[n]
-                for r in range(R):  # columns in the local axes of the loaded cell
-                    for a in range(3):
-                        for b in range(3):
-                            L[r, a, b] = area[n] * (
-                                C[r, c, 3 * a] * own[b, 0]
-                                + C[r, c, 3 * a + 1] * own[b, 1]
-                                + C[r, c, 3 * a + 2] * own[b, 2]
+            first = j * M
+            for b in range(3):
+                for k in range(3):
+                    for c in range(M):
+                        own[k, c] = area[first + c] * axes[first + c, b, k]
+                for a in range(3):  # columns in the local axes of the loaded cells
+                    for r in range(R):
+                        for c in range(M):
+                            L[a, r, c] = (
+                                C[3 * a, r, c] * own[0, c]
+                                + C[3 * a + 1, r, c] * own[1, c]
+                                + C[3 * a + 2, r, c] * own[2, c]
                             )
                 for r in range(M):
                     m = i * M + r
-                    seen = axes[m]
-                    for b in range(3):
-                        for a in range(3):
-                            change[a, b] = weight[0, i, r] * L[r, a, b]
-                        for k in range(1, ahead):
-                            # the circle's axes turn on the way: e' = e - r turn, r' = r + e turn
-                            t, part = turn[k, i, r], weight[k, i, r]
-                            change[0, b] += part * (L[r + k, 0, b] + t * L[r + k, 2, b])
-                            change[1, b] += part * L[r + k, 1, b]
-                            change[2, b] += part * (L[r + k, 2, b] - t * L[r + k, 0, b])
-                        for d in range(3):
-                            displacement[d, m, b, n] += (
-                                seen[d, 0] * L[r, 0, b] + seen[d, 1] * L[r, 1, b] + seen[d, 2] * L[r, 2, b]
-                            )
-                        for d in range(2):
-                            slip[d, m, b, n] += (
-                                seen[d, 0] * change[0, b] + seen[d, 1] * change[1, b] + seen[d, 2] * change[2, b]
+                    w0, w1, w2 = weight[0, i, r], weight[1, i, r], weight[2, i, r]
+                    # the circle's axes turn on the way: e' = e - r turn, r' = r + e turn
+                    t1, t2 = w1 * turn[1, i, r], w2 * turn[2, i, r]
+                    for d in range(3):
+                        x, y, z = axes[m, d, 0], axes[m, d, 1], axes[m, d, 2]
+                        to = displacement[d, m, b]
+                        for c in range(M):
+                            to[first + c] += x * L[0, r, c] + y * L[1, r, c] + z * L[2, r, c]
+                    for d in range(2):
+                        x, y, z = axes[m, d, 0], axes[m, d, 1], axes[m, d, 2]
+                        x0, y0, z0 = x * w0, y * w0, z * w0
+                        x1, y1, z1 = x * w1 - z * t1, y * w1, z * w1 + x * t1
+                        x2, y2, z2 = x * w2 - z * t2, y * w2, z * w2 + x * t2
+                        to = slip[d, m, b]
+                        for c in range(M):
+                            to[first + c] += (
+                                (x0 * L[0, r, c] + y0 * L[1, r, c] + z0 * L[2, r, c])
+                                + (x1 * L[0, r + 1, c] + y1 * L[1, r + 1, c] + z1 * L[2, r + 1, c])
+                                + (x2 * L[0, r + 2, c] + y2 * L[1, r + 2, c] + z2 * L[2, r + 2, c])
                             )
     return True

@@ -44,7 +44,9 @@ class StripOperators:
             (self.lower, self.surfaces.lower_sides(pose, layout), edges * stretch),
         ):
             nodes = kernel.nodes
-            if not add_normal_means(total, kernel.normal(sides), x / kernel.unit, area, nodes.start, nodes.rate):
+            if not add_normal_means(
+                total, kernel.normal(sides, float(np.ptp(x))), x / kernel.unit, area, nodes.start, nodes.rate
+            ):
                 raise OutsideGrid(TOO_LONG)
         return total
 
@@ -71,7 +73,7 @@ class StripOperators:
                     turn[k] = (middle[:, k : k + M] - middle[:, :M]) / kernel.radius
             nodes = kernel.nodes
             x, columns = rows * (along / kernel.unit), edges * (along / kernel.unit)
-            table, own = kernel.full(sides), np.ascontiguousarray(axes)
+            table, own = kernel.full(sides, float(np.ptp(rows)) * np.max(along)), np.ascontiguousarray(axes)
             if not add_all_means(
                 displacement, slip, table, x, columns, own, places.area, weight, turn, nodes.start, nodes.rate
             ):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from contact.following import OnRail, UnderApex
 from contact.points import Places
 from contact.pose import Array, Pose
 from contact.quadrics import UPSIDE_DOWN, curvature
@@ -84,6 +86,16 @@ def seen(
     return overlap, feet, points, axes
 
 
+@compiled
+def stretched(wheel: Shape, radius: float, s: Array) -> Array:
+    """Length on the surface at s (n,) over length on the rolling circle."""
+    found = np.empty(len(s))
+    for i in range(len(s)):
+        z, _, _ = local(wheel, s[i], piece(wheel, s[i]))
+        found[i] = 1.0 + z.imag / radius
+    return found
+
+
 @dataclass(frozen=True)
 class ProfileStrips:
     """A wheel of nominal radius m, its profile revolved about y, on a rail, its profile extruded."""
@@ -91,6 +103,10 @@ class ProfileStrips:
     wheel: Profile
     rail: Profile
     radius: float
+
+    @cached_property
+    def _follows(self) -> OnRail:
+        return OnRail.of(self.rail)
 
     def _seen(self, pose: Pose, s: Array, x: Array) -> Seen:
         """Places of the wheel, seen from the rail."""
@@ -122,7 +138,7 @@ class ProfileStrips:
         return self._seen(pose, s, x).overlap.reshape(x.shape)
 
     def along(self, s: Array) -> Array:
-        return np.asarray(1 + self.wheel.point(s)[..., 1] / self.radius)
+        return stretched(self.wheel.shape, self.radius, s)
 
     def lower_sides(self, pose: Pose, layout: Layout) -> Array:
         x = np.repeat(layout.ends.mean(axis=1), 2).reshape(-1, 2)
@@ -143,6 +159,7 @@ class ProfileStrips:
             step=length.ravel(),
             wheel_place=np.stack([s.ravel(), self.wheel.point(s.ravel())[:, 0]], axis=1),
             rail_place=np.stack([at.foot, self.rail.point(at.foot)[:, 0]], axis=1),
+            follows=self._follows,
         )
 
 
@@ -184,4 +201,5 @@ class QuadricStrips:
             step=length.ravel(),
             wheel_place=across,
             rail_place=across,
+            follows=UnderApex(self.upper),
         )

@@ -35,8 +35,8 @@ class Linearisation:
     operator, rigid and speed as given to `contact.tractions.solve_tractions`; speed 0: a shift, whose motion are
     displacements, so that changes count by m and rad. origin (3,) m of the wheel's frame; strip: cells of each of the
     fitted strips, from the trailing end (0: points of a grid, which begin with no pressure); scale, by which
-    displacements are larger than the operator's while slip is the same. Cost for a active points with friction: 18 a^3
-    where friction changes the pressure, 5 a^3 where it does not or an `Elastic` remembers; 2 a^3 / 3 without.
+    displacements, a shift's among them, are larger than the operator's while slip is the same. Cost for a active points
+    with friction: 18 a^3 where it changes the pressure, 5 a^3 where not or an `Elastic` remembers; 2 a^3 / 3 without.
     """
 
     places: Places
@@ -83,8 +83,7 @@ class Linearisation:
         both = np.concatenate([index, n + index])
         moved, speed = rigid_slip(places, self.origin, self.motion, overlap)
         creep = moved[:, both].T
-        if self.speed:
-            creep = (creep - self.rigid[both, None] * speed) / self.speed
+        creep = (creep - self.rigid[both, None] * speed) / self.speed if self.speed else creep / self.scale
         shift = body.shift if a == n else body.shift[np.ix_(both, index)]
         p0, q0 = self.found.pressure[index], self.found.tangential[index].T
         rho, s0 = own_compliance(np.diag(body.slip)[both]), self.found.slip[index].T

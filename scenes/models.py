@@ -109,6 +109,7 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
         degree=scene.degree,
         order=scene.slip_order,
         points=scene.placing,
+        **({"warm": True} if scene.kind == "run" and scene.placing == "fitted" else {}),
         **_fineness(scene),
     )
     return WheelsetContact(model, mounting)

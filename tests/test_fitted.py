@@ -97,12 +97,12 @@ def test_cells_of_any_size_and_place(bodies: Bodies, place: float) -> None:
     edge = 1e-3 * place + width * np.arange(3)
     sides = np.column_stack([edge[:-1], edge[1:]])
     ends = np.tile(length * np.arange(4), (2, 1))
-    table, nodes, x = kernel.full(sides), kernel.nodes, ends / kernel.unit
-    found = np.empty((2, 3, 2, 3, 9))
+    table, nodes, x = kernel.full(sides, 5e-3), kernel.nodes, ends / kernel.unit
+    found = np.empty((2, 2, 9, 3, 3))
     for i in range(2):
         for j in range(2):
-            assert means(x[i], x[j], table[i, j], nodes.start, nodes.rate, np.empty((4, 4, 9)), found[i, :, j])
-    found = found.reshape(2, 3, 2, 3, 3, 3)
+            assert means(x[i], x[j], table[i, j], nodes.start, nodes.rate, np.empty((4, 4, 9)), found[i, j])
+    found = found.transpose(0, 3, 1, 4, 2).reshape(2, 3, 2, 3, 3, 3)
     x, y = np.meshgrid(
         (np.arange(3 * fine) + 0.5) * length / fine, (np.arange(2 * fine) + 0.5) * width / fine, indexing="ij"
     )
