@@ -27,11 +27,22 @@ RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # 
 TINY = 1e-300
 STALLS = 3  # steps without descent that end an attempt
 ROUNDS = 60  # bounds held in turn
+CHORD = 0.1  # of the misfit: a step with old factors that leaves more is not worth it
 
 NONE, NOTHING = np.empty((0, 0)), np.empty(0)
 
-# sets of points, by their bytes -> points inside (k,), ds/dq (2 k, 2 k) with the pressure following, dp/dq (k, 2 k)
-Known = dict[bytes, tuple[Nodes, Array, Array | None]]
+
+@dataclass
+class Known:
+    """What solves with the same compliance leave for each other.
+
+    Sets of points as bytes, with the points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2
+    k); and LU factors of a Jacobian there.
+    """
+
+    sets: bytes = b""
+    linearised: tuple[Nodes, Array, Array | None] | None = None
+    factors: tuple[Array, Nodes] | None = None
 
 
 class Pressure(Protocol):
@@ -84,7 +95,7 @@ class Friction:
         self.rho = np.maximum(own, 1e-3 * np.abs(own).max())
         self._slip, self._rigid, self._shift, self._pressure = slip, rigid, shift, pressure
         self._laws, self._speed = laws, speed
-        self._known: Known = {} if known is None else known
+        self._known = Known() if known is None else known
 
     def at(self, q: Array, active: Mask, count: Count, bound: Array | None = None) -> Trial:
         """The trial at q (2, n), with bounds (n,) held if given; active points are only where to start from."""
@@ -102,6 +113,7 @@ class Friction:
         """Newton's step (2, n) from a trial."""
         inside = t.active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
         index, slip, slope = self._linearised(t.active, inside, count)
+        known = self._known
         falls = bool(t.fall.any()) and not t.held
         jacobian = derivative(
             index,
@@ -117,17 +129,27 @@ class Friction:
             t.pressure * t.fall if falls else NOTHING,
             self._laws.regularisation,
         )
-        found = linear_solve(jacobian, -t.F[:, index].ravel(), options, count)
-        if len(index) == t.q.shape[1]:
-            return found.reshape(2, -1)
-        whole = np.zeros(t.q.shape)
-        whole[:, index] = found.reshape(2, -1)
-        return whole
+        right = -t.F[:, index].ravel()
+        if options.linear == "bicgstab" and (found := iterated(jacobian, right, options, count)) is not None:
+            return _spread(found, index, t.q.shape)
+        known.factors = factorised(jacobian)
+        return _spread(la.lapack.dgetrs(*known.factors, right)[0], index, t.q.shape)
+
+    def chord(self, t: Trial, count: Count) -> Array | None:
+        """The step (2, n) by the factors of an earlier Jacobian, if there are any for the same points."""
+        known = self._known
+        if known.factors is None or t.held:
+            return None
+        inside = t.active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
+        index, _, _ = self._linearised(t.active, inside, count)
+        if known.factors is None:  # they were those of other points
+            return None
+        return _spread(la.lapack.dgetrs(*known.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
 
     def _linearised(self, active: Mask, inside: Mask, count: Count) -> tuple[Nodes, Array, Array | None]:
         """Points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2 k), of those."""
-        key = active.tobytes() + inside.tobytes()
-        if key not in self._known:
+        sets, known = active.tobytes() + inside.tobytes(), self._known
+        if known.linearised is None or sets != known.sets:
             index = np.flatnonzero(inside)
             both = np.concatenate([index, len(active) + index])
             slip = self._slip if inside.all() else self._slip[np.ix_(both, both)]
@@ -136,9 +158,17 @@ class Friction:
                 slope = np.zeros((len(index), len(both)))
                 slope[active[index]] = steep[:, both]
                 slip = slip + self._shift[np.ix_(both, np.flatnonzero(active))] @ slope[active[index]]
-            self._known.clear()
-            self._known[key] = index, slip, slope
-        return self._known[key]
+            known.sets, known.linearised, known.factors = sets, (index, slip, slope), None
+        return known.linearised
+
+
+def _spread(values: Array, index: Nodes, shape: tuple[int, ...]) -> Array:
+    """Values (2 k,) at points of all (2, n)."""
+    if len(index) == shape[1]:
+        return values.reshape(shape)
+    whole = np.zeros(shape)
+    whole[:, index] = values.reshape(2, -1)
+    return whole
 
 
 @compiled
@@ -240,7 +270,7 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
 
     Raises NotConverged.
     """
-    stalls = 0
+    stalls, chords = 0, options.linear == "lu"
     for _ in range(options.iterations):
         scale = max(float(np.linalg.norm(t.bound)), TINY)
         count.residual = t.norm / scale
@@ -248,6 +278,13 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
             return t
         if stalls == STALLS:
             break
+        step = friction.chord(t, count) if chords else None
+        if step is not None:
+            trial = friction.at(t.q + step, t.active, count)
+            if trial.norm <= CHORD * t.norm:
+                t = trial
+                continue
+            chords = False  # sets change: only new factors know of it
         count.newton += 1
         step, damping = friction.step(t, options, count), 1.0
         while True:
@@ -262,10 +299,10 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
     raise NotConverged(f"friction: relative residual {count.residual:.1e} after {count.newton} Newton steps")
 
 
-def linear_solve(matrix: Array, right: Array, options: NewtonOptions, count: Count) -> Array:
-    """Newton's linear system by LU, or by BiCGStab to the forcing term, eqs. (17) and (18)."""
-    if options.linear == "lu":
-        return direct(matrix, right)
+def iterated(matrix: Array, right: Array, options: NewtonOptions, count: Count) -> Array | None:
+    """Solution of Newton's linear system by BiCGStab to the forcing term, eqs. (17) and (18); None if it does not get
+    there.
+    """
     steps = 0
 
     def tick(_: Array) -> None:
@@ -274,12 +311,12 @@ def linear_solve(matrix: Array, right: Array, options: NewtonOptions, count: Cou
 
     solution, info = sla.bicgstab(matrix, right, **{RELATIVE: options.forcing}, atol=0.0, maxiter=200, callback=tick)
     count.linear += steps
-    return np.asarray(solution) if info == 0 else direct(matrix, right)
+    return np.asarray(solution) if info == 0 else None
 
 
-def direct(matrix: Array, right: Array) -> Array:
-    """By LU, without the checks that cost as much as the factors of a small matrix. Raises LinAlgError."""
-    _, _, found, info = la.lapack.dgesv(matrix, right)
+def factorised(matrix: Array) -> tuple[Array, Nodes]:
+    """LU factors, without the checks that cost as much as the factors of a small matrix. Raises LinAlgError."""
+    lu, pivots, info = la.lapack.dgetrf(matrix, overwrite_a=1)
     if info:
-        raise np.linalg.LinAlgError(f"the Jacobian of friction is singular (LAPACK's dgesv: {info})")
-    return np.asarray(found)
+        raise np.linalg.LinAlgError(f"the Jacobian of friction is singular (LAPACK's dgetrf: {info})")
+    return lu, pivots

@@ -89,7 +89,7 @@ class Linearisation:
         rho, s0 = own_compliance(np.diag(body.slip)[both]), self.found.slip[index].T
         law = LawSlope.at(rho, p0, q0, s0, laws=self.laws, speed=self.speed)
         # a Newton step of `contact.friction` from here left slip and pressure as functions of the tractions
-        known = body.known.get(2 * active.tobytes())
+        known = body.known.linearised if body.known.sets == 2 * active.tobytes() else None
         if body.coupling is None or known is None:
             slip, slope = body.slip if a == n else body.slip[np.ix_(both, both)], None
             if body.coupling is not None:

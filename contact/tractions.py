@@ -45,7 +45,7 @@ class Elastic:
         coupling = operator[-n:, :-n]  # overlap from tangential tractions
         coupled = coupling.size and np.abs(coupling).max() > ROUND_OFF * np.abs(normal).max()
         self.coupling = coupling if coupled else None
-        self.known: Known = {}
+        self.known = Known()
 
 
 def solve_tractions(

@@ -64,8 +64,8 @@ def _squared(z: complex) -> float:
 
 
 @compiled
-def nearest_sample(shape: Shape, q: complex) -> float:
-    """Arc length m of the nearest sample: every so many first, then all around those that may hide a nearer one."""
+def nearest_sample(shape: Shape, q: complex) -> int:
+    """The nearest sample: every so many first, then all around those that may hide a nearer one."""
     sampled, n = shape.sampled, len(shape.sampled)
     best, at = np.inf, 0
     for i in range(0, n, STRIDE):
@@ -79,7 +79,21 @@ def nearest_sample(shape: Shape, q: complex) -> float:
                 d = _squared(sampled[k] - q)
                 if d < best:
                     best, at = d, k
-    return shape.samples[at]  # type: ignore[no-any-return]
+    return at
+
+
+@compiled
+def nearer_sample(shape: Shape, q: complex, at: int) -> int:
+    """From sample to sample as long as they come nearer: the nearest for a point beside one whose own is known."""
+    sampled, n = shape.sampled, len(shape.sampled)
+    best = _squared(sampled[at] - q)
+    for way in (-1, 1):
+        while 0 <= at + way < n:
+            d = _squared(sampled[at + way] - q)
+            if d >= best:
+                break
+            best, at = d, at + way
+    return at
 
 
 @compiled
@@ -137,6 +151,6 @@ def closest(shape: Shape, q: Complex, guess: Array) -> tuple[Array, Array, NDArr
     n = len(q)
     s, distance, inside = np.empty(n), np.empty(n), np.empty(n, dtype=np.bool_)
     for i in range(n):
-        start = guess[i] if len(guess) else nearest_sample(shape, q[i])
+        start = guess[i] if len(guess) else shape.samples[nearest_sample(shape, q[i])]
         s[i], distance[i], inside[i] = foot(shape, q[i], min(max(start, shape.breaks[0]), shape.breaks[-1]))
     return s, distance, inside
