@@ -87,12 +87,12 @@ class Cells:
         at = ridge.s[humps(ridge)][:, None]
         return bool(((at > low - self.layout.width) & (at < high + self.layout.width)).any(axis=1).all())
 
-    def copied(self, moves: Array, tips: Array) -> Cells | None:
-        """Moved and scaled as a whole, as near as that comes to steps of the ends; None too far from the original.
+    def copied(self, moves: Array, tips: Array) -> Cells:
+        """Moved and scaled as a whole, as near as that comes to steps of the ends.
 
         moves (S, 2) of the strips' lengths and tips (parts, 2) of their widths, outwards.
         """
-        old, original = self.layout, self.gathered.layout
+        old = self.layout
         new_part = np.diff(old.patch, prepend=old.patch[0] - 1) != 0
         first, part = np.flatnonzero(new_part), np.cumsum(new_part) - 1
         count, length = np.bincount(part), np.diff(old.ends)[:, 0]
@@ -106,11 +106,12 @@ class Cells:
             middle = np.bincount(part, places.mean(axis=1)) / count
             return np.asarray((middle + aside)[part, None] + (1 + growth) * (places - middle[part, None]))
 
-        new, scale = (
-            replace(old, sides=moved(old.sides, across), ends=moved(old.ends, along)),
-            self.scale * (1 + growth),
-        )
-        away = np.abs(new.middle[first] - original.middle[first]).max() / original.width.min()
-        if abs(scale - 1) > LARGER or away > ASIDE:
-            return None
-        return replace(self, layout=new, scale=scale)
+        new = replace(old, sides=moved(old.sides, across), ends=moved(old.ends, along))
+        return replace(self, layout=new, scale=self.scale * (1 + growth))
+
+    @property
+    def far(self) -> bool:
+        """Whether the cells are too unlike those that the compliance was gathered on."""
+        original = self.gathered.layout
+        away = np.abs(self.layout.middle - original.middle).max() / original.width.min()
+        return bool(abs(self.scale - 1) > LARGER or away > ASIDE)

@@ -229,14 +229,17 @@ class FittedContact:
         def normal(layout: Layout) -> Factors:
             return Factors(self.operators.normal(pose, layout))
 
+        def gather(layout: Layout) -> Gathered:
+            return Gathered(self.operators, pose, layout, self.laws)
+
         def overlap(layout: Layout) -> Array:
             free = mean_overlap(surfaces, pose, layout)
             return free if raised is None else free + raised.at(layout)
 
         if start is not None and self.warm:
-            followed = follow(overlap, start, tolerance=FOLLOWED * self.tolerance, count=count)
-            if followed is not None:
-                return *followed, True
+            start, pressures = follow(overlap, start, gather, tolerance=FOLLOWED * self.tolerance, count=count)
+            if pressures is not None:
+                return start, pressures, True
         rolls = self.laws.friction > 0 and self.tangential == "rolling"
         stages = [(marks(self.fineness.cells, rolling=rolls), self.tolerance)]
         if start is None:
@@ -253,8 +256,7 @@ class FittedContact:
             layout = None if found is None else found.layout
         if layout is None or found is None:
             return None
-        gathered = Gathered(self.operators, pose, layout, self.laws)
-        return Cells(layout, raised, gathered, 1.0, np.zeros(0)), found.pressure, found.settled
+        return Cells(layout, raised, gather(layout), 1.0, np.zeros(0)), found.pressure, found.settled
 
     def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
         """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""

@@ -5,12 +5,13 @@ from the pressures of the frictionless contact.
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg as la
 
-from contact.cells import Cells
+from contact.cells import Cells, Gathered
 from contact.coarse import NormalOperator, Overlap
 from contact.fineness import Fineness
 from contact.parts import Part, assembled
@@ -98,29 +99,31 @@ def fit(
     return Fitted(best[1], best[2], False, STEPS)
 
 
-def follow(overlap: Overlap, cells: Cells, *, tolerance: float, count: Count) -> tuple[Cells, Array] | None:
-    """Cells moved and scaled as a whole, and their pressures (S, M) Pa, if that brings all ends near enough; else None.
+def follow(
+    overlap: Overlap, cells: Cells, gather: Callable[[Layout], Gathered], *, tolerance: float, count: Count
+) -> tuple[Cells, Array | None]:
+    """Cells moved and scaled as a whole, their compliance gathered anew where they come far; and their pressures (S, M)
+    Pa where that brings all ends near enough.
 
-    tolerance as for `fit`: here of what moving as a whole leaves of the steps.
+    tolerance as for `fit`, here of what is left of the steps.
     """
-    for _ in range(FOLLOWED):
+    for step in range(FOLLOWED):
         layout = cells.layout
         held = np.ones(len(layout.sides), dtype=bool)
         pressure, _ = _pressed(cells.gathered.normal, overlap(layout) / cells.scale, held, count)
         load = (pressure * np.diff(layout.edges)).sum(axis=1)
         if not (load > 0).all():
-            return None
+            break
         moves, tips = _beyond(layout, pressure), _tips(layout, load)
         error = max(np.sqrt((moves**2).mean()), np.abs(tips).max() / 2)
         if error <= tolerance:
             return cells, pressure
-        if not error < FARTHEST:
-            return None
-        copy = cells.copied(STRETCH * moves, tips)
-        if copy is None:
-            return None
-        cells = copy
-    return None
+        if step == FOLLOWED - 1 or not error < FARTHEST:
+            break
+        cells = cells.copied(STRETCH * moves, tips)
+        if cells.far:
+            cells = replace(cells, gathered=gather(cells.layout), scale=1.0)
+    return cells, None
 
 
 def _pressed(factors: Factors, overlap: Array, held: Mask, count: Count) -> tuple[Array, Mask]:

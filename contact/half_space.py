@@ -48,35 +48,35 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: f
 
 @compiled
 def strip_antiderivative(x: Array, sides: Array, nu: float) -> Array:
-    """G (S, S, nodes, 4) at distances x (nodes,) of which the second derivative is the mean compliance between strips
-    with sides (S, 2); unit modulus, components as above. The last one is odd in x, the others are even.
+    """G (pairs, nodes, 4) at distances x (nodes,) of which the second derivative is the mean compliance between strips
+    with sides (S, 2), row by row of the pairs i <= j; unit modulus, components as above. The last one is odd in x, the
+    others are even.
     """
     S = len(sides)
     where, apart, place = _distances(sides)
-    found = np.empty((S, S, len(x), 4))
+    found = np.empty((S * (S + 1) // 2, len(x), 4))
     known = np.empty((3, len(apart)))
-    pair = np.empty(3)
     for k in range(len(x)):
         for d in range(len(apart)):
             known[0, d], known[1, d], known[2, d] = _fourfold(abs(x[k]), apart[d])
         turn = 1.0 if x[k] >= 0.0 else -1.0
+        at = 0
         for i in range(S):
-            for j in range(S):
-                pair[:] = 0.0
-                for a in range(2):
-                    for b in range(2):
-                        one, other = where[i, a], where[j, b]
-                        at, sign = place[one, other], 1.0 if a != b else -1.0
-                        pair[0] += sign * known[0, at]
-                        pair[1] += sign * known[1, at]
-                        if one != other:
-                            pair[2] += sign * known[2, at] if one > other else -sign * known[2, at]
+            for j in range(i, S):
+                low, high, first, last = where[i, 0], where[i, 1], where[j, 0], where[j, 1]
+                # distances of upper and lower sides, crosswise and alike
+                up, down, lows, highs = place[high, first], place[low, last], place[low, first], place[high, last]
+                xx = known[0, up] + known[0, down] - known[0, lows] - known[0, highs]
+                yy = known[1, up] + known[1, down] - known[1, lows] - known[1, highs]
+                xy = 0.0  # odd across: nothing on the strip itself, and i lies below j
+                if i != j:
+                    xy = known[2, lows] + known[2, highs] - known[2, down] - known[2, up]
                 scale = (1.0 + nu) / np.pi / ((sides[i, 1] - sides[i, 0]) * (sides[j, 1] - sides[j, 0]))
-                inverse = pair[0] + pair[1]
-                found[i, j, k, 0] = scale * ((1.0 - nu) * inverse + nu * pair[0])
-                found[i, j, k, 1] = scale * ((1.0 - nu) * inverse + nu * pair[1])
-                found[i, j, k, 2] = scale * (1.0 - nu) * inverse
-                found[i, j, k, 3] = turn * scale * nu * pair[2]
+                found[at, k, 0] = scale * ((1.0 - nu) * (xx + yy) + nu * xx)
+                found[at, k, 1] = scale * ((1.0 - nu) * (xx + yy) + nu * yy)
+                found[at, k, 2] = scale * (1.0 - nu) * (xx + yy)
+                found[at, k, 3] = turn * scale * nu * xy
+                at += 1
     return found
 
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import convolve1d
 from scipy.special import roots_legendre
 
@@ -121,26 +122,27 @@ class StripKernel:
         return max(int(first), 0), min(int(last) + 1, len(self.arc))
 
     def normal(self, sides: Array, reach: float) -> Array:
-        """Table (S, S, nodes) of G along the surface's normals between strips with sides (S, 2) m, for distances along
-        x up to a reach [m].
+        """Table (pairs, nodes) of G along the surface's normals between strips with sides (S, 2) m, row by row of the
+        pairs i <= j, for distances along x up to a reach [m].
         """
         count = self.nodes.up_to(reach / self.unit)
         S, (across, stretch, tangent) = len(sides), self._strips(sides)
         turn = np.minimum(tangent @ tangent.T, 1.0)
         smooth = self._smooth(sides)
         if smooth is None:
-            added = np.zeros((S, S, count))
+            added = np.zeros((len(pairs_of(S)), count))
         else:
             share, known, lines = smooth
             added = _both(share, known.normal[lines, lines], 1) @ self.weights[0][:count].T
         near = strip_antiderivative(self.nodes.x[:count], across, self.nu)
-        return normal_table(near, self._lacks[:count], stretch, turn, added.reshape(S, S, count), self.scale)
+        return normal_table(near, self._lacks[:count], stretch, turn, added.reshape(-1, count), self.scale)
 
     def full(self, sides: Array, reach: float) -> Array:
-        """Table (S, S, nodes, 9) of G of all components: displacement by force, row by row."""
+        """Table (pairs, nodes, 9) of G of all components: displacement by force."""
         S, smooth, count = len(sides), self._smooth(sides), self.nodes.up_to(reach / self.unit)
         if smooth is None:
-            even, odd = np.zeros((S, S, len(EVEN), count)), np.zeros((S, S, len(ODD), count))
+            pairs = len(pairs_of(S))
+            even, odd = np.zeros((pairs, len(EVEN), count)), np.zeros((pairs, len(ODD), count))
         else:
             share, known, lines = smooth
             even, odd = (
@@ -288,7 +290,14 @@ def _nothing() -> Any:
 
 
 def _both(share: Array, lines: Array, count: int) -> Array:
-    """Means (S, S, count, nk) over two strips, of lines (L, L, count nk), by their shares (S, L)."""
+    """Means (pairs, count, nk) over two strips, of lines (L, L, count nk), by their shares (S, L)."""
     S, L = share.shape
     half = (share @ lines.reshape(L, -1)).reshape(S, L, -1)
-    return np.asarray((share @ half).reshape(S, S, count, -1))
+    return np.asarray((share @ half).reshape(S * S, count, -1)[pairs_of(S)])
+
+
+@lru_cache
+def pairs_of(strips: int) -> NDArray[np.int64]:
+    """Places of the pairs i <= j in a square of strips, row by row."""
+    i, j = np.triu_indices(strips)
+    return np.asarray(i * strips + j)

@@ -45,21 +45,23 @@ class Nodes:
 
 @compiled
 def normal_table(near: Array, lacks: Array, stretch: Array, turn: Array, smooth: Array, factor: float) -> Array:
-    """Table (S, S, nodes) of G along the normals of strips: near (S, S, nodes, 4) of half-spaces, less lacks (nodes,
-    3), over the mean stretch (S,); turn (S, S) the cosine between two normals; smooth (S, S, nodes) to be added.
+    """Table (pairs, nodes) of G along the normals of strips: near (pairs, nodes, 4) of half-spaces, less lacks (nodes,
+    3), over the mean stretch (S,); turn (S, S) the cosine between two normals; smooth (pairs, nodes) to be added.
     """
-    S, K = near.shape[0], near.shape[2]
-    table = np.empty((S, S, K))
+    S, K = len(stretch), near.shape[1]
+    table = np.empty((len(near), K))
+    at = 0
     for i in range(S):
-        for j in range(S):
+        for j in range(i, S):
             over = factor / (0.5 * (stretch[i] + stretch[j]))
             one, other = 0.5 * (1.0 + turn[i, j]) * over, -0.5 * (1.0 - turn[i, j]) * over
             for k in range(K):
-                table[i, j, k] = (
-                    one * (near[i, j, k, 2] - lacks[k, 2])
-                    + other * (near[i, j, k, 1] - lacks[k, 1])
-                    + factor * smooth[i, j, k]
+                table[at, k] = (
+                    one * (near[at, k, 2] - lacks[k, 2])
+                    + other * (near[at, k, 1] - lacks[k, 1])
+                    + factor * smooth[at, k]
                 )
+            at += 1
     return table
 
 
@@ -67,24 +69,25 @@ def normal_table(near: Array, lacks: Array, stretch: Array, turn: Array, smooth:
 def full_table(
     near: Array, lacks: Array, stretch: Array, tangent: Array, even: Array, odd: Array, factor: float
 ) -> Array:
-    """Table (S, S, nodes, 9) of all components, displacement by force, in the body's axes; as `normal_table`.
+    """Table (pairs, nodes, 9) of all components, displacement by force, in the body's axes; as `normal_table`.
 
-    tangent (S, 2) of the strips; even (S, S, 5, nodes) and odd (S, S, 4, nodes) components to be added.
+    tangent (S, 2) of the strips; even (pairs, 5, nodes) and odd (pairs, 4, nodes) components to be added.
     """
-    S, K = near.shape[0], near.shape[2]
-    table = np.empty((S, S, K, 9))
+    S, K = len(stretch), near.shape[1]
+    table = np.empty((len(near), K, 9))
+    at = 0
     for i in range(S):
-        for j in range(S):
+        for j in range(i, S):
             over = factor / (0.5 * (stretch[i] + stretch[j]))
             y, z = tangent[i, 0] + tangent[j, 0], tangent[i, 1] + tangent[j, 1]
             length = np.sqrt(y * y + z * z)
             y, z = y / length, z / length
             for k in range(K):
-                along = over * (near[i, j, k, 0] - lacks[k, 0])
-                across = over * (near[i, j, k, 1] - lacks[k, 1])
-                normal = over * (near[i, j, k, 2] - lacks[k, 2])
-                mixed = over * near[i, j, k, 3]
-                e, o, t = even[i, j, :, k], odd[i, j, :, k], table[i, j, k]
+                along = over * (near[at, k, 0] - lacks[k, 0])
+                across = over * (near[at, k, 1] - lacks[k, 1])
+                normal = over * (near[at, k, 2] - lacks[k, 2])
+                mixed = over * near[at, k, 3]
+                e, o, t = even[at, :, k], odd[at, :, k], table[at, k]
                 t[0] = along + factor * e[0]
                 t[4] = across * y * y + normal * z * z + factor * e[1]
                 t[5] = (across - normal) * y * z + factor * e[2]
@@ -95,7 +98,14 @@ def full_table(
                 # a load along x moves the others by the opposite sine
                 t[3] = mixed * y - factor * o[2]
                 t[6] = mixed * z - factor * o[3]
+            at += 1
     return table
+
+
+@compiled
+def _place(z: float, rate: float) -> float:
+    """Place of a distance z >= 0 among the nodes: arsinh z, which as a logarithm is quicker, over the rate."""
+    return float(np.log(z + np.sqrt(z * z + 1.0)) / rate)
 
 
 @compiled
@@ -114,17 +124,19 @@ def _weights(t: float, w: Array) -> None:
 @compiled
 def add_normal_means(total: Array, table: Array, edges: Array, area: Array, start: float, rate: float) -> bool:
     """Add the mean compliances between cells with edges (S, M + 1), times the area (n,) of the loaded ones, to total
-    (n, n). False, with total spoilt, where cells are farther apart than the table reaches.
+    (n, n); table (pairs, nodes). False, with total spoilt, where cells are farther apart than the table reaches.
     """
-    S, M, count = edges.shape[0], edges.shape[1] - 1, table.shape[2]
+    S, M, count = edges.shape[0], edges.shape[1] - 1, table.shape[1]
     w = np.empty(6)
     G = np.empty((M + 1, M + 1))
+    at = -1
     for i in range(S):
         for j in range(i, S):
-            line = table[i, j]
+            at += 1
+            line = table[at]
             for r in range(M + 1):
                 for c in range(M + 1):
-                    place = np.arcsinh(abs(edges[i, r] - edges[j, c]) / start) / rate
+                    place = _place(abs(edges[i, r] - edges[j, c]) / start, rate)
                     first = int(place)
                     if first + 6 > count:
                         return False
@@ -158,7 +170,7 @@ def means(rows: Array, columns: Array, table: Array, start: float, rate: float, 
     for r in range(R + 1):
         for c in range(M + 1):
             x = rows[r] - columns[c]
-            place = np.arcsinh(abs(x) / start) / rate
+            place = _place(abs(x) / start, rate)
             first = int(place)
             if first + 6 > count:
                 return False
@@ -188,8 +200,7 @@ def add_all_means(
     displacement: Array,
     slip: Array,
     table: Array,
-    rows: Array,
-    columns: Array,
+    edges: Array,
     axes: Array,
     area: Array,
     weight: Array,
@@ -198,53 +209,79 @@ def add_all_means(
     rate: float,
 ) -> bool:
     """Add displacement (3, n, 3, n) and slip (2, n, 3, n) in the local axes (n, 3, 3) of the cells, component by
-    component, times the area (n,) of the loaded ones.
+    component, times the area (n,) of the loaded ones; table (pairs, nodes, 9).
 
-    rows (S, M + 3) edges of the strips' cells and of two more ahead of each; columns (S, M + 1); weight (3, S, M) of
-    the displacements at a cell and the next two ahead in its slip, and turn (3, S, M) rad by which the body's axes
-    turn (about y) up to these. False, with both spoilt, where cells are farther apart than the table reaches.
+    edges (S, M + 3) of the strips' cells and of two more ahead of each; weight (3, S, M) of the displacements at a cell
+    and the next two ahead in its slip, and turn (3, S, M) rad by which the body's axes turn (about y) up to these.
+    False, with both spoilt, where cells are farther apart than the table reaches.
     """
-    S, M = columns.shape[0], columns.shape[1] - 1
-    R = rows.shape[1] - 1
-    G, C, L = np.empty((R + 1, M + 1, 9)), np.empty((9, R, M)), np.empty((3, R, M))
-    own = np.empty((3, M))
+    S, R = edges.shape[0], edges.shape[1] - 1
+    G, C, back, L = np.empty((R + 1, R + 1, 9)), np.empty((9, R, R)), np.empty((9, R, R)), np.empty((3, R, R - 2))
+    own = np.empty((3, R - 2))
+    at = -1
     for i in range(S):
-        for j in range(S):
-            if not means(rows[i], columns[j], table[i, j], start, rate, G, C):
+        for j in range(i, S):
+            at += 1
+            if not means(edges[i], edges[j], table[at], start, rate, G, C):
                 return False
-            first = j * M
-            for b in range(3):
-                for k in range(3):
-                    for c in range(M):
-                        own[k, c] = area[first + c] * axes[first + c, b, k]
-                for a in range(3):  # columns in the local axes of the loaded cells
-                    for r in range(R):
-                        for c in range(M):
-                            L[a, r, c] = (
-                                C[3 * a, r, c] * own[0, c]
-                                + C[3 * a + 1, r, c] * own[1, c]
-                                + C[3 * a + 2, r, c] * own[2, c]
-                            )
-                for r in range(M):
-                    m = i * M + r
-                    w0, w1, w2 = weight[0, i, r], weight[1, i, r], weight[2, i, r]
-                    # the circle's axes turn on the way: e' = e - r turn, r' = r + e turn
-                    t1, t2 = w1 * turn[1, i, r], w2 * turn[2, i, r]
-                    for d in range(3):
-                        x, y, z = axes[m, d, 0], axes[m, d, 1], axes[m, d, 2]
-                        to = displacement[d, m, b]
-                        for c in range(M):
-                            to[first + c] += x * L[0, r, c] + y * L[1, r, c] + z * L[2, r, c]
-                    for d in range(2):
-                        x, y, z = axes[m, d, 0], axes[m, d, 1], axes[m, d, 2]
-                        x0, y0, z0 = x * w0, y * w0, z * w0
-                        x1, y1, z1 = x * w1 - z * t1, y * w1, z * w1 + x * t1
-                        x2, y2, z2 = x * w2 - z * t2, y * w2, z * w2 + x * t2
-                        to = slip[d, m, b]
-                        for c in range(M):
-                            to[first + c] += (
-                                (x0 * L[0, r, c] + y0 * L[1, r, c] + z0 * L[2, r, c])
-                                + (x1 * L[0, r + 1, c] + y1 * L[1, r + 1, c] + z1 * L[2, r + 1, c])
-                                + (x2 * L[0, r + 2, c] + y2 * L[1, r + 2, c] + z2 * L[2, r + 2, c])
-                            )
+            _add(displacement, slip, C, i, j, axes, area, weight, turn, L, own)
+            if i != j:
+                # what j moves by a load on i is what i moves by one on j
+                for a in range(3):
+                    for b in range(3):
+                        for r in range(R):
+                            for c in range(R - 2):
+                                back[3 * a + b, r, c] = C[3 * b + a, c, r]
+                _add(displacement, slip, back, j, i, axes, area, weight, turn, L, own)
     return True
+
+
+@compiled
+def _add(
+    displacement: Array,
+    slip: Array,
+    C: Array,
+    i: int,
+    j: int,
+    axes: Array,
+    area: Array,
+    weight: Array,
+    turn: Array,
+    L: Array,
+    own: Array,
+) -> None:
+    """Add what strip i moves by loads on strip j, from the means C (9, M + 2, M + 2); L and own are room to work in."""
+    R, M = L.shape[1], L.shape[2]
+    first = j * M
+    for b in range(3):
+        for k in range(3):
+            for c in range(M):
+                own[k, c] = area[first + c] * axes[first + c, b, k]
+        for a in range(3):  # columns in the local axes of the loaded cells
+            for r in range(R):
+                for c in range(M):
+                    L[a, r, c] = (
+                        C[3 * a, r, c] * own[0, c] + C[3 * a + 1, r, c] * own[1, c] + C[3 * a + 2, r, c] * own[2, c]
+                    )
+        for r in range(M):
+            m = i * M + r
+            w0, w1, w2 = weight[0, i, r], weight[1, i, r], weight[2, i, r]
+            # the circle's axes turn on the way: e' = e - r turn, r' = r + e turn
+            t1, t2 = w1 * turn[1, i, r], w2 * turn[2, i, r]
+            for d in range(3):
+                x, y, z = axes[m, d, 0], axes[m, d, 1], axes[m, d, 2]
+                to = displacement[d, m, b]
+                for c in range(M):
+                    to[first + c] += x * L[0, r, c] + y * L[1, r, c] + z * L[2, r, c]
+            for d in range(2):
+                x, y, z = axes[m, d, 0], axes[m, d, 1], axes[m, d, 2]
+                x0, y0, z0 = x * w0, y * w0, z * w0
+                x1, y1, z1 = x * w1 - z * t1, y * w1, z * w1 + x * t1
+                x2, y2, z2 = x * w2 - z * t2, y * w2, z * w2 + x * t2
+                to = slip[d, m, b]
+                for c in range(M):
+                    to[first + c] += (
+                        (x0 * L[0, r, c] + y0 * L[1, r, c] + z0 * L[2, r, c])
+                        + (x1 * L[0, r + 1, c] + y1 * L[1, r + 1, c] + z1 * L[2, r + 1, c])
+                        + (x2 * L[0, r + 2, c] + y2 * L[1, r + 2, c] + z2 * L[2, r + 2, c])
+                    )

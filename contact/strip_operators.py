@@ -72,10 +72,10 @@ class StripOperators:
                 for k in range(1, AHEAD + 1):
                     turn[k] = (middle[:, k : k + M] - middle[:, :M]) / kernel.radius
             nodes = kernel.nodes
-            x, columns = rows * (along / kernel.unit), edges * (along / kernel.unit)
-            table, own = kernel.full(sides, float(np.ptp(rows)) * np.max(along)), np.ascontiguousarray(axes)
+            x = rows * along
+            table, own = kernel.full(sides, float(x.max() - x.min())), np.ascontiguousarray(axes)
             if not add_all_means(
-                displacement, slip, table, x, columns, own, places.area, weight, turn, nodes.start, nodes.rate
+                displacement, slip, table, x / kernel.unit, own, places.area, weight, turn, nodes.start, nodes.rate
             ):
                 raise OutsideGrid(TOO_LONG)
         return displacement.reshape(3 * n, 3 * n), slip.reshape(2 * n, 3 * n)
