@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 
-from contact.coarse import humps
 from contact.laws import Laws
 from contact.pose import Array, Pose
 from contact.pressure import Factors
@@ -84,7 +83,7 @@ class Cells:
     def covers(self, ridge: Ridge) -> bool:
         """Whether all humps of the overlap lie on the cells, or next to them."""
         low, high = self.layout.sides.T
-        at = ridge.s[humps(ridge)][:, None]
+        at = ridge.s[ridge.humps][:, None]
         return bool(((at > low - self.layout.width) & (at < high + self.layout.width)).any(axis=1).all())
 
     def copied(self, moves: Array, tips: Array) -> Cells:

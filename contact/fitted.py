@@ -19,10 +19,10 @@ from contact.cells import Cells, Gathered
 from contact.coarse import coarse, mean_overlap
 from contact.error_estimate import ErrorEstimate, difference
 from contact.fineness import Fineness
-from contact.fitting import fit, follow
+from contact.fitting import Fitted, fit, follow
 from contact.kinematics import NotRolling, creepage, shift
 from contact.laws import Laws
-from contact.parts import patches
+from contact.parts import patches, single
 from contact.patches import outcome
 from contact.points import OutsideGrid, Places
 from contact.pose import Array, Motion, Pose
@@ -241,21 +241,31 @@ class FittedContact:
             if pressures is not None:
                 return start, pressures, True
         rolls = self.laws.friction > 0 and self.tangential == "rolling"
-        stages = [(marks(self.fineness.cells, rolling=rolls), self.tolerance)]
-        if start is None:
-            # equal cells find the ends from afar; those that shrink towards the leading end only from near
-            few = marks(max(self.fineness.cells // 2, 4), rolling=False)
-            stages.insert(0, (few, 5 * self.tolerance))
-            layout = patches(*coarse(ridge, overlap, normal, count), self.fineness, few)
+        full, tolerance = marks(self.fineness.cells, rolling=rolls), self.tolerance
+        # equal cells find the ends from afar; those that shrink towards the leading end only from near
+        few = marks(max(self.fineness.cells // 2, 4), rolling=False)
+        stages = [(few, 5 * tolerance), (full, tolerance)]
+
+        def fit_all(layout: Layout | None, stages: list[tuple[Array, float]]) -> Fitted | None:
+            found = None
+            for cells, near in stages:
+                if layout is None:
+                    return None
+                start = replace(layout, marks=cells)
+                found = fit(overlap, normal, start, self.fineness, tolerance=near, count=count)
+                layout = None if found is None else found.layout
+            return found
+
+        found = None
+        if start is not None:
+            found = fit_all(start.layout, stages[1:])
         else:
-            layout = start.layout
-        for cells, tolerance in stages:
-            if layout is None:
-                return None
-            found = fit(overlap, normal, replace(layout, marks=cells), self.fineness, tolerance=tolerance, count=count)
-            layout = None if found is None else found.layout
-        if layout is None or found is None:
+            found = fit_all(single(ridge, self.fineness, few), stages)
+            if found is None or not found.settled or found.divided:
+                found = fit_all(patches(*coarse(ridge, overlap, normal, count), self.fineness, few), stages)
+        if found is None:
             return None
+        layout = found.layout
         return Cells(layout, raised, gather(layout), 1.0, np.zeros(0)), found.pressure, found.settled
 
     def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:

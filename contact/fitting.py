@@ -37,6 +37,12 @@ class Fitted:
     settled: bool
     steps: int
 
+    @property
+    def divided(self) -> bool:
+        """Whether a strip carries less than strips on both sides of it."""
+        steps = np.diff((self.pressure * np.diff(self.layout.edges)).sum(axis=1))
+        return bool(((steps[1:] > 0) & (steps[:-1] < 0)).any())
+
 
 def fit(
     overlap: Overlap,

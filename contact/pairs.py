@@ -92,8 +92,10 @@ def hertz_pair(
     if bodies == "half-space":
         lines = np.arange(-half_cells[1], half_cells[1] + 1) * surface_size
         flat = np.column_stack([lines, np.zeros_like(lines)])
-        halves = [HalfSpaceKernel.under(flat, lines, 5 * np.sqrt(depth / A), s) for s in (upper_steel, lower_steel)]
-        return FittedContact(StripOperators(QuadricStrips(upper_radii, lower_radii), *halves), laws, **options)
+        steels = (upper_steel,) if lower_steel == upper_steel else (upper_steel, lower_steel)
+        halves = [HalfSpaceKernel.under(flat, lines, 5 * np.sqrt(depth / A), steel) for steel in steels]
+        operators = StripOperators(QuadricStrips(upper_radii, lower_radii), halves[0], halves[-1])
+        return FittedContact(operators, laws, **options)
     if bodies == "waveguide":
 
         def endless(steel: Steel) -> tuple[WaveguideCompliance, ContactGrid]:
@@ -103,11 +105,11 @@ def hertz_pair(
         below = above if lower_steel == upper_steel else endless(lower_steel)[0]
         if fitted:
             lines, reach = shared.position[0, :, 1:], 5 * np.sqrt(depth / A)
-            operators = StripOperators(
-                QuadricStrips(upper_radii, lower_radii),
-                _kernel(above, lines, lines[:, 0], reach, upper_steel, degree, surface_size),
-                _kernel(below, lines, lines[:, 0], reach, lower_steel, degree, surface_size),
-            )
+            kernels = [
+                _kernel(body, lines, lines[:, 0], reach, steel, degree, surface_size)
+                for body, steel in ((above, upper_steel), (below, lower_steel))[: 1 if below is above else 2]
+            ]
+            operators = StripOperators(QuadricStrips(upper_radii, lower_radii), kernels[0], kernels[-1])
             return FittedContact(operators, laws, **options)
         return Condensed(Quadrics(shared, upper_radii, lower_radii), above, below, laws, order=order, **options)
     degree = degree or 1

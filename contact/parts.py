@@ -9,8 +9,10 @@ import numpy as np
 
 from contact.fineness import Fineness
 from contact.pose import Array
+from contact.strip_surfaces import Ridge
 from contact.strips import Layout, tip
 
+VIRTUAL = 0.55  # of the approach
 NECK = 0.9  # of the smaller hump beside it: a load lower than that divides a patch into parts with strips of their own
 
 
@@ -53,6 +55,25 @@ def patches(layout: Layout, pressure: Array, fineness: Fineness, cell_marks: Arr
             inside = (middle >= start - width) & (middle <= stop + width)
             found.append(Part(float(start), float(stop), middle[inside], ends[inside]))
     return assembled(found, fineness, cell_marks)
+
+
+def single(ridge: Ridge, fineness: Fineness, cell_marks: Array) -> Layout | None:
+    """One part where the overlap has one hump, guessed from the rigid surfaces; None where it has not.
+
+    Bodies touch about where they would overlap after half of the approach, VIRTUAL: Kik and Piotrowski 1996.
+    """
+    o, top = ridge.overlap, int(ridge.overlap.argmax())
+    depth = o - (1 - VIRTUAL) * o[top]
+    inside = np.flatnonzero(depth > 0)
+    if len(ridge.humps) > 1 or inside[-1] - inside[0] != len(inside) - 1 or inside[0] == 0 or inside[-1] == len(o) - 1:
+        return None
+    low, high = (
+        float(np.interp(0.0, depth[[out, at]], ridge.s[[out, at]]))
+        for at, out in ((inside[0], inside[0] - 1), (inside[-1], inside[-1] + 1))
+    )
+    half = np.sqrt(2 * depth[inside] / ridge.bend[inside])
+    ends = ridge.x[inside, None] + half[:, None] * [-1.0, 1.0]
+    return assembled([Part(low, high, ridge.s[inside], ends)], fineness, cell_marks)
 
 
 def _necks(load: Array) -> list[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,18 +38,25 @@ class StripOperators:
     def normal(self, pose: Pose, layout: Layout) -> Array:
         """Relative normal displacement (n, n) m/Pa of the cells, means by unit pressures."""
         edges, area = layout.edges, self.area(layout)
-        stretch = self.surfaces.along(layout.middle)[:, None]
         total = np.zeros((area.size, area.size))
-        for kernel, sides, x in (
-            (self.upper, layout.sides, edges),
-            (self.lower, self.surfaces.lower_sides(pose, layout), edges * stretch),
-        ):
-            nodes = kernel.nodes
-            if not add_normal_means(
-                total, kernel.normal(sides, float(np.ptp(x))), x / kernel.unit, area, nodes.start, nodes.rate
-            ):
+        for kernel, sides, along in self._bodies(pose, layout):
+            x, nodes = edges * along, kernel.nodes
+            table = kernel.normal(sides, float(x.max() - x.min()))
+            if not add_normal_means(total, table, x / kernel.unit, area, nodes.start, nodes.rate):
                 raise OutsideGrid(TOO_LONG)
-        return total
+        return 2 * total if self.alike else total
+
+    @property
+    def alike(self) -> bool:
+        """Whether one body's compliance along the normals is that of the other: level surfaces of the same steel."""
+        return self.lower is self.upper
+
+    def _bodies(self, pose: Pose, layout: Layout) -> Iterator[tuple[StripKernel, Array, Array | float]]:
+        """The bodies that differ, sides (S, 2) m of the strips on them, and lengths along them over the circle's."""
+        yield self.upper, layout.sides, 1.0
+        if not self.alike:
+            stretch = self.surfaces.along(layout.middle)[:, None]
+            yield self.lower, self.surfaces.lower_sides(pose, layout), stretch
 
     def all(self, pose: Pose, layout: Layout, places: Places) -> tuple[Array, Array]:
         """Relative displacement (3 n, 3 n) m/Pa and elastic slip over the rolling speed (2 n, 3 n) 1/Pa in the local
@@ -63,20 +71,19 @@ class StripOperators:
         middle = 0.5 * (rows[:, 1:] + rows[:, :-1])
         weight = np.stack(upstream(middle * stretch))
         displacement, slip = np.zeros((3, n, 3, n)), np.zeros((2, n, 3, n))
-        for kernel, sides, along, axes in (
-            (self.upper, layout.sides, 1.0, self.upper_axes(places)),
-            (self.lower, self.surfaces.lower_sides(pose, layout), stretch, self.lower_axes(pose, places)),
-        ):
+        bodies, table = list(self._bodies(pose, layout)), np.empty(0)
+        both = (self.upper_axes(places), self.lower_axes(pose, places))
+        for (kernel, sides, along), axes in zip([*bodies, *bodies][:2] if self.alike else bodies, both, strict=True):
+            x = rows * along
+            if not (table.size and self.alike):
+                table = kernel.full(sides, float(x.max() - x.min()))
             turn = np.zeros(weight.shape)
             if kernel.radius is not None:
                 for k in range(1, AHEAD + 1):
                     turn[k] = (middle[:, k : k + M] - middle[:, :M]) / kernel.radius
             nodes = kernel.nodes
-            x = rows * along
-            table, own = kernel.full(sides, float(x.max() - x.min())), np.ascontiguousarray(axes)
-            if not add_all_means(
-                displacement, slip, table, x / kernel.unit, own, places.area, weight, turn, nodes.start, nodes.rate
-            ):
+            x, own = x / kernel.unit, np.ascontiguousarray(axes)
+            if not add_all_means(displacement, slip, table, x, own, places.area, weight, turn, nodes.start, nodes.rate):
                 raise OutsideGrid(TOO_LONG)
         return displacement.reshape(3 * n, 3 * n), slip.reshape(2 * n, 3 * n)
 

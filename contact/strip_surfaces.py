@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.following import OnRail, UnderApex
 from contact.points import Places
-from contact.pose import Array, Pose
+from contact.pose import Array, Nodes, Pose
 from contact.quadrics import UPSIDE_DOWN, curvature
 from contact.strips import Layout
 from meshes.closest import Shape, foot, local, nearer_sample, nearest_sample, piece
@@ -28,6 +28,12 @@ class Ridge:
     overlap: Array
     x: Array
     bend: Array
+
+    @property
+    def humps(self) -> Nodes:
+        """Lines where the overlap is positive and larger than at both neighbours."""
+        o = self.overlap
+        return np.flatnonzero((o[1:-1] > 0) & (o[1:-1] > o[:-2]) & (o[1:-1] >= o[2:])) + 1
 
 
 class StripSurfaces(Protocol):
