@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -24,17 +24,17 @@ class Layout:
     patch: Nodes
     marks: Array
 
-    @property
+    @cached_property
     def edges(self) -> Array:
         """Ends (S, M + 1) m of the cells."""
         return np.asarray(self.ends[:, :1] + np.diff(self.ends) * self.marks)
 
-    @property
+    @cached_property
     def middle(self) -> Array:
         """Arc length (S,) m of the strips' middles."""
         return np.asarray(self.sides.mean(axis=1))
 
-    @property
+    @cached_property
     def width(self) -> Array:
         """Width (S,) m of the strips."""
         return np.asarray(self.sides[:, 1] - self.sides[:, 0])

@@ -1,0 +1,51 @@
+"""The Hertz pair and the family of meshes, refined alike everywhere, on which all displacements are unknowns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks.hertz_pairs import CIRCULAR, STEEL
+from contact.body import ElasticBody
+from contact.full import Full
+from contact.grid import ContactGrid
+from contact.laws import Laws
+from contact.newton import FullOptions
+from contact.pose import Array
+from contact.quadrics import Quadrics
+from meshes.bodies import block
+from meshes.solids import Solid
+from meshes.triangulate import Grading
+
+PAIR = CIRCULAR
+HALF_WIDTH = 20.0  # in semi-axes, and depth
+
+
+def depth() -> float:
+    """Depth and half width [m] of the blocks."""
+    return HALF_WIDTH * PAIR.exact.semi_axes[0]
+
+
+def body(across: int) -> Solid:
+    """Block with so many elements across the patch; elements grow from the surface with a slope that falls alike."""
+    size = PAIR.size(across)
+    half = int(np.ceil(np.sqrt(1.5 * PAIR.exact.approach * 2 * PAIR.upper[0]) / size)) + 1
+    units, _ = block((half + 2, half), half_width=HALF_WIDTH * across / 2, grading=Grading(0.5, 1.0 / across))
+    return units.mapped(lambda points: points * size)
+
+
+def pair(across: int, laws: Laws, options: FullOptions) -> Full:
+    """Contact of all displacements of two such blocks."""
+    solid = body(across)
+    geometry = Quadrics(ContactGrid.on(solid, 1), PAIR.upper, PAIR.lower)
+    return Full(geometry, ElasticBody(solid, STEEL), ElasticBody(solid, STEEL), laws, options=options)
+
+
+def rigid(points: Array) -> Array:
+    """Rigid motions (3 n, 6) of points (n, 3), orthonormal: what GAMG needs of elasticity near its null space."""
+    x = points - points.mean(axis=0)
+    modes = np.zeros((len(x), 3, 6))
+    for axis in range(3):
+        modes[:, axis, axis] = 1.0
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        modes[:, j, 3 + axis], modes[:, i, 3 + axis] = x[:, i], -x[:, j]
+    return modes.reshape(-1, 6)
