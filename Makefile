@@ -1,5 +1,6 @@
-# make run: the paper's curve, end to end.  make test: ruff, mypy and pytest.  Both set everything up first.
+# make run: the paper's curve, end to end (SCENE= another one).  make test: ruff, mypy and pytest.  Both set everything up first.
 VENV ?= .venv
+SCENE ?= scenes/curve.toml
 PY = $(VENV)/bin/python
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
 export OMP_NUM_THREADS ?= 1
@@ -8,7 +9,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 .PHONY: run test clean
 
 run: $(VENV)/ready
-	$(PY) -m scenes.cli run scenes/paper_curve.toml --out results/paper_curve
+	$(PY) -m scenes.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
 test: $(VENV)/ready
 	$(PY) -m ruff check .

@@ -80,12 +80,6 @@ class Summaries(Sequence[Patch]):
     def __repr__(self) -> str:
         return repr(self.all())
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Sequence) and self.all() == tuple(other)
-
-    def __hash__(self) -> int:
-        return hash(self.all())
-
     def __reduce__(self) -> tuple[type[tuple[Patch, ...]], tuple[tuple[Patch, ...]]]:
         return tuple, (self.all(),)
 

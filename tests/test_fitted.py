@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from functools import cache
 
@@ -19,7 +20,7 @@ from contact.loading import hertz_pose, hertz_under_load
 from contact.pairs import Bodies, hertz_pair, wheel_rail_pair
 from contact.pose import Array, Motion, Mounting, Twist, WheelsetState
 from contact.references.hertz import Hertz, hertz, modulus
-from contact.result import ContactResult
+from contact.result import ContactResult, Summaries
 from contact.strip_kernel import StripKernel
 from contact.strip_means import means
 from contact.strip_moments import stick_length
@@ -305,3 +306,68 @@ def test_left_and_right_are_mirror_images() -> None:
     left = contact(WheelsetState(y=1e-3, z=-2e-4, yaw=2e-3, speed=10.0, pitch_rate=10 / 0.459), "left")
     right = contact(WheelsetState(y=-1e-3, z=-2e-4, yaw=-2e-3, speed=10.0, pitch_rate=10 / 0.459), "right")
     np.testing.assert_array_equal(left.force, [1, -1, 1] * right.force)
+
+
+def test_warm_cells_follow_the_contact() -> None:
+    # 12 poses on the way of a wheelset across the rail, each starting from the one before
+    contact = wheelset(0.3)
+    warm = replace(contact, model=replace(contact.model, warm=True))  # type: ignore[type-var]
+    states = [
+        WheelsetState(y=-2e-3 + 5e-6 * k, z=-2.7e-4 - 4e-7 * k, speed=10.0, pitch_rate=10 / 0.46) for k in range(12)
+    ]
+    guess: ContactResult | None = None
+    kept = 0
+    for state in states:
+        cold, found = contact(state, "left"), warm(state, "left", guess)
+        assert found.ok
+        np.testing.assert_allclose(found.force, cold.force, atol=3e-3 * cold.force[2])
+        np.testing.assert_allclose(found.moment, cold.moment, atol=3e-3 * 0.46 * cold.force[2])
+        assert found.patches[0].area == pytest.approx(cold.patches[0].area, rel=0.02)
+        if guess is not None:
+            assert found.cells is not None
+            assert guess.cells is not None
+            kept += found.cells.gathered is guess.cells.gathered
+        guess = found
+    assert kept >= 4  # compliance gathered once serves several poses
+
+
+def test_warm_cells_from_far_away_do_no_harm() -> None:
+    contact = wheelset(0.3)
+    warm = replace(contact, model=replace(contact.model, warm=True))  # type: ignore[type-var]
+    rolls = {"speed": 10.0, "pitch_rate": 10 / 0.46}
+    there = warm(WheelsetState(y=4e-3, z=-1e-4, **rolls), "left")
+    here = WheelsetState(y=-2e-3, z=-2.7e-4, **rolls)
+    assert there.ok
+    np.testing.assert_allclose(warm(here, "left", there).force, contact(here, "left").force, rtol=3e-3, atol=100.0)
+    assert warm(WheelsetState(z=5e-3, **rolls), "left", there).status == "separated"
+
+
+def test_equal_steels_share_one_compliance() -> None:
+    assert pair().operators.alike
+    other = hertz_pair(
+        RADII,
+        (np.inf, np.inf),
+        upper_steel=STEEL,
+        lower_steel=Steel(2.1e11, 0.3 + 1e-12),
+        load=LOAD,
+        surface_size=1e-3,
+        laws=Laws(friction=0.3),
+        bodies="half-space",
+    )
+    assert isinstance(other, FittedContact)
+    assert not other.operators.alike
+    pose = hertz_pose(exact().approach)
+    one, two = (model(pose, flowing(5e-4, 2e-4, 0.3), None) for model in (pair(0.3), other))
+    np.testing.assert_allclose(one.force, two.force, rtol=1e-6, atol=1e-3)
+
+
+def test_patches_are_summed_up_when_asked_for() -> None:
+    result = pair()(hertz_pose(exact().approach), flowing(), None)
+    assert isinstance(result.patches, Summaries)
+    (patch,) = result.patches
+    (sent,) = pickle.loads(pickle.dumps(result.patches))
+    assert (sent.area, sent.max_pressure) == (patch.area, patch.max_pressure)
+    assert patch.normal_force == pytest.approx(result.force[2], rel=1e-12)
+    (seen,) = result.mirrored().patches
+    assert seen.wheel_y == patch.wheel_y
+    np.testing.assert_array_equal(seen.force, [1, -1, 1] * patch.force)

@@ -42,6 +42,15 @@ def test_wheelset_scene_is_read() -> None:
     assert scene.profiles.rail == "UIC60-benchmark"
 
 
+def test_quick_curve_is_the_paper_s_with_other_laws_and_stepper() -> None:
+    paper, quick = (load_scene(FOLDER / name).model_dump() for name in ("paper_curve.toml", "curve.toml"))
+    apart = {key for key in paper if paper[key] != quick[key]}
+    assert apart == {"laws", "surface_size", "strips", "cells", "solver", "output", "track"}
+    assert {key for key in paper["track"] if paper["track"][key] != quick["track"][key]} == {"curve"}
+    length = sum(quick["track"][key] for key in ("tangent", "transition_length", "curve"))
+    assert length / quick["vehicle"]["speed"] == pytest.approx(10.0)
+
+
 def test_paper_curve_is_that_of_the_paper() -> None:
     scene = load_scene(FOLDER / "paper_curve.toml")
     assert isinstance(scene, RunScene)

@@ -137,13 +137,28 @@ def in_parallel(contact: Contact) -> Iterator[Parallel]:
     process.start()
     there.close()
     try:
-        yield Parallel(contact, here)
+        with _broken_pipes_told():
+            yield Parallel(contact, here)
     finally:
         here.close()  # which ends it after what it is at
         process.join(timeout=1.0)
         if process.is_alive():
             process.terminate()
             process.join()
+
+
+@contextmanager
+def _broken_pipes_told() -> Iterator[None]:
+    """A pipe that nobody reads from is an error, and does not end this process: libraries of MPI put that back."""
+    try:
+        before = signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    except ValueError:  # not in the main thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGPIPE, before)
 
 
 def _serve(contact: Contact, parents: Connection, pipe: Connection) -> None:

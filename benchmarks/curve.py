@@ -1,0 +1,205 @@
+"""10 s of the paper's curve with exact laws: wall time beside the error of motion and forces, table and figure."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from rich.console import Console
+
+from benchmarks.machine import stated
+from contact.fineness import Fineness
+from contact.fitted import FittedContact
+from contact.pose import SIDES, Array
+from contact.wheelset import WheelsetContact
+from scenes.models import wheelset_contact
+from scenes.run import track, wagon
+from scenes.scene import RunScene, load_scene
+from vehicle.history import History
+from vehicle.parallel import in_parallel
+from vehicle.simulate import simulate
+
+SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
+EVERY = 0.01  # s, between the rows that are compared
+SETTLED = 0.1  # s, after which a run has left its start
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Cells of the contact, tolerance of the stepper, whether solves start from earlier ones, processes."""
+
+    name: str
+    fineness: tuple[int, int]
+    rtol: float
+    warm: bool = True
+    workers: int = 2
+    method: str = "rosenbrock"
+
+
+VARIANTS = (
+    Variant("scenes/curve.toml", (4, 10), 3e-3),
+    Variant("one process", (4, 10), 3e-3, workers=1),
+    Variant("tighter", (4, 10), 1e-3),
+    Variant("6 x 8 cells", (6, 8), 3e-3),
+    Variant("6 x 12 cells", (6, 12), 3e-3),
+    Variant("6 x 12 cells, tighter", (6, 12), 1e-3),
+)
+TIGHT = Variant("tight tolerance, cold", (4, 10), 1e-4, warm=False)
+FINE = Variant("finer cells", (8, 14), 3e-4)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A variant that was run: its history and the seconds that it took."""
+
+    variant: Variant
+    history: History
+    seconds: float
+
+    def channels(self) -> tuple[Array, Array]:
+        """Wheelset's lateral displacement (n,) mm and forces (n, 6) N of both wheels, from when it has settled."""
+        own = self.history.time > SETTLED
+        return 1e3 * self.history.state[own, 6], self.history.outputs.force[own].reshape(-1, 6)
+
+
+def run(scene: RunScene, contact: WheelsetContact, variant: Variant, seconds: float) -> Run:
+    """The scene's first seconds, on prepared bodies."""
+    assert isinstance(contact.model, FittedContact)
+    model = replace(contact.model, fineness=Fineness(*variant.fineness), warm=variant.warm)
+    own = replace(contact, model=model)
+    with in_parallel(own) if variant.workers == 2 else nullcontext(own) as both:
+        began = perf_counter()
+        history = simulate(
+            wagon(scene),
+            track(scene),
+            both,
+            speed=scene.vehicle.speed,
+            span=(0.0, seconds),
+            method=variant.method,
+            rtol=variant.rtol,
+            atol=1e-3 * variant.rtol,
+            every=EVERY,
+        )
+        return Run(variant, history, perf_counter() - began)
+
+
+def differences(one: Run, other: Run) -> tuple[float, float, float, float]:
+    """RMS and worst difference of the lateral displacement, mm, and of the forces, % of the mean wheel load."""
+    (y, forces), (y0, forces0) = one.channels(), other.channels()
+    n = min(len(y), len(y0))
+    apart, off = y[:n] - y0[:n], forces[:n] - forces0[:n]
+    load = 0.5 * forces0[:n, [2, 5]].sum(axis=1).mean()
+    rms = np.sqrt((off**2).mean(axis=0)).max()  # of the worst of the six
+    return (
+        float(np.sqrt((apart**2).mean())),
+        float(np.abs(apart).max()),
+        float(100 * rms / load),
+        float(100 * np.abs(off).max() / load),
+    )
+
+
+COLUMNS = (
+    "run",
+    "cells",
+    "rtol",
+    "processes",
+    "wall s",
+    "steps (rejected)",
+    "contact problems a side",
+    "ms a problem, left / right",
+    "y RMS / worst mm, tight",
+    "force RMS / worst %, tight",
+    "y RMS / worst mm, finer cells",
+    "force RMS / worst %, finer cells",
+)
+
+
+def row(one: Run, tight: Run, fine: Run) -> list[str]:
+    cost, v = one.history.cost, one.variant
+    apart = []
+    for other in (tight, fine):
+        d = differences(one, other)
+        apart += ["", ""] if one is other else [f"{d[0]:.4f} / {d[1]:.3f}", f"{d[2]:.3f} / {d[3]:.2f}"]
+    sides = [cost.contact[side] for side in SIDES]
+    # what the tally of the second process sees is only the time spent on waiting for it
+    spent = [1e3 * sum(side.phases.values()) / side.solves for side in sides]
+    return [
+        v.name if one.history.status == "completed" else f"{v.name}: {one.history.status}",
+        "{} x {}".format(*v.fineness),
+        f"{v.rtol:.0e}",
+        str(v.workers),
+        f"{one.seconds:.1f}",
+        f"{cost.steps.accepted} ({cost.steps.rejected})",
+        str(sides[0].solves),
+        "{:.1f} / {:.1f}".format(*spent),
+        *apart,
+    ]
+
+
+def draw(runs: list[Run], tight: Run, fine: Run, path: Path) -> None:
+    """Lateral displacement and vertical forces of the first run and of the fine one; error against time of all."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    fig, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4), layout="constrained")
+    for one, style in ((fine, "k-"), (runs[0], "C1--")):
+        time = one.history.time
+        label = "{} x {} cells, rtol {:g}".format(*one.variant.fineness, one.variant.rtol)
+        left.plot(time, 1e3 * one.history.state[:, 6], style, lw=1.2, label=label)
+        for side in (0, 1):
+            middle.plot(time, 1e-3 * one.history.outputs.force[:, side, 2], style, lw=1.2)
+    left.set(xlabel="time [s]", ylabel="lateral displacement of the wheelset, to the left [mm]")
+    middle.set(xlabel="time [s]", ylabel="vertical forces, left (falling) and right (rising) [kN]")
+    left.legend(frameon=False)
+    for other, marker, label in ((tight, "o", "tight tolerance"), (fine, "s", "finer cells")):
+        points = [(one.seconds, differences(one, other)[2]) for one in runs]
+        right.loglog(*zip(*points, strict=True), marker, label=f"against {label}")
+    right.axhline(0.5, color="0.6", lw=0.8)
+    right.axvline(10.0, color="0.6", lw=0.8)
+    right.set(xlabel="wall time of 10 s [s]", ylabel="RMS error of the worst force [% of the wheel load]")
+    right.legend(frameon=False)
+    for ax in (left, middle, right):
+        ax.grid(alpha=0.3)
+    fig.savefig(path, dpi=130)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=10.0, help="of the run, 10 for all of the scene")
+    parser.add_argument("--quick", action="store_true", help="the scene as it is and the tight run alone")
+    parser.add_argument("--picture", type=Path, help="file for the figure")
+    parser.add_argument("--json", type=Path, help="file for the table's rows")
+    given = parser.parse_args()
+    scene = load_scene(SCENE)
+    assert isinstance(scene, RunScene)
+    console = Console(stderr=True)
+    contact = wheelset_contact(scene)
+    run(scene, contact, VARIANTS[0], 0.02)  # compiled, and compliance made ready
+    runs: list[Run] = []
+    for variant in (TIGHT, VARIANTS[0]) if given.quick else (FINE, TIGHT, *VARIANTS):
+        with console.status(f"{variant.name}, {variant.fineness[0]} x {variant.fineness[1]} cells"):
+            runs.append(run(scene, contact, variant, given.seconds))
+        console.print(f"{variant.name}: {runs[-1].seconds:.1f} s, {runs[-1].history.status}")
+    fine, tight = runs[0], runs[0 if given.quick else 1]
+    rows = [row(one, tight, fine) for one in runs]
+    print(
+        f"{stated()}\n\n{given.seconds:g} s of scenes/curve.toml; bodies prepared beforehand; forces in % of the load\n"
+    )
+    print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
+    for cells in rows:
+        print(f"| {' | '.join(cells)} |")
+    if given.json:
+        given.json.write_text(json.dumps([dict(zip(COLUMNS, cells, strict=True)) for cells in rows], indent=1))
+    if given.picture:
+        draw(runs[2:] or runs[1:], tight, fine, given.picture)
+
+
+if __name__ == "__main__":
+    main()
