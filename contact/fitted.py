@@ -22,7 +22,7 @@ from contact.fineness import Fineness
 from contact.fitting import Fitted, fit, follow
 from contact.kinematics import NotRolling, creepage, shift
 from contact.laws import Laws
-from contact.parts import patches, single
+from contact.parts import patches, recounted, single
 from contact.patches import outcome
 from contact.points import OutsideGrid, Places
 from contact.pose import Array, Motion, Pose
@@ -244,25 +244,21 @@ class FittedContact:
         full, tolerance = marks(self.fineness.cells, rolling=rolls), self.tolerance
         # equal cells find the ends from afar; those that shrink towards the leading end only from near
         few = marks(max(self.fineness.cells // 2, 4), rolling=False)
-        stages = [(few, 5 * tolerance), (full, tolerance)]
 
-        def fit_all(layout: Layout | None, stages: list[tuple[Array, float]]) -> Fitted | None:
-            found = None
-            for cells, near in stages:
-                if layout is None:
-                    return None
-                start = replace(layout, marks=cells)
-                found = fit(overlap, normal, start, self.fineness, tolerance=near, count=count)
-                layout = None if found is None else found.layout
-            return found
+        def fitted(layout: Layout | None, cells: Array, near: float) -> Fitted | None:
+            if layout is None:
+                return None
+            return fit(overlap, normal, replace(layout, marks=cells), self.fineness, tolerance=near, count=count)
 
-        found = None
         if start is not None:
-            found = fit_all(start.layout, stages[1:])
+            found = fitted(start.layout, full, tolerance)
         else:
-            found = fit_all(single(ridge, self.fineness, few), stages)
+            found = fitted(single(ridge, self.fineness, few), few, 5 * tolerance)
+            if found is not None:
+                found = fitted(recounted(found.layout, self.fineness), full, tolerance)
             if found is None or not found.settled or found.divided:
-                found = fit_all(patches(*coarse(ridge, overlap, normal, count), self.fineness, few), stages)
+                found = fitted(patches(*coarse(ridge, overlap, normal, count), self.fineness, few), few, 5 * tolerance)
+                found = None if found is None else fitted(found.layout, full, tolerance)
         if found is None:
             return None
         layout = found.layout

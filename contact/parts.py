@@ -76,6 +76,14 @@ def single(ridge: Ridge, fineness: Fineness, cell_marks: Array) -> Layout | None
     return assembled([Part(low, high, ridge.s[inside], ends)], fineness, cell_marks)
 
 
+def recounted(layout: Layout, fineness: Fineness) -> Layout:
+    """The layout of one part with as many strips as suit the shape that it was fitted to."""
+    low, high = float(layout.sides[0, 0]), float(layout.sides[-1, 1])
+    if fineness.strips_over(high - low, float(np.diff(layout.ends).max())) == len(layout.sides):
+        return layout
+    return assembled([Part(low, high, layout.middle, layout.ends)], fineness, layout.marks) or layout
+
+
 def _necks(load: Array) -> list[int]:
     """Strips between humps of the load (n,), lowest between them."""
     found: list[int] = []
