@@ -49,7 +49,7 @@ VARIANTS = (
     Variant("6 x 12 cells", (6, 12), 3e-3),
     Variant("6 x 12 cells, tighter", (6, 12), 1e-3),
 )
-TIGHT = Variant("tight tolerance, cold", (4, 10), 1e-4, warm=False)
+TIGHT = Variant("tight tolerance", (4, 10), 1e-4)
 FINE = Variant("finer cells", (8, 14), 3e-4)
 
 
