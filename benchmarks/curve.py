@@ -155,15 +155,15 @@ def draw(runs: list[Run], tight: Run, fine: Run, path: Path) -> None:
         left.plot(time, 1e3 * one.history.state[:, 6], style, lw=1.2, label=label)
         for side in (0, 1):
             middle.plot(time, 1e-3 * one.history.outputs.force[:, side, 2], style, lw=1.2)
-    left.set(xlabel="time [s]", ylabel="lateral displacement of the wheelset, to the left [mm]")
-    middle.set(xlabel="time [s]", ylabel="vertical forces, left (falling) and right (rising) [kN]")
+    left.set(xlabel="time [s]", ylabel="lateral displacement, to the left [mm]")
+    middle.set(xlabel="time [s]", ylabel="vertical forces, left falls, right rises [kN]")
     left.legend(frameon=False)
     for other, marker, label in ((tight, "o", "tight tolerance"), (fine, "s", "finer cells")):
         points = [(one.seconds, differences(one, other)[2]) for one in runs]
         right.loglog(*zip(*points, strict=True), marker, label=f"against {label}")
     right.axhline(0.5, color="0.6", lw=0.8)
     right.axvline(10.0, color="0.6", lw=0.8)
-    right.set(xlabel="wall time of 10 s [s]", ylabel="RMS error of the worst force [% of the wheel load]")
+    right.set(xlabel="wall time of 10 s [s]", ylabel="RMS error, worst force [% of load]")
     right.legend(frameon=False)
     for ax in (left, middle, right):
         ax.grid(alpha=0.3)

@@ -3,9 +3,9 @@
 python -m benchmarks.paper_tables [--seconds T] [--short T] [--start T] [--quick] [--only 5,6,7,9,new]
                                   [--picture FILE] [--json FILE]
 
-All variants run the same part of scenes/paper_curve.toml, within its transition, from the steady state at its start.
-Eq. (12) costs seconds a contact problem: it and the row of Eq. (15) beside it run a much shorter part on a coarser
-mesh. Nothing is scaled from one part to the other.
+All variants run the same part of scenes/paper_curve.toml, within its transition, from the same state: the equilibrium
+at its start, as near as the contact model allows. Eq. (12) costs seconds a contact problem: it and the row of Eq. (15)
+beside it run a much shorter part on a coarser mesh. Nothing is scaled from one part to the other.
 """
 
 from __future__ import annotations
@@ -85,8 +85,8 @@ def main() -> None:
     print(
         f"\nPart of {seconds:g} s from {args.start:g} s on, for Eq. (12) and beside it {short:g} s; relative tolerance "
         f"of Newton's method {TOLERANCE:g}; errors are RMS against ODE45 at RelTol 1e-6, AbsTol 1e-9 and 1e-11, from "
-        "the same steady state; forces in % of the mean wheel load. #New counts factorisations of the normal problem, "
-        "too; BiCGStab solves those of friction only. Times are without meshes, factorisations and compliances. "
+        "the same state, near equilibrium; forces in % of the mean wheel load. #New counts factorisations of the "
+        "normal problem, too; BiCGStab solves those of friction only. Times are without meshes, factorisations and compliances. "
         "The first evaluation of a run starts from nothing. Forces are taken linear between steps, which long steps "
         "pay for in the error."
     )
