@@ -86,7 +86,8 @@ def main() -> None:
         f"\nPart of {seconds:g} s from {args.start:g} s on, for Eq. (12) and beside it {short:g} s; relative tolerance "
         f"of Newton's method {TOLERANCE:g}; errors are RMS against ODE45 at RelTol 1e-6, AbsTol 1e-9 and 1e-11, from "
         "the same state, near equilibrium; forces in % of the mean wheel load. #New counts factorisations of the "
-        "normal problem, too; BiCGStab solves those of friction only. Times are without meshes, factorisations and compliances. "
+        "normal problem, too; BiCGStab solves those of friction only. Times are without meshes, factorisations and "
+        "compliances. "
         "The first evaluation of a run starts from nothing. Forces are taken linear between steps, which long steps "
         "pay for in the error."
     )
