@@ -1,6 +1,6 @@
 """Time and memory beside error as contacts grow: `condensed` by contact points, `full` by unknowns.
 
-python -m benchmarks.scaling [--quick] [--only points,full] [--picture FILE] [--json FILE]
+python -m benchmarks.scaling [--quick] [--only points,elastic,newton] [--picture FILE] [--json FILE]
 
 Every case runs in a process of its own, with a limit on time and memory. A series ends where a case fails.
 """
@@ -20,7 +20,7 @@ from benchmarks.scaling_case import Row
 from benchmarks.scaling_crossover import crossovers
 from benchmarks.scaling_plan import floor_rows, full_rows, point_rows
 
-PARTS = ("points", "full")
+PARTS = ("points", "elastic", "newton")
 
 
 def progress(line: str) -> None:
@@ -44,19 +44,19 @@ def measured(parts: list[str], *, quick: bool) -> dict[str, list[Row]]:
         every = {"floors": [row for row in found["floor"] if "failed" not in row]}
         print(tables.exponents("Exponents of the floors", every, "points", tables.FLOOR_COSTS))
         print(crossovers(found["points"], found["floor"]), flush=True)
-    if "full" in parts:
+    if "elastic" in parts:
         found["elastic"] = list(full_rows("elastic", quick, progress))
         progress("")
         title = "All displacements of one body, K u = f to 1e-8: error of the work against a half-space"
-        print(tables.table(title, tables.ELASTIC_COLUMNS, found["elastic"]), flush=True)
+        print(tables.table(title, tables.ELASTIC_COLUMNS, found["elastic"]))
+        by = tables.grouped(found["elastic"], "method", "ranks")
+        title = "Exponents over unknowns, K u = f by method and ranks"
+        print(tables.exponents(title, by, "unknowns", tables.FULL_COSTS), flush=True)
+    if "newton" in parts:
         found["newton"] = list(full_rows("newton", quick, progress))
         progress("")
         title = "Contact of two bodies, eq. (12), one rank: Newton with BiCGStab"
         print(tables.table(title, tables.NEWTON_COLUMNS, found["newton"]))
-        by = tables.grouped(found["elastic"], "method", "ranks")
-        print(
-            tables.exponents("Exponents over unknowns, K u = f by method and ranks", by, "unknowns", tables.FULL_COSTS)
-        )
         by = tables.grouped(found["newton"], "method", "friction")
         print(tables.exponents("Exponents over unknowns, contact by friction", by, "unknowns", tables.FULL_COSTS))
     return found
@@ -68,7 +68,7 @@ def main() -> None:
         prog="python -m benchmarks.scaling", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true", help="small sizes only")
-    parser.add_argument("--only", default=",".join(PARTS), metavar="PARTS", help="of points,full (both)")
+    parser.add_argument("--only", default=",".join(PARTS), metavar="PARTS", help="of points,elastic,newton (all)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw a figure, too")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write everything to a file, too")
     given = parser.parse_args()
