@@ -67,7 +67,7 @@ def tolerances(runs: Runs, count: int) -> tuple[str, dict[str, list[Accuracy]]]:
 def main() -> None:
     """Run and print."""
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    given.add_argument("--seconds", type=float, help="length of the part (0.2)")
+    given.add_argument("--seconds", type=float, help="length of the part (0.05)")
     given.add_argument("--short", type=float, help="length of the part for Eq. (12) (0.004)")
     given.add_argument("--start", type=float, default=1.65, help="s from the scene's start")
     given.add_argument("--quick", action="store_true", help="a part of 0.01 s, of 0.001 s for Eq. (12), few states")
@@ -79,7 +79,7 @@ def main() -> None:
     if unknown := set(wanted) - set(ALL):
         given.error(f"no table {', '.join(sorted(unknown))}; there are {', '.join(ALL)}")
     logging.disable(logging.WARNING)
-    seconds, short = args.seconds or (0.01 if args.quick else 0.2), args.short or (0.001 if args.quick else 0.004)
+    seconds, short = args.seconds or (0.01 if args.quick else 0.05), args.short or (0.0002 if args.quick else 0.0004)
     began = perf_counter()
     print(stated())
     print(
