@@ -68,7 +68,7 @@ def main() -> None:
     """Run and print."""
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     given.add_argument("--seconds", type=float, help="length of the part (0.05)")
-    given.add_argument("--short", type=float, help="length of the part for Eq. (12) (0.004)")
+    given.add_argument("--short", type=float, help="length of the part for Eq. (12) (0.0004)")
     given.add_argument("--start", type=float, default=1.65, help="s from the scene's start")
     given.add_argument("--quick", action="store_true", help="a part of 0.01 s, of 0.001 s for Eq. (12), few states")
     given.add_argument("--only", default=",".join(ALL))
