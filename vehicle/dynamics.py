@@ -108,7 +108,9 @@ class Dynamics:
         frame = self.track.frame(self.speed * time, self.speed)
         contacts = self.solve_contacts(frame, state, previous.contacts if previous else None)
         accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
-        return Evaluation(np.concatenate([state[COUNT:], accelerations]), contacts, float(yaw_reaction))
+        return Evaluation(
+            np.concatenate([state[COUNT:], accelerations]), contacts, float(np.asarray(yaw_reaction).item())
+        )
 
     def wheelset_state(self, frame: Frame, state: Array) -> WheelsetState:
         position, rate, _, pitch_rate = split(state)

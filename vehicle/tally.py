@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,12 +53,12 @@ class Tally:
             cost.phases[phase] = cost.phases.get(phase, 0.0) + seconds
         return result
 
-    def __getattr__(self, name: str) -> Any:
-        """What only some contacts can; a method here would promise it for all of them."""
-        if name not in ("tangent", "ahead", "ahead_tangent"):
-            raise AttributeError(name)
-        inner = getattr(self.contact, name)
-        return partial(self._tangent, inner) if name == "tangent" else inner
+    def __post_init__(self) -> None:
+        # what only some contacts can: a method would promise it for all of them
+        for name in ("tangent", "ahead", "ahead_tangent"):
+            if hasattr(self.contact, name):
+                inner = getattr(self.contact, name)
+                setattr(self, name, partial(self._tangent, inner) if name == "tangent" else inner)
 
     def _tangent(
         self,
