@@ -23,7 +23,7 @@ from contact.tractions import Count, NotConverged
 log = logging.getLogger(__name__)
 
 STEPS = 40
-FOLLOWED = 3
+COPIES = 3  # that are tried before cells are fitted anew
 FARTHEST = 0.12  # that an end moves in a step, of the strip's length, before it is stretched
 STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a point contact
 
@@ -113,7 +113,7 @@ def follow(
 
     tolerance as for `fit`, here of what is left of the steps.
     """
-    for step in range(FOLLOWED):
+    for step in range(COPIES):
         layout = cells.layout
         held = np.ones(len(layout.sides), dtype=bool)
         pressure, _ = _pressed(cells.gathered.normal, overlap(layout) / cells.scale, held, count)
@@ -124,7 +124,7 @@ def follow(
         error = max(np.sqrt((moves**2).mean()), np.abs(tips).max() / 2)
         if error <= tolerance:
             return cells, pressure
-        if step == FOLLOWED - 1 or not error < FARTHEST:
+        if step == COPIES - 1 or not error < FARTHEST:
             break
         cells = cells.copied(STRETCH * moves, tips)
         if cells.far:

@@ -22,7 +22,7 @@ from contact.line_shares import between_lines, shares
 from contact.points import OutsideGrid
 from contact.pose import Array
 from contact.spectrum import Spectrum, interpolation, pair_places, rule
-from contact.strip_means import EVEN, ODD, Nodes, full_table, normal_table
+from contact.strip_means import EVEN, ODD, TableNodes, full_table, normal_table
 from contact.surface_error import SurfaceError
 
 NODES = 128  # of the table of G over x: its error in a mean compliance stays below 1e-4
@@ -83,9 +83,9 @@ class StripKernel:
         return np.concatenate([[2 * self.arc[0] - middle[0]], middle, [2 * self.arc[-1] - middle[-1]]])
 
     @cached_property
-    def nodes(self) -> Nodes:
+    def nodes(self) -> TableNodes:
         """Nodes of the tables, units."""
-        return Nodes.over(NODES, FINEST * float(np.diff(self.arc).min()) / self.unit, self.reach / self.unit)
+        return TableNodes.over(NODES, FINEST * float(np.diff(self.arc).min()) / self.unit, self.reach / self.unit)
 
     @cached_property
     def weights(self) -> tuple[Array, Array]:

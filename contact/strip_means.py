@@ -19,7 +19,7 @@ EVEN = (0, 4, 5, 7, 8)
 
 
 @dataclass(frozen=True)
-class Nodes:
+class TableNodes:
     """Distances start sinh(rate n) of a table's nodes, n from -BEFORE to count - BEFORE - 1."""
 
     count: int
@@ -27,7 +27,7 @@ class Nodes:
     rate: float
 
     @classmethod
-    def over(cls, count: int, first: float, reach: float) -> Nodes:
+    def over(cls, count: int, first: float, reach: float) -> TableNodes:
         """So many nodes, the first about first apart, up to a distance reach."""
         rate = 1.0 / count
         for _ in range(50):
