@@ -78,8 +78,7 @@ def hertz_model(pair: Ellipse, laws: Laws, size: float, **options: Any) -> Conta
         load=pair.load,
         surface_size=size,
         laws=laws,
-        **OPTIONS,
-        **options,
+        **(OPTIONS | options),
     )
 
 

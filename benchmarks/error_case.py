@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy_bodies import EXACT, Ellipse, rolling, solved
+from benchmarks.accuracy_bodies import EXACT, Ellipse, hertz_model, rolling, solved
 from benchmarks.accuracy_hertz import lacking
 from benchmarks.accuracy_table import reference
 from contact.fineness import Fineness
 from contact.fitted import FittedContact
 from contact.laws import Laws, Steel
 from contact.loading import hertz_under_load
-from contact.pairs import Bodies, Model, hertz_pair
+from contact.pairs import Bodies, Model
 from contact.pose import Array
 from contact.result import ContactResult
 from contact.wheelset import ContactModel
@@ -132,14 +132,10 @@ def _loaded(variant: Variant, pair: Ellipse) -> float:
 def _made(pair: Ellipse, laws: Laws, variant: Variant) -> ContactModel:
     """Meshes, spectra and tables are shared by all finenesses."""
     options: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
-    return hertz_pair(
-        pair.radii,
-        (np.inf, np.inf),
-        upper_steel=pair.steel,
-        lower_steel=pair.steel,
-        load=pair.load,
-        surface_size=pair.size(points=variant.points),
-        laws=laws,
+    return hertz_model(
+        pair,
+        laws,
+        pair.size(points=variant.points),
         model=variant.model,
         bodies=variant.bodies,
         order=variant.order,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy_bodies import Ellipse, carrying, frictional, frictionless, rolling
+from benchmarks.accuracy_bodies import Ellipse, carrying, frictional, frictionless, hertz_model, rolling
 from benchmarks.accuracy_hertz import lacking
 from benchmarks.accuracy_table import reference
 from benchmarks.scaling_case import Row
@@ -20,7 +20,7 @@ from contact.fineness import Fineness
 from contact.fitted import FittedContact
 from contact.laws import Steel
 from contact.loading import hertz_pose
-from contact.pairs import Bodies, Points, hertz_pair
+from contact.pairs import Bodies, Points
 from contact.pose import Motion
 from contact.result import ContactResult
 
@@ -48,18 +48,8 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
         depth -= 2 * lacking(pair.steel.nu)[0] * pair.load / (pair.steel.E * pair.half_width(size))
     strips = max(4, round(np.sqrt(wanted / ALONG)))
     options: dict[str, Any] = {} if points == "grid" else {"fineness": Fineness(strips, max(4, round(wanted / strips)))}
-    model = hertz_pair(
-        pair.radii,
-        (np.inf, np.inf),
-        upper_steel=pair.steel,
-        lower_steel=pair.steel,
-        load=pair.load,
-        surface_size=size,
-        laws=frictional(curve["mu"]),  # with room upstream
-        bodies=bodies,
-        points=points,
-        **options,
-    )
+    laws = frictional(curve["mu"])  # with room upstream
+    model = hertz_model(pair, laws, size, bodies=bodies, points=points, **options)
     assert isinstance(model, Condensed | FittedContact)
     # what all solves share, spectra, tables and compiled kernels, is made by a first one
     few = replace(model, fineness=Fineness(4, 8)) if isinstance(model, FittedContact) else model

@@ -28,14 +28,16 @@ ASIDE = 0.5  # strips
 class Gathered:
     """Compliance on the cells of a layout in a pose: along the normals, or of all components, made when asked for."""
 
-    def __init__(self, operators: StripOperators, pose: Pose, layout: Layout, laws: Laws) -> None:
+    def __init__(
+        self, operators: StripOperators, pose: Pose, layout: Layout, laws: Laws, normal: Factors | None = None
+    ) -> None:
         self.layout = layout
-        self._operators, self._pose, self._laws = operators, pose, laws
+        self._operators, self._pose, self._laws, self._normal = operators, pose, laws, normal
 
     @cached_property
     def normal(self) -> Factors:
-        """Along the normals alone (n, n) m/Pa."""
-        return Factors(self._operators.normal(self._pose, self.layout))
+        """Along the normals alone (n, n) m/Pa; as given, where fitting has left it."""
+        return self._normal or Factors(self._operators.normal(self._pose, self.layout))
 
     @cached_property
     def displacement(self) -> Array:
@@ -50,7 +52,9 @@ class Gathered:
     @cached_property
     def frictionless(self) -> Elastic:
         """Compliance along the normals and what solves make of it."""
-        return Elastic(self.normal.compliance, len(self.normal.compliance), self._laws)
+        body = Elastic(self.normal.compliance, len(self.normal.compliance), self._laws)
+        body.normal = self.normal  # with its factors: no penalty softens fitted cells
+        return body
 
     @cached_property
     def rolling(self) -> Elastic:

@@ -261,8 +261,8 @@ class FittedContact:
                 found = None if found is None else fitted(found.layout, full, tolerance)
         if found is None:
             return None
-        layout = found.layout
-        return Cells(layout, raised, gather(layout), 1.0, np.zeros(0)), found.pressure, found.settled
+        gathered = Gathered(self.operators, pose, found.layout, self.laws, found.normal)
+        return Cells(found.layout, raised, gathered, 1.0, np.zeros(0)), found.pressure, found.settled
 
     def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
         """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""

@@ -30,10 +30,13 @@ STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a po
 
 @dataclass(frozen=True)
 class Fitted:
-    """Cells, the frictionless pressures (S, M) Pa on them, and whether their ends have settled."""
+    """Cells, the frictionless pressures (S, M) Pa on them, their compliance along the normals, and whether their ends
+    have settled.
+    """
 
     layout: Layout
     pressure: Array
+    normal: Factors
     settled: bool
     steps: int
 
@@ -60,11 +63,12 @@ def fit(
     """
     layout, stretch = start, STRETCH
     previous: Array | None = None
-    best: tuple[float, Layout, Array] | None = None  # the nearest to rest
+    best: tuple[float, Layout, Array, Factors] | None = None  # the nearest to rest
     held = np.ones(len(start.sides), dtype=bool)
     last, damping = np.zeros((0, 2)), np.ones((0, 2))
     for step in range(1, STEPS + 1):
-        pressure, touches = _pressed(operator(layout), overlap(layout), held, count)
+        factors = operator(layout)
+        pressure, touches = _pressed(factors, overlap(layout), held, count)
         load = (pressure * np.diff(layout.edges)).sum(axis=1)
         moves = np.clip(np.nan_to_num(_beyond(layout, pressure)), -FARTHEST, FARTHEST) * held[:, None]
         tips = _tips(layout, load)
@@ -86,9 +90,9 @@ def fit(
         holds = touches & ((load > 0) | _outermost(layout) | ~held)
         distance = max(error / tolerance, slip / (10 * tolerance), 1.0 if (holds == held).all() else 10.0)
         if distance <= 1.0:
-            return Fitted(layout, pressure, True, step)
+            return Fitted(layout, pressure, factors, True, step)
         if best is None or distance < best[0]:
-            best = distance, layout, pressure
+            best = distance, layout, pressure, factors
         if previous is not None and previous.shape == moves.shape:
             change = moves - previous
             bottom = float((change**2).sum())
@@ -102,7 +106,7 @@ def fit(
         held = holds if len(moved.sides) == len(held) else np.ones(len(moved.sides), dtype=bool)
         layout = moved
     assert best is not None
-    return Fitted(best[1], best[2], False, STEPS)
+    return Fitted(*best[1:], False, STEPS)
 
 
 def follow(

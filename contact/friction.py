@@ -111,8 +111,7 @@ class Friction:
 
     def step(self, t: Trial, options: NewtonOptions, count: Count) -> Array:
         """Newton's step (2, n) from a trial."""
-        inside = t.active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
-        index, slip, slope = self._linearised(t.active, inside, count)
+        index, slip, slope = self._linearised(t, count)
         known = self._known
         falls = bool(t.fall.any()) and not t.held
         jacobian = derivative(
@@ -140,15 +139,16 @@ class Friction:
         known = self._known
         if known.factors is None or t.held:
             return None
-        inside = t.active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
-        index, _, _ = self._linearised(t.active, inside, count)
+        index, _, _ = self._linearised(t, count)
         if known.factors is None:  # they were those of other points
             return None
         return _spread(la.lapack.dgetrs(*known.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
 
-    def _linearised(self, active: Mask, inside: Mask, count: Count) -> tuple[Nodes, Array, Array | None]:
+    def _linearised(self, t: Trial, count: Count) -> tuple[Nodes, Array, Array | None]:
         """Points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2 k), of those."""
-        sets, known = active.tobytes() + inside.tobytes(), self._known
+        active, known = t.active, self._known
+        inside = active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
+        sets = active.tobytes() + inside.tobytes()
         if known.linearised is None or sets != known.sets:
             index = np.flatnonzero(inside)
             both = np.concatenate([index, len(active) + index])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.friction import TINY
+from contact.friction import TINY, misfit
 from contact.laws import Laws
 from contact.pose import Array, Mask
 
@@ -30,10 +30,9 @@ class LawSlope:
         """Around pressures (a,), tractions and slips (2, a); rho (a,) 1/Pa as in `contact.friction`, any will do."""
         size = np.hypot(*s)
         mu, fall = laws.friction_at(size, speed)
-        y, b, eps = rho * q - s, mu * p, laws.regularisation
-        length, limit = np.hypot(*y), b * rho + eps
-        slides, longest = length > limit, np.maximum(np.maximum(length, limit), TINY)
-        u = y / np.maximum(length, TINY)
+        b, eps = mu * p, laws.regularisation
+        y, longest, slides, _, _ = misfit(np.ascontiguousarray(q), np.ascontiguousarray(s), b, rho, eps)
+        u = y / np.maximum(np.hypot(*y), TINY)
         along = np.where(slides, u, y * eps / longest**2)
         across = b / longest * (np.eye(2)[..., None] - slides * u[:, None] * u)
         drop = p * fall * s / np.maximum(size, TINY)  # of the bound, as slip grows

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.pose import MIRROR, Array, Motion, Mounting, Pose, Side, WheelsetState
+from contact.pose import Array, Motion, Mounting, Pose, Side, WheelsetState
 from contact.result import ContactResult
+from contact.tangent import MIRRORED
 
 ContactModel = Callable[[Pose, Motion, ContactResult | None], ContactResult]
 
@@ -37,7 +38,7 @@ class WheelsetContact:
         """
         slope = pair_slope(self.mounting, state if side == "left" else state.mirrored())
         if side == "right":
-            slope = np.tile(np.concatenate([MIRROR, -MIRROR]), 2)[:, None] * slope * MIRRORED
+            slope = np.tile(MIRRORED, 2)[:, None] * slope * STATE_MIRRORED
         change = result.tangent() @ slope
         x, y, z = result.force
         change[3:, 0] += [-z, 0.0, x]  # the centre moves: F x e_y
@@ -45,7 +46,7 @@ class WheelsetContact:
         return change
 
 
-MIRRORED = np.array([-1.0, 1.0, -1.0, -1.0, -1.0, 1.0, -1.0, 1.0])  # of the state in `WheelsetContact.tangent`
+STATE_MIRRORED = np.array([-1.0, 1.0, -1.0, -1.0, -1.0, 1.0, -1.0, 1.0])  # of the state in `WheelsetContact.tangent`
 
 
 def pair_slope(mounting: Mounting, state: WheelsetState) -> Array:
