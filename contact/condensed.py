@@ -104,6 +104,8 @@ class Condensed:
             pressure=p,
             traction=q,
             slip=found_tractions.slip,
+            motion=motion,
+            speed=speed,
             displacement=moved,
             approach=approach,
             bound=self.laws.friction_at(np.hypot(*found_tractions.slip.T), speed)[0] * p,

@@ -211,6 +211,8 @@ class FittedContact:
             pressure=p,
             traction=q,
             slip=found.slip,
+            motion=around.motion,
+            speed=around.speed,
             displacement=moved,
             approach=approach,
             bound=bound,

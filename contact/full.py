@@ -96,6 +96,8 @@ class Full:
             pressure=-traction[:, 0] + 0.0,
             traction=traction[:, 1:] if order else np.zeros((n, 2)),
             slip=z[:, 1:] if order else np.zeros((n, 2)),
+            motion=motion,
+            speed=speed,
             displacement=moved,
             approach=approach,
             bound=-traction[:, 0] * self.laws.friction_at(np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)[0],

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from scipy import ndimage
 
+from contact.kinematics import shift
 from contact.points import Places
-from contact.pose import Array, Mask, Nodes
+from contact.pose import Array, Mask, Motion, Nodes
 from contact.result import ContactResult, Fields, Patch, Statistics, Summaries
 
 
@@ -20,6 +22,8 @@ def outcome(
     pressure: Array,
     traction: Array,
     slip: Array,
+    motion: Motion,
+    speed: float,
     displacement: Array,
     approach: float,
     bound: Array,
@@ -28,7 +32,7 @@ def outcome(
     """Converged result in the frame of the rail, moment about its origin.
 
     pressure (n,), traction (n, 2) on the wheel and bound (n,), the largest possible traction, in Pa; slip (n, 2) over
-    the rolling speed; displacement (n, 3) m, wheel minus rail; node (n,) and patch (n,) as in `Fields`.
+    the rolling speed m/s, which is 0 where nothing rolls or rubs; displacement (n, 3) m, wheel minus rail; node (n,) and patch (n,) as in `Fields`.
     """
     area = points.area[:, None]
     local = np.column_stack([traction, -pressure]) * area
@@ -38,10 +42,11 @@ def outcome(
     rank = np.full(len(load) + 1, -1)
     rank[order] = np.arange(len(order))
     patch = rank[patch]
+    rubbing = Rubbing(traction, bound, motion, speed)
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=Summaries(partial(_summarised, points, patch, forces, pressure, traction, bound)),
+        patches=Summaries(partial(_summarised, points, patch, forces, pressure, rubbing)),
         fields=Fields(
             node,
             patch,
@@ -61,13 +66,43 @@ def outcome(
     )
 
 
-def _summarised(
-    points: Places, patch: Nodes, forces: Array, pressure: Array, traction: Array, bound: Array
-) -> tuple[Patch, ...]:
+@dataclass(frozen=True)
+class Rubbing:
+    """Tractions (n, 2) Pa on the wheel, largest possible ones (n,) Pa, the bodies' motion and rolling speed m/s."""
+
+    traction: Array
+    bound: Array
+    motion: Motion
+    speed: float
+
+    @property
+    def sticks(self) -> Mask:
+        return np.asarray(np.hypot(*self.traction.T) < self.bound * (1 - 1e-9))
+
+    def power(self, points: Places) -> Array:
+        """Power (n,) W of the tractions over the rigid slip.
+
+        In steady rolling the patch as a whole turns this into heat: what elastic slip takes in one place it gives back
+        in another. Sums of traction times slip tend to the same, but from 7 % below with 12 x 16 cells.
+        """
+        if self.speed == 0.0:
+            return np.zeros(len(points.area))
+        slip = shift(points, self.motion).reshape(2, -1)
+        return np.asarray(-points.area * np.einsum("nk,kn->n", self.traction, slip))
+
+    def creepage(self, point: Array, axes: Array) -> tuple[float, float, float]:
+        """At a point (3,) m; axes forward, left and upward as rows (3, 3)."""
+        if self.speed == 0.0:
+            return 0.0, 0.0, 0.0
+        wheel, rail = self.motion.wheel, self.motion.rail
+        slip = axes @ (wheel.at(point) - rail.at(point)) / self.speed
+        return float(slip[0]), float(slip[1]), float(axes[2] @ (wheel.rotation - rail.rotation)) / self.speed
+
+
+def _summarised(points: Places, patch: Nodes, forces: Array, pressure: Array, rubbing: Rubbing) -> tuple[Patch, ...]:
     """Every patch, by falling load."""
-    sticks = np.hypot(*traction.T) < bound * (1 - 1e-9)
     return tuple(
-        summarise(points, patch == k, forces=forces, pressure=pressure, sticks=sticks)
+        summarise(points, patch == k, forces=forces, pressure=pressure, rubbing=rubbing)
         for k in range(patch.max(initial=-1) + 1)
     )
 
@@ -91,7 +126,7 @@ def components(nodes: Nodes, grid: tuple[int, int]) -> Nodes:
     return np.asarray(labels[i, j] - 1)
 
 
-def summarise(points: Places, inside: Mask, *, forces: Array, pressure: Array, sticks: Mask) -> Patch:
+def summarise(points: Places, inside: Mask, *, forces: Array, pressure: Array, rubbing: Rubbing) -> Patch:
     """One patch: its resultant, place, angle and shape from the pressure's moments."""
     area, p = points.area[inside], pressure[inside]
     weight = p * area
@@ -130,5 +165,7 @@ def summarise(points: Places, inside: Mask, *, forces: Array, pressure: Array, s
         wheel_band=wheel_band,
         rail_band=rail_band,
         x=float(x),
-        stick_area=float(area[sticks[inside]].sum()),
+        stick_area=float(area[rubbing.sticks[inside]].sum()),
+        creepage=rubbing.creepage(weight @ points.point[inside] / total, np.stack([forward, left, upward])),
+        frictional_power=float(rubbing.power(points)[inside].sum()),
     )

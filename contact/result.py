@@ -26,7 +26,9 @@ class Patch:
     second moments (exact for Hertz); contact_angle rad, turn of the contact plane about x; wheel_s and rail_s m, arc
     length of the resultant on the profiles from the rolling circle and from the top of the rail, positive to the
     field side; wheel_y and rail_y m, the same laterally; wheel_band and rail_band m, lateral extent (smallest,
-    largest) on the profiles; x m; stick_area m2.
+    largest) on the profiles; x m; stick_area m2. creepage: longitudinal and lateral one, and spin rad/m about the
+    upward normal, rigid velocity of wheel against rail at the resultant over the rolling speed; frictional_power W, of
+    the tractions over the rigid slip, which steady rolling turns into heat; both zero without friction and in a shift.
     """
 
     area: float
@@ -44,14 +46,18 @@ class Patch:
     rail_band: tuple[float, float]
     x: float
     stick_area: float
+    creepage: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    frictional_power: float = 0.0
 
     def mirrored(self) -> Patch:
         longitudinal, lateral = self.tangential_force
+        xi, eta, phi = self.creepage
         return replace(
             self,
             force=MIRROR * self.force,
             tangential_force=(longitudinal, -lateral),
             contact_angle=-self.contact_angle,
+            creepage=(xi, -eta, -phi),
         )
 
 
