@@ -32,7 +32,8 @@ def outcome(
     """Converged result in the frame of the rail, moment about its origin.
 
     pressure (n,), traction (n, 2) on the wheel and bound (n,), the largest possible traction, in Pa; slip (n, 2) over
-    the rolling speed m/s, which is 0 where nothing rolls or rubs; displacement (n, 3) m, wheel minus rail; node (n,) and patch (n,) as in `Fields`.
+    the rolling speed m/s, which is 0 where nothing rolls or rubs; displacement (n, 3) m, wheel minus rail; node (n,)
+    and patch (n,) as in `Fields`.
     """
     area = points.area[:, None]
     local = np.column_stack([traction, -pressure]) * area
