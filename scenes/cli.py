@@ -93,6 +93,38 @@ def run(
         raise typer.Exit(FAILED)
 
 
+@app.command()
+def compare(
+    scene: SceneFile,
+    other: Annotated[
+        str, typer.Option("--with", metavar="MODEL", help="The contact model to compare the scene's own with.")
+    ] = "standard",
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder of the results; results/<name of the scene>_compare."),
+    ] = None,
+) -> None:
+    """Run a vehicle with two contact models: both in one picture, and a table of their differences."""
+    _load(scene)
+    from scenes.compare import compare_scene
+    from scenes.scene import SceneError
+
+    folder = out or Path("results", f"{scene.stem}_compare")
+    try:
+        with stdout_for_results():
+            found = compare_scene(scene, scene.read_text(encoding="utf-8"), other, folder, progress_console())
+    except SceneError as error:
+        raise _refused(str(error)) from None
+    except (OSError, RuntimeError) as error:
+        print(f"{folder}: {error}", file=sys.stderr)
+        raise typer.Exit(FAILED) from None
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    for part in found.summary():
+        result_console().print(part, highlight=False, markup=False)
+
+
 def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
     """The scene, or the end of the command with the complaint on standard error."""
     from scenes.scene import SceneError, load_scene

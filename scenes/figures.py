@@ -52,7 +52,7 @@ def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:
 
 def displacements(data: Dataset) -> Figure:
     """Lateral displacement of wheelset and car body, Figs. 11 and 12."""
-    figure, axes = _panels(data, 2)
+    figure, axes = along_track(data, 2)
     for ax, name, title in zip(axes, ("wheelset_y", "car_body_y"), ("wheelset", "car body"), strict=True):
         ax.plot(data["distance"], 1e3 * data[name], color="0.15")
         ax.set_title(f"Lateral displacement of the {title}")
@@ -72,12 +72,12 @@ def vertical_forces(data: Dataset) -> Figure:
 
 def wheel_sections(data: Dataset) -> Figure:
     """Sections of the contact areas on the wheels, Figs. 17 and 18."""
-    return _sections(data, "wheel", "from the rolling circle\nto the field side [mm]")
+    return patch_bands(data, "wheel", "from the rolling circle\nto the field side [mm]")[0]
 
 
 def rail_sections(data: Dataset) -> Figure:
     """Sections of the contact areas on the rails, Figs. 19 and 20."""
-    return _sections(data, "rail", "from the top of the rail\nto the field side [mm]")
+    return patch_bands(data, "rail", "from the top of the rail\nto the field side [mm]")[0]
 
 
 PICTURES: dict[str, Callable[[Any], Figure]] = {
@@ -98,7 +98,7 @@ def named(side: str, data: Dataset) -> str:
     return f"{side} ({'inner' if (most > 0.0) == (side == 'left') else 'outer'})"
 
 
-def _panels(data: Dataset, count: int, *, sharey: bool = False) -> tuple[Figure, list[Axes]]:
+def along_track(data: Dataset, count: int, *, sharey: bool = False) -> tuple[Figure, list[Axes]]:
     """Panels over the distance, with the track's curvature hinted at below the curves."""
     from matplotlib.figure import Figure
 
@@ -130,7 +130,7 @@ def _shade(ax: Axes, distance: Array, curvature: Array) -> None:
 
 
 def _forces(data: Dataset, name: str, title: str, label: str) -> Figure:
-    figure, (ax,) = _panels(data, 1)
+    figure, (ax,) = along_track(data, 1)
     figure.set_size_inches(7.2, 3.6)
     for side, style in SIDES.items():
         ax.plot(data["distance"], 1e-3 * data[name].sel(side=side), label=named(side, data), **style)
@@ -140,13 +140,13 @@ def _forces(data: Dataset, name: str, title: str, label: str) -> Figure:
     return figure
 
 
-def _sections(data: Dataset, body: str, label: str) -> Figure:
+def patch_bands(data: Dataset, body: str, label: str) -> tuple[Figure, list[Axes]]:
     """Lateral extent of every patch along the track, shaded by its peak pressure."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import Normalize
 
-    figure, axes = _panels(data, 2, sharey=True)
+    figure, axes = along_track(data, 2, sharey=True)
     band, pressure = 1e3 * data[f"{body}_band"], 1e-6 * data["patch_max_pressure"]
     shade = Normalize(0.0, float(pressure.max(skipna=True).fillna(1.0)))
     for ax, side in zip(axes, SIDES, strict=True):
@@ -159,7 +159,7 @@ def _sections(data: Dataset, body: str, label: str) -> Figure:
         ax.set_ylabel(label)
     bar = figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), ax=axes, pad=0.01, aspect=40)
     bar.set_label("peak pressure of the patch [MPa]")
-    return figure
+    return figure, axes
 
 
 def _strips(distance: Array, band: DataArray, pressure: DataArray) -> tuple[Array, Array]:

@@ -76,6 +76,7 @@ Finite = Annotated[float, Strict(), AllowInfNan(False)]
 
 Young = Annotated[Finite, Range(1e9, 1e13, "Pa", "steel is 2.1e11: not 210 in GPa, nor 2.1e5 in MPa")]
 Poisson = Annotated[Finite, Range(-1.0, 0.5, open=True)]
+ShearYield = Annotated[Finite, Range(5e7, 2e9, "Pa", "rail steel has about 300e6")]
 Friction = Annotated[Finite, Range(0.0, 2.0, hint="0 skips all tangential work")]
 SurfaceSize = Annotated[Finite, Range(5e-5, 1e-2, "m", "half a millimetre is 0.5e-3")]
 StiffnessPerArea = Annotated[float, Strict(), AllowInfNan(True), OrExact(1e10, 1e20, "N/m3", exact=inf)]

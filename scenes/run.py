@@ -14,6 +14,7 @@ from scenes.models import wheelset_contact
 from scenes.override import overridden
 from scenes.progress import costs, progress_bar
 from scenes.scene import RunScene
+from scenes.sections import Output
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -70,19 +71,21 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console) -> Out
     if not len(history):
         return Outcome(history, ())
     with console.status("results and pictures"):
-        return Outcome(history, tuple(keep(history, text, folder, figures=scene.output.figures)))
+        return Outcome(history, tuple(keep(history, text, folder, scene.output)))
 
 
-def keep(history: History, text: str, folder: Path, *, figures: bool) -> Iterator[Path]:
+def keep(history: History, text: str, folder: Path, output: Output) -> Iterator[Path]:
     """Write results, then pictures; yields the files."""
     from scenes.netcdf import write
     from scenes.results import dataset
+    from scenes.wear import wear
 
     with _undisturbed():
         data = dataset(history, scene=text)
+        data = data.assign(wear(data, output.shear_yield))
         write(data, folder / RESULTS)
     yield folder / RESULTS
-    if figures:
+    if output.figures:
         from scenes.figures import draw_figures
 
         try:

@@ -185,10 +185,14 @@ class Solver(Table):
 
 
 class Output(Table):
-    """What is kept: one sample per interval s (0 keeps every accepted step), and the pictures."""
+    """What is kept: one sample per interval s (0 keeps every accepted step), and the pictures.
+
+    shear_yield Pa of the steel places the patches on the shakedown map, and does nothing else.
+    """
 
     interval: Annotated[q.Finite, q.Range(0.0, 10.0, "s")] = 0.0
     figures: bool = True
+    shear_yield: q.ShearYield = 300e6
 
 
 Sides = Annotated[tuple[Literal["left", "right"], ...], Strict(False), Field(min_length=1)]
