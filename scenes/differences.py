@@ -92,7 +92,7 @@ def table(found: list[Difference], names: tuple[str, str]) -> Table:
     view = Table(title=f"{names[1]} less {names[0]}; % of the range of {names[0]}", title_justify="left")
     for head in ("channel", "unit", "RMS", "worst", "at m", "range", "RMS %"):
         text = head in ("channel", "unit")
-        view.add_column(head, justify="left" if text else "right", no_wrap=text)
+        view.add_column(head, justify="left" if text else "right", no_wrap=True)
     for d in found:
         share = f"{100 * d.rms / d.span:.2f}" if d.span > 0 else "-"
         view.add_row(d.channel, d.unit, f"{d.rms:.4g}", f"{d.worst:.4g}", f"{d.at:.1f}", f"{d.span:.4g}", share)
