@@ -117,7 +117,7 @@ def table(report: Mapping[str, Any]) -> RenderableType:
             )
     for index in range(max((len(report[name].get("patches", ())) for name in sides), default=0)):
         view.add_section()
-        for label, text in _PATCH_ROWS:
+        for label, text in (*_PATCH_ROWS, *(_FRICTION_ROWS if report["friction"] > 0 else ())):
             patches = [report[name].get("patches", []) for name in sides]
             view.add_row(
                 Text(f"patch {index + 1}: {label}"), *(text(p[index]) if index < len(p) else "" for p in patches)
@@ -179,4 +179,9 @@ _PATCH_ROWS = (
     ("contact angle [mrad]", lambda p: f"{1e3 * p['contact_angle']:.2f}"),
     ("on the wheel, on the rail [mm]", lambda p: _numbers((p["wheel_s"], p["rail_s"]), 1e3, 3)),
     ("stick area [mm²]", lambda p: f"{1e6 * p['stick_area']:.2f}"),
+)
+_FRICTION_ROWS = (
+    ("creepage along, across [1e-3]", lambda p: _numbers(p["creepage"][:2], 1e3, 4)),
+    ("spin creepage [1/m]", lambda p: f"{p['creepage'][2]:.4f}"),
+    ("frictional power [W]", lambda p: f"{p['frictional_power']:.2f}"),
 )
