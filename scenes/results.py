@@ -111,6 +111,9 @@ def _motion(history: History) -> dict[str, Any]:
         found[name] = ("time", state[:, index], _means("rad" if turns else "m", text))
         rate = state[:, COUNT + index]
         found[f"{name}_rate"] = ("time", rate, _means("rad/s" if turns else "m/s", f"rate of {text}"))
+    if history.series_deflection.size:
+        text = "deflection outwards of the springs in series with dampers, of the left side, then of the right side"
+        found["series_deflection"] = (("time", "series"), history.series_deflection, _means("m", text))
     for source, name, units, text in (
         (history, "curvature", "1/m", "curvature of the track, positive to the left"),
         (history, "lift", "m", "height of the right rail over the left"),

@@ -11,7 +11,7 @@ from standin_contact import CONTACT, SmoothContact, TwoPointContact
 from contact.pose import Side, WheelsetState
 from contact.result import ContactResult
 from contact.wheelset import WheelsetContact
-from vehicle.bumpstop import Bumpstop
+from vehicle.characteristic import Characteristic
 from vehicle.course import Course
 from vehicle.dynamics import Contact, Dynamics, Wrench
 from vehicle.equilibrium import EquilibriumError, equilibrium
@@ -188,9 +188,9 @@ def conserved(d: Dynamics, frame: Frame, state: np.ndarray) -> float:
     up = height + z
     carried = mass * ((d.speed + wy * up - wz * y) ** 2) + pitch_inertia * oy**2 + yaw_inertia * oz**2
     weight = -mass * d.plane.gravity * (frame.down[1] * y + frame.down[2] * up)
-    _, deflection, _ = d.suspension.forces(state[:9].reshape(3, 3), state[10:19].reshape(3, 3))
     a = d.suspension
-    springs = 0.5 * (a.stiffness * deflection**2).sum() - (a.preload * deflection[:, 1]).sum()
+    deflection = a.forces(state[:9].reshape(3, 3), state[10:19].reshape(3, 3)).deflection
+    springs = 0.5 * (a.laws.stiffness * deflection**2).sum() - (a.preload * deflection[:, 1]).sum()
     springs += 0.5 * a.couple * (roll[0] - roll[1]) ** 2
     return float((0.5 * (relative - carried) + weight).sum() + 0.5 * pitch_inertia[2] * theta**2 + springs)
 
@@ -201,7 +201,7 @@ def test_energy_of_the_undamped_free_wagon(track: Track) -> None:
     w = Wagon()
     wagon = replace(
         w,
-        bumpstop=Bumpstop((0.0, 1.0), (0.0, 0.0), 0.65),
+        bumpstop=Characteristic(((0.0, 0.0), (1.0, 0.0))),
         primary=replace(w.primary, lateral_damping=0.0, vertical_damping=0.0),
         secondary=replace(w.secondary, lateral_damping=0.0, vertical_damping=0.0),
     )

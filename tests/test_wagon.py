@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vehicle.bumpstop import Bumpstop
+from vehicle.characteristic import Characteristic
 from vehicle.modes import modes
 from vehicle.suspension import Assembly
 from vehicle.wagon import BUMPSTOP, CAR_BODY, SECONDARY, Scaling, Wagon
@@ -46,17 +46,19 @@ def test_any_value_can_be_changed_and_is_checked() -> None:
         lambda: replace(SECONDARY, turn=1.5),
         lambda: replace(Scaling(), bogie=0.0),
         lambda: replace(Wagon(), roll_bar=-1.0),
-        lambda: replace(BUMPSTOP, force=(0.0, 1.0)),
-        lambda: Bumpstop((0.0, 0.01, 0.01), (0.0, 1.0, 2.0), 0.65),
-        lambda: Bumpstop((0.0, 0.01), (0.0, -1.0), 0.65),
-        lambda: Bumpstop((0.01, 0.02), (0.0, 1.0), 0.65),
+        lambda: replace(Wagon(), bumpstop=Characteristic(((-0.1, -1.0), (0.0, 0.0), (0.1, 1.0)))),
+        lambda: replace(SECONDARY, lateral_series_stiffness=0.0),
+        lambda: replace(SECONDARY, lateral_damping=0.0, lateral_series_stiffness=6e6),
+        lambda: replace(
+            SECONDARY, vertical_damping=Characteristic(((0, 0), (0.1, 1e3), (1, 1e3))), vertical_series_stiffness=6e6
+        ),
     ):
         with pytest.raises(ValueError):
             wrong()
 
 
 def test_bumpstop_follows_its_table_both_ways_and_beyond() -> None:
-    for d, f in zip(BUMPSTOP.deflection, BUMPSTOP.force, strict=True):
+    for d, f in BUMPSTOP.points:
         assert BUMPSTOP(d) == pytest.approx(f)
         assert BUMPSTOP(-d) == pytest.approx(-f)
     assert BUMPSTOP(0.0325) == pytest.approx(1180.0)
@@ -108,11 +110,11 @@ def energy(assembly: Assembly, wagon: Wagon, position: np.ndarray) -> float:
             points.append(y + 1j * (z + heights[body]) + arm)
         lean = assembly.turn[i] * position[u, 2] + (1 - assembly.turn[i]) * position[l, 2]
         gap = (points[0] - points[1]) * np.exp(-1j * lean)
-        ky, kz = assembly.stiffness[i]
+        ky, kz = assembly.laws.stiffness[i]
         total += 0.5 * ky * gap.real**2 + 0.5 * kz * gap.imag**2 - assembly.preload[i] * gap.imag
         if i == last:
             stop = wagon.plane.bumpstop
-            kinks = np.array(stop.deflection)
+            kinks = np.array([d for d, _ in stop.points])
             x = np.append(kinks[kinks < abs(gap.real)], abs(gap.real))
             f = np.array([stop(v) for v in x])
             total += float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))

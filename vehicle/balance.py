@@ -27,7 +27,10 @@ def size_of(vector: Array) -> float:
 
 @dataclass(frozen=True)
 class Balance:
-    """Forces that are left, over the axle load; unknown (10,): positions, then spin over nominal spin, less one."""
+    """Forces that are left, over the axle load; unknown (10,): positions, then spin over nominal spin, less one.
+
+    Springs in series with dampers are not stretched at rest.
+    """
 
     dynamics: Dynamics
     frame: Frame
@@ -41,12 +44,12 @@ class Balance:
         return np.append(rows, pitch[2] / wagon.radius) / wagon.axle_load
 
     def state(self, unknown: Array) -> Array:
-        state = np.zeros(2 * COUNT)
-        state[:9], state[-1] = unknown[:9], unknown[9] * self.dynamics.rolling_rate
+        state = np.zeros(self.dynamics.size)
+        state[:9], state[COUNT + PITCH] = unknown[:9], unknown[9] * self.dynamics.rolling_rate
         return state
 
     def start(self, state: Array) -> tuple[Array, Contacts]:
-        unknown = np.append(state[:9], state[-1] / self.dynamics.rolling_rate)
+        unknown = np.append(state[:9], state[COUNT + PITCH] / self.dynamics.rolling_rate)
         return unknown, self.contacts(unknown, None)
 
     def contacts(self, unknown: Array, guess: Contacts | None) -> Contacts:
@@ -54,7 +57,7 @@ class Balance:
 
     def residual(self, unknown: Array, contacts: Contacts) -> Array:
         left, _ = self.dynamics.accelerations(self.frame, self.state(unknown), Wrench.of(contacts))
-        return self.weights * left
+        return self.weights * left[:COUNT]
 
     def jacobian(self, unknown: Array, contacts: Contacts, residual: Array) -> Array:
         columns = []

@@ -58,8 +58,8 @@ class Wrench:
 class Evaluation:
     """What one look at the equations of motion gives.
 
-    rate (20,) time derivative of the state; contact results by side; yaw_reaction N m: the moment about the wheelset's
-    vertical axis that replaces the missing yaw freedom.
+    rate (20 + m,) time derivative of the state; contact results by side; yaw_reaction N m: the moment about the
+    wheelset's vertical axis that replaces the missing yaw freedom.
     """
 
     rate: Array
@@ -96,6 +96,11 @@ class Dynamics:
         return np.array(rows).T
 
     @property
+    def size(self) -> int:
+        """Length of a state: 20, and one for every spring in series with a damper."""
+        return 2 * COUNT + self.suspension.laws.states
+
+    @property
     def rolling_rate(self) -> float:
         """Spin of a wheel that rolls on its nominal radius, rad/s."""
         return self.speed / self.wagon.radius
@@ -109,11 +114,11 @@ class Dynamics:
         contacts = self.solve_contacts(frame, state, previous.contacts if previous else None)
         accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
         return Evaluation(
-            np.concatenate([state[COUNT:], accelerations]), contacts, float(np.asarray(yaw_reaction).item())
+            np.concatenate([state[COUNT : 2 * COUNT], accelerations]), contacts, float(np.asarray(yaw_reaction).item())
         )
 
     def wheelset_state(self, frame: Frame, state: Array) -> WheelsetState:
-        position, rate, _, pitch_rate = split(state)
+        position, rate, _, pitch_rate, _ = split(state)
         y, z, roll = position[2].tolist()
         vy, vz, spin = rate[2].tolist()
         return WheelsetState(
@@ -152,22 +157,23 @@ class Dynamics:
         return result
 
     def accelerations(self, frame: Frame, state: Array, contact: Wrench) -> tuple[Array, Array]:
-        """Accelerations (..., 10) of the coordinates of states (..., 20) under contact forces; yaw reactions (...)
-        N m.
+        """Accelerations of the coordinates of states (..., 20 + m) under contact forces, then the m rates of springs in
+        series with dampers, (..., 10 + m); yaw reactions (...) N m.
         """
-        position, rate, _, pitch_rate = split(state)
+        position, rate, _, pitch_rate, series = split(state)
         mass, ixx, iyy, izz, height = self.constants
         y, z, roll = position[..., 0], position[..., 1], np.ascontiguousarray(position[..., 2])
         vy, vz, spin = rate[..., 0], rate[..., 1], rate[..., 2]
         theta_rate = self.rolling_rate + pitch_rate
 
-        forces = self.suspension.forces(position, rate).on_bodies
+        forces, _, _, series_rate = self.suspension.forces(position, rate, series)
         forces[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
         inertial_y, inertial_z = frame.acceleration_of(y, height + z, vy, vz)
         g = self.plane.gravity
         o_y, o_z = frame.turned(roll)
 
-        result = np.empty((*state.shape[:-1], COUNT))
+        result = np.empty((*state.shape[:-1], state.shape[-1] - COUNT))
+        result[..., COUNT:] = series_rate
         result[..., 0:9:3] = forces[..., 0] / mass + g * frame.down[1] - inertial_y
         result[..., 1:9:3] = forces[..., 1] / mass + g * frame.down[2] - inertial_z
         gyroscopic = (izz - iyy) * o_y * o_z

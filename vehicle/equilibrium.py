@@ -20,7 +20,7 @@ class EquilibriumError(RuntimeError):
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """state (20,) as in `vehicle.state`; contacts by side; Newton steps; residual: force left over axle load."""
+    """state (20 + m,) as in `vehicle.state`; contacts by side; Newton steps; residual: force left over axle load."""
 
     state: Array
     contacts: Contacts

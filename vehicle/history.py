@@ -31,7 +31,7 @@ class RunCost:
 class History:
     """n rows over time (n,) s; status "completed", "interrupted" or "failed: ..." with the reason.
 
-    state (n, 20) as in `vehicle.state`. outputs: force (n, 2, 3) N on the left and right wheel, moment (n, 2, 3) N m
+    state (n, 20 + m), see `vehicle.state`. outputs: force (n, 2, 3) N on the left and right wheel, moment (n, 2, 3) N m
     about the wheelset's centre, both in the track's axes; approach (n, 2) m; yaw_reaction (n,) N m;
     secondary_deflection (n,) m, lateral, of the car body against the bogie at the secondary springs;
     bumpstop_deflection (n,) m; bumpstop_force (n,) N on the car body; positive to the left. curvature (n,) 1/m,
@@ -105,7 +105,12 @@ class History:
     @property
     def wheelset_rate(self) -> Array:
         """m/s and rad/s (n, 4); the pitch rate is positive rolling forward."""
-        return _with_rolling(self.state[:, COUNT + 6 :], self.speed / self.radius)
+        return _with_rolling(self.state[:, COUNT + 6 : 2 * COUNT], self.speed / self.radius)
+
+    @property
+    def series_deflection(self) -> Array:
+        """m, outwards, of the springs in series with dampers (n, m): those of the left side, then of the right side."""
+        return self.state[:, 2 * COUNT :]
 
 
 def _with_rolling(excess: Array, nominal: Array | float) -> Array:

@@ -29,7 +29,7 @@ KEPT = 8  # Jacobians that share one set of differences of the contact: 2 of 3 s
 
 @dataclass(frozen=True)
 class Linearised:
-    """Derivatives of the rate (20,) by the state (20, 20) and, contacts held, by time (20,)."""
+    """Derivatives of the rate (n,) by the state (n, n) and, contacts held, by time (n,); n = 20 + m."""
 
     by_state: Array
     by_time: Array
@@ -37,9 +37,9 @@ class Linearised:
 
 @dataclass
 class Jacobian:
-    """Linearisation at a time s and state (20,) with its evaluation; what it costs goes to the counts.
+    """Linearisation at a time s and state (n,) with its evaluation; what it costs goes to the counts.
 
-    Suspension, inertia and kinematics by differences under held contact forces (all 20 columns in one vectorised look);
+    Suspension, inertia and kinematics by differences under held contact forces (all n columns in one vectorised look);
     contact forces by the contact's tangent or, when it has none, by differences of 7 solves a side at every eighth
     call: the methods of `vehicle.rosenbrock` keep their order with any matrix.
     """
@@ -55,12 +55,13 @@ class Jacobian:
         d = self.dynamics
         frame, later = (d.track.frame(d.speed * t, d.speed) for t in (time, time + MOMENT))
         wrench = Wrench.of(at.contacts)
-        by_state = np.zeros((2 * COUNT, 2 * COUNT))
-        by_state[:COUNT, COUNT:] = np.eye(COUNT)
-        looks, _ = d.accelerations(frame, np.vstack([state, state + STEP * np.eye(2 * COUNT)]), wrench)
+        by_state = np.zeros((len(state), len(state)))
+        by_state[:COUNT, COUNT : 2 * COUNT] = np.eye(COUNT)
+        looks, _ = d.accelerations(frame, np.vstack([state, state + STEP * np.eye(len(state))]), wrench)
         by_state[COUNT:] = (looks[1:] - looks[0]).T / STEP
-        by_state[COUNT:, PLACES] += self.by_wrench(state) @ self.tangent(frame, state, at.contacts)[:, COLUMNS]
-        by_time = np.zeros(2 * COUNT)
+        by_contact = self.by_wrench(state) @ self.tangent(frame, state, at.contacts)[:, COLUMNS]
+        by_state[COUNT : 2 * COUNT, PLACES] += by_contact
+        by_time = np.zeros(len(state))
         by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - looks[0]) / MOMENT
         return Linearised(by_state, by_time)
 

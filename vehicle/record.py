@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contact.pose import SIDES
 from contact.result import Patch
 from vehicle.dynamics import Dynamics, Evaluation
-from vehicle.state import COUNT, split
+from vehicle.state import split
 from vehicle.steppers import Step
 
 Array = NDArray[np.float64]
@@ -31,9 +31,9 @@ class Outputs(NamedTuple):
 
     @classmethod
     def of(cls, dynamics: Dynamics, state: Array, at: Evaluation) -> Outputs:
-        position, rate, _, _ = split(state)
+        position, rate, _, _, series = split(state)
         contacts = [at.contacts[side] for side in SIDES]
-        forces = dynamics.suspension.forces(position, rate)
+        forces = dynamics.suspension.forces(position, rate, series)
         return cls(
             force=np.array([c.force for c in contacts]),
             moment=np.array([c.moment for c in contacts]),
@@ -99,7 +99,7 @@ class Recorder:
         return rows
 
     def states(self) -> Array:
-        return np.array([row.state for row in self.rows]).reshape(-1, 2 * COUNT)
+        return np.array([row.state for row in self.rows]).reshape(-1, self.dynamics.size)
 
     def outputs(self) -> Outputs:
         """Columns of all rows."""

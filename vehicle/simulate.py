@@ -51,7 +51,7 @@ def simulate(
     """Motion of the wagon over the times span s at constant speed m/s; distance along the track is speed times time.
 
     method: "ode23" and "ode45" are explicit and follow the contact's 150 Hz; "rosenbrock" is linearly implicit and uses
-    the contact's tangent where there is one. atol: see `tolerances`. initial: state (20,) of `vehicle.state`, else the
+    the contact's tangent where there is one. atol: see `tolerances`. initial: a state (see `vehicle.state`), else the
     equilibrium at the start. Rows at accepted steps, or `every` so many seconds. Each contact solve starts from the
     result before, the first of a step from the latest accepted one. A solve that fails makes the step shorter; when
     min_step s does not help either, or on Ctrl-C, the history ends there and its status tells. progress gets the share
@@ -63,6 +63,8 @@ def simulate(
         raise ValueError(f"every = {every} s: positive, or None for all accepted steps")
     tally = Tally(contact)
     dynamics = Dynamics(wagon, track, tally, speed)
+    if initial is not None and np.shape(initial) != (dynamics.size,):
+        raise ValueError(f"initial: shape {np.shape(initial)}: a state of this wagon has {dynamics.size} numbers")
     recorder, cost = Recorder(dynamics, every), RunCost(contact=tally.costs)
     (t0, t1), began, status = span, perf_counter(), "completed"
     try:
@@ -77,7 +79,7 @@ def simulate(
             tableau=METHODS[method],
             jacobian=Jacobian(dynamics, cost.steps),
             rtol=rtol,
-            atol=tolerances(method, atol),
+            atol=tolerances(method, atol, dynamics.size),
             control=control,
             start=start,
             max_step=max_step,
@@ -95,8 +97,8 @@ def simulate(
     return History.of(recorder, cost, status)
 
 
-def tolerances(method: str, atol: float | Array) -> float | Array:
-    """Absolute tolerance of each component: an array as it is, a number for positions in m and rad.
+def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float | Array:
+    """Absolute tolerance of each component: an array as it is, a number for positions and deflections in m and rad.
 
     Explicit steps take the same number for the rates; they are bound by stability anyway. Implicit ones take 100 times
     that, per second: what they step over fades within 10 ms, so that such a rate moves a position by as much as the
@@ -104,7 +106,9 @@ def tolerances(method: str, atol: float | Array) -> float | Array:
     """
     if np.ndim(atol) or not isinstance(METHODS[method], Rosenbrock):
         return atol
-    return np.repeat([float(atol), RATE_SCALE * float(atol)], COUNT)
+    each = np.full(size, float(atol))
+    each[COUNT : 2 * COUNT] *= RATE_SCALE
+    return each
 
 
 def _figures(time: float, step: float, speed: float, cost: RunCost) -> dict[str, float]:

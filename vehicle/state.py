@@ -1,4 +1,4 @@
-"""The state of the plane wagon as one array: ten coordinates, then their rates."""
+"""The state of the plane wagon as one array: ten coordinates, their rates, springs in series with dampers."""
 
 from __future__ import annotations
 
@@ -23,22 +23,32 @@ COORDINATES = (
 )
 COUNT = len(COORDINATES)
 Y, Z, ROLL, PITCH = 6, 7, 8, 9  # of the wheelset
-MIRROR = np.tile([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0], 2)  # the state seen in a mirror at y = 0
+MIRROR = np.tile([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0], 2)  # coordinates and rates seen in a mirror
+
+
+def mirrored(state: Array) -> Array:
+    """States (..., 20 + m) seen in a mirror at y = 0, where left and right springs in series with dampers swap."""
+    left, right = np.split(state[..., 2 * COUNT :], 2, axis=-1)
+    return np.concatenate([MIRROR * state[..., : 2 * COUNT], right, left], axis=-1)
 
 
 class Split(NamedTuple):
-    """position, rate (..., 3, 3): y, z, roll of the three bodies, and their rates; pitch and its rate (...)."""
+    """position, rate (..., 3, 3): y, z, roll of the three bodies, and their rates; pitch and its rate (...); series
+    (..., m): deflections of the springs in series with dampers, outwards, left side first.
+    """
 
     position: Array
     rate: Array
     pitch: Array
     pitch_rate: Array
+    series: Array
 
 
 def split(state: Array) -> Split:
-    """Parts of states (..., 20): y, z in m (z from the nominal height), angles in rad, rates per second.
+    """Parts of states (..., 20 + m): y, z in m (z from the nominal height), angles in rad, rates per second.
 
     The pitch counts what exceeds nominal rolling, V t / r: tolerances then bear on the creepage and not on the speed.
     """
     shape = (*state.shape[:-1], 3, 3)
-    return Split(state[..., :9].reshape(shape), state[..., 10:19].reshape(shape), state[..., 9], state[..., 19])
+    position, rate = state[..., :9].reshape(shape), state[..., 10:19].reshape(shape)
+    return Split(position, rate, state[..., 9], state[..., 19], state[..., 2 * COUNT :])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -10,13 +9,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicle.elements import Element, Elements, Place
 from vehicle.parts import Suspension
 from vehicle.wagon import Wagon
 
 Array = NDArray[np.float64]
 CAR_BODY, BOGIE, WHEELSET = 0, 1, 2
 
-Row = tuple[float, ...]  # upper and lower body, y and height, stiffness y z, damping y z, preload, turn
+LEFT_PRIMARY, LEFT_SECONDARY, OTHER_SIDE, STOP = 0, 2, 4, 8  # springs among the elements, dampers follow
+
+Row = tuple[float, ...]  # upper and lower body, y and height, preload, turn
 
 
 class SuspensionForces(NamedTuple):
@@ -25,12 +27,13 @@ class SuspensionForces(NamedTuple):
 
     deflection (..., n, 2) m and force (..., n, 2) N of the elements, lateral and vertical in their own axes, force on
     the upper body. Elements: primary spring and damper, secondary spring and damper of the left side, the same of the
-    right side, bumpstop.
+    right side, bumpstop. series_rate (..., m) m/s: of the springs in series with dampers.
     """
 
     on_bodies: Array
     deflection: Array
     force: Array
+    series_rate: Array
 
     @property
     def secondary_deflection(self) -> float:
@@ -38,13 +41,35 @@ class SuspensionForces(NamedTuple):
         return float(0.5 * (self.deflection[2, 0] + self.deflection[6, 0]))
 
 
+class Strain(NamedTuple):
+    """deflection, velocity (..., n, 2) of elements in their own axes; cosine, sine (..., n) of how far these lean; arms
+    (..., 2, n) m from the centres of both bodies to where the force acts.
+    """
+
+    deflection: Array
+    velocity: Array
+    cosine: Array
+    sine: Array
+    arm_y: Array
+    arm_z: Array
+
+
 def _rows(stage: Suspension, side: float, upper: int, lower: int, load: float) -> list[Row]:
     """Spring and damper on one side (+1 left, -1 right) of a stage that carries a static load N."""
-    spring = (stage.lateral_stiffness, stage.vertical_stiffness, 0.0, 0.0, 0.5 * load, stage.turn)
-    damper = (0.0, 0.0, stage.lateral_damping, stage.vertical_damping, 0.0, stage.turn)
     return [
-        (upper, lower, side * stage.spring_y, stage.spring_height, *spring),
-        (upper, lower, side * stage.damper_y, stage.damper_height, *damper),
+        (upper, lower, side * stage.spring_y, stage.spring_height, 0.5 * load, stage.turn),
+        (upper, lower, side * stage.damper_y, stage.damper_height, 0.0, stage.turn),
+    ]
+
+
+def _laws(stage: Suspension, spring: int) -> list[Element]:
+    """Springs and dampers on both sides of a stage, whose left spring is the given element."""
+    springs, dampers = (spring, spring + OTHER_SIDE), (spring + 1, spring + 1 + OTHER_SIDE)
+    return [
+        Element(Place(*springs, 0), spring=stage.lateral_stiffness),
+        Element(Place(*springs, 1), spring=stage.vertical_stiffness),
+        Element(Place(*dampers, 0), damper=stage.lateral_damping, series=stage.lateral_series_stiffness),
+        Element(Place(*dampers, 1), damper=stage.vertical_damping, series=stage.vertical_series_stiffness),
     ]
 
 
@@ -57,26 +82,24 @@ class Assembly:
     and moment on the two bodies cancel in every position.
 
     ends (2, n) indices of upper and lower body; across, above (2, n) position of the points in their bodies, m;
-    stiffness, damping (n, 2); preload, turn (n,); couple N m/rad between car body and bogie; stop: force over
-    deflection.
+    preload, turn (n,); couple N m/rad between car body and bogie; laws of the elements' forces. series in arguments:
+    deflections (..., m) of the springs in series with dampers as in `vehicle.elements`, none stretched if not given.
     """
 
     ends: NDArray[np.int64]
     across: Array
     above: Array
-    stiffness: Array
-    damping: Array
     preload: Array
     turn: Array
     couple: float
-    stop: Callable[[Array], Array]
+    laws: Elements
 
     @classmethod
     def of(cls, wagon: Wagon) -> Assembly:
         """Preloads hold the nominal position on straight level track."""
         w = wagon.plane
         body, both = w.gravity * w.car_body.mass, w.gravity * (w.car_body.mass + w.bogie.mass)
-        stop: Row = (CAR_BODY, BOGIE, 0.0, w.bumpstop.height, *[0.0] * 5, w.secondary.turn)
+        stop: Row = (CAR_BODY, BOGIE, 0.0, w.bumpstop_height, 0.0, w.secondary.turn)
         sides = [
             [*_rows(w.primary, side, BOGIE, WHEELSET, both), *_rows(w.secondary, side, CAR_BODY, BOGIE, body)]
             for side in (1.0, -1.0)
@@ -84,16 +107,19 @@ class Assembly:
         table = np.array([*sides[0], *sides[1], stop]).T
         ends = table[:2].astype(np.int64)
         heights = np.array([w.car_body.height, w.bogie.height, w.wheelset.height])
+        laws = [
+            *_laws(w.primary, LEFT_PRIMARY),
+            *_laws(w.secondary, LEFT_SECONDARY),
+            Element(Place(STOP, STOP, 0), spring=w.bumpstop),
+        ]
         return cls(
             ends=ends,
             across=np.stack([table[2], table[2]]),
             above=table[3] - heights[ends],
-            stiffness=table[4:6].T,
-            damping=table[6:8].T,
-            preload=table[8],
-            turn=table[9],
+            preload=table[4],
+            turn=table[5],
             couple=w.roll_bar + 2 * w.secondary.bending_stiffness,
-            stop=w.bumpstop,
+            laws=Elements.of(laws, len(table.T)),
         )
 
     @cached_property
@@ -108,8 +134,8 @@ class Assembly:
         upper, lower = (np.arange(3)[:, None] == pairs[:, None, :]).astype(float)
         return upper, -lower
 
-    def forces(self, position: Array, rate: Array) -> SuspensionForces:
-        """Forces at position (..., 3, 3), y m, z m from the nominal height, roll rad of each body, and its rate."""
+    def strain(self, position: Array, rate: Array) -> Strain:
+        """At position (..., 3, 3), y m, z m from the nominal height, roll rad of each body, and its rate."""
         where, moving = position[..., self.ends, :], rate[..., self.ends, :]
         # NumPy's sine of an array with gaps depends, in the last bit, on where in memory it lies.
         y, z, roll = where[..., 0], where[..., 1], np.ascontiguousarray(where[..., 2])
@@ -126,14 +152,19 @@ class Assembly:
         slide_y, slide_z = slide_y + lean_rate * gap_z, slide_z - lean_rate * gap_y
         deflection = np.stack([c * gap_y + s * gap_z, c * gap_z - s * gap_y], axis=-1)
         velocity = np.stack([c * slide_y + s * slide_z, c * slide_z - s * slide_y], axis=-1)
-        force = -self.stiffness * deflection - self.damping * velocity
+        arm_y += self.reach * gap_y[..., None, :]
+        arm_z += self.reach * gap_z[..., None, :]
+        return Strain(deflection, velocity, c, s, arm_y, arm_z)
+
+    def forces(self, position: Array, rate: Array, series: Array | None = None) -> SuspensionForces:
+        """Forces at position and rate (..., 3, 3) as for `strain`."""
+        series = self._unstretched(position) if series is None else series
+        deflection, velocity, c, s, arm_y, arm_z = self.strain(position, rate)
+        force = self.laws.force(deflection, velocity, series)
         force[..., 1] += self.preload
-        force[..., -1, 0] -= self.stop(deflection[..., -1, 0])
 
         fy = c * force[..., 0] - s * force[..., 1]
         fz = s * force[..., 0] + c * force[..., 1]
-        arm_y += self.reach * gap_y[..., None, :]
-        arm_z += self.reach * gap_z[..., None, :]
         on_bodies = np.zeros(position.shape)
         for i, incidence in enumerate(self.incidence):
             each = np.stack([fy, fz, arm_y[..., i, :] * fz - arm_z[..., i, :] * fy], axis=-1)
@@ -142,7 +173,23 @@ class Assembly:
         couple = self.couple * (position[..., CAR_BODY, 2] - position[..., BOGIE, 2])
         on_bodies[..., CAR_BODY, 2] -= couple
         on_bodies[..., BOGIE, 2] += couple
-        return SuspensionForces(on_bodies, deflection, force)
+        return SuspensionForces(on_bodies, deflection, force, self.laws.series_rate(velocity, series))
+
+    def stored_energy(self, position: Array, series: Array | None = None) -> Array:
+        """Potential energy (...) J of springs, preloads, roll bar, bending and bumpstop; 0 in the nominal position."""
+        series = self._unstretched(position) if series is None else series
+        deflection = self.strain(position, np.zeros(position.shape)).deflection
+        turned = position[..., CAR_BODY, 2] - position[..., BOGIE, 2]
+        lifted = deflection[..., 1] @ self.preload
+        return np.asarray(self.laws.energy(deflection, series) - lifted + 0.5 * self.couple * turned**2)
+
+    def dissipated_power(self, position: Array, rate: Array, series: Array | None = None) -> Array:
+        """Power (...) W that the dampers turn into heat."""
+        series = self._unstretched(position) if series is None else series
+        return self.laws.dissipated(self.strain(position, rate).velocity, series)
+
+    def _unstretched(self, position: Array) -> Array:
+        return np.zeros((*position.shape[:-2], self.laws.states))
 
 
 def _upper_minus_lower(pair: Array) -> Array:

@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from vehicle.bumpstop import Bumpstop
-from vehicle.parts import Body, Scaling, Suspension, check
+from vehicle.characteristic import Characteristic
+from vehicle.parts import Body, Refused, Scaling, Suspension, check
 
 PAPER = Scaling()
 WHOLE = Scaling(1.0, 1.0, 1.0, 1.0, 1.0)
@@ -43,10 +43,19 @@ SECONDARY = Suspension(
     damper_y=1.0,
     damper_height=0.8275,
 )
-BUMPSTOP = Bumpstop(
-    deflection=(0.0, 0.025, 0.030, 0.035, 0.040, 0.045, 0.050, 0.055, 0.060, 0.065),
-    force=(0.0, 0.0, 600.0, 1760.0, 3730.0, 6870.0, 11580.0, 17170.0, 29200.0, 230000.0),
-    height=0.65,
+BUMPSTOP = Characteristic(
+    (
+        (0.0, 0.0),
+        (0.025, 0.0),
+        (0.030, 600.0),
+        (0.035, 1760.0),
+        (0.040, 3730.0),
+        (0.045, 6870.0),
+        (0.050, 11580.0),
+        (0.055, 17170.0),
+        (0.060, 29200.0),
+        (0.065, 230000.0),
+    )
 )
 
 
@@ -54,8 +63,9 @@ BUMPSTOP = Bumpstop(
 class Wagon:
     """A four-axle wagon: one car body, two bogies, four wheelsets.
 
-    Primary values per axle box, secondary ones per side of a bogie, roll bar N m/rad and bumpstop per bogie, gravity
-    m/s2. The wheelset's height is its nominal rolling radius. `dataclasses.replace` changes any of it.
+    Primary values per axle box, secondary ones per side of a bogie, roll bar N m/rad and lateral bumpstop per bogie,
+    the latter an odd law at bumpstop_height m above top of rail; gravity m/s2. The wheelset's height is its nominal
+    rolling radius. `dataclasses.replace` changes any of it. Raises Refused for values out of bounds.
     """
 
     car_body: Body = CAR_BODY
@@ -64,14 +74,17 @@ class Wagon:
     primary: Suspension = PRIMARY
     secondary: Suspension = SECONDARY
     roll_bar: float = 940e3
-    bumpstop: Bumpstop = BUMPSTOP
+    bumpstop: Characteristic = BUMPSTOP
+    bumpstop_height: float = 0.65
     scaling: Scaling = PAPER
     gravity: float = 9.81
 
     def __post_init__(self) -> None:
         check(self)
         if not self.car_body.height > self.bogie.height > 0.0:
-            raise ValueError("Wagon: the car body's centre lies above the bogie's")
+            raise Refused(self, "car_body", "its centre must lie above the bogie's")
+        if not self.bumpstop.odd:
+            raise Refused(self, "bumpstop", "must be alike in both directions: points from (0, 0) on")
 
     @property
     def radius(self) -> float:
@@ -90,7 +103,7 @@ class Wagon:
             primary=self.primary.scaled(s.primary),
             secondary=self.secondary.scaled(s.secondary),
             roll_bar=s.secondary * self.roll_bar,
-            bumpstop=self.bumpstop.scaled(s.secondary),
+            bumpstop=s.secondary * self.bumpstop,
             scaling=WHOLE,
         )
 
