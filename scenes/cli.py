@@ -125,6 +125,24 @@ def compare(
         result_console().print(part, highlight=False, markup=False)
 
 
+@app.command()
+def wagon(
+    file: Annotated[
+        Path | None,
+        typer.Argument(metavar="FILE", help="A wagon (TOML); the Manchester wagon without it.", show_default=False),
+    ] = None,
+) -> None:
+    """Print a wagon with all its values as TOML, to start another one from."""
+    from scenes.complaint import SceneError
+    from scenes.wagon_file import load_wagon, wagon_toml
+    from vehicle.wagon import Wagon
+
+    try:
+        print(wagon_toml(Wagon() if file is None else load_wagon(file)), end="")
+    except SceneError as error:
+        raise _refused(str(error)) from None
+
+
 def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
     """The scene, or the end of the command with the complaint on standard error."""
     from scenes.scene import SceneError, load_scene

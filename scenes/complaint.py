@@ -33,9 +33,13 @@ def complain(error: ValidationError, model: type[BaseModel], data: Mapping[str, 
             says = str(ctx["allowed"])
         else:
             key, says = location, f"must be {allowed(model, location)}"
-        name = _dotted(key)
-        lines.setdefault(name, f"{name}{_value(key, data)}: {says}")
+        lines.setdefault(_dotted(key), fault(key, data, says))
     return SceneError("\n".join(f"{path}: {line}" for line in lines.values()))
+
+
+def fault(key: Keys, data: Mapping[str, Any], says: str) -> str:
+    """The entry at fault, the value found, and what is said about it."""
+    return f"{_dotted(key)}{_value(key, data)}: {says}"
 
 
 def allowed(model: type[BaseModel], location: Keys) -> str:

@@ -3,44 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, get_args, get_type_hints
 
 from scenes.quantities import refuse
 
 
-def overridden(part: Any, values: Mapping[str, Any], prefix: str = "") -> Any:
-    """A frozen dataclass with some of its values replaced, tables in it likewise.
+def overridden(part: Any, values: Mapping[str, Any], prefix: str = "", also: tuple[str, ...] = ()) -> Any:
+    """A frozen dataclass with some of its values replaced, tables in it likewise; also: other keys to name as allowed.
 
     Raises the error of a scene's check for a value that it does not have, of another type, or that it refuses.
     """
-    names = [field.name for field in fields(part)]
-    new: dict[str, Any] = {}
+    from vehicle.parts import Refused
+
+    kinds, new = get_type_hints(type(part)), dict[str, Any]()
     for key, value in values.items():
-        if key not in names:
-            raise refuse(
-                f"unknown key; allowed are speed and {', '.join(names)}"
-                if not prefix
-                else f"unknown key; allowed are {', '.join(names)}",
-                prefix + key,
-            )
-        old = getattr(part, key)
-        if is_dataclass(old):
-            if not isinstance(value, Mapping):
-                raise refuse("must be a table", prefix + key)
-            new[key] = overridden(old, value, f"{prefix}{key}.")
-        elif isinstance(old, tuple):
-            if not isinstance(value, list) or not all(_number(item) for item in value):
-                raise refuse("must be an array of numbers", prefix + key)
-            new[key] = tuple(map(float, value))
-        elif _number(value):
-            new[key] = float(value)
-        else:
-            raise refuse("must be a number", prefix + key)
+        if key not in kinds:
+            raise refuse(f"unknown key; allowed are {', '.join((*also, *kinds))}", prefix + key)
+        new[key] = _read(kinds[key], getattr(part, key), value, prefix + key)
     try:
         return replace(part, **new)
+    except Refused as error:
+        raise refuse(error.allowed, prefix + error.key) from None
+
+
+def _read(kind: Any, old: Any, value: Any, key: str) -> Any:
+    """A number, a force law by points, or a table of values for the old dataclass, whichever the kind allows."""
+    from vehicle.characteristic import Characteristic
+
+    kinds = get_args(kind) or (kind,)
+    if float in kinds and _number(value):
+        return float(value)
+    if Characteristic in kinds and isinstance(value, list):
+        return _law(value, key)
+    if not {float, Characteristic} & set(kinds):
+        if not isinstance(value, Mapping):
+            raise refuse("must be a table", key)
+        return overridden(old, value, f"{key}.")
+    says = {float: "a number", Characteristic: "an array of points, each [deflection or velocity, force]"}
+    raise refuse(f"must be {' or '.join(says[k] for k in kinds)}", key)
+
+
+def _law(points: list[Any], key: str) -> Any:
+    from vehicle.characteristic import Characteristic
+
+    if not all(isinstance(p, list) and len(p) == 2 and all(map(_number, p)) for p in points):
+        raise refuse("must be an array of points, each [deflection or velocity, force]", key)
+    try:
+        return Characteristic(tuple((float(x), float(f)) for x, f in points))
     except ValueError as error:
-        raise refuse(str(error), prefix + next(iter(new))) from None
+        raise refuse(f"must be {error}", key) from None
 
 
 def _number(value: Any) -> bool:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scenes.models import wheelset_contact
-from scenes.override import overridden
 from scenes.progress import costs, progress_bar
 from scenes.scene import RunScene
 from scenes.sections import Output
@@ -113,15 +112,8 @@ def track(scene: RunScene) -> Track:
 
 
 def wagon(scene: RunScene) -> Wagon:
-    """The Manchester wagon on the scene's wheels, with the values that the scene replaces."""
-    from dataclasses import replace
-
-    from vehicle.wagon import Wagon
-
-    standard = Wagon()
-    given = replace(standard, wheelset=replace(standard.wheelset, height=scene.wheelset.radius))
-    changed: Wagon = overridden(given, scene.vehicle.model_extra or {})
-    return changed
+    """The scene's wagon on the scene's wheels."""
+    return scene.vehicle.on(scene.wheelset.radius)
 
 
 def _workers(contact: Contact, count: int) -> AbstractContextManager[Contact]:

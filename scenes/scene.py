@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from math import isinf
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
@@ -27,6 +26,7 @@ from scenes.sections import (
     Vehicle,
     Wheelset,
 )
+from scenes.toml_file import parse, read_text
 
 
 class Contact(Table):
@@ -181,6 +181,12 @@ class RunScene(Contact):
     solver: Solver = Solver()
     output: Output = Output()
 
+    @model_validator(mode="after")
+    def _one_radius(self) -> RunScene:
+        if self.vehicle.changed and self.vehicle.on(self.wheelset.radius).radius != self.wheelset.radius:
+            raise q.refuse("wheelset.height of the wagon must be the scene's wheelset.radius", "vehicle")
+        return self
+
 
 Scene: TypeAlias = HertzScene | WheelsetScene | RunScene
 KINDS: dict[str, type[HertzScene] | type[WheelsetScene] | type[RunScene]] = {
@@ -195,21 +201,12 @@ def load_scene(path: str | Path) -> Scene:
 
     Raises SceneError naming file, key, value and what is allowed.
     """
-    path = Path(path)
-    try:
-        return parse_scene(path.read_text(encoding="utf-8"), path)
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path}: not a text file in UTF-8 (byte {error.start})") from None
+    return parse_scene(read_text(Path(path)), path)
 
 
 def parse_scene(text: str, path: str | Path = "scene") -> Scene:
     """The scene in a TOML text; path names it in errors, and files in it are looked for beside it."""
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{path}: not valid TOML: {error}") from None
+    data = parse(text, path)
     kind = data.get("kind")
     known = KINDS.get(kind) if isinstance(kind, str) else None
     if known is None:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationInfo, field_validator, model_validator
 
 from scenes import quantities as q
+from scenes.complaint import SceneError
 from scenes.override import overridden
+
+if TYPE_CHECKING:
+    from vehicle.wagon import Wagon
 
 
 class Table(BaseModel):
@@ -160,19 +164,49 @@ class Wheelset(Axle):
 
 
 class Vehicle(Table):
-    """The wagon's speed in m/s; any other key replaces the value of that name in the Manchester wagon."""
+    """The wagon's speed in m/s and the file that it is read from, else it is the Manchester wagon.
+
+    Any other key replaces the value of that name in it.
+    """
 
     model_config = ConfigDict(extra="allow")
 
     speed: q.Speed
+    wagon: str | None = None
+
+    @field_validator("wagon")
+    @classmethod
+    def _readable(cls, value: str, info: ValidationInfo) -> str:
+        """A file, relative to the scene's folder, as its full path."""
+        from scenes.wagon_file import load_wagon
+
+        file = Path((info.context or {}).get("folder", "."), value)
+        try:
+            load_wagon(file)
+        except SceneError as error:
+            raise q.refuse(str(error)) from None
+        return str(file.resolve())
 
     @model_validator(mode="after")
     def _wagon_has_them(self) -> Vehicle:
         if self.model_extra:
-            from vehicle.wagon import Wagon
-
-            overridden(Wagon(), self.model_extra)
+            self.on(None)
         return self
+
+    @property
+    def changed(self) -> bool:
+        """Whether the wagon is another than the Manchester wagon."""
+        return bool(self.wagon or self.model_extra)
+
+    def on(self, radius: float | None) -> Wagon:
+        """The wagon on wheels of a radius m, where neither its file nor the scene gives another one."""
+        from scenes.wagon_file import load_wagon
+        from vehicle.wagon import Wagon
+
+        base = Wagon() if radius is None else overridden(Wagon(), {"wheelset": {"height": radius}})
+        read = base if self.wagon is None else load_wagon(self.wagon, base)
+        found: Wagon = overridden(read, self.model_extra or {}, also=("speed", "wagon"))
+        return found
 
 
 class Solver(Table):

@@ -191,7 +191,7 @@ def conserved(d: Dynamics, frame: Frame, state: np.ndarray) -> float:
     a = d.suspension
     deflection = a.forces(state[:9].reshape(3, 3), state[10:19].reshape(3, 3)).deflection
     springs = 0.5 * (a.laws.stiffness * deflection**2).sum() - (a.preload * deflection[:, 1]).sum()
-    springs += 0.5 * a.couple * (roll[0] - roll[1]) ** 2
+    springs += 0.5 * a.couple[0] * (roll[0] - roll[1]) ** 2
     return float((0.5 * (relative - carried) + weight).sum() + 0.5 * pitch_inertia[2] * theta**2 + springs)
 
 

@@ -314,8 +314,9 @@ def test_unreadable_file(content: bytes | None, tmp_path: Path) -> None:
 
 
 def test_vehicle_overrides_reach_into_the_wagon() -> None:
-    wagon = overridden(Wagon(), {"roll_bar": 1e6, "secondary": {"turn": 0.5}, "bumpstop": {"force": [0.0] * 10}})
-    assert (wagon.roll_bar, wagon.secondary.turn, wagon.bumpstop.force) == (1e6, 0.5, (0.0,) * 10)
+    stop = [[0, 0], [0.02, 0], [0.03, 5e3]]
+    wagon = overridden(Wagon(), {"roll_bar": 1e6, "secondary": {"turn": 0.5}, "bumpstop": stop})
+    assert (wagon.roll_bar, wagon.secondary.turn, float(wagon.bumpstop(0.03))) == (1e6, 0.5, 5e3)
     assert wagon.secondary.lateral_stiffness == Wagon().secondary.lateral_stiffness
 
 

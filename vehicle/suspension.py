@@ -82,8 +82,9 @@ class Assembly:
     and moment on the two bodies cancel in every position.
 
     ends (2, n) indices of upper and lower body; across, above (2, n) position of the points in their bodies, m;
-    preload, turn (n,); couple N m/rad between car body and bogie; laws of the elements' forces. series in arguments:
-    deflections (..., m) of the springs in series with dampers as in `vehicle.elements`, none stretched if not given.
+    preload, turn (n,); couple (2,) N m/rad between car body and bogie, bogie and wheelset; laws of the elements' forces.
+    series in arguments: deflections (..., m) of the springs in series with dampers as in `vehicle.elements`, none
+    stretched if not given.
     """
 
     ends: NDArray[np.int64]
@@ -91,7 +92,7 @@ class Assembly:
     above: Array
     preload: Array
     turn: Array
-    couple: float
+    couple: Array
     laws: Elements
 
     @classmethod
@@ -118,7 +119,7 @@ class Assembly:
             above=table[3] - heights[ends],
             preload=table[4],
             turn=table[5],
-            couple=w.roll_bar + 2 * w.secondary.bending_stiffness,
+            couple=np.array([w.roll_bar + 2 * w.secondary.bending_stiffness, 2 * w.primary.bending_stiffness]),
             laws=Elements.of(laws, len(table.T)),
         )
 
@@ -170,18 +171,18 @@ class Assembly:
             each = np.stack([fy, fz, arm_y[..., i, :] * fz - arm_z[..., i, :] * fy], axis=-1)
             # Left and right first: the mirror image of a state then has the mirrored forces to the last bit.
             on_bodies += incidence @ np.concatenate([each[..., :4, :] + each[..., 4:8, :], each[..., 8:, :]], axis=-2)
-        couple = self.couple * (position[..., CAR_BODY, 2] - position[..., BOGIE, 2])
-        on_bodies[..., CAR_BODY, 2] -= couple
-        on_bodies[..., BOGIE, 2] += couple
+        couple = self.couple * (position[..., :2, 2] - position[..., 1:, 2])
+        on_bodies[..., :2, 2] -= couple
+        on_bodies[..., 1:, 2] += couple
         return SuspensionForces(on_bodies, deflection, force, self.laws.series_rate(velocity, series))
 
     def stored_energy(self, position: Array, series: Array | None = None) -> Array:
         """Potential energy (...) J of springs, preloads, roll bar, bending and bumpstop; 0 in the nominal position."""
         series = self._unstretched(position) if series is None else series
         deflection = self.strain(position, np.zeros(position.shape)).deflection
-        turned = position[..., CAR_BODY, 2] - position[..., BOGIE, 2]
-        lifted = deflection[..., 1] @ self.preload
-        return np.asarray(self.laws.energy(deflection, series) - lifted + 0.5 * self.couple * turned**2)
+        turned = position[..., :2, 2] - position[..., 1:, 2]
+        bent, lifted = 0.5 * turned**2 @ self.couple, deflection[..., 1] @ self.preload
+        return np.asarray(self.laws.energy(deflection, series) + bent - lifted)
 
     def dissipated_power(self, position: Array, rate: Array, series: Array | None = None) -> Array:
         """Power (...) W that the dampers turn into heat."""

@@ -1,0 +1,81 @@
+"""Wagons as TOML files: any value of the Manchester wagon replaced, and a whole wagon written down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic_core import PydanticCustomError
+
+from scenes.complaint import SceneError, fault
+from scenes.override import overridden
+from scenes.toml_file import parse, read_text
+
+if TYPE_CHECKING:
+    from vehicle.wagon import Wagon
+
+UNITS = {
+    "mass": "kg",
+    "roll_inertia": "kg m2",
+    "pitch_inertia": "kg m2",
+    "yaw_inertia": "kg m2",
+    "height": "m above top of rail",
+    "lateral_stiffness": "N/m, or points [m, N]",
+    "vertical_stiffness": "N/m, or points [m, N]",
+    "lateral_damping": "N s/m, or points [m/s, N]",
+    "vertical_damping": "N s/m, or points [m/s, N]",
+    "bending_stiffness": "N m/rad",
+    "spring_y": "m",
+    "spring_height": "m above top of rail",
+    "damper_y": "m",
+    "damper_height": "m above top of rail",
+    "turn": "share of the upper body's roll in the axes of springs and dampers",
+    "lateral_series_stiffness": "N/m, in series with the damper; inf is none",
+    "vertical_series_stiffness": "N/m, in series with the damper; inf is none",
+    "roll_bar": "N m/rad, per bogie",
+    "bumpstop": "[m, N], the same in both directions",
+    "bumpstop_height": "m above top of rail",
+    "gravity": "m/s2",
+}
+
+
+def load_wagon(path: str | Path, base: Wagon | None = None) -> Wagon:
+    """The Manchester wagon, or another one, with the values in a TOML file in place of its own.
+
+    Raises SceneError naming file, key, value and what is allowed.
+    """
+    from vehicle.wagon import Wagon
+
+    data = parse(read_text(Path(path)), path)
+    try:
+        changed: Wagon = overridden(base or Wagon(), data)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        key = str(context["key"])
+        raise SceneError(f"{path}: {fault(tuple(key.split('.')), data, str(context['allowed']))}") from None
+    return changed
+
+
+def wagon_toml(wagon: Wagon) -> str:
+    """The wagon as TOML, units in comments; reading it gives the same wagon."""
+    return "\n".join(_lines(wagon)) + "\n"
+
+
+def _lines(part: Any, title: str = "") -> Iterator[str]:
+    """Values of a dataclass, then tables of the dataclasses in it."""
+    from vehicle.characteristic import Characteristic
+
+    if title:
+        yield from ("", f"[{title}]")
+    values = {field.name: getattr(part, field.name) for field in fields(part)}
+    for name, value in values.items():
+        unit = "share of it in the plane model" if title == "scaling" else UNITS.get(name)
+        if isinstance(value, Characteristic):
+            yield from (f"{name} = [  # {unit}", *(f"  [{x!r}, {f!r}]," for x, f in value.points), "]")
+        elif isinstance(value, float | int):
+            yield f"{name} = {float(value)!r}  # {unit}"
+    for name, value in values.items():
+        if not isinstance(value, Characteristic | float | int):
+            yield from _lines(value, name)
