@@ -11,6 +11,7 @@ from scipy.integrate import quad
 from scipy.interpolate import interp1d
 from standin_contact import CONTACT
 
+from scenes.results import dataset
 from vehicle.characteristic import Characteristic
 from vehicle.control import Counts
 from vehicle.dynamics import Dynamics, Wrench
@@ -281,5 +282,7 @@ def test_a_run_with_tables_and_springs_in_series(method: str) -> None:
     assert found.series_deflection.shape == (4, 8)
     assert np.abs(found.series_deflection[-1]).max() > 1e-6
     assert found.wheelset_rate.shape == (4, 4)
+    kept = dataset(found)["series_deflection"]
+    assert (kept.dims, kept.shape) == (("time", "series"), (4, 8))
     with pytest.raises(ValueError, match="28 numbers"):
         simulate(wagon, LEFT, CONTACT, speed=V, initial=np.zeros(20))
