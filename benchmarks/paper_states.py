@@ -53,10 +53,7 @@ def states(part: Part, run: History, count: int) -> list[State]:
     dynamics = part.dynamics(contact)
     found = []
     for i in np.unique(np.linspace(1, len(run) - 1, count).astype(int)):
-        seen = [
-            dynamics.wheelset_state(dynamics.track.frame(run.speed * run.time[k], run.speed), run.state[k])
-            for k in (i - 1, i)
-        ]
+        seen = [dynamics.wheelset_state(dynamics.frame(float(run.time[k])), run.state[k]) for k in (i - 1, i)]
         for side in SIDES:
             before, exact = (contact(one, side) for one in seen)
             if not (before.ok and exact.ok and exact.force[2] > 0):

@@ -16,6 +16,7 @@ Nodes = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
+RailShift = tuple[tuple[float, float], tuple[float, float]]
 
 MIRROR = np.array([1.0, -1.0, 1.0])  # of a vector; an axial vector takes -MIRROR
 
@@ -58,6 +59,13 @@ class WheelsetState:
     y, z in m (z from the nominal height: centre one rolling radius above the plane that rests on the rails); roll and
     yaw in rad; rates in m/s and rad/s; pitch_rate is positive when rolling forward; speed V in m/s; frame_rate (3,) is
     the angular velocity of the track frame in its own axes, rad/s (V K on a flat curve to the left is (0, 0, V K)).
+
+    rail_shift: by how much irregularities shift the left and the right rail, (y, z) m each; none by default. They shift
+    the profile that the wheel meets, not the material, which rests in inertial space wherever the rail was laid. As the
+    vehicle goes on, the shift changes by V d, d its slope along the track: with this speed the profile nears the wheel,
+    but contacts follow overlap and slip and do not ask for it. Nor does the slip: d turns the tangent plane, and both
+    materials, which flow through it at V, gain the same component -V d there. Left out are products of d (1e-3) with
+    creepage, and the longitudinal part d N of a normal force, which the constraint along x takes.
     """
 
     y: float = 0.0
@@ -70,10 +78,11 @@ class WheelsetState:
     pitch_rate: float = 0.0
     speed: float = 0.0
     frame_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rail_shift: RailShift | None = None
 
     def mirrored(self) -> WheelsetState:
         """The same state seen in a mirror at y = 0."""
-        wx, wy, wz = self.frame_rate
+        (wx, wy, wz), shift = self.frame_rate, self.rail_shift
         return replace(
             self,
             y=-self.y,
@@ -82,6 +91,7 @@ class WheelsetState:
             y_rate=-self.y_rate,
             roll_rate=-self.roll_rate,
             frame_rate=(-wx, wy, -wz),
+            rail_shift=shift and ((-shift[1][0], shift[1][1]), (-shift[0][0], shift[0][1])),
         )
 
     @property
@@ -111,6 +121,8 @@ class Mounting:
     def left_pair(self, state: WheelsetState) -> tuple[Pose, Motion]:
         """Pose and velocities of the left pair, in the left rail's frame (parallel to the track frame), eq. (5)."""
         rail = np.array([0.0, self.rail_y, 0.0])
+        if state.rail_shift is not None:
+            rail[1:] += state.rail_shift[0]
         centre, rotation = self.centre(state), state.rotation
         axle = rotation[:, 1]
         frame_rate = np.asarray(state.frame_rate, dtype=float)

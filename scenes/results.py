@@ -81,7 +81,7 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
         "title": "Vehicle run on finite-element wheel-rail contact",
         "frame": "moving with the track: x forward, y to the left, z up; forces act on the wheels",
         "status": history.status,
-        "speed": history.speed,
+        "speed": float(history.speeds[0]),
         "nominal_radius": history.radius,
         "seconds": history.cost.seconds,
         "steps_accepted": steps.accepted,
@@ -104,7 +104,7 @@ def _motion(history: History) -> dict[str, Any]:
     found: dict[str, Any] = {}
     state = history.state.copy()
     state[:, 9] += history.distance / history.radius
-    state[:, 9 + COUNT] += history.speed / history.radius
+    state[:, 9 + COUNT] += history.speeds / history.radius
     for index, name in enumerate(COORDINATES):
         turns = name.endswith(("roll", "pitch"))
         text = name.replace("_", " ") + (", from the nominal height" if name.endswith("z") else "")

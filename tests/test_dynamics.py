@@ -156,7 +156,7 @@ def test_moments_equal_the_rate_of_angular_momentum(seed: int, body: int) -> Non
     on_bodies = d.suspension.forces(state[:9].reshape(3, 3), state[10:19].reshape(3, 3)).on_bodies
     inertia = np.diag(d.constants[1:4, body])
     angle, rate, change = state[3 * body + 2], state[10 + 3 * body + 2], accelerations[3 * body + 2]
-    spin, spin_change = (d.rolling_rate + state[19], accelerations[9]) if body == 2 else (0.0, 0.0)
+    spin, spin_change = (d.rolling_rate(frame) + state[19], accelerations[9]) if body == 2 else (0.0, 0.0)
 
     def axes(t: complex) -> np.ndarray:
         a = angle + rate * t + change * t * t / 2
@@ -181,7 +181,7 @@ def conserved(d: Dynamics, frame: Frame, state: np.ndarray) -> float:
     mass, roll_inertia, pitch_inertia, yaw_inertia, height = d.constants
     y, z, roll = state[:9].reshape(3, 3).T
     vy, vz, spin = state[10:19].reshape(3, 3).T
-    theta = d.rolling_rate + state[19]
+    theta = d.rolling_rate(frame) + state[19]
     _, wy, wz = frame.rate
     oy, oz = wy * np.cos(roll) + wz * np.sin(roll), wz * np.cos(roll) - wy * np.sin(roll)
     relative = mass * (vy**2 + vz**2) + roll_inertia * spin**2

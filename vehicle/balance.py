@@ -45,11 +45,11 @@ class Balance:
 
     def state(self, unknown: Array) -> Array:
         state = np.zeros(self.dynamics.size)
-        state[:9], state[COUNT + PITCH] = unknown[:9], unknown[9] * self.dynamics.rolling_rate
+        state[:9], state[COUNT + PITCH] = unknown[:9], unknown[9] * self.dynamics.rolling_rate(self.frame)
         return state
 
     def start(self, state: Array) -> tuple[Array, Contacts]:
-        unknown = np.append(state[:9], state[COUNT + PITCH] / self.dynamics.rolling_rate)
+        unknown = np.append(state[:9], state[COUNT + PITCH] / self.dynamics.rolling_rate(self.frame))
         return unknown, self.contacts(unknown, None)
 
     def contacts(self, unknown: Array, guess: Contacts | None) -> Contacts:

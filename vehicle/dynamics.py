@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contact.pose import SIDES, Side, WheelsetState
 from contact.result import ContactResult
 from vehicle.attempts import StepFailure
+from vehicle.drive import Drive
 from vehicle.frame import Frame
 from vehicle.state import COUNT, split
 from vehicle.suspension import Assembly
@@ -69,16 +70,19 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Dynamics:
-    """A wagon on a track at constant speed m/s, at distance s = speed t, on a contact model."""
+    """A wagon on a track on a contact model, at a constant speed m/s or as a `Drive` has it."""
 
     wagon: Wagon
     track: Track
     contact: Contact
-    speed: float
+    speed: float | Drive
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.speed < np.inf:
-            raise ValueError(f"speed {self.speed} m/s: positive and finite (creepage is slip over speed)")
+        _ = self.drive  # which refuses what is no speed
+
+    @cached_property
+    def drive(self) -> Drive:
+        return Drive.of(self.speed)
 
     @cached_property
     def plane(self) -> Wagon:
@@ -100,17 +104,20 @@ class Dynamics:
         """Length of a state: 20, and one for every spring in series with a damper."""
         return 2 * COUNT + self.suspension.laws.states
 
-    @property
-    def rolling_rate(self) -> float:
+    def frame(self, time: float) -> Frame:
+        """The track's frame where the vehicle is at a time s."""
+        return self.track.frame(*self.drive(time))
+
+    def rolling_rate(self, frame: Frame) -> float:
         """Spin of a wheel that rolls on its nominal radius, rad/s."""
-        return self.speed / self.wagon.radius
+        return frame.speed / self.wagon.radius
 
     def __call__(self, time: float, state: Array, previous: Evaluation | None = None) -> Evaluation:
         """Time derivative of the state at a time s; the previous evaluation starts the contact solves.
 
         Raises StepFailure when a contact solve fails.
         """
-        frame = self.track.frame(self.speed * time, self.speed)
+        frame = self.frame(time)
         contacts = self.solve_contacts(frame, state, previous.contacts if previous else None)
         accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
         return Evaluation(
@@ -128,9 +135,10 @@ class Dynamics:
             y_rate=vy,
             z_rate=vz,
             roll_rate=spin,
-            pitch_rate=self.rolling_rate + float(pitch_rate),
-            speed=self.speed,
+            pitch_rate=self.rolling_rate(frame) + float(pitch_rate),
+            speed=frame.speed,
             frame_rate=frame.rate,
+            rail_shift=frame.rails,
         )
 
     def solve_contacts(self, frame: Frame, state: Array, guess: Contacts | None) -> Contacts:
@@ -164,7 +172,7 @@ class Dynamics:
         mass, ixx, iyy, izz, height = self.constants
         y, z, roll = position[..., 0], position[..., 1], np.ascontiguousarray(position[..., 2])
         vy, vz, spin = rate[..., 0], rate[..., 1], rate[..., 2]
-        theta_rate = self.rolling_rate + pitch_rate
+        theta_rate = self.rolling_rate(frame) + pitch_rate
 
         forces, _, _, series_rate = self.suspension.forces(position, rate, series)
         forces[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
@@ -187,7 +195,7 @@ class Dynamics:
         _, dy, dz = frame.rate_dot
         o_y_dot = dy * c + dz * s + spin_ws * o_z
         o_z_dot = dz * c - dy * s - spin_ws * o_y
-        result[..., 9] = (my * c + mz * s) / iyy[2] - o_y_dot
+        result[..., 9] = (my * c + mz * s) / iyy[2] - o_y_dot - frame.acceleration / self.wagon.radius
         o_x = frame.rate[0] + spin_ws
         needed = izz[2] * o_z_dot + o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
         return result, needed - (mz * c - my * s)

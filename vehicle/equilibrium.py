@@ -37,13 +37,14 @@ def equilibrium(
     acceptable: float = 1e-4,
     max_iterations: int = 60,
 ) -> Equilibrium:
-    """State without acceleration for the curvature and cant at the given time s, taken as constant; guess: a state.
+    """State without acceleration for the speed, curvature and cant at the given time s, taken as constant, on smooth
+    rails; guess: a state.
 
     Damped Newton with differences; only four of the ten columns cost contact solves. The damping fades with the
     residual (pseudo-transient continuation), so that it works through the sharp rise at a flange. tolerance of the
     residual; an acceptable one is taken when a contact that is not exact allows no better. Raises EquilibriumError.
     """
-    balance = Balance(dynamics, dynamics.track.frame(dynamics.speed * time, dynamics.speed).steady())
+    balance = Balance(dynamics, dynamics.frame(time).steady())
     try:
         unknown, contacts = balance.settled() if guess is None else balance.start(guess)
         residual = balance.residual(unknown, contacts)

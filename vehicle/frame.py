@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.pose import RailShift
+
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
@@ -15,7 +17,8 @@ Vector = tuple[float, float, float]
 class Frame:
     """Motion of the track frame (x tangent, y left, z normal to the rails), components in its own axes.
 
-    speed m/s, acceleration m/s2 along x; rate rad/s and rate_dot rad/s2 of the frame; down: unit vector of gravity.
+    speed m/s, acceleration m/s2 along x; rate rad/s and rate_dot rad/s2 of the frame; down: unit vector of gravity;
+    rails: where irregularities put them, as in `contact.pose.WheelsetState`.
     """
 
     speed: float
@@ -23,9 +26,10 @@ class Frame:
     rate: Vector
     rate_dot: Vector
     down: Vector
+    rails: RailShift | None = None
 
     def steady(self) -> Frame:
-        """The frame of a curve without end: no change of speed, no roll rate, no angular acceleration."""
+        """The frame of a smooth curve without end: no change of speed, no roll rate, no angular acceleration."""
         _, wy, wz = self.rate
         return Frame(self.speed, 0.0, (0.0, wy, wz), (0.0, 0.0, 0.0), self.down)
 

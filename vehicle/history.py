@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.pose import Side
 from vehicle.control import Counts
+from vehicle.drive import Drive
 from vehicle.record import Outputs, PatchPair, Recorder
 from vehicle.state import COUNT
 from vehicle.tally import SideCost
@@ -36,11 +38,11 @@ class History:
     secondary_deflection (n,) m, lateral, of the car body against the bogie at the secondary springs;
     bumpstop_deflection (n,) m; bumpstop_force (n,) N on the car body; positive to the left. curvature (n,) 1/m,
     positive to the left; lift (n,) m of the right rail over the left. patches, contact_status: n pairs (left, right).
-    speed m/s; radius: nominal rolling radius m.
+    speed m/s, or a drive; radius: nominal rolling radius m.
     """
 
     status: str
-    speed: float
+    speed: float | Drive
     radius: float
     time: Array
     state: Array
@@ -54,7 +56,7 @@ class History:
     @classmethod
     def of(cls, recorder: Recorder, cost: RunCost, status: str) -> History:
         dynamics, rows = recorder.dynamics, recorder.rows
-        distances = [dynamics.speed * row.time for row in rows]
+        distances = [dynamics.drive(row.time).distance for row in rows]
         return cls(
             status=status,
             speed=dynamics.speed,
@@ -75,7 +77,17 @@ class History:
     @property
     def distance(self) -> Array:
         """Along the track (n,), m."""
-        return self.speed * self.time
+        return self._travel[:, 0]
+
+    @property
+    def speeds(self) -> Array:
+        """m/s (n,)."""
+        return self._travel[:, 1]
+
+    @cached_property
+    def _travel(self) -> Array:
+        drive = Drive.of(self.speed)
+        return np.array([drive(time) for time in self.time.tolist()]).reshape(-1, 3)
 
     @property
     def car_body(self) -> Array:
@@ -105,7 +117,7 @@ class History:
     @property
     def wheelset_rate(self) -> Array:
         """m/s and rad/s (n, 4); the pitch rate is positive rolling forward."""
-        return _with_rolling(self.state[:, COUNT + 6 : 2 * COUNT], self.speed / self.radius)
+        return _with_rolling(self.state[:, COUNT + 6 : 2 * COUNT], self.speeds / self.radius)
 
     @property
     def series_deflection(self) -> Array:
@@ -113,7 +125,7 @@ class History:
         return self.state[:, 2 * COUNT :]
 
 
-def _with_rolling(excess: Array, nominal: Array | float) -> Array:
+def _with_rolling(excess: Array, nominal: Array) -> Array:
     total = excess.copy()
     total[:, 3] += nominal
     return total

@@ -53,7 +53,7 @@ class Jacobian:
         """Raises StepFailure when a contact cannot be solved or gives no tangent."""
         self.counts.jacobians += 1
         d = self.dynamics
-        frame, later = (d.track.frame(d.speed * t, d.speed) for t in (time, time + MOMENT))
+        frame, later = (d.frame(t) for t in (time, time + MOMENT))
         wrench = Wrench.of(at.contacts)
         by_state = np.zeros((len(state), len(state)))
         by_state[:COUNT, COUNT : 2 * COUNT] = np.eye(COUNT)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vehicle.attempts import StepFailure
 from vehicle.control import Control
+from vehicle.drive import Drive
 from vehicle.dynamics import Contact, Dynamics
 from vehicle.equilibrium import EquilibriumError, equilibrium
 from vehicle.history import History, RunCost
@@ -36,7 +37,7 @@ def simulate(
     track: Track,
     contact: Contact,
     *,
-    speed: float,
+    speed: float | Drive,
     span: tuple[float, float] = (0.0, 10.0),
     method: str = "ode23",
     rtol: float = 1e-3,
@@ -48,7 +49,7 @@ def simulate(
     control: Control | None = None,
     progress: Progress | None = None,
 ) -> History:
-    """Motion of the wagon over the times span s at constant speed m/s; distance along the track is speed times time.
+    """Motion of the wagon over the times span s at constant speed m/s or on a drive; distance is zero at time zero.
 
     method: "ode23" and "ode45" are explicit and follow the contact's 150 Hz; "rosenbrock" is linearly implicit and uses
     the contact's tangent where there is one. atol: see `tolerances`. initial: a state (see `vehicle.state`), else the
@@ -88,7 +89,9 @@ def simulate(
         ):
             recorder.add(step)
             if progress is not None:
-                progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, speed, cost))
+                progress(
+                    (step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, dynamics.drive(step.t).distance, cost)
+                )
     except KeyboardInterrupt:
         status = "interrupted"
     except (StepTooSmall, StepFailure, EquilibriumError) as error:
@@ -111,10 +114,10 @@ def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float
     return each
 
 
-def _figures(time: float, step: float, speed: float, cost: RunCost) -> dict[str, float]:
+def _figures(time: float, step: float, distance: float, cost: RunCost) -> dict[str, float]:
     return {
         "time": time,
-        "distance": speed * time,
+        "distance": distance,
         "step": step,
         "steps": cost.steps.accepted,
         "rejected": cost.steps.rejected,

@@ -47,7 +47,7 @@ class Split(NamedTuple):
 def split(state: Array) -> Split:
     """Parts of states (..., 20 + m): y, z in m (z from the nominal height), angles in rad, rates per second.
 
-    The pitch counts what exceeds nominal rolling, V t / r: tolerances then bear on the creepage and not on the speed.
+    The pitch counts what exceeds nominal rolling, s(t) / r: tolerances then bear on the creepage and not on the speed.
     """
     shape = (*state.shape[:-1], 3, 3)
     position, rate = state[..., :9].reshape(shape), state[..., 10:19].reshape(shape)

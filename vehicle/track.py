@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import asin, copysign, cos, sin, sqrt
+from math import asin, cos, sin, sqrt
 
 import numpy as np
 
 from vehicle.course import Course, Shape
 from vehicle.frame import Frame
+from vehicle.irregularity import Irregularities
+from vehicle.layout import Segment, courses
 
 
 def _zero() -> Course:
@@ -21,14 +24,16 @@ class Track:
     """The centre line as courses of s.
 
     curvature 1/m in plan, positive to the left; lift m: by how much the right rail lies above the left one (the cant of
-    a left-hand curve); gradient rad, positive uphill; base m, distance over which the lift is measured. The plane of
-    the rails turns about the centre line. Raises ValueError where the lift does not fit the base.
+    a left-hand curve); gradient rad, positive uphill; base m, distance over which the lift is measured; irregularities
+    of the rails, if any. The plane of the rails turns about the centre line. Raises ValueError where the lift does not
+    fit the base.
     """
 
     curvature: Course = field(default_factory=_zero)
     lift: Course = field(default_factory=_zero)
     gradient: Course = field(default_factory=_zero)
     base: float = 1.5
+    irregularities: Irregularities | None = None
 
     def __post_init__(self) -> None:
         if not self.base > max(abs(h) for h in self.lift.values):
@@ -52,25 +57,30 @@ class Track:
         """Tangent, transition, full curve and, when exit_transition is given, back to a tangent without end.
 
         curvature 1/m, positive to the left; cant m, positive raises the outer rail; gradient rad; lengths m.
-        Raises ValueError for lengths that are not positive.
+        Raises LayoutError, a ValueError, for lengths that are not positive.
         """
-        if (
-            tangent < 0.0
-            or not (transition > 0.0 and length > 0.0)
-            or not (exit_transition is None or exit_transition > 0)
-        ):
-            raise ValueError("a curve needs a tangent >= 0 and positive lengths of transition, curve and exit")
-        stations = [tangent, tangent + transition]
-        share = [0.0, 1.0]
+        segments = [Segment("tangent", tangent)] if tangent else []
+        segments += [Segment("transition", transition, shape=shape), Segment("arc", length, curvature, cant)]
         if exit_transition is not None:
-            stations += [stations[-1] + length, stations[-1] + length + exit_transition]
-            share += [1.0, 0.0]
-        lift = cant * copysign(1.0, curvature)
+            segments.append(Segment("transition", exit_transition, shape=shape))
+        segments[0] = replace(segments[0], gradient=gradient)
+        return cls.of(segments, base=base, corner=corner)
 
-        def course(value: float) -> Course:
-            return Course(tuple(stations), tuple(value * x for x in share), shape=shape, corner=corner)
+    @classmethod
+    def of(
+        cls,
+        segments: Sequence[Segment],
+        *,
+        base: float = 1.5,
+        corner: float = 3.0,
+        irregularities: Irregularities | None = None,
+    ) -> Track:
+        """Segments one upon the other from s = 0 on; corner m: over which ends of straight ramps are rounded.
 
-        return cls(course(curvature), course(lift), Course.constant(gradient), base)
+        Raises LayoutError, a ValueError, for segments that do not meet.
+        """
+        found = courses(segments, corner=corner)
+        return cls(found.curvature, found.lift, found.gradient, base, irregularities)
 
     def angle(self, s: float) -> tuple[float, float, float]:
         """Roll of the rail plane about the tangent, positive raises the left rail, and two derivatives by s."""
@@ -108,6 +118,7 @@ class Track:
                 acceleration * k[2] + v2 * dk[2],
             ),
             down=(-sa, -ca * sp, -ca * cp),
+            rails=self.irregularities.rails(s) if self.irregularities else None,
         )
 
     def heading(self, s: float) -> float:
