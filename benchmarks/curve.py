@@ -78,7 +78,7 @@ def run(scene: RunScene, contact: WheelsetContact, variant: Variant, seconds: fl
             wagon(scene),
             track(scene),
             both,
-            speed=scene.vehicle.speed,
+            speed=scene.vehicle.drive,
             span=(0.0, seconds),
             method=variant.method,
             rtol=variant.rtol,

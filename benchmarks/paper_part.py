@@ -76,7 +76,7 @@ class Part:
         return replace(self.contact, model=replace(model, options=replace(model.options, **options)))
 
     def dynamics(self, contact: Contact) -> Dynamics:
-        return Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed)
+        return Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.drive)
 
     @cached_property
     def steady(self) -> Equilibrium:
@@ -135,7 +135,7 @@ class Part:
             wagon(self.scene),
             track(self.scene),
             contact,
-            speed=self.scene.vehicle.speed,
+            speed=self.scene.vehicle.drive,
             span=(self.start, self.start + self.seconds),
             method=method,
             rtol=rtol,

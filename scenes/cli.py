@@ -1,4 +1,4 @@
-"""The command `wheelrail`: a contact solve, or a vehicle run, from a scene file."""
+"""The command `wheelrail`: a contact solve, a vehicle run, or the track of one, from a scene file."""
 
 from __future__ import annotations
 
@@ -41,8 +41,7 @@ def contact(
     given = _load(scene)
     if given.kind == "run":
         raise _refused(f'{scene}: kind = "run": this is a vehicle run, use wheelrail run')
-    if picture is not None and picture.suffix.lower() not in PICTURES:
-        raise _refused(f"--picture {picture}: must end in {', '.join(PICTURES)}")
+    _check_picture(picture)
     results: dict[str, ContactResult] = {}
     report = {"scene": str(scene), **_solved(given, scene, results)}
     from scenes.report import json_text, table
@@ -56,6 +55,32 @@ def contact(
     if report["status"].startswith("failed"):
         print(report["status"], file=sys.stderr)
         raise typer.Exit(FAILED)
+
+
+@app.command()
+def track(
+    scene: SceneFile,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Save the layout as a picture (.png, .svg, .pdf)."),
+    ] = None,
+) -> None:
+    """Show the track of a vehicle run: its segments, cant deficiency and irregularities."""
+    given = _load(scene)
+    if given.kind != "run":
+        raise _refused(f'{scene}: kind = "{given.kind}": only a vehicle run has a track along which to go')
+    _check_picture(picture)
+    from scenes.track_report import segment_table
+
+    result_console().print(segment_table(given))
+    if picture is not None:
+        from scenes.track_picture import draw_track
+
+        try:
+            draw_track(given, picture)
+        except OSError as error:
+            print(f"{picture}: {error}", file=sys.stderr)
+            raise typer.Exit(FAILED) from None
 
 
 @app.command()
@@ -151,6 +176,11 @@ def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
         return load_scene(scene)
     except SceneError as error:
         raise _refused(str(error)) from None
+
+
+def _check_picture(picture: Path | None) -> None:
+    if picture is not None and picture.suffix.lower() not in PICTURES:
+        raise _refused(f"--picture {picture}: must end in {', '.join(PICTURES)}")
 
 
 def _refused(complaint: str) -> typer.Exit:

@@ -29,7 +29,8 @@ def complain(error: ValidationError, model: type[BaseModel], data: Mapping[str, 
         if item["type"] == "extra_forbidden":
             key, says = location, f"unknown key{_nearest(location, model)}"
         elif item["type"] == "scene":
-            key = (*location, *(part for part in str(ctx["key"]).split(".") if part))
+            inner = (int(part) if part.isdigit() else part for part in str(ctx["key"]).split(".") if part)
+            key = (*location, *inner)
             says = str(ctx["allowed"])
         else:
             key, says = location, f"must be {allowed(model, location)}"

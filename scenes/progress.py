@@ -32,11 +32,13 @@ def progress_bar(console: Console, length: float) -> Iterator[Progress]:
 
         def progress(share: float, figures: Mapping[str, float]) -> None:
             nonlocal said
-            shown.update(task, completed=share * length, description="running", solves=figures["solves"])
+            shown.update(task, completed=figures["distance"], description="running", solves=figures["solves"])
             if not console.is_terminal and int(10 * share) > said:
                 said = int(10 * share)
                 left = shown.tasks[0].time_remaining or 0.0
-                console.print(f"{share * length:.0f}/{length:.0f} m, {figures['solves']:.0f} solves, {left:.0f} s left")
+                console.print(
+                    f"{figures['distance']:.0f}/{length:.0f} m, {figures['solves']:.0f} solves, {left:.0f} s left"
+                )
 
         yield progress
 

@@ -60,6 +60,19 @@ class Principal(Range):
 
 
 @dataclass(frozen=True)
+class CurveRadii(Range):
+    """The radius of a track's curve."""
+
+    def __str__(self) -> str:
+        return "a radius in m, at least 50 in size, positive to the left"
+
+    def check(self, value: float) -> float:
+        if abs(value) < 50.0:
+            raise refuse(f"must be {self}")
+        return value
+
+
+@dataclass(frozen=True)
 class OrExact(Range):
     """A constant of a softened law, or its limit, the exact law."""
 
@@ -106,4 +119,11 @@ Length = Annotated[Finite, Range(0.0, 1e5, "m")]
 Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm are 2e-3")]
 Fineness = Annotated[int, Strict(), Range(4, 64)]
 Tolerance = Annotated[Finite, Range(1e-12, 0.1)]
+CurveRadius = Annotated[Finite, CurveRadii(-inf, inf)]
+VerticalRadius = Annotated[Finite, Range(100.0, 1e6, "m")]
+Wavelength = Annotated[Finite, Range(0.1, 1e3, "m")]
+Fade = Annotated[Finite, Range(0.0, 1e3, "m", "over which irregularities grow", open=True)]
+Seed = Annotated[int, Strict(), Range(0, 2**63)]
+Time = Annotated[Finite, Range(0.0, 1e5, "s")]
+TimeAndSpeed = Annotated[tuple[Time, Speed], Strict(False)]
 Seconds = Annotated[Finite, Range(0.0, inf, "s", open=True)]

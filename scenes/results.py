@@ -9,6 +9,7 @@ import numpy as np
 
 from contact.pose import SIDES
 from scenes.netcdf import versions
+from vehicle.irregularity import QUANTITIES
 from vehicle.state import COORDINATES, COUNT
 
 if TYPE_CHECKING:
@@ -47,6 +48,13 @@ PATCH_VARIABLES: dict[str, tuple[str, int | None, str, str]] = {
 BANDS = {
     "wheel_band": "lateral extent of the patch on the wheel, from the rolling circle, to the field side",
     "rail_band": "lateral extent of the patch on the rail, from its top as laid, to the field side",
+}
+
+IRREGULARITIES = {
+    "alignment": "irregularity of the track to the left",
+    "level": "irregularity of the track upwards",
+    "cross_level": "irregularity of the height of the right rail over the left",
+    "gauge": "irregularity of the gauge, wider",
 }
 
 
@@ -114,6 +122,14 @@ def _motion(history: History) -> dict[str, Any]:
     if history.series_deflection.size:
         text = "deflection outwards of the springs in series with dampers, of the left side, then of the right side"
         found["series_deflection"] = (("time", "series"), history.series_deflection, _means("m", text))
+    found["speed"] = ("time", history.speeds, _means("m/s", "speed along the track"))
+    if history.irregularities is not None:
+        for index, name in enumerate(QUANTITIES):
+            found[f"irregularity_{name}"] = (
+                "time",
+                history.irregularities[:, index],
+                _means("m", IRREGULARITIES[name]),
+            )
     for source, name, units, text in (
         (history, "curvature", "1/m", "curvature of the track, positive to the left"),
         (history, "lift", "m", "height of the right rail over the left"),

@@ -6,7 +6,6 @@ import signal
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
-from math import atan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,15 +51,17 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console) -> Out
     folder.mkdir(parents=True, exist_ok=True)
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
+    from vehicle.drive import Drive
     from vehicle.simulate import simulate
 
+    speed = scene.vehicle.drive
     with _workers(contact, scene.solver.workers) as shared, progress_bar(console, scene.track.length) as progress:
         history = simulate(
             wagon(scene),
             track(scene),
             shared,
-            speed=scene.vehicle.speed,
-            span=(0.0, scene.track.length / scene.vehicle.speed),
+            speed=speed,
+            span=(0.0, Drive.of(speed).time_at(scene.track.length)),
             method=scene.solver.method,
             rtol=scene.solver.rtol,
             atol=scene.solver.atol,
@@ -94,21 +95,8 @@ def keep(history: History, text: str, folder: Path, output: Output) -> Iterator[
 
 
 def track(scene: RunScene) -> Track:
-    """The scene's tangent, transition and curve."""
-    from vehicle.track import Track
-
-    line = scene.track
-    return Track.curve(
-        curvature=line.curvature,
-        cant=line.cant,
-        tangent=line.tangent,
-        transition=line.transition_length,
-        length=line.curve,
-        gradient=atan(line.slope),
-        base=line.cant_base,
-        shape=line.transition,
-        corner=line.corner,
-    )
+    """The scene's track, with irregularities if it has any."""
+    return scene.track.track()
 
 
 def wagon(scene: RunScene) -> Wagon:

@@ -22,11 +22,11 @@ from scenes.sections import (
     Stress,
     Table,
     Track,
-    TrackLine,
     Vehicle,
     Wheelset,
 )
 from scenes.toml_file import parse, read_text
+from scenes.track_line import TrackLine
 
 
 class Contact(Table):
@@ -168,7 +168,7 @@ class WheelsetScene(Solve):
 
 
 class RunScene(Contact):
-    """A vehicle run along a tangent, a transition and a curve."""
+    """A vehicle run along a track."""
 
     kind: Literal["run"]
     laws: Literal["paper", "exact"] = "paper"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,6 +13,7 @@ from scenes.complaint import SceneError
 from scenes.override import overridden
 
 if TYPE_CHECKING:
+    from vehicle.drive import Drive
     from vehicle.wagon import Wagon
 
 
@@ -80,43 +82,17 @@ class Profiles(Table):
         return str(file.resolve())
 
 
-class Track(Table):
-    """Position of the rails and curvature of the track."""
+class Rails(Table):
+    """Position of the rails."""
 
     gauge: q.Gauge
     gauge_height: q.GaugeHeight
+
+
+class Track(Rails):
+    """Position of the rails and curvature of the track."""
+
     curvature: q.Curvature
-
-
-class TrackLine(Track):
-    """A tangent, a transition and a curve of constant curvature and cant, lengths in m.
-
-    slope is rise over run; corner is the length over which the ends of a "clothoid" transition are rounded.
-    """
-
-    cant: q.Cant
-    cant_base: q.CantBase = 1.5
-    slope: q.Slope = 0.0
-    transition: Literal["quintic", "clothoid"] = "quintic"
-    corner: q.Length = 3.0
-    tangent: q.Length
-    transition_length: q.Length
-    curve: q.Length
-
-    @property
-    def length(self) -> float:
-        return self.tangent + self.transition_length + self.curve
-
-    @model_validator(mode="after")
-    def _fits(self) -> TrackLine:
-        for key in ("transition_length", "curve"):
-            if getattr(self, key) <= 0.0:
-                raise q.refuse("must be greater than 0 m", key)
-        if self.transition == "clothoid" and not 0.0 < self.corner <= 0.5 * self.transition_length:
-            raise q.refuse("must be greater than 0 m and at most half of transition_length", "corner")
-        if abs(self.cant) > 0.5 * self.cant_base:
-            raise q.refuse("must be at most half of cant_base", "cant")
-        return self
 
 
 class Axle(Table):
@@ -164,14 +140,15 @@ class Wheelset(Axle):
 
 
 class Vehicle(Table):
-    """The wagon's speed in m/s and the file that it is read from, else it is the Manchester wagon.
+    """The wagon's speed in m/s, or pairs of a time s and the speed then, and the file that it is read from, else it is
+    the Manchester wagon.
 
     Any other key replaces the value of that name in it.
     """
 
     model_config = ConfigDict(extra="allow")
 
-    speed: q.Speed
+    speed: q.Speed | Annotated[tuple[q.TimeAndSpeed, ...], Strict(False), Field(min_length=1)]
     wagon: str | None = None
 
     @field_validator("wagon")
@@ -186,6 +163,23 @@ class Vehicle(Table):
         except SceneError as error:
             raise q.refuse(str(error)) from None
         return str(file.resolve())
+
+    @field_validator("speed")
+    @classmethod
+    def _goes_on(cls, value: float | tuple[tuple[float, float], ...]) -> float | tuple[tuple[float, float], ...]:
+        if isinstance(value, tuple) and any(later <= time for (time, _), (later, _) in pairwise(value)):
+            raise q.refuse("times must rise strictly")
+        return value
+
+    @property
+    def drive(self) -> float | Drive:
+        """The speed in the words of `vehicle`."""
+        if not isinstance(self.speed, tuple):
+            return self.speed
+        from vehicle.drive import Drive
+
+        times, speeds = zip(*self.speed, strict=True)
+        return Drive.through(times, speeds)
 
     @model_validator(mode="after")
     def _wagon_has_them(self) -> Vehicle:

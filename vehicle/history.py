@@ -38,7 +38,8 @@ class History:
     secondary_deflection (n,) m, lateral, of the car body against the bogie at the secondary springs;
     bumpstop_deflection (n,) m; bumpstop_force (n,) N on the car body; positive to the left. curvature (n,) 1/m,
     positive to the left; lift (n,) m of the right rail over the left. patches, contact_status: n pairs (left, right).
-    speed m/s, or a drive; radius: nominal rolling radius m.
+    speed m/s, or a drive; radius: nominal rolling radius m. irregularities (n, 4) m as in `vehicle.irregularity`, None
+    on smooth rails.
     """
 
     status: str
@@ -52,10 +53,12 @@ class History:
     patches: list[PatchPair]
     contact_status: list[tuple[str, str]]
     cost: RunCost
+    irregularities: Array | None = None
 
     @classmethod
     def of(cls, recorder: Recorder, cost: RunCost, status: str) -> History:
         dynamics, rows = recorder.dynamics, recorder.rows
+        uneven = dynamics.track.irregularities
         distances = [dynamics.drive(row.time).distance for row in rows]
         return cls(
             status=status,
@@ -69,6 +72,7 @@ class History:
             patches=[row.patches for row in rows],
             contact_status=[row.contact_status for row in rows],
             cost=cost,
+            irregularities=uneven.at(np.array(distances)) if uneven else None,
         )
 
     def __len__(self) -> int:
