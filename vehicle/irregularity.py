@@ -57,17 +57,21 @@ class Irregularities:
 
     @cached_property
     def _knots(self) -> list[float]:
-        return [float(s) for s in self.stations]
+        return [float(s) for s in self.stations.tolist()]
 
     @cached_property
-    def _cubics(self) -> Array:
-        """(n - 1, 4, 4): by piece, falling power and component of both rails; level where they end."""
+    def _cubics(self) -> list[list[list[float]]]:
+        """Of each piece and each component of both rails, four coefficients from the cube down; level at the ends.
+
+        Plain numbers: of so few an array costs more than it saves.
+        """
         from scipy.interpolate import CubicSpline
 
         spline = CubicSpline(self.stations, self.values @ RAILS.T, bc_type="clamped")
-        return np.ascontiguousarray(spline.c.transpose(1, 0, 2))
+        pieces: list[list[list[float]]] = spline.c.transpose(1, 2, 0).tolist()
+        return pieces
 
-    def _piece(self, s: float) -> tuple[Array, float] | None:
+    def _piece(self, s: float) -> tuple[list[list[float]], float] | None:
         i = bisect_right(self._knots, s) - 1
         return (self._cubics[i], s - self._knots[i]) if 0 <= i < len(self._knots) - 1 else None
 
@@ -76,17 +80,8 @@ class Irregularities:
         piece = self._piece(s)
         if piece is None:
             return None
-        (a, b, c, d), x = piece
-        left_y, left_z, right_y, right_z = (((a * x + b) * x + c) * x + d).tolist()
-        return (left_y, left_z), (right_y, right_z)
-
-    def slopes(self, s: float) -> RailShift:
-        """Their derivatives by s."""
-        piece = self._piece(s)
-        if piece is None:
-            return (0.0, 0.0), (0.0, 0.0)
-        (a, b, c, _), x = piece
-        left_y, left_z, right_y, right_z = ((3.0 * a * x + 2.0 * b) * x + c).tolist()
+        cubics, x = piece
+        left_y, left_z, right_y, right_z = [((a * x + b) * x + c) * x + d for a, b, c, d in cubics]
         return (left_y, left_z), (right_y, right_z)
 
     def at(self, stations: Array) -> Array:

@@ -29,7 +29,9 @@ KEPT = 8  # Jacobians that share one set of differences of the contact: 2 of 3 s
 
 @dataclass(frozen=True)
 class Linearised:
-    """Derivatives of the rate (n,) by the state (n, n) and, contacts held, by time (n,); n = 20 + m."""
+    """Derivatives of the rate (n,) by the state (n, n) and by time (n,), n = 20 + m. By time contacts are held but for
+    what irregular rails do to them: these move a stiff contact as much as the wheelset does.
+    """
 
     by_state: Array
     by_time: Array
@@ -59,10 +61,14 @@ class Jacobian:
         by_state[:COUNT, COUNT : 2 * COUNT] = np.eye(COUNT)
         looks, _ = d.accelerations(frame, np.vstack([state, state + STEP * np.eye(len(state))]), wrench)
         by_state[COUNT:] = (looks[1:] - looks[0]).T / STEP
-        by_contact = self.by_wrench(state) @ self.tangent(frame, state, at.contacts)[:, COLUMNS]
-        by_state[COUNT : 2 * COUNT, PLACES] += by_contact
+        by_wrench, tangents = self.by_wrench(state), self.tangents(frame, state, at.contacts)
+        by_state[COUNT : 2 * COUNT, PLACES] += by_wrench @ tangents.sum(axis=0)[:, COLUMNS]
         by_time = np.zeros(len(state))
         by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - looks[0]) / MOMENT
+        if frame.rails is not None and later.rails is not None:
+            rates = (np.array(later.rails) - np.array(frame.rails)) / MOMENT
+            # A rail that moves is a wheelset that moves the other way, wherever both are together.
+            by_time[COUNT : 2 * COUNT] -= by_wrench @ np.einsum("sij,sj->i", tangents[:, :, :2], rates)
         return Linearised(by_state, by_time)
 
     def by_wrench(self, state: Array) -> Array:
@@ -75,34 +81,34 @@ class Jacobian:
         result[PITCH, 4:] = c / iyy, s / iyy
         return result
 
-    def tangent(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
-        """Force and moment of both wheels by the wheelset's position and rates (6, 8)."""
+    def tangents(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
+        """Force and moment of the left and the right wheel by the wheelset's position and rates (2, 6, 8)."""
         contact, wheelset = self.dynamics.contact, self.dynamics.wheelset_state(frame, state)
         if not isinstance(contact, HasTangent):
             return self._differences(wheelset, contacts)
         try:
             if isinstance(contact, WorksAhead):
                 contact.ahead_tangent(wheelset, contacts["right"])
-            total: Array = np.sum([contact.tangent(wheelset, side, contacts[side]) for side in SIDES], axis=0)
+            found = np.array([contact.tangent(wheelset, side, contacts[side]) for side in SIDES])
         except ValueError:  # not every model's results carry one
             return self._differences(wheelset, contacts)
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
             raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error
-        return total if np.isfinite(total).all() else self._differences(wheelset, contacts)
+        return found if np.isfinite(found).all() else self._differences(wheelset, contacts)
 
     def _differences(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
         self.age = (self.age + 1) % KEPT
         if self.differences is not None and self.age:
             return self.differences
-        result, here = np.zeros((6, 8)), _six(contacts)
+        result, here = np.zeros((2, 6, 8)), _six(contacts)
         for column, name, small in zip(COLUMNS, SEEN, SMALL, strict=True):
             self.counts.differences += 1
             moved = replace(wheelset, **{name: getattr(wheelset, name) + small})
-            result[:, column] = (_six(self.dynamics.solve_wheelset(moved, contacts)) - here) / small
+            result[:, :, column] = (_six(self.dynamics.solve_wheelset(moved, contacts)) - here) / small
         self.differences, self.age = result, 0
         return result
 
 
 def _six(contacts: Contacts) -> Array:
-    total = Wrench.of(contacts)
-    return np.concatenate([total.force, total.moment])
+    """Force and moment of the left and the right wheel (2, 6)."""
+    return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])
