@@ -14,10 +14,14 @@ from contact.laws import FallingFriction, Laws
 from scenes.models import hertz_motion, hertz_scale, laws
 from scenes.override import overridden
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene, load_scene, parse_scene
+from vehicle.drive import Drive
+from vehicle.track import Track
 from vehicle.wagon import Wagon
 
 FOLDER = Path(__file__).parents[1] / "scenes"
-HERTZ, WHEELSET, CURVE = ((FOLDER / f"{name}.toml").read_text() for name in ("hertz", "wheelset", "paper_curve"))
+HERTZ, WHEELSET, CURVE, IRREGULAR = (
+    (FOLDER / f"{name}.toml").read_text() for name in ("hertz", "wheelset", "paper_curve", "irregular")
+)
 
 
 def changed(text: str, old: str, new: str) -> str:
@@ -252,13 +256,28 @@ MALFORMED = [
         CURVE,
         'transition = "quintic"',
         'transition = "cubic"',
-        ('track.transition = "cubic"', '"quintic" or "clothoid"'),
+        ('track.transition = "cubic"', '"quintic" or "clothoid" or "bloss"'),
     ),
     (CURVE, "speed = 45.0", "speed = 450.0", ("vehicle.speed = 450.0", "162 km/h")),
     (CURVE, "speed = 45.0", "speed = 45.0\nmass = 3", ("vehicle.mass = 3: unknown key", "car_body")),
     (CURVE, "speed = 45.0", "speed = 45.0\ncar_body = {mass = -1}", ("vehicle.car_body.mass = -1", "positive")),
     (CURVE, "speed = 45.0", 'speed = 45.0\nroll_bar = "x"', ('vehicle.roll_bar = "x"', "a number")),
     (CURVE, 'method = "ode23"', 'method = "ode15s"', ('solver.method = "ode15s"', '"ode23" or "ode45"')),
+    (CURVE, "speed = 45.0", "speed = [[0.0, 45.0], [5.0, 450.0]]", ("vehicle.speed[1][1] = 450.0", "162 km/h")),
+    (CURVE, "speed = 45.0", "speed = [[5.0, 45.0], [5.0, 40.0]]", ("vehicle.speed = ", "times must rise strictly")),
+    (CURVE, "tangent = 50.0", "", ("track.tangent: missing", "segments instead")),
+    (IRREGULAR, "radius = 800.0", "radius = 8.0", ("track.segments[2].radius = 8.0", "at least 50")),
+    (IRREGULAR, "radius = 800.0", "radius = 800.0\ncurvature = 1e-3", ("segments[2].radius = 800.0", "not both")),
+    (IRREGULAR, "cant = 0.08 ", "cant = 0.8 ", ("track.segments[2].cant = 0.8", "60 mm are 0.06")),
+    (IRREGULAR, "vertical_radius = 4000.0", "", ("track.segments[3].vertical_radius: missing", "slope changes")),
+    (IRREGULAR, "cant = 0.06", 'shape = "bloss"', ('track.segments[4].shape = "bloss"', "only for a transition")),
+    (IRREGULAR, "cant_base = 1.5", "cant_base = 1.5\ntangent = 5.0", ("track.tangent = 5.0", "not beside segments")),
+    (IRREGULAR, 'kind = "arc"', 'kind = "tangent"', ("track.segments[2].radius = 800.0", "left out for a tangent")),
+    (IRREGULAR, 'spectrum = "low"', 'spectrum = "medium"', ('spectrum = "medium"', '"low" or "high"')),
+    (IRREGULAR, 'spectrum = "low"', 'file = "none.csv"', ('irregularities.file = "none.csv"', "cannot be read")),
+    (IRREGULAR, "seed = 1", "seed = -1", ("track.irregularities.seed = -1", "from 0")),
+    (IRREGULAR, "[3.0, 100.0]", "[100.0, 3.0]", ("irregularities.wavelengths", "shorter one first")),
+    (IRREGULAR, "fade = 10.0", "fade = 500.0", ("track.irregularities.fade = 500.0", "track's length of 160 m")),
     (CURVE, "rtol = 1e-3", "rtol = 0.0", ("solver.rtol = 0.0", "1e-12")),
 ]
 
@@ -276,6 +295,32 @@ def test_malformed_scene_gives_one_error(text: str, old: str, new: str, says: tu
     for part in says:
         assert part in message
     assert "pydantic" not in message
+
+
+def test_short_form_and_segments_of_a_track(tmp_path: Path) -> None:
+    short, long = parse_scene(CURVE), parse_scene(IRREGULAR)
+    assert isinstance(short, RunScene)
+    assert isinstance(long, RunScene)
+    again = Track.curve(curvature=8.333333333333333e-4, cant=0.06, tangent=50.0, transition=100.0, length=200.0)
+    assert (short.track.track(), short.vehicle.drive) == (again, 45.0)
+    made = long.track.track()
+    assert made.curvature.values == (0.0, 1 / 800, 1 / 800, -1 / 1000)
+    assert made.curvature.shape == ("bloss", "quintic", "bloss")
+    assert made.irregularities is not None
+    assert np.abs(made.irregularities.at(np.array([long.track.length]))).max() > 0.0
+    assert isinstance(long.vehicle.drive, Drive)
+    assert long.vehicle.drive(10.0).speed == 34.0
+    (tmp_path / "measured.csv").write_text("s, level [mm]\n" + "".join(f"{s}, 1\n" for s in range(200)))
+    text = changed(IRREGULAR, 'spectrum = "low"', 'file = "measured.csv"')
+    for line in ("seed = 1", "wavelengths = [3.0, 100.0]"):
+        with pytest.raises(SceneError, match="only with spectrum"):
+            parse_scene(text, tmp_path / "scene.toml")
+        text = changed(text, line, "")
+    measured = parse_scene(text, tmp_path / "scene.toml")
+    assert isinstance(measured, RunScene)
+    uneven = measured.track.track().irregularities
+    assert uneven is not None
+    np.testing.assert_allclose(uneven.at(np.array([100.0])), [[0.0, 1e-3, 0.0, 0.0]], atol=1e-12)
 
 
 @pytest.mark.parametrize("line", ["wheel_load = 57e3", "axle_load = 114e3", "z = -0.0002"])
