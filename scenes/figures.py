@@ -90,10 +90,10 @@ PICTURES: dict[str, Callable[[Any], Figure]] = {
 
 
 def named(side: str, data: Dataset) -> str:
-    """left or right, with inner and outer where the track curves."""
+    """left or right, with inner and outer where the track curves to one hand only."""
     curvature = data["curvature"].values
     most = float(curvature[np.argmax(np.abs(curvature))])
-    if most == 0.0:
+    if most == 0.0 or curvature.min() * curvature.max() < 0.0:
         return side
     return f"{side} ({'inner' if (most > 0.0) == (side == 'left') else 'outer'})"
 
@@ -110,8 +110,8 @@ def along_track(data: Dataset, count: int, *, sharey: bool = False) -> tuple[Fig
         ax.set_xlim(distance[0], distance[-1])
     most = np.abs(curvature).max()
     if most > 0.0:
-        hand = "left" if curvature[np.argmax(np.abs(curvature))] > 0.0 else "right"
-        text = f"grey: track curves to the {hand}, darkest at R = {1.0 / most:.0f} m"
+        hands = [hand for hand, extreme in (("left", curvature.max()), ("right", -curvature.min())) if extreme > 0.0]
+        text = f"grey: track curves to the {' and the '.join(hands)}, darkest at R = {1.0 / most:.0f} m"
         axes[0].set_title(text, loc="right", color="0.45", fontsize=8)
     axes[-1].set_xlabel("distance along the track [m]")
     return figure, axes

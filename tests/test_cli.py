@@ -250,6 +250,18 @@ def test_bad_input_is_exit_code_2(arguments: list[str], says: str) -> None:
     assert "Traceback" not in outcome.stderr
 
 
+def test_track_is_shown_and_drawn(tmp_path: Path) -> None:
+    file = tmp_path / "track.png"
+    outcome = CliRunner().invoke(app, ["track", str(SCENES / "irregular.toml"), "--picture", str(file)])
+    assert outcome.exit_code == 0
+    assert "bloss" in outcome.output
+    assert file.stat().st_size > 20_000
+    for arguments, says in ((["hertz.toml"], "only a vehicle run"), (["curve.toml", "--picture", "x.gif"], "must end")):
+        refused = CliRunner().invoke(app, ["track", str(SCENES / arguments[0]), *arguments[1:]])
+        assert refused.exit_code == 2
+        assert says in refused.output
+
+
 def test_malformed_scene_is_exit_code_2_without_traceback(tmp_path: Path) -> None:
     outcome = contact(edited(tmp_path, HERTZ, ("friction = 0.3", "friction = 3")), "--json")
     assert (outcome.exit_code, outcome.stdout) == (2, "")
