@@ -1,10 +1,10 @@
 """Random irregularities from the spectra of ERRI B176, low and high.
 
-Constants: ERRI B176 RP 1, Bogies with steered or steering wheelsets: Specifications and preliminary studies, 1989, as
-given by H. Claus, W. Schiehlen, Modeling and simulation of railway bogie structural vibrations, Vehicle System Dynamics
-29 Suppl. (1998) 538-552, DOI 10.1080/00423119808969585. Figures of the manual of GENSYS for the high class (program
-TRC_IPSD, in m2/(1/m), which is 2 pi times the unit here) agree. That of the gauge is no part of B176: it is the
-German one of the same form that is used beside it in China.
+The formulas and constants are those that public codes and the literature on track dynamics repeat for ORE / ERRI B176
+and for the German railways, with different names; the report itself was not at hand. The manual of GENSYS prints
+figures of the high class (www.gensys.se/doc_html/trc_ipsd.html) in m2/(1/m), 2 pi times the unit here: they agree to
+four digits, and its white spectrum shows that they are one-sided. The gauge is no part of B176: its spectrum is the one
+of the same form that goes with it in the Chinese literature.
 """
 
 from __future__ import annotations
