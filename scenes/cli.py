@@ -90,18 +90,26 @@ def run(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder of the results; results/<name of the scene> without it."),
     ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a run that was stopped or killed, from its last checkpoint.")
+    ] = False,
 ) -> None:
-    """Run a vehicle along its track; Ctrl-C keeps everything computed so far."""
+    """Run a vehicle along its track; Ctrl-C keeps everything computed so far, --resume goes on from there."""
     given = _load(scene)
     if given.kind != "run":
         raise _refused(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail contact')
+    from scenes.resume import ended
     from scenes.run import run_scene
     from scenes.scene import SceneError
 
     folder = out or Path("results", scene.stem)
     try:
+        if resume and ended(given, scene, folder):
+            print(f"{folder}: this run is complete, there is nothing to go on with")
+            return
         with stdout_for_results():
-            outcome = run_scene(given, scene.read_text(encoding="utf-8"), folder, progress_console())
+            text = scene.read_text(encoding="utf-8")
+            outcome = run_scene(given, text, folder, progress_console(), resume=resume)
     except SceneError as error:
         raise _refused(f"{scene}: {error}") from None
     except OSError as error:

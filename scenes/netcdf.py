@@ -11,17 +11,17 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def versions() -> str:
-    """Versions of this package and of what computes."""
+def versions() -> dict[str, str]:
+    """Versions of this package and of what computes, by name."""
     from importlib.metadata import PackageNotFoundError, version
 
-    found = []
-    for name in ("wheelrail", "numpy", "scipy", "fenics-dolfinx", "petsc4py", "xarray"):
+    found = {}
+    for name in ("wheelrail", "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "xarray"):
         try:
-            found.append(f"{name} {version(name)}")
+            found[name] = version(name)
         except PackageNotFoundError:
             continue
-    return ", ".join(found)
+    return found
 
 
 def write(data: Dataset, file: Path) -> None:

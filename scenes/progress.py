@@ -14,8 +14,11 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def progress_bar(console: Console, length: float) -> Iterator[Progress]:
-    """A bar over the distance m with the time left, called by `simulate` at each accepted step; ten lines in a log."""
+def progress_bar(console: Console, length: float, gone: float = 0.0) -> Iterator[Progress]:
+    """A bar over the distance m with the time left, called by `simulate` at each accepted step; ten lines in a log.
+
+    gone m, where a run goes on.
+    """
     from rich import progress as bars
 
     columns = (
@@ -28,7 +31,7 @@ def progress_bar(console: Console, length: float) -> Iterator[Progress]:
         bars.TextColumn("left, {task.fields[solves]:.0f} solves"),
     )
     with bars.Progress(*columns, console=console, speed_estimate_period=120.0) as shown:
-        task, said = shown.add_task("equilibrium", total=length, solves=0), 0
+        task, said = shown.add_task("equilibrium", total=length, completed=int(gone), solves=0), int(10 * gone / length)
 
         def progress(share: float, figures: Mapping[str, float]) -> None:
             nonlocal said

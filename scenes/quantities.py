@@ -118,6 +118,7 @@ Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille are
 Length = Annotated[Finite, Range(0.0, 1e5, "m")]
 Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm are 2e-3")]
 Fineness = Annotated[int, Strict(), Range(4, 64)]
+Steps = Annotated[int, Strict(), Range(0, 100_000)]
 Tolerance = Annotated[Finite, Range(1e-12, 0.1)]
 CurveRadius = Annotated[Finite, CurveRadii(-inf, inf)]
 VerticalRadius = Annotated[Finite, Range(100.0, 1e6, "m")]

@@ -97,7 +97,7 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
         "steps_failed": steps.failed,
         "evaluations": steps.evaluations,
         "scene": scene,
-        "versions": versions(),
+        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     return Dataset(every, coords=coordinates, attrs=attributes)

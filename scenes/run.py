@@ -6,6 +6,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from vehicle.track import Track
     from vehicle.wagon import Wagon
 
-RESULTS = "run.nc"
+RESULTS, CHECKPOINTS = "run.nc", "run.checkpoints"
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Outcome:
 
     history: History
     files: tuple[Path, ...]
+    resumable: bool = False
 
     @property
     def status(self) -> str:
@@ -40,38 +42,57 @@ class Outcome:
         """What to print at the end: cost by side, how it ended, and where everything is."""
         reached = f" at {self.history.distance[-1]:.1f} m" if len(self.history) else " before the first step"
         lines = [f"{self.status}{reached}", *(f"  {file}" for file in self.files)]
+        if self.resumable:
+            lines.append("  with --resume the run goes on from its last checkpoint")
         return [costs(self.history), "\n".join(lines)]
 
 
-def run_scene(scene: RunScene, text: str, folder: Path, console: Console) -> Outcome:
+def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, resume: bool = False) -> Outcome:
     """Run a scene and keep what it gives in a folder; text is the scene as written, kept with the results.
 
-    An interrupted or failed run is kept up to where it came. Raises OSError when the folder cannot be written.
+    An interrupted or failed run is kept up to where it came, and its checkpoints, from the latest of which resume goes
+    on; a complete one leaves none. Raises OSError when the folder cannot be written, SceneError for checkpoints of
+    another scene.
     """
+    from scenes.journal import Journal, head_of
+    from scenes.resume import head, latest
+
     folder.mkdir(parents=True, exist_ok=True)
+    journal = Journal(folder / CHECKPOINTS, head(scene), partial(console.print, highlight=False, markup=False))
+    if not resume and head_of(journal.file):
+        console.print(f"{folder} holds a run that was stopped; this one starts anew, --resume would go on with it")
+    start = latest(journal, journal.tell) if resume else None
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
+    from vehicle.checkpoint import Checkpoints
     from vehicle.drive import Drive
     from vehicle.simulate import simulate
 
+    checkpoints = Checkpoints(scene.output.checkpoint, journal.keep, start) if scene.output.checkpoint else None
     speed = scene.vehicle.drive
-    with _workers(contact, scene.solver.workers) as shared, progress_bar(console, scene.track.length) as progress:
+    end = Drive.of(speed).time_at(scene.track.length)
+    gone = scene.track.length * start.time / end if start else 0.0
+    with _workers(contact, scene.solver.workers) as shared, progress_bar(console, scene.track.length, gone) as progress:
         history = simulate(
             wagon(scene),
             track(scene),
             shared,
             speed=speed,
-            span=(0.0, Drive.of(speed).time_at(scene.track.length)),
+            span=(0.0, end),
             method=scene.solver.method,
             rtol=scene.solver.rtol,
             atol=scene.solver.atol,
             every=scene.output.interval or None,
             progress=progress,
+            checkpoints=checkpoints,
         )
     if not len(history):
         return Outcome(history, ())
     with console.status("results and pictures"):
-        return Outcome(history, tuple(keep(history, text, folder, scene.output)))
+        files = tuple(keep(history, text, folder, scene.output))
+    if history.status == "completed":
+        journal.remove()
+    return Outcome(history, files, resumable=journal.file.exists())
 
 
 def keep(history: History, text: str, folder: Path, output: Output) -> Iterator[Path]:

@@ -213,12 +213,14 @@ class Solver(Table):
 
 
 class Output(Table):
-    """What is kept: one sample per interval s (0 keeps every accepted step), and the pictures.
+    """What is kept: one sample per interval s (0 keeps every accepted step), and the pictures; and the number of steps
+    from one checkpoint to the next, from which `--resume` goes on (0: none).
 
     shear_yield Pa of the steel places the patches on the shakedown map, and does nothing else.
     """
 
     interval: Annotated[q.Finite, q.Range(0.0, 10.0, "s")] = 0.0
+    checkpoint: q.Steps = 50
     figures: bool = True
     shear_yield: q.ShearYield = 300e6
 

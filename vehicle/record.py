@@ -78,8 +78,9 @@ class Recorder:
     latest: list[Row] = field(default_factory=list)
 
     def begin(self, time: float, state: Array, at: Evaluation) -> None:
-        self.rows.append(Row.of(self.dynamics, time, state, at))
-        self.latest = [self.rows[0]]
+        """The first row, or where a run that has rows goes on."""
+        self.latest = [Row.of(self.dynamics, time, state, at)]
+        self.rows = self.rows or self.latest[:]
 
     def add(self, step: Step[Evaluation]) -> None:
         before, now = self.latest[0], Row.of(self.dynamics, step.t, step.x, step.end)

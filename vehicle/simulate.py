@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.pose import SIDES
 from vehicle.attempts import StepFailure
+from vehicle.checkpoint import Checkpoint, Checkpoints
 from vehicle.control import Control
 from vehicle.drive import Drive
-from vehicle.dynamics import Contact, Dynamics
+from vehicle.dynamics import Contact, Dynamics, Evaluation
 from vehicle.equilibrium import EquilibriumError, equilibrium
 from vehicle.history import History, RunCost
 from vehicle.jacobian import Jacobian
@@ -21,7 +24,7 @@ from vehicle.state import COUNT
 from vehicle.steppers import StepTooSmall, integrate
 from vehicle.tableau import METHODS as EXPLICIT
 from vehicle.tableau import Tableau
-from vehicle.tally import Tally
+from vehicle.tally import SideCost, Tally
 from vehicle.track import Track
 from vehicle.wagon import Wagon
 
@@ -48,6 +51,7 @@ def simulate(
     min_step: float = 1e-8,
     control: Control | None = None,
     progress: Progress | None = None,
+    checkpoints: Checkpoints | None = None,
 ) -> History:
     """Motion of the wagon over the times span s at constant speed m/s or on a drive; distance is zero at time zero.
 
@@ -56,48 +60,78 @@ def simulate(
     equilibrium at the start. Rows at accepted steps, or `every` so many seconds. Each contact solve starts from the
     result before, the first of a step from the latest accepted one. A solve that fails makes the step shorter; when
     min_step s does not help either, or on Ctrl-C, the history ends there and its status tells. progress gets the share
-    done and figures at each accepted step. Raises ValueError for senseless input.
+    done and figures at each accepted step. With checkpoints the run goes on from the latest one; all else given must be
+    the same. Raises ValueError for senseless input.
     """
     if method not in METHODS:
         raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
     if every is not None and not every > 0.0:
         raise ValueError(f"every = {every} s: positive, or None for all accepted steps")
-    tally = Tally(contact)
-    dynamics = Dynamics(wagon, track, tally, speed)
+    (t0, t1), status = span, "completed"
+    at = checkpoints.latest if checkpoints else None
+    cost = deepcopy(at.cost) if at else RunCost(contact={side: SideCost() for side in SIDES})
+    dynamics = Dynamics(wagon, track, Tally(contact, cost.contact), speed)
     if initial is not None and np.shape(initial) != (dynamics.size,):
         raise ValueError(f"initial: shape {np.shape(initial)}: a state of this wagon has {dynamics.size} numbers")
-    recorder, cost = Recorder(dynamics, every), RunCost(contact=tally.costs)
-    (t0, t1), began, status = span, perf_counter(), "completed"
+    recorder = Recorder(dynamics, every, list(at.rows) if at else [])
+    began = perf_counter() - cost.seconds
+
+    def here(time: float, state: Array, step: float | None, error: float) -> Checkpoint:
+        cost.seconds = perf_counter() - began
+        return Checkpoint(time, state, step, error, deepcopy(cost), recorder.rows)
+
     try:
-        state = equilibrium(dynamics, time=t0).state if initial is None else np.array(initial, dtype=float)
-        start = dynamics(t0, state)
-        recorder.begin(t0, state, start)
-        for step in integrate(
-            dynamics,
-            t0,
-            state,
-            t1,
-            tableau=METHODS[method],
-            jacobian=Jacobian(dynamics, cost.steps),
-            rtol=rtol,
-            atol=tolerances(method, atol, dynamics.size),
-            control=control,
-            start=start,
-            max_step=max_step,
-            min_step=min_step,
-            counts=cost.steps,
-        ):
-            recorder.add(step)
-            if progress is not None:
-                progress(
-                    (step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, dynamics.drive(step.t).distance, cost)
-                )
+        if at is None:
+            state = equilibrium(dynamics, time=t0).state if initial is None else np.array(initial, dtype=float)
+            at = here(t0, state, None, 1.0)
+        start = dynamics(at.time, at.state)
+        while True:
+            recorder.begin(at.time, at.state, start)
+            if checkpoints is not None:
+                checkpoints.keep(at)
+            leg = integrate(
+                dynamics,
+                at.time,
+                at.state,
+                t1,
+                tableau=METHODS[method],
+                jacobian=Jacobian(dynamics, cost.steps),
+                rtol=rtol,
+                atol=tolerances(method, atol, dynamics.size),
+                control=control,
+                start=start,
+                first_step=at.step,
+                before=at.error,
+                max_step=max_step,
+                min_step=min_step,
+                counts=cost.steps,
+            )
+            for done, step in enumerate(leg, start=1):
+                recorder.add(step)
+                if progress is not None:
+                    distance = dynamics.drive(step.t).distance
+                    progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, cost))
+                if checkpoints is not None and done >= checkpoints.every and step.t < t1:
+                    at = here(step.t, step.x, step.following, step.error)
+                    if (anew := _anew(dynamics, at)) is not None:
+                        start = anew
+                        break
+            else:
+                break
     except KeyboardInterrupt:
         status = "interrupted"
     except (StepTooSmall, StepFailure, EquilibriumError) as error:
         status = f"failed: {error}"
     cost.seconds = perf_counter() - began
     return History.of(recorder, cost, status)
+
+
+def _anew(dynamics: Dynamics, at: Checkpoint) -> Evaluation | None:
+    """The evaluation at a checkpoint, from nothing; None where contacts need the results before to be solved."""
+    try:
+        return dynamics(at.time, at.state)
+    except StepFailure:
+        return None
 
 
 def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float | Array:

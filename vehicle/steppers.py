@@ -23,7 +23,9 @@ class StepTooSmall(RuntimeError):
 
 @dataclass(frozen=True)
 class Step(Generic[E]):
-    """An accepted step from (t0, x0) to (t, x), with the evaluations at both ends and the error in tolerances."""
+    """An accepted step from (t0, x0) to (t, x), with the evaluations at both ends, the error in tolerances, and the
+    length that the next one should have.
+    """
 
     t0: float
     x0: Array
@@ -32,6 +34,7 @@ class Step(Generic[E]):
     x: Array
     end: E
     error: float
+    following: float
 
     def at(self, time: float) -> Array:
         """State at a time within the step, by the cubic that meets values and rates at both ends."""
@@ -55,6 +58,7 @@ def integrate(
     control: Control | None = None,
     start: E | None = None,
     first_step: float | None = None,
+    before: float = 1.0,
     max_step: float = np.inf,
     min_step: float = 1e-8,
     counts: Counts | None = None,
@@ -64,7 +68,8 @@ def integrate(
     The right-hand side is handed the evaluation before: of the stage before, or of the last accepted state for the
     first stage, so that nothing of a rejected step lives on. It may raise StepFailure: the step is then tried again,
     shorter. An implicit method asks the jacobian once at every accepted state. Error: largest component over atol +
-    rtol |x|. Raises StepTooSmall below min_step, ValueError for senseless input.
+    rtol |x|; before, that of the step before the first one. Raises StepTooSmall below min_step, ValueError for
+    senseless input.
     """
     if not (t1 > t0 and rtol >= 0.0 and np.all(np.asarray(atol) > 0.0) and 0.0 < min_step <= max_step):
         raise ValueError("integrate: t1 > t0, rtol >= 0, atol > 0 and 0 < min_step <= max_step are needed")
@@ -81,7 +86,7 @@ def integrate(
     if first_step is None:
         counts.evaluations += 1
         first_step = _first_step(rhs, t, x, start, atol + rtol * np.abs(x), k)
-    h, before, fresh = min(first_step, max_step), 1.0, True
+    h, fresh = min(first_step, max_step), True
     reason: StepFailure | None = None
     while t < t1:
         if t + 1.01 * h >= t1:
@@ -104,10 +109,10 @@ def integrate(
             h *= control.retry
             continue
         counts.accepted += 1
-        step = Step(t, x, start, after, new, end, error)
         factor = control.factor(error, before, k)
         h = min(max_step, h * (factor if fresh else min(1.0, factor)))
-        t, x, start, before, fresh, reason = step.t, new, end, error, True, None
+        step = Step(t, x, start, after, new, end, error, h)
+        t, x, start, before, fresh, reason = after, new, end, error, True, None
         yield step
 
 
