@@ -9,7 +9,7 @@ Exact laws are reached by multipliers, see `contact.augmented`: each loop is one
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
 
@@ -80,7 +80,8 @@ class Full:
         problem = Problem.of(points, self, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
-        u, z, forces, status, count = self._solve(problem, points.area, speed, warm=guess is not None and guess.ok)
+        before = None if guess is None else guess.displacements
+        u, z, forces, status, count = self._solve(problem, points.area, speed, before)
         solved = perf_counter()
         if status != "converged":
             return ContactResult.failed(status, approach)
@@ -89,7 +90,7 @@ class Full:
         moved = np.zeros((n, 3))
         local = (problem.displacement @ u).reshape(-1, n).T
         moved[:, 3 - local.shape[1] :] = local
-        return outcome(
+        result = outcome(
             points,
             node=points.node,
             patch=connected(points.node, traction[:, 0] < 0, self.wheel.grid.shape),
@@ -109,12 +110,13 @@ class Full:
                 seconds={"points": ready - start, "solve": solved - ready},
             ),
         )
+        return replace(result, displacements=u)
 
     def _solve(
-        self, problem: Problem, area: Array, speed: float, *, warm: bool
+        self, problem: Problem, area: Array, speed: float, start: Array | None
     ) -> tuple[Array, Array, Array, str, Count]:
         """Displacements, z (n, c) and nodal forces (n, c) of the laws, status and cost."""
-        u, status, count = self.solver.run(problem, warm=warm)
+        u, status, count = self.solver.run(problem, start)
         bare, added = problem.constant, np.zeros((len(area), self.law.components))
         z, forces = problem.state(u)
         if self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance):
@@ -125,7 +127,7 @@ class Full:
             count.loops += 1
             added = offset(self.laws, self.soft, forces / area[:, None], (z - added)[:, 1:], speed)
             problem.constant = bare + added.T.ravel()
-            u, status, more = self.solver.run(problem, warm=True)
+            u, status, more = self.solver.run(problem, u)
             count.add(more)
             before = forces
             z, forces = problem.state(u)

@@ -63,7 +63,6 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count = Count()
         size = stiffness.getSize()[0]
         self._b, self._work = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
-        self._last: Array | None = None
         self._contact = 0.0  # norm of the contact forces: what a residual is measured by
         self._product = Product(stiffness)
         jacobian = PETSc.Mat().createPython([size, size], self._product, comm=PETSc.COMM_SELF)
@@ -93,8 +92,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.error_on_nonconvergence = False
         self.report = False
 
-    def run(self, problem: Problem, *, warm: bool = False) -> tuple[Array, str, Count]:
-        """Displacements, status and cost; warm starts from the displacements of the last solve.
+    def run(self, problem: Problem, start: Array | None = None) -> tuple[Array, str, Count]:
+        """Displacements, status and cost; from displacements to start from, or from afar where these lead nowhere.
 
         From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
         wanders, from the blunter law's answer it does not.
@@ -107,8 +106,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         blunt = [sharp * k for k in LEVELS] if law.components == 3 else []
         x = PETSc.Vec().createSeq(self.stiffness.getSize()[0])
         relative = np.inf
-        if warm and self._last is not None:
-            x.array[:] = self._last
+        if start is not None:
+            x.array[:] = start
             relative = self._sharpen(x, [sharp], sharp)
         if not relative <= self.options.tolerance:
             x.set(0.0)
@@ -118,8 +117,6 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
             status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
             if self.count.failed_linear:
                 status += f", {self.count.failed_linear} linear solves without convergence"
-        else:
-            self._last = x.array_r.copy()
         self.count.residual = relative
         return x.array_r.copy(), status, self.count
 

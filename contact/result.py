@@ -141,7 +141,7 @@ class ContactResult:
     the track's axes and the wheelset's centre. approach m: largest undeformed overlap along the normal. status is
     "converged", "separated" (no overlap) or "failed: ..." with the reason; a failed result carries no force to be
     used. error_estimate: when the model was asked for it. linearised: what `tangent` is computed from, where the model
-    keeps it. cells: what fitted cells start from next time.
+    keeps it. What solves start from next time: cells, fitted ones; displacements of all unknowns, m, of the full model.
     """
 
     force: Array
@@ -154,6 +154,7 @@ class ContactResult:
     error_estimate: ErrorEstimate | None = None
     linearised: Tangent | None = field(default=None, repr=False, compare=False)
     cells: Cells | None = field(default=None, repr=False, compare=False)
+    displacements: Array | None = field(default=None, repr=False, compare=False)
 
     @property
     def ok(self) -> bool:

@@ -167,3 +167,18 @@ def test_no_overlap_no_force() -> None:
     assert result.status == "separated"
     assert not result.force.any()
     assert result.approach == pytest.approx(-1e-6)
+
+
+def test_a_solve_depends_on_its_guess_and_on_nothing_solved_before() -> None:
+    """To the last bit: as two wheels share a model, and a run goes on in another process."""
+    sphere, near, other = (RADIUS, RADIUS), rolling(1.1e-3, -5e-4, 0.3), rolling(-1e-3, 2e-3, 0.0)
+    model = full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)
+    start = model(pose(3.2), CREEP)
+    first = model(pose(3.3), near, start)
+    model(pose(2.7), other, model(pose(2.6), other))
+    again = model(pose(3.3), near, start)
+    elsewhere = full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(3.3), near, start)
+    for result in (again, elsewhere):
+        np.testing.assert_array_equal(result.force, first.force)
+        assert result.displacements is not None
+        np.testing.assert_array_equal(result.displacements, first.displacements)

@@ -192,7 +192,7 @@ def _answered(
     known = None if key is None else kept[key]
     if what == "solve":
         kept[number] = contact(state, THERE, known)
-        return replace(kept[number], patches=(), fields=None, linearised=None, cells=None)
+        return replace(kept[number], patches=(), fields=None, linearised=None, cells=None, displacements=None)
     assert known is not None
     return known.patches if what == "patches" else _tangent(contact, state, THERE, known)
 
