@@ -69,17 +69,16 @@ class SurfaceCompliance:
     def _fill(self, nodes: Index, direction: int) -> None:
         row, line = np.divmod(nodes, self.shape[1])
         missing = sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
-        unknown = [tile for tile in missing if not self._recall(tile, direction)]
-        if unknown:
+        for tile in missing:
+            if self._recall(tile, direction):
+                continue
             if self._body is None:
                 self._body = self.body()
-            members = [self._nodes(tile) for tile in unknown]
-            columns = self._body.respond(np.concatenate(members), direction)
+            # tile by tile, though more at once are faster: the last bits depend on what is solved together
+            columns = self._body.respond(self._nodes(tile), direction).reshape(-1, len(self._matrix))
             self.columns_solved += len(columns)
-            ends = np.cumsum([len(m) for m in members])[:-1]
-            for tile, part in zip(unknown, np.split(columns.reshape(len(columns), -1), ends), strict=True):
-                store(self._name(tile, direction), {"columns": part})
-                self._keep(tile, direction, part)
+            store(self._name(tile, direction), {"columns": columns})
+            self._keep(tile, direction, columns)
 
     def _nodes(self, tile: tuple[int, int]) -> Index:
         first = tile[0] * TILE

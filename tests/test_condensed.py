@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -79,6 +80,17 @@ def test_compliance_is_solved_only_where_it_is_asked_for(monkeypatch: pytest.Mon
     monkeypatch.setattr("contact.compliance.load", lambda name: pytest.fail("what is known was read again"))
     surface.block(few)
     assert surface.columns_solved == 3 * once
+
+
+def test_compliance_is_the_same_to_the_last_bit_whatever_is_asked_for_first(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    nodes, blocks = np.arange(20, 90), []
+    for name, orders in (("one", [nodes]), ("other", [nodes[33:40], nodes[:5], nodes])):
+        monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path / name))
+        surface = compliance(TETRAHEDRA, Steel(210e9, 0.21), SIZE)
+        blocks.append([surface.block(asked, (2,)) for asked in orders][-1])
+    np.testing.assert_array_equal(*blocks)
 
 
 def relative_compliance(points: ContactPoints, model: Condensed, order: int) -> tuple[Array, Array]:
