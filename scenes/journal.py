@@ -32,6 +32,10 @@ class StillRunning(OSError):
     """Another process goes on with this run."""
 
 
+class Unreadable(OSError):
+    """A checkpoint that is whole, and is none of this version's."""
+
+
 class Plain(pickle.Unpickler):
     """Makes objects of this package, and arrays."""
 
@@ -73,7 +77,7 @@ class Journal:
         """The last checkpoint that is whole, with all rows up to it; those to come go after it.
 
         None when there is none. Raises OSError when the file cannot be read and written, StillRunning when another
-        process does so.
+        process does so, Unreadable for checkpoints of other classes.
         """
         stream = open(self.file, "r+b", buffering=0)  # noqa: SIM115 - it stays open, which holds the lock
         try:
@@ -138,7 +142,11 @@ def _records(content: bytes) -> Iterator[tuple[int, bytes, Checkpoint]]:
         if digest != _digest(before, payload):
             return
         before = digest
-        yield at, digest, Plain(io.BytesIO(payload)).load()
+        try:
+            found = Plain(io.BytesIO(payload)).load()
+        except (pickle.UnpicklingError, AttributeError, ImportError, TypeError) as error:
+            raise Unreadable(f"a checkpoint that cannot be read: {error}") from error
+        yield at, digest, found
 
 
 def _record(before: bytes, payload: bytes) -> tuple[bytes, bytes]:

@@ -29,7 +29,17 @@ def head(scene: RunScene) -> dict[str, Any]:
             return {key: plain(item) for key, item in value.items()}
         return value
 
-    return {"versions": versions(), "scene": plain(json.loads(json.dumps(scene.model_dump())))}
+    own = {"sources": _sources()}
+    return {"versions": versions() | own, "scene": plain(json.loads(json.dumps(scene.model_dump())))}
+
+
+def _sources() -> str:
+    """Hash of this package's own files, which change more often than its version."""
+    root, found = Path(__file__).parents[1], hashlib.sha256()
+    for package in ("meshes", "forms", "contact", "vehicle", "scenes"):
+        for file in sorted((root / package).rglob("*.py")):
+            found.update(file.read_bytes())
+    return found.hexdigest()[:12]
 
 
 def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
