@@ -80,10 +80,9 @@ class Journal:
         process does so, Unreadable for checkpoints of other classes.
         """
         stream = open(self.file, "r+b", buffering=0)  # noqa: SIM115 - it stays open, which holds the lock
-        try:
-            fcntl.lockf(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise StillRunning(f"{self.file}: the run goes on in another process") from None
+        if not _locked(stream):
+            stream.close()
+            raise StillRunning("the run goes on in another process")
         found: Checkpoint | None = None
         rows: list[Row] = []
         for end, digest, part in _records(stream.read()):
@@ -110,7 +109,7 @@ class Journal:
         handle, temporary = tempfile.mkstemp(prefix=f".{self.file.name}.", dir=self.file.parent)
         stream = open(handle, "r+b", buffering=0)  # noqa: SIM115 - as above
         try:
-            fcntl.lockf(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _locked(stream)
             _put(stream, line + record, 0)
             os.replace(temporary, self.file)
         except BaseException:
@@ -156,6 +155,17 @@ def _record(before: bytes, payload: bytes) -> tuple[bytes, bytes]:
 
 def _digest(*parts: bytes) -> bytes:
     return hashlib.sha256(b"".join(parts)).digest()
+
+
+def _locked(stream: IO[bytes]) -> bool:
+    """Whether no other process has the file, from now on and as long as this process lives or the stream is open."""
+    try:
+        fcntl.lockf(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
 
 
 def _put(stream: IO[bytes], data: bytes, at: int) -> None:

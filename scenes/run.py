@@ -69,10 +69,10 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, res
     from vehicle.simulate import simulate
 
     checkpoints = Checkpoints(scene.output.checkpoint, journal.keep, start) if scene.output.checkpoint else None
-    speed = scene.vehicle.drive
-    end = Drive.of(speed).time_at(scene.track.length)
-    gone = scene.track.length * start.time / end if start else 0.0
-    with _workers(contact, scene.solver.workers) as shared, progress_bar(console, scene.track.length, gone) as progress:
+    speed, length = scene.vehicle.drive, scene.track.length
+    end = Drive.of(speed).time_at(length)
+    gone = length * start.time / end if start else 0.0
+    with _workers(contact, scene.solver.workers) as shared, progress_bar(console, length, gone) as progress:
         history = simulate(
             wagon(scene),
             track(scene),
@@ -92,7 +92,7 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, res
         files = tuple(keep(history, text, folder, scene.output))
     if history.status == "completed":
         journal.remove()
-    return Outcome(history, files, resumable=journal.file.exists())
+    return Outcome(history, files, resumable=history.status == "interrupted" and journal.file.exists())
 
 
 def keep(history: History, text: str, folder: Path, output: Output) -> Iterator[Path]:
