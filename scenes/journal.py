@@ -1,51 +1,24 @@
-"""Checkpoints of a run in one file, to which every new one is appended.
-
-A line of JSON that says what run this is, then records: length, SHA-256 of the record before and this one, and a
-checkpoint with the rows since the record before, pickled. A record that was cut off or spoiled ends the file for
-whoever reads it, so that the one before holds, and the next one is written over it. Pickle keeps every bit of
-whatever rows are made of; what it may make is held to plain data, so that a file from elsewhere cannot do harm.
-"""
+"""Checkpoints of a run in one file, to which every new one is appended: see `scenes.records`."""
 
 from __future__ import annotations
 
 import fcntl
-import hashlib
-import io
 import json
 import os
 import pickle
-import struct
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, Any
 
+from scenes.records import digest, record, records
 from vehicle.checkpoint import Checkpoint
 from vehicle.record import Row
-
-LENGTH, DIGEST = struct.Struct(">Q"), hashlib.sha256().digest_size
-OURS, ARRAYS = ("contact", "vehicle"), ("_reconstruct", "_frombuffer", "scalar", "ndarray", "dtype")
 
 
 class StillRunning(OSError):
     """Another process goes on with this run."""
-
-
-class Unreadable(OSError):
-    """A checkpoint that is whole, and is none of this version's."""
-
-
-class Plain(pickle.Unpickler):
-    """Makes objects of this package, and arrays."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        root = module.split(".")[0]
-        if root in OURS or (root == "numpy" and name in ARRAYS):
-            found = super().find_class(module, name)
-            if isinstance(found, type) or root == "numpy":
-                return found
-        raise pickle.UnpicklingError(f"{module}.{name} is no part of a checkpoint")
 
 
 @dataclass
@@ -85,8 +58,8 @@ class Journal:
             raise StillRunning("the run goes on in another process")
         found: Checkpoint | None = None
         rows: list[Row] = []
-        for end, digest, part in _records(stream.read()):
-            found, self.end, self.digest = part, end, digest
+        for end, seal, part in records(stream.read()):
+            found, self.end, self.digest = part, end, seal
             rows += part.rows
         if found is None:
             stream.close()
@@ -100,24 +73,24 @@ class Journal:
     def _write(self, payload: bytes) -> bytes:
         """The digest of what is on disk now."""
         if self.stream is not None:
-            record, digest = _record(self.digest, payload)
-            _put(self.stream, record, self.end)
-            self.end += len(record)
-            return digest
+            data, seal = record(self.digest, payload)
+            _put(self.stream, data, self.end)
+            self.end += len(data)
+            return seal
         line = json.dumps(self.head).encode() + b"\n"
-        record, digest = _record(_digest(line), payload)
+        data, seal = record(digest(line), payload)
         handle, temporary = tempfile.mkstemp(prefix=f".{self.file.name}.", dir=self.file.parent)
         stream = open(handle, "r+b", buffering=0)  # noqa: SIM115 - as above
         try:
             _locked(stream)
-            _put(stream, line + record, 0)
+            _put(stream, line + data, 0)
             os.replace(temporary, self.file)
         except BaseException:
             stream.close()
             Path(temporary).unlink(missing_ok=True)
             raise
-        self.stream, self.end = stream, len(line) + len(record)
-        return digest
+        self.stream, self.end = stream, len(line) + len(data)
+        return seal
 
 
 def head_of(file: Path) -> dict[str, Any] | None:
@@ -128,33 +101,6 @@ def head_of(file: Path) -> dict[str, Any] | None:
     except (FileNotFoundError, ValueError):
         return None
     return found if isinstance(found, dict) and {"scene", "versions"} <= set(found) else None
-
-
-def _records(content: bytes) -> Iterator[tuple[int, bytes, Checkpoint]]:
-    """Where every whole record ends, its digest and what it holds."""
-    at = content.find(b"\n") + 1
-    before = _digest(content[:at])
-    while at and at + LENGTH.size + DIGEST <= len(content):
-        start = at + LENGTH.size + DIGEST
-        at = start + LENGTH.unpack_from(content, at)[0]
-        payload, digest = content[start:at], content[start - DIGEST : start]
-        if digest != _digest(before, payload):
-            return
-        before = digest
-        try:
-            found = Plain(io.BytesIO(payload)).load()
-        except (pickle.UnpicklingError, AttributeError, ImportError, TypeError) as error:
-            raise Unreadable(f"a checkpoint that cannot be read: {error}") from error
-        yield at, digest, found
-
-
-def _record(before: bytes, payload: bytes) -> tuple[bytes, bytes]:
-    digest = _digest(before, payload)
-    return LENGTH.pack(len(payload)) + digest + payload, digest
-
-
-def _digest(*parts: bytes) -> bytes:
-    return hashlib.sha256(b"".join(parts)).digest()
 
 
 def _locked(stream: IO[bytes]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import pickle
 import re
@@ -26,7 +27,8 @@ from contact.result import ContactResult
 from contact.wheelset import WheelsetContact
 from meshes.profiles import named_profile
 from scenes.cli import app
-from scenes.journal import Journal, StillRunning, Unreadable, head_of
+from scenes.journal import Journal, StillRunning, head_of
+from scenes.records import Plain, Unreadable
 from scenes.resume import differences
 from vehicle.checkpoint import Checkpoint, Checkpoints
 from vehicle.history import History
@@ -240,6 +242,9 @@ def test_a_journal_runs_nothing_and_is_no_one_elses(tmp_path: Path) -> None:
     with pytest.raises(Unreadable, match="mkdir is no part of a checkpoint"):
         journal(log.file).latest()
     assert not (tmp_path / "harmed").exists()
+    for imported in (b"perf_counter", b"Mapping"):
+        with pytest.raises(pickle.UnpicklingError, match="no part of a checkpoint"):
+            Plain(io.BytesIO(b"cvehicle.simulate\n" + imported + b"\n.")).load()
 
 
 def test_what_differs_is_named() -> None:
