@@ -127,14 +127,14 @@ def warm_cells() -> WheelsetContact:
 
 
 def test_warm_cells_in_two_processes_go_on_to_the_last_bit() -> None:
-    options = {"method": "rosenbrock", "rtol": 3e-3, "atol": 3e-6, "span": (0.0, 0.2)}
+    options = {"method": "rosenbrock", "rtol": 3e-3, "atol": 3e-6, "span": (0.0, 0.1)}
     with in_parallel(warm_cells()) as contact:
-        whole, found = kept(6, contact, **options)
+        whole, found = kept(3, contact, **options)
     assert whole.status == "completed"
     assert len(found) > 2
     with in_parallel(warm_cells()) as contact:
-        assert_same(resumed(6, found[1], contact, **options), whole)
-    assert_same(resumed(6, found[-1], warm_cells(), **options), whole)
+        assert_same(resumed(3, found[1], contact, **options), whole)
+    assert_same(resumed(3, found[-1], warm_cells(), **options), whole)
 
 
 def journal(file: Path, told: list[str] | None = None) -> Journal:
