@@ -58,7 +58,7 @@ def equilibrium(
             residual = new
             if size_of(residual) < best.residual:
                 best = Equilibrium(balance.state(unknown), contacts, iteration, size_of(residual))
-    except (StepFailure, np.linalg.LinAlgError) as error:
+    except StepFailure as error:
         raise EquilibriumError(f"no equilibrium: {error}") from error
     if best.residual <= acceptable:
         return best
@@ -75,14 +75,14 @@ def _step(
     """
     jacobian, size = balance.jacobian(unknown, contacts, residual), size_of(residual)
     while damping < 1e6:
-        change = np.linalg.solve(damping * np.diag(1.0 / LARGE) - jacobian, residual)
-        change /= max(1.0, size_of(change / LARGE))
         try:
+            change = np.linalg.solve(damping * np.diag(1.0 / LARGE) - jacobian, residual)
+            change /= max(1.0, size_of(change / LARGE))
             there = balance.contacts(unknown + change, contacts)
             left = balance.residual(unknown + change, there)
             if size_of(left) < 3.0 * size:
                 return unknown + change, there, left, damping
-        except StepFailure:
+        except (StepFailure, np.linalg.LinAlgError):  # singular: without friction, say, any spin will do
             pass
         damping = max(4.0 * damping, 1e-2 * size)
     raise StepFailure(f"stuck with {size:.3g} of the axle load left")

@@ -1,53 +1,107 @@
-"""Linear modes of car body and bogie above a wheelset that is held."""
+"""Linear modes of the wagon about a state of equilibrium."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle.suspension import Assembly
+from contact.pose import Side, WheelsetState
+from contact.result import ContactResult
+from vehicle.control import Counts
+from vehicle.dynamics import Dynamics, Evaluation
+from vehicle.equilibrium import Equilibrium, equilibrium
+from vehicle.jacobian import Jacobian
+from vehicle.state import COORDINATES, COUNT, PITCH
+from vehicle.track import Track
 from vehicle.wagon import Wagon
 
 Array = NDArray[np.float64]
-Weight = Literal["full", "pendulum"]
 
 
 @dataclass(frozen=True)
 class Mode:
-    """frequency Hz, |eigenvalue| / 2 pi; damping ratio; shape (6,) complex: y, z, roll of car body and bogie."""
+    """A motion Re(shape exp(eigenvalue t)) of the ten coordinates; eigenvalue 1/s, shape (10,) m and rad.
 
-    frequency: float
-    damping: float
-    shape: NDArray[np.complex128]
-
-
-def modes(wagon: Wagon, *, weight: Weight = "full", step: float = 1e-6) -> list[Mode]:
-    """Six modes on straight level track, lowest first, by central differences of the suspension's forces.
-
-    weight "full" is the linearisation of the equations of motion, in which the springs carry their loads in the
-    displaced position and lateral displacement of the car body overturns the bogie. "pendulum" keeps of this only the
-    moment of the car body's weight about the secondary springs, as the usual linear models do.
+    share (10,): of each coordinate in the kinetic energy; tells what moves.
     """
-    plane = wagon.plane
-    masses = np.array([[b.mass, b.mass, b.roll_inertia] for b in (plane.car_body, plane.bogie)]).ravel()
-    weightless = weight == "pendulum"
-    assembly = Assembly.of(replace(wagon, gravity=0.0) if weightless else wagon)
 
-    def accelerations(state: Array) -> Array:
-        full = np.zeros((2, 3, 3))
-        full[:, :2] = state.reshape(2, 2, 3)
-        return np.asarray(assembly.forces(full[0], full[1]).on_bodies[:2].ravel() / masses)
+    eigenvalue: complex
+    shape: NDArray[np.complex128]
+    share: Array
 
-    jacobian = np.stack([accelerations(e) - accelerations(-e) for e in step * np.eye(12)], axis=1) / (2 * step)
-    if weightless:
-        arm = plane.car_body.height - plane.secondary.spring_height
-        jacobian[2, 2] += plane.gravity * plane.car_body.mass * arm / plane.car_body.roll_inertia
-    values, vectors = np.linalg.eig(np.vstack([np.eye(12)[6:], jacobian]))
-    chosen = [i for i in np.argsort(np.abs(values)) if values[i].imag > 0.0]
-    return [
-        Mode(float(abs(values[i]) / (2 * np.pi)), float(-values[i].real / abs(values[i])), vectors[:6, i])
-        for i in chosen
-    ]
+    @property
+    def frequency(self) -> float:
+        """|eigenvalue| / 2 pi, Hz; of a motion that does not swing 1 / 2 pi over its time constant."""
+        return abs(self.eigenvalue) / (2 * np.pi)
+
+    @property
+    def damping(self) -> float:
+        """Ratio to the critical one; 1 fades without swinging, negative grows."""
+        return -self.eigenvalue.real / (abs(self.eigenvalue) or 1.0)
+
+    @property
+    def swings(self) -> bool:
+        return self.eigenvalue.imag != 0.0
+
+    @property
+    def moving(self) -> str:
+        """Coordinates with a tenth of the kinetic energy or more, the largest first."""
+        order = [i for i in np.argsort(-self.share) if self.share[i] >= 0.1]
+        return ", ".join(f"{COORDINATES[i]} {self.share[i]:.0%}" for i in order)
+
+    def __str__(self) -> str:
+        return f"{self.frequency:9.4g} Hz  damping {self.damping:7.4f}  {self.moving}"
+
+
+def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.0) -> list[Mode]:
+    """All modes on the contact, the slowest first: of a pair that swings one, and each that does not.
+
+    at: an equilibrium for the time s, computed unless given. The contact counts with its tangent, creep included, or
+    with differences. The angle of rolling, on which nothing depends, is no mode; its rate is.
+    Raises EquilibriumError, and StepFailure where the contact cannot be solved.
+    """
+    found = at or equilibrium(dynamics, time=time)
+    return _of(dynamics, _matrix(dynamics, time, found), held=())
+
+
+def held_modes(wagon: Wagon) -> list[Mode]:
+    """Modes of car body and bogie on straight level track above a wheelset that is held: no contact is needed."""
+    dynamics = Dynamics(wagon, Track(), _Carried(wagon.wheel_load), speed=1.0)
+    rest = np.zeros(2 * COUNT)
+    contacts = dynamics.solve_contacts(dynamics.track.frame(0.0, 1.0), rest, None)
+    return _of(dynamics, _matrix(dynamics, 0.0, Equilibrium(rest, contacts, 0, 0.0)), held=range(6, COUNT))
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """A constant load N on each wheel."""
+
+    load: float
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return ContactResult(np.array([0.0, 0.0, self.load]), np.zeros(3), status="converged")
+
+
+def _matrix(dynamics: Dynamics, time: float, at: Equilibrium) -> Array:
+    evaluation = Evaluation(np.zeros_like(at.state), at.contacts, 0.0)
+    return Jacobian(dynamics, Counts())(time, at.state, evaluation).by_state
+
+
+def _of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list[Mode]:
+    """Modes of a first-order system: coordinates, their rates, and whatever else has a state of its own."""
+    gone = {i + part for i in held for part in (0, COUNT)}
+    kept = [i for i in range(len(matrix)) if i not in gone]
+    values, vectors = np.linalg.eig(matrix[np.ix_(kept, kept)])
+    shapes = np.zeros((len(matrix), len(values)), dtype=complex)
+    shapes[kept] = vectors
+    every = [_mode(dynamics, complex(values[i]), shapes[:COUNT, i]) for i in np.argsort(np.abs(values), kind="stable")]
+    return [m for m in every if m.eigenvalue.imag >= 0.0 and not (m.eigenvalue == 0.0 and m.share[PITCH] == 1.0)]
+
+
+def _mode(dynamics: Dynamics, value: complex, shape: NDArray[np.complex128]) -> Mode:
+    mass, roll, pitch, _, _ = dynamics.constants
+    energy = np.append(np.stack([mass, mass, roll], axis=1).ravel(), pitch[2]) * np.abs(shape) ** 2
+    return Mode(value, shape / shape[np.argmax(np.abs(shape))], energy / energy.sum())

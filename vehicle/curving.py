@@ -1,0 +1,177 @@
+"""Steady position in curves: what each wheel carries, and where the bodies stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from math import asin, copysign, cos, isfinite, sin, sqrt, tan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.pose import SIDES, Side
+from contact.result import Patch
+from vehicle.course import Course
+from vehicle.dynamics import Contact, Dynamics, Wrench
+from vehicle.equilibrium import Equilibrium, EquilibriumError, equilibrium
+from vehicle.suspension import SuspensionForces
+from vehicle.track import Track
+from vehicle.wagon import Wagon
+
+Array = NDArray[np.float64]
+OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A level curve without end at a speed m/s; curvature 1/m, positive to the left; cant m, positive raises the outer
+    rail (the right one without curvature) over a base m. Raises ValueError for what cannot be.
+    """
+
+    speed: float
+    curvature: float
+    cant: float = 0.0
+    base: float = 1.5
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not isfinite(value) or (item.name in ("speed", "base") and value <= 0.0):
+                allowed = "positive and finite" if item.name in ("speed", "base") else "finite"
+                raise ValueError(f"Curve.{item.name} = {value}: must be {allowed}")
+        if not abs(self.cant) < self.base:
+            raise ValueError(f"Curve.cant = {self.cant}: must be less than the base of {self.base} m")
+
+    @property
+    def track(self) -> Track:
+        lift = self.cant * copysign(1.0, self.curvature)
+        return Track(Course.constant(self.curvature), Course.constant(lift), base=self.base)
+
+    @property
+    def angle(self) -> float:
+        """Inclination of the plane of the rails, rad, positive towards the centre of the curve."""
+        return asin(self.cant / self.base)
+
+    def unbalanced(self, gravity: float = 9.81) -> float:
+        """Lateral acceleration that cant leaves, m/s2 in the plane of the rails, positive to the outside."""
+        return self.speed**2 * abs(self.curvature) * cos(self.angle) - gravity * sin(self.angle)
+
+    def deficiency(self, gravity: float = 9.81) -> float:
+        """Cant that is missing for no lateral force, m, as usual: base V^2 / (g R) less the cant."""
+        return self.base * self.speed**2 * abs(self.curvature) / gravity - self.cant
+
+    def balance_speed(self, gravity: float = 9.81) -> float:
+        """Speed without lateral force, m/s. Raises ValueError without curvature or cant."""
+        if self.curvature == 0.0 or self.cant <= 0.0:
+            raise ValueError("a speed of balance needs curvature and positive cant")
+        return sqrt(gravity * tan(self.angle) / abs(self.curvature))
+
+
+@dataclass(frozen=True)
+class Steady:
+    """What a curve does to the wagon, in the track's axes; signs to the left are positive, wheels by side.
+
+    Forces N on the wheels; positions y, z m (z from the nominal height) and roll rad of the bodies.
+    """
+
+    curve: Curve
+    equilibrium: Equilibrium
+    suspension: SuspensionForces = field(repr=False)
+    yaw_reaction: float
+
+    @classmethod
+    def of(cls, dynamics: Dynamics, curve: Curve, found: Equilibrium) -> Steady:
+        at = dynamics.track.frame(0.0, curve.speed)
+        _, yaw_reaction = dynamics.accelerations(at, found.state, Wrench.of(found.contacts))
+        position = found.state[:9].reshape(3, 3)
+        return cls(curve, found, dynamics.suspension.forces(position, np.zeros((3, 3))), float(yaw_reaction))
+
+    @property
+    def wheel_load(self) -> dict[Side, float]:
+        """Q, upwards on each wheel, N."""
+        return {side: float(self.equilibrium.contacts[side].force[2]) for side in SIDES}
+
+    @property
+    def guiding_force(self) -> dict[Side, float]:
+        """Y, which each wheel exerts on its rail to the outside of the track, N."""
+        return {side: -OUTWARDS[side] * float(self.equilibrium.contacts[side].force[1]) for side in SIDES}
+
+    @property
+    def derailment_quotient(self) -> dict[Side, float]:
+        """Y / Q; infinite or NaN of a wheel that carries nothing."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return {s: float(np.divide(self.guiding_force[s], self.wheel_load[s])) for s in SIDES}
+
+    @property
+    def lateral_force(self) -> float:
+        """Of both rails on the wheelset, N."""
+        return float(sum(self.equilibrium.contacts[side].force[1] for side in SIDES))
+
+    @property
+    def unloading(self) -> float:
+        """Share of its static load that the lighter wheel has lost."""
+        loads = self.wheel_load.values()
+        return 1.0 - 2.0 * min(loads) / sum(loads)
+
+    @property
+    def secondary_deflection(self) -> float:
+        """Of the car body against the bogie at the secondary springs, mean of both sides, m."""
+        return self.suspension.secondary_deflection
+
+    @property
+    def bumpstop_force(self) -> float:
+        """On the car body, N."""
+        return float(self.suspension.force[-1, 0])
+
+    @property
+    def car_body(self) -> Array:
+        return self.equilibrium.state[:3]
+
+    @property
+    def bogie(self) -> Array:
+        return self.equilibrium.state[3:6]
+
+    @property
+    def wheelset(self) -> Array:
+        return self.equilibrium.state[6:9]
+
+    @cached_property
+    def patches(self) -> dict[Side, tuple[Patch, ...]]:
+        """With their positions on the profiles, where the contact tells."""
+        return {side: tuple(self.equilibrium.contacts[side].patches) for side in SIDES}
+
+
+def curving(wagon: Wagon, contact: Contact, curve: Curve, *, before: Steady | None = None) -> Steady:
+    """Steady position in a curve; one found before, in a curve much like this, saves contact solves.
+
+    Raises EquilibriumError.
+    """
+    dynamics = Dynamics(wagon, curve.track, contact, curve.speed)
+    if before is not None:
+        try:
+            return Steady.of(dynamics, curve, equilibrium(dynamics, guess=_carried_over(before, curve)))
+        except EquilibriumError:  # too far from here: from the straight track, then
+            pass
+    return Steady.of(dynamics, curve, equilibrium(dynamics))
+
+
+def curving_over(wagon: Wagon, contact: Contact, curves: Iterable[Curve]) -> list[Steady]:
+    """Steady positions in curves, each from the one before: over speeds, radii or cants in order.
+
+    Raises EquilibriumError naming the curve.
+    """
+    found: list[Steady] = []
+    for curve in curves:
+        try:
+            found.append(curving(wagon, contact, curve, before=found[-1] if found else None))
+        except EquilibriumError as error:
+            raise EquilibriumError(f"{curve}: {error}") from error
+    return found
+
+
+def _carried_over(before: Steady, curve: Curve) -> Array:
+    """The earlier state with its rates, the creepage of rolling among them, at the new speed."""
+    state: Array = before.equilibrium.state.copy()
+    state[10:20] *= curve.speed / before.curve.speed
+    return state
