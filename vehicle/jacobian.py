@@ -43,11 +43,13 @@ class Jacobian:
 
     Suspension, inertia and kinematics by differences under held contact forces (all n columns in one vectorised look);
     contact forces by the contact's tangent or, when it has none, by differences of 7 solves a side at every eighth
-    call: the methods of `vehicle.rosenbrock` keep their order with any matrix.
+    call: the methods of `vehicle.rosenbrock` keep their order with any matrix. central: differences to both sides, of
+    second order, for whom the matrix itself matters.
     """
 
     dynamics: Dynamics
     counts: Counts
+    central: bool = False
     differences: Array | None = field(default=None, init=False)
     age: int = field(default=0, init=False)
 
@@ -102,11 +104,16 @@ class Jacobian:
             return self.differences
         result, here = np.zeros((2, 6, 8)), _six(contacts)
         for column, name, small in zip(COLUMNS, SEEN, SMALL, strict=True):
-            self.counts.differences += 1
-            moved = replace(wheelset, **{name: getattr(wheelset, name) + small})
-            result[:, :, column] = (_six(self.dynamics.solve_wheelset(moved, contacts)) - here) / small
+            ahead = self._moved(wheelset, contacts, name, small)
+            behind, width = (self._moved(wheelset, contacts, name, -small), 2 * small) if self.central else (here, small)
+            result[:, :, column] = (ahead - behind) / width
         self.differences, self.age = result, 0
         return result
+
+    def _moved(self, wheelset: WheelsetState, contacts: Contacts, name: str, by: float) -> Array:
+        self.counts.differences += 1
+        moved = replace(wheelset, **{name: getattr(wheelset, name) + by})
+        return _six(self.dynamics.solve_wheelset(moved, contacts))
 
 
 def _six(contacts: Contacts) -> Array:

@@ -87,7 +87,7 @@ class _Carried:
 
 def _matrix(dynamics: Dynamics, time: float, at: Equilibrium) -> Array:
     evaluation = Evaluation(np.zeros_like(at.state), at.contacts, 0.0)
-    return Jacobian(dynamics, Counts())(time, at.state, evaluation).by_state
+    return Jacobian(dynamics, Counts(), central=True)(time, at.state, evaluation).by_state
 
 
 def _of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list[Mode]:
