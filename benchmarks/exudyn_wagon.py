@@ -32,9 +32,9 @@ def initial() -> np.ndarray:
     return np.array([*POSITION, 0.0, *RATE, 0.0])
 
 
-def ours(*, end: float = END, rtol: float = 1e-8) -> np.ndarray:
+def ours(*, wagon: Wagon | None = None, end: float = END, rtol: float = 1e-8) -> np.ndarray:
     """Positions (n, 9) by `simulate`."""
-    wagon = Wagon()
+    wagon = wagon or Wagon()
     history = simulate(
         wagon,
         Track(),
