@@ -41,7 +41,7 @@ def trajectory(
                 initialVelocities=initial[9 + 3 * i : 12 + 3 * i].tolist(),
             )
         )
-        body = mbs.AddObject(item.ObjectRigidBody2D(nodeNumber=node, physicsMass=mass, physicsInertia=inertia))
+        body = mbs.AddObject(item.ObjectRigidBody2D(nodeNumber=node, mass=mass, inertia=inertia))
         marker = mbs.AddMarker(item.MarkerBodyMass(bodyNumber=body))
         mbs.AddLoad(item.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -w.gravity, 0.0]))
         nodes.append(node)
@@ -116,9 +116,9 @@ def trajectory(
     settings.timeIntegration.endTime = end
     settings.timeIntegration.numberOfSteps = round(end / step)
     settings.timeIntegration.verboseMode = 0
-    settings.timeIntegration.explicitIntegration.computeEndOfStepAccelerations = False
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = every
+    settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = every
     mbs.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, order))
     rows = [mbs.GetSensorStoredData(sensor) for sensor in sensors]
     if not np.allclose(rows[0][:, 0], every * np.arange(round(end / every) + 1), rtol=0.0, atol=1e-9):

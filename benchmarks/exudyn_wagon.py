@@ -22,7 +22,7 @@ from vehicle.wagon import Wagon
 
 REFERENCE = Path(__file__).parent / "reference" / "exudyn.json"
 END, EVERY = 5.0, 0.1  # s
-# m and rad, m/s and rad/s: car body 55 mm aside, so that it strikes the bumpstop from both sides while it comes to rest.
+# m and rad, m/s and rad/s: so far aside that the car body strikes the bumpstop on both sides while it comes to rest.
 POSITION = (0.055, -0.01, 0.01, 0.01, 0.003, -0.01, 0.002, 1e-4, 1e-3)
 RATE = (-0.4, 0.1, -0.1, 0.1, -0.05, 0.1, 0.02, 0.01, 0.02)
 

@@ -1,9 +1,11 @@
-"""The command `wheelrail`: a contact solve, a vehicle run, or the track of one, from a scene file."""
+"""The command `wheelrail`: a contact solve, or a vehicle and its track, from a scene file."""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -26,6 +28,10 @@ app = typer.Typer(
 )
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
+Speeds = Annotated[
+    list[float] | None,
+    typer.Option("--speed", metavar="V", min=0.1, help="Speed in m/s, may be repeated; the scene's without it."),
+]
 
 
 @app.command()
@@ -66,9 +72,7 @@ def track(
     ] = None,
 ) -> None:
     """Show the track of a vehicle run: its segments, cant deficiency and irregularities."""
-    given = _load(scene)
-    if given.kind != "run":
-        raise _refused(f'{scene}: kind = "{given.kind}": only a vehicle run has a track along which to go')
+    given = _load_run(scene)
     _check_picture(picture)
     from scenes.track_report import segment_table
 
@@ -76,11 +80,8 @@ def track(
     if picture is not None:
         from scenes.track_picture import draw_track
 
-        try:
+        with _complaints("", f"{picture}: "):
             draw_track(given, picture)
-        except OSError as error:
-            print(f"{picture}: {error}", file=sys.stderr)
-            raise typer.Exit(FAILED) from None
 
 
 @app.command()
@@ -95,29 +96,18 @@ def run(
     ] = False,
 ) -> None:
     """Run a vehicle along its track; Ctrl-C keeps everything computed so far, --resume goes on from there."""
-    given = _load(scene)
-    if given.kind != "run":
-        raise _refused(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail contact')
+    given = _load_run(scene)
     from scenes.resume import ended
     from scenes.run import run_scene
-    from scenes.scene import SceneError
 
     folder = out or Path("results", scene.stem)
-    try:
+    with _complaints(f"{scene}: ", f"{folder}: "):
         if resume and ended(given, scene, folder):
             print(f"{folder}: this run is complete, there is nothing to go on with")
             return
         with stdout_for_results():
             text = scene.read_text(encoding="utf-8")
             outcome = run_scene(given, text, folder, progress_console(), resume=resume)
-    except SceneError as error:
-        raise _refused(f"{scene}: {error}") from None
-    except OSError as error:
-        print(f"{folder}: {error}", file=sys.stderr)
-        raise typer.Exit(FAILED) from None
-    except KeyboardInterrupt:  # before the first step: nothing to keep
-        print("interrupted", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
     for part in outcome.summary():
         result_console().print(part, highlight=False, markup=False)
     if outcome.status == "interrupted":
@@ -138,24 +128,38 @@ def compare(
     ] = None,
 ) -> None:
     """Run a vehicle with two contact models: both in one picture, and a table of their differences."""
-    _load(scene)
+    _load_run(scene)
     from scenes.compare import compare_scene
-    from scenes.scene import SceneError
 
     folder = out or Path("results", f"{scene.stem}_compare")
-    try:
-        with stdout_for_results():
-            found = compare_scene(scene, scene.read_text(encoding="utf-8"), other, folder, progress_console())
-    except SceneError as error:
-        raise _refused(str(error)) from None
-    except (OSError, RuntimeError) as error:
-        print(f"{folder}: {error}", file=sys.stderr)
-        raise typer.Exit(FAILED) from None
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
+    with _complaints("", f"{folder}: "), stdout_for_results():
+        found = compare_scene(scene, scene.read_text(encoding="utf-8"), other, folder, progress_console())
     for part in found.summary():
         result_console().print(part, highlight=False, markup=False)
+
+
+@app.command()
+def modes(scene: SceneFile, speed: Speeds = None) -> None:
+    """Linear modes of a run's wagon on straight track, its contact included: frequency, damping, what moves."""
+    given = _load_run(scene)
+    from scenes.steady import modes_of, modes_table
+
+    speeds = speed or [given.vehicle.first_speed]
+    with _complaints(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
+        found = modes_of(given, speeds)
+    for table in map(modes_table, found, speeds):
+        result_console().print(table, highlight=False, markup=False)
+
+
+@app.command()
+def curving(scene: SceneFile, speed: Speeds = None) -> None:
+    """Steady position in the sharpest curve of a run: wheel loads, Y/Q, deflections, places of contact."""
+    given = _load_run(scene)
+    from scenes.steady import curving_of, curving_table
+
+    with _complaints(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
+        found = curving_of(given, speed or [given.vehicle.first_speed])
+    result_console().print(curving_table(found), highlight=False, markup=False)
 
 
 @app.command()
@@ -166,24 +170,47 @@ def wagon(
     ] = None,
 ) -> None:
     """Print a wagon with all its values as TOML, to start another one from."""
-    from scenes.complaint import SceneError
     from scenes.wagon_file import load_wagon, wagon_toml
     from vehicle.wagon import Wagon
 
-    try:
+    with _complaints(""):
         print(wagon_toml(Wagon() if file is None else load_wagon(file)), end="")
-    except SceneError as error:
-        raise _refused(str(error)) from None
 
 
 def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
     """The scene, or the end of the command with the complaint on standard error."""
-    from scenes.scene import SceneError, load_scene
+    from scenes.scene import load_scene
+
+    with _complaints(""):
+        return load_scene(scene)
+
+
+def _load_run(scene: Path) -> RunScene:
+    given = _load(scene)
+    if given.kind != "run":
+        raise _refused(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail contact')
+    return given
+
+
+@contextmanager
+def _complaints(scene: str, place: str | None = None) -> Iterator[None]:
+    """What goes wrong is a line on standard error and an exit code: what is wrong with a scene behind its name, what went
+    wrong on the way behind the place of the results.
+    """
+    from scenes.complaint import RunFailed, SceneError
+    from vehicle.attempts import StepFailure
+    from vehicle.equilibrium import EquilibriumError
 
     try:
-        return load_scene(scene)
+        yield
     except SceneError as error:
-        raise _refused(str(error)) from None
+        raise _refused(f"{scene}{error}") from None
+    except (OSError, RunFailed, EquilibriumError, StepFailure) as error:
+        print(f"{scene if place is None else place}{error}", file=sys.stderr)
+        raise typer.Exit(FAILED) from None
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 def _check_picture(picture: Path | None) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scenes.complaint import RunFailed
 from scenes.run import RESULTS, run_scene
 from scenes.scene import RunScene, SceneError, parse_scene
 
@@ -38,7 +39,7 @@ def compare_scene(file: Path, text: str, other: str, folder: Path, console: Cons
     """Run a scene, and once more with another model, each in a folder of its own within the folder, and compare.
 
     A run that was completed there from the same text is not repeated. Raises SceneError where a scene allows no such
-    model, RuntimeError for a run that fails, OSError when the folder cannot be written.
+    model, RunFailed for a run without results, OSError when the folder cannot be written.
     """
     given = _scene(text, file)
     changed = with_model(text, other)
@@ -90,6 +91,6 @@ def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     if outcome.status == "interrupted":
         raise KeyboardInterrupt
     if not outcome.files:
-        raise RuntimeError(f"{scene.model}: {outcome.status}")
+        raise RunFailed(f"{scene.model}: {outcome.status}")
     console.print(f"{scene.model}: {outcome.status}", highlight=False)
     return load_dataset(file, decode_times=False)

@@ -20,6 +20,10 @@ class SceneError(ValueError):
     """A scene that cannot be used."""
 
 
+class RunFailed(RuntimeError):
+    """A run that came to nothing."""
+
+
 def complain(error: ValidationError, model: type[BaseModel], data: Mapping[str, Any], path: str | Path) -> SceneError:
     """One error with a line for every entry at fault."""
     lines: dict[str, str] = {}

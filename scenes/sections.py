@@ -181,6 +181,11 @@ class Vehicle(Table):
         times, speeds = zip(*self.speed, strict=True)
         return Drive.through(times, speeds)
 
+    @property
+    def first_speed(self) -> float:
+        """At time zero, m/s."""
+        return self.speed[0][1] if isinstance(self.speed, tuple) else self.speed
+
     @model_validator(mode="after")
     def _wagon_has_them(self) -> Vehicle:
         if self.model_extra:

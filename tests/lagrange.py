@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import sympy as sp
-from benchmarks.linear_contact import LinearContact
 
+from benchmarks.linear_contact import LinearContact
 from vehicle.frame import Frame
 from vehicle.parts import Suspension
 from vehicle.wagon import Wagon
@@ -85,7 +85,9 @@ class Energies:
 
     def linear(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Mass, damping and stiffness (9, 9) of small motions about the nominal position at rest, without the stop."""
-        slopes = [sp.Matrix([e]).jacobian(v) for e, v in ((self.kinetic, P), (self.dissipation, P), (self.potential, Q))]
+        slopes = [
+            sp.Matrix([e]).jacobian(v) for e, v in ((self.kinetic, P), (self.dissipation, P), (self.potential, Q))
+        ]
         slope = sp.lambdify([*Q, *P, SPEED, *W, *DOWN], slopes, cse=True)
         at, tiny = np.array([0.0] * 20 + [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], dtype=complex), 1e-30
         by_rate, by_position = (
@@ -94,7 +96,9 @@ class Energies:
         mass, damping = (np.array([column[k][0, :9] for column in by_rate]).imag / tiny for k in (0, 1))
         return mass, damping, np.array([column[2][0, :9] for column in by_position]).imag / tiny
 
-    def accelerations(self, stop: Callable[[np.ndarray], np.ndarray]) -> Callable[[Frame, np.ndarray, float], np.ndarray]:
+    def accelerations(
+        self, stop: Callable[[np.ndarray], np.ndarray]
+    ) -> Callable[[Frame, np.ndarray, float], np.ndarray]:
         """(10,) from frame, state (20,) and nominal spin, by d/dt dT/dq' - dT/dq + dU/dq + dD/dq' + stop = 0."""
         momentum = sp.Matrix([self.kinetic]).jacobian(P).T
         moves = momentum.jacobian(Q) * P + momentum.jacobian(list(W)) * sp.Matrix(WD)

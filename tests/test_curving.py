@@ -44,7 +44,7 @@ def on_paper(curve: Curve, contact: LinearContact = SPRINGS, *, simpler: bool = 
     gyroscopic = w.wheelset.pitch_inertia * v / h3 * v * k * cos(beta)
 
     def position(stop: float) -> tuple[float, np.ndarray]:
-        """Deflection at the bumpstop and (d, p1, p2, p3, u): secondary deflection, rolls, outermost point of contact."""
+        """Deflection at the bumpstop and (d, p1, p2, p3, u): secondary deflection, rolls, car body aside."""
         lateral = 2 * w.secondary.lateral_stiffness
         side = 2 * w.primary.lateral_stiffness
         low = (m1 + m2) / side  # of the primary deflection: over a + n p3
@@ -75,9 +75,11 @@ def on_paper(curve: Curve, contact: LinearContact = SPRINGS, *, simpler: bool = 
             m1 * a - stop,
             m1 * (h1 - hs) * a + (hs - hb) * stop,
             a * (m1 * (h1 - hp) + m2 * (h2 - hp)),
-            a * (m1 * h1 + m2 * h2 + m3 * h3) + n * shift * (m1 if simpler else m1 + m2) + (0 if simpler else gyroscopic),
+            a * (m1 * h1 + m2 * h2 + m3 * h3)
+            + n * shift * (m1 if simpler else m1 + m2)
+            + (0 if simpler else gyroscopic),
         ]
-        d, p1, p2, p3 = found = np.linalg.solve(matrix, right)
+        d, p1, p2, _ = found = np.linalg.solve(matrix, right)
         outer = (m1 + m2 + m3) * a / (2 * contact.lateral[0])
         return d - (hs - hb) * (p1 - p2), np.array([*found, outer + shift + u1 @ found])
 

@@ -32,13 +32,15 @@ DAMPING = [0.21, 0.14, 0.38, 0.24, 0.32, 0.15]
 def eigenvalues(mass: np.ndarray, damping: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     """Of the quadratic problem, those with an imaginary part that is not negative, the slowest first."""
     n, one = len(mass), np.eye(len(mass))
-    values = eigvals(np.block([[np.zeros((n, n)), one], [-stiffness, -damping]]), np.block([[one, 0 * one], [0 * one, mass]]))
+    values = eigvals(
+        np.block([[np.zeros((n, n)), one], [-stiffness, -damping]]), np.block([[one, 0 * one], [0 * one, mass]])
+    )
     values = values[values.imag >= 0.0]
     return values[np.argsort(np.abs(values))]
 
 
 def textbook(*, pendulum: bool) -> np.ndarray:
-    """Eigenvalues of car body and bogie on linear springs, with the moment of the car body's weight or without weight."""
+    """Eigenvalues of car body and bogie on linear springs, with the moment of the car body's weight or none."""
     w = WAGON.plane
     body, bogie = w.car_body, w.bogie
     mass = np.diag([body.mass, body.mass, body.roll_inertia, bogie.mass, bogie.mass, bogie.roll_inertia])

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle.attempts import StepFailure
+from vehicle.control import Counts
 from vehicle.dynamics import Contacts, Dynamics, Wrench
 from vehicle.frame import Frame
+from vehicle.jacobian import Jacobian
 from vehicle.state import COUNT, PITCH, ROLL, Y, Z
 
 Array = NDArray[np.float64]
@@ -18,7 +20,8 @@ Array = NDArray[np.float64]
 # Of nine positions and the relative excess of spin: what is small (for differences), and the most one step changes.
 SMALL = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
 LARGE = np.array([3e-2, 3e-2, 2e-2, 3e-3, 3e-3, 5e-3, 1e-3, 2e-4, 1e-3, 1e-3])
-SEEN_BY_CONTACT = (Y, Z, ROLL, PITCH)
+SEEN_BY_CONTACT = [Y, Z, ROLL, PITCH]
+SEEN_IN_TANGENT = [0, 1, 2, 7]  # y, z, roll and the rate of pitch
 
 
 def size_of(vector: Array) -> float:
@@ -60,13 +63,21 @@ class Balance:
         return self.weights * left[:COUNT]
 
     def jacobian(self, unknown: Array, contacts: Contacts, residual: Array) -> Array:
+        """By the contact's tangent, or four differences of the contact."""
+        state, linear = self.state(unknown), Jacobian(self.dynamics, Counts())
+        tangents = linear.known(self.dynamics.wheelset_state(self.frame, state), contacts)
         columns = []
         for i, small in enumerate(SMALL):
             moved = unknown.copy()
             moved[i] += small
-            there = self.contacts(moved, contacts) if i in SEEN_BY_CONTACT else contacts
+            solved = tangents is None and i in SEEN_BY_CONTACT
+            there = self.contacts(moved, contacts) if solved else contacts
             columns.append((self.residual(moved, there) - residual) / small)
-        return np.stack(columns, axis=1)
+        result: Array = np.stack(columns, axis=1)
+        if tangents is not None:
+            seen = tangents.sum(axis=0)[:, SEEN_IN_TANGENT] * [1.0, 1.0, 1.0, self.dynamics.rolling_rate(self.frame)]
+            result[:, SEEN_BY_CONTACT] += self.weights[:, None] * linear.by_wrench(state) @ seen
+        return result
 
     def settled(self) -> tuple[Array, Contacts]:
         """All bodies upright, lowered until the contacts carry the axle load within 2 %; raises StepFailure."""

@@ -15,6 +15,7 @@ from contact.result import Patch
 from vehicle.course import Course
 from vehicle.dynamics import Contact, Dynamics, Wrench
 from vehicle.equilibrium import Equilibrium, EquilibriumError, equilibrium
+from vehicle.state import COUNT
 from vehicle.suspension import SuspensionForces
 from vehicle.track import Track
 from vehicle.wagon import Wagon
@@ -173,5 +174,5 @@ def curving_over(wagon: Wagon, contact: Contact, curves: Iterable[Curve]) -> lis
 def _carried_over(before: Steady, curve: Curve) -> Array:
     """The earlier state with its rates, the creepage of rolling among them, at the new speed."""
     state: Array = before.equilibrium.state.copy()
-    state[10:20] *= curve.speed / before.curve.speed
+    state[COUNT : 2 * COUNT] *= curve.speed / before.curve.speed
     return state

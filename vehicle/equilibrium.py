@@ -40,9 +40,9 @@ def equilibrium(
     """State without acceleration for the speed, curvature and cant at the given time s, taken as constant, on smooth
     rails; guess: a state.
 
-    Damped Newton with differences; only four of the ten columns cost contact solves. The damping fades with the
-    residual (pseudo-transient continuation), so that it works through the sharp rise at a flange. tolerance of the
-    residual; an acceptable one is taken when a contact that is not exact allows no better. Raises EquilibriumError.
+    Damped Newton with the contact's tangent or, without one, with four differences of the contact. The damping fades
+    with the residual (pseudo-transient continuation), so that it works through the sharp rise at a flange. tolerance of
+    the residual; an acceptable one is taken when a contact that is not exact allows no better. Raises EquilibriumError.
     """
     balance = Balance(dynamics, dynamics.frame(time).steady())
     try:

@@ -85,18 +85,24 @@ class Jacobian:
 
     def tangents(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
         """Force and moment of the left and the right wheel by the wheelset's position and rates (2, 6, 8)."""
-        contact, wheelset = self.dynamics.contact, self.dynamics.wheelset_state(frame, state)
+        wheelset = self.dynamics.wheelset_state(frame, state)
+        known = self.known(wheelset, contacts)
+        return self._differences(wheelset, contacts) if known is None else known
+
+    def known(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
+        """The same from the contact itself, if it can tell."""
+        contact = self.dynamics.contact
         if not isinstance(contact, HasTangent):
-            return self._differences(wheelset, contacts)
+            return None
         try:
             if isinstance(contact, WorksAhead):
                 contact.ahead_tangent(wheelset, contacts["right"])
             found = np.array([contact.tangent(wheelset, side, contacts[side]) for side in SIDES])
         except ValueError:  # not every model's results carry one
-            return self._differences(wheelset, contacts)
+            return None
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
             raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error
-        return found if np.isfinite(found).all() else self._differences(wheelset, contacts)
+        return found if np.isfinite(found).all() else None
 
     def _differences(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
         self.age = (self.age + 1) % KEPT
@@ -105,7 +111,9 @@ class Jacobian:
         result, here = np.zeros((2, 6, 8)), _six(contacts)
         for column, name, small in zip(COLUMNS, SEEN, SMALL, strict=True):
             ahead = self._moved(wheelset, contacts, name, small)
-            behind, width = (self._moved(wheelset, contacts, name, -small), 2 * small) if self.central else (here, small)
+            behind, width = (
+                (self._moved(wheelset, contacts, name, -small), 2 * small) if self.central else (here, small)
+            )
             result[:, :, column] = (ahead - behind) / width
         self.differences, self.age = result, 0
         return result

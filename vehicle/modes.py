@@ -70,7 +70,7 @@ def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.
 def held_modes(wagon: Wagon) -> list[Mode]:
     """Modes of car body and bogie on straight level track above a wheelset that is held: no contact is needed."""
     dynamics = Dynamics(wagon, Track(), _Carried(wagon.wheel_load), speed=1.0)
-    rest = np.zeros(2 * COUNT)
+    rest = np.zeros(dynamics.size)
     contacts = dynamics.solve_contacts(dynamics.track.frame(0.0, 1.0), rest, None)
     return _of(dynamics, _matrix(dynamics, 0.0, Equilibrium(rest, contacts, 0, 0.0)), held=range(6, COUNT))
 
