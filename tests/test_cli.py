@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from spring_contact import SpringContact
+from standin_contact import CONTACT
 from typer.testing import CliRunner
 
 from contact.pose import Mounting
@@ -50,6 +52,41 @@ def spring(monkeypatch: pytest.MonkeyPatch) -> SpringContact:
 
 def contact(file: Path, *options: str) -> Any:
     return CliRunner().invoke(app, ["contact", str(file), *options])
+
+
+def vehicle(command: str, monkeypatch: pytest.MonkeyPatch, *options: str) -> Any:
+    monkeypatch.setattr("scenes.steady.wheelset_contact", lambda scene: CONTACT)
+    return CliRunner().invoke(app, [command, str(SCENES / "curve.toml"), *options])
+
+
+def test_modes_are_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = vehicle("modes", monkeypatch, "--speed", "10", "--speed", "30")
+    assert outcome.exit_code == 0
+    assert "straight track at 10 m/s" in outcome.stdout
+    second = outcome.stdout.split("at 30 m/s")[1]
+    assert re.search(r"1\.08 . +0\.1345 .*car_body_z 100%", second)
+    assert re.search(r"160\.3 . +1\.0000 . +-1007 .*wheelset_pitch 100%", second)
+
+
+def test_curving_is_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures of the paper's curve; the stand-in contact has no patches."""
+    outcome = vehicle("curving", monkeypatch, "--speed", "20", "--speed", "45")
+    assert outcome.exit_code == 0
+    assert re.search(r"cant deficiency \(mm\) +. +-9\.0 . +198\.0", outcome.stdout)
+    assert re.search(r"wheel load Q.*36\.58  73\.18", outcome.stdout)
+    assert "cant 60 mm" in outcome.stdout
+    assert "45" in vehicle("curving", monkeypatch).stdout.splitlines()[2]  # the scene's speed
+
+
+def test_what_is_no_run_or_finds_no_rest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    for command in ("modes", "curving"):
+        refused = CliRunner().invoke(app, [command, str(HERTZ)])
+        assert refused.exit_code == 2
+        assert "wheelrail contact" in refused.stderr
+    monkeypatch.setattr("scenes.steady.wheelset_contact", lambda scene: lambda *_: ContactResult.separated())
+    failed = CliRunner().invoke(app, ["modes", str(SCENES / "curve.toml")])
+    assert failed.exit_code == 1
+    assert "50 mm" in failed.stderr
 
 
 def edited(tmp_path: Path, source: Path, *changes: tuple[str, str]) -> Path:

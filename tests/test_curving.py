@@ -15,7 +15,8 @@ from benchmarks.linear_contact import LinearContact
 from contact.pose import Side, WheelsetState
 from contact.result import ContactResult
 from vehicle.curving import Curve, Steady, curving, curving_over
-from vehicle.equilibrium import EquilibriumError
+from vehicle.dynamics import Dynamics
+from vehicle.equilibrium import Equilibrium, EquilibriumError, equilibrium
 from vehicle.tally import Tally
 from vehicle.wagon import Wagon
 
@@ -195,6 +196,23 @@ def test_over_speeds_each_from_the_one_before() -> None:
     assert all(a.unloading < b.unloading for a, b in pairwise(found))
     wider = curving_over(WAGON, CONTACT, [replace(PAPER, curvature=1 / r) for r in (800, 1200, 3000)])
     assert [s.bumpstop_force > 0.0 for s in wider] == [True, True, False]
+
+
+def test_a_run_into_the_curve_shows_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    expected, guesses = curving(WAGON, CONTACT, PAPER), []
+
+    def stubborn(dynamics: Dynamics, *, guess: np.ndarray | None = None, max_iterations: int = 60) -> Equilibrium:
+        guesses.append(guess)
+        if len(guesses) == 1:
+            raise EquilibriumError("no equilibrium: stuck")
+        return equilibrium(dynamics, guess=guess, max_iterations=max_iterations)
+
+    monkeypatch.setattr("vehicle.curving.equilibrium", stubborn)
+    found = curving(WAGON, CONTACT, PAPER)
+    assert guesses[0] is None
+    assert guesses[1][:9] == pytest.approx(expected.equilibrium.state[:9], abs=2e-3)  # 6 s are not for ever
+    assert found.wheel_load["right"] == pytest.approx(expected.wheel_load["right"], rel=1e-5)
+    assert found.equilibrium.iterations <= 6
 
 
 def test_no_steady_position_is_told_with_its_curve() -> None:

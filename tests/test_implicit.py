@@ -195,7 +195,7 @@ def test_accuracy_and_cost_of_a_run(plain: History, tight: History) -> None:
     steps, left = plain.cost.steps, plain.cost.contact["left"]
     assert steps.evaluations < 350
     assert steps.differences == 0
-    assert left.tangents == steps.jacobians == steps.accepted
+    assert left.tangents - 2 == steps.jacobians == steps.accepted  # two tangents of the equilibrium
     assert steps.evaluations <= left.solves <= steps.evaluations + 25
     explicit = run(method="ode23", span=(0.0, 0.5))
     assert explicit.cost.steps.evaluations > 10 * run(span=(0.0, 0.5)).cost.steps.evaluations

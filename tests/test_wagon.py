@@ -1,4 +1,4 @@
-"""Data of the Manchester wagon, its scaling, suspension and linear modes."""
+"""Data of the Manchester wagon, its scaling and its suspension."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from vehicle.characteristic import Characteristic
-from vehicle.modes import modes
 from vehicle.suspension import Assembly
 from vehicle.wagon import BUMPSTOP, CAR_BODY, SECONDARY, Scaling, Wagon
 
@@ -63,38 +62,6 @@ def test_bumpstop_follows_its_table_both_ways_and_beyond() -> None:
         assert BUMPSTOP(-d) == pytest.approx(-f)
     assert BUMPSTOP(0.0325) == pytest.approx(1180.0)
     assert BUMPSTOP(0.070) == pytest.approx(230e3 + (230e3 - 29.2e3))
-
-
-# Derived modes of the plane model above a held wheelset, design data of this project: a linear model with the pendulum
-# moment of the car body alone.
-FREQUENCY = [0.632, 1.080, 1.153, 7.43, 9.61, 12.68]
-DAMPING = [0.21, 0.14, 0.38, 0.24, 0.32, 0.15]
-
-
-def test_modes_of_the_linear_model_with_pendulum_moment() -> None:
-    found = modes(Wagon(), weight="pendulum")
-    np.testing.assert_allclose([m.frequency for m in found], FREQUENCY, rtol=6e-4)
-    np.testing.assert_allclose([m.damping for m in found], DAMPING, atol=6e-3)
-
-
-def test_modes_with_the_loads_in_their_displaced_position() -> None:
-    """Modes without lateral motion do not change; the overturned bogie makes the lower sway slower."""
-    plain, full = modes(Wagon(), weight="pendulum"), modes(Wagon())
-    for i in (1, 3):
-        assert full[i].frequency == pytest.approx(plain[i].frequency, rel=1e-7)
-    assert full[0].frequency < 0.96 * plain[0].frequency
-    bounce = Wagon().plane
-    closed = np.linalg.eigvalsh(
-        np.array([[430e3 / 8000, -430e3 / np.sqrt(8000 * 1307.5)], [0, (430e3 + 2440e3) / 1307.5]]), UPLO="U"
-    )
-    undamped = modes(
-        replace(
-            bounce,
-            primary=replace(bounce.primary, vertical_damping=0.0),
-            secondary=replace(bounce.secondary, vertical_damping=0.0),
-        )
-    )
-    np.testing.assert_allclose([undamped[i].frequency for i in (1, 3)], np.sqrt(closed) / 2 / np.pi, rtol=1e-6)
 
 
 def energy(assembly: Assembly, wagon: Wagon, position: np.ndarray) -> float:
