@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
     from contact.pose import Side
     from contact.result import Patch
-    from vehicle.curving import Curve, Steady
+    from vehicle.curve import Curve
+    from vehicle.curving import Steady
     from vehicle.modes import Mode
 
 
@@ -31,7 +32,7 @@ def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
 
 def curve_of(scene: RunScene) -> Curve:
     """Where the scene's track is sharpest."""
-    from vehicle.curving import Curve
+    from vehicle.curve import Curve
 
     line, length = track(scene), scene.track.length
     s = max((length * i / 1000 for i in range(1001)), key=lambda s: abs(line.curvature(s)[0]))

@@ -14,7 +14,8 @@ from standin_contact import CONTACT
 from benchmarks.linear_contact import LinearContact
 from contact.pose import Side, WheelsetState
 from contact.result import ContactResult
-from vehicle.curving import Curve, Steady, curving, curving_over
+from vehicle.curve import Curve
+from vehicle.curving import Steady, curving, curving_over
 from vehicle.dynamics import Dynamics
 from vehicle.equilibrium import Equilibrium, EquilibriumError, equilibrium
 from vehicle.tally import Tally
