@@ -86,11 +86,10 @@ def trajectory(
             damper = _damper(stage.lateral_damping, stage.vertical_damping)
             element(upper, lower, side * stage.spring_y, stage.spring_height, spring)
             element(upper, lower, side * stage.damper_y, stage.damper_height, damper)
-    stop = w.bumpstop
-    table = np.array(stop.deflection), np.array(stop.force)
+    table = np.array(w.bumpstop.points).T
     slope = (table[1][-1] - table[1][-2]) / (table[0][-1] - table[0][-2])  # goes on beyond the table
     table = np.append(table[0], 1.0), np.append(table[1], table[1][-1] + slope * (1.0 - table[0][-1]))
-    element(0, 1, 0.0, stop.height, lambda y, z, vy, vz: (float(np.sign(y) * np.interp(abs(y), *table)), 0.0))
+    element(0, 1, 0.0, w.bumpstop_height, lambda y, z, vy, vz: (float(np.sign(y) * np.interp(abs(y), *table)), 0.0))
 
     ends = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=nodes[i], coordinate=2)) for i in (1, 0)]
     couple = w.roll_bar + 2 * w.secondary.bending_stiffness

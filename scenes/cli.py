@@ -188,14 +188,16 @@ def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
 def _load_run(scene: Path) -> RunScene:
     given = _load(scene)
     if given.kind != "run":
-        raise _refused(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail contact')
+        raise _refused(
+            f'{scene}: kind = "{given.kind}": this is one contact solve and no vehicle run, use wheelrail contact'
+        )
     return given
 
 
 @contextmanager
 def _complaints(scene: str, place: str | None = None) -> Iterator[None]:
-    """What goes wrong is a line on standard error and an exit code: what is wrong with a scene behind its name, what went
-    wrong on the way behind the place of the results.
+    """What goes wrong is a line on standard error and an exit code: what is wrong with a scene behind its name, what
+    went wrong on the way behind the place of the results.
     """
     from scenes.complaint import RunFailed, SceneError
     from vehicle.attempts import StepFailure

@@ -81,7 +81,7 @@ class Energies:
                 potential += stiffness * moved[k] ** 2 / 2
                 dissipation += damping * v[k] ** 2 / 2
             potential -= contact.load * moved[1]
-        return cls(kinetic, potential, dissipation, gap(0, 1, 0.0, w.bumpstop.height)[0])
+        return cls(kinetic, potential, dissipation, gap(0, 1, 0.0, w.bumpstop_height)[0])
 
     def linear(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Mass, damping and stiffness (9, 9) of small motions about the nominal position at rest, without the stop."""

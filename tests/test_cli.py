@@ -293,7 +293,10 @@ def test_track_is_shown_and_drawn(tmp_path: Path) -> None:
     assert outcome.exit_code == 0
     assert "bloss" in outcome.output
     assert file.stat().st_size > 20_000
-    for arguments, says in ((["hertz.toml"], "only a vehicle run"), (["curve.toml", "--picture", "x.gif"], "must end")):
+    for arguments, says in (
+        (["hertz.toml"], "this is one contact solve"),
+        (["curve.toml", "--picture", "x.gif"], "must end"),
+    ):
         refused = CliRunner().invoke(app, ["track", str(SCENES / arguments[0]), *arguments[1:]])
         assert refused.exit_code == 2
         assert says in refused.output

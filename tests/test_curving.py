@@ -40,7 +40,7 @@ def on_paper(curve: Curve, contact: LinearContact = SPRINGS, *, simpler: bool = 
     a, n = v * v * k * cos(beta) - w.gravity * sin(beta), v * v * k * sin(beta) + w.gravity * cos(beta)
     m1, m2, m3 = w.car_body.mass, w.bogie.mass, w.wheelset.mass
     h1, h2, h3 = w.car_body.height, w.bogie.height, w.wheelset.height
-    hs, hb, hp, b = w.secondary.spring_height, w.bumpstop.height, w.primary.spring_height, contact.across
+    hs, hb, hp, b = w.secondary.spring_height, w.bumpstop_height, w.primary.spring_height, contact.across
     turn2 = 2 * w.secondary.vertical_stiffness + w.roll_bar + 2 * w.secondary.bending_stiffness
     turn1, turn0 = 2 * w.primary.vertical_stiffness, 2 * contact.vertical[0] * b * b
     gyroscopic = w.wheelset.pitch_inertia * v / h3 * v * k * cos(beta)

@@ -44,7 +44,7 @@ def test_equations_of_motion(lagrange: Lagrange, s: float) -> None:
             state = scale * rng.normal(size=2 * COUNT)
             contacts = dynamics.solve_contacts(frame, state, None)
             here = dynamics.accelerations(frame, state, Wrench.of(contacts))[0]
-            there = lagrange(frame, state, dynamics.rolling_rate)
+            there = lagrange(frame, state, dynamics.rolling_rate(frame))
             np.testing.assert_allclose(here, there, rtol=1e-11, atol=1e-11 * np.abs(there).max())
 
 
