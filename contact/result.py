@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from contact.error_estimate import ErrorEstimate
-from contact.pose import MIRROR, Array, Nodes, Pose
+from contact.pose import MIRROR, Array, Mask, Nodes, Pose
 
 if TYPE_CHECKING:
     from contact.cells import Cells
@@ -102,7 +102,7 @@ class Fields:
     frame; axes (n, 3, 3) rows longitudinal, lateral, outward normal of the wheel; area (n,) m2; step (n,) m, the
     length along the rolling direction that a point stands for; gap (n,) undeformed overlap m, positive where the bodies
     overlap; pressure (n,) Pa; traction (n, 2) Pa on the wheel; slip (n, 2) slip over rolling speed; displacement (n, 3)
-    m, wheel minus rail, in the local axes.
+    m, wheel minus rail, in the local axes; sticks (n,) where the model itself knows it.
     """
 
     node: Nodes
@@ -116,6 +116,7 @@ class Fields:
     traction: Array
     slip: Array
     displacement: Array
+    sticks: Mask | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,94 @@
+"""What a contact on strips hands to its result: fields cell by cell, and patches summed up when they are looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.contact_zones import Zones
+from contact.patches import summarise
+from contact.points import Places
+from contact.pose import Array, Nodes, Pose
+from contact.result import Fields, Patch
+from contact.strip_forces import Cells
+from contact.strip_pressure import Pressed
+
+if TYPE_CHECKING:
+    from contact.rigid_pairs import RigidPair
+
+
+@dataclass(frozen=True)
+class StripContacts:
+    """Zones, strips and cells of one solve; axes (n, 3, 3) and foot (n,) m on the lower body of the n strips."""
+
+    zones: Zones
+    strips: Pressed
+    cells: Cells
+    axes: Array
+    foot: Array
+    pose: Pose
+    surfaces: RigidPair
+
+    @property
+    def count(self) -> int:
+        """Cells to a strip."""
+        return len(self.cells.area) // len(self.foot)
+
+    def fields(self) -> Fields:
+        cells, n = self.cells, len(self.cells.area)
+        return Fields(
+            node=np.arange(n),
+            patch=np.repeat(self.rank[self.strips.contact], self.count),
+            point=cells.point,
+            axes=np.repeat(self.axes, self.count, axis=0),
+            area=cells.area,
+            step=cells.length,
+            gap=np.zeros(n),
+            pressure=cells.pressure,
+            traction=cells.traction,
+            slip=cells.slip,
+            displacement=np.zeros((n, 3)),
+            sticks=cells.sticks,
+        )
+
+    @cached_property
+    def rank(self) -> Nodes:
+        """Place (k,) of each contact in the list by falling load."""
+        rank = np.empty(len(self.zones.share), dtype=np.int64)
+        rank[np.argsort(-self.strips.load * self.zones.share, kind="stable")] = np.arange(len(rank))
+        return rank
+
+    def summaries(self) -> tuple[Patch, ...]:
+        """Every contact, by falling load."""
+        fields, cells, strips = self.fields(), self.cells, self.strips
+        on_wheel, on_rail = self.surfaces.across(strips.s, self.foot)
+        places = Places(
+            point=fields.point,
+            axes=fields.axes,
+            area=fields.area,
+            overlap=fields.gap,
+            wheel_rotation=self.pose.rotation,
+            step=fields.step,
+            wheel_place=np.repeat(np.column_stack([strips.s, on_wheel]), self.count, axis=0),
+            rail_place=np.repeat(np.column_stack([self.foot, on_rail]), self.count, axis=0),
+        )
+        local = np.column_stack([cells.traction, -cells.pressure]) * cells.area[:, None]
+        forces = (local[:, None, :] @ fields.axes)[:, 0]
+        found = []
+        for contact in np.argsort(self.rank):
+            inside = fields.patch == self.rank[contact]
+            own = strips.contact == contact
+            patch = summarise(places, inside, forces=forces, pressure=cells.pressure, sticks=cells.sticks)
+            xi, eta, phi = cells.creep[contact].tolist()
+            found.append(
+                replace(
+                    patch,
+                    max_pressure=float((strips.scale[own] * strips.half[own]).max()),
+                    creepage=(xi, eta, phi),
+                    frictional_power=max(float(cells.power[contact]), 0.0),
+                )
+            )
+        return tuple(found)
