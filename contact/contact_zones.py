@@ -13,14 +13,13 @@ import numpy as np
 
 from contact.pose import Array, Nodes, Pose
 from contact.quadrics import curvature
-from contact.rigid_search import HUMPS, crossing, deepest, humps, scan
+from contact.rigid_search import HUMPS, Lines, crossing, deepest, humps, scan
 from meshes.closest import Shape, local, piece
 from meshes.compiled import compiled
 from meshes.profiles import Profile
 
 VIRTUAL = 0.55  # penetration of the virtual bodies over that of the elastic ones, Piotrowski and Kik 2008
 APART = 1.5  # times the merging distance: two humps further apart are contacts of their own
-LINES = 4e-4  # m, between the lines where a hump is looked for
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 HALF = 0.5 * (_GAUSS + 1.0)
 # places and widths from 0 to 1 of half a zone's strips, closer together at the hump, where a strip sees itself
@@ -70,7 +69,7 @@ def shares(top: Array, low: Array, merge: float) -> tuple[Array, Array]:
             apart = fade((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (APART - 1.0))
             single = fade((lower - valley) / (VIRTUAL * lower)) * apart
             # which is the higher one: undecided only within the depth of the valley
-            above = fade(0.5 + 0.5 * (other - mine) / (lower - valley)) if lower > valley else float(other > mine)
+            above = fade(0.5 + 0.5 * (other - mine) / (lower - valley)) if lower > valley else (1.0 if other > mine else 0.0)
             own[i] *= 1.0 - (1.0 - single) * above
             level = (1.0 - VIRTUAL) * mine
             if other > level:
@@ -80,11 +79,12 @@ def shares(top: Array, low: Array, merge: float) -> tuple[Array, Array]:
 
 @compiled
 def wheel_zones(
-    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Array, merge: float
+    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Lines, merge: float
 ) -> tuple[float, bool, Array, Array, Nodes, Array]:
     """Largest overlap m and whether it leaves the lines; contacts (k, 4) and strips: contact (n,), values (n, 5)."""
-    depth, slope, where = scan(wheel, rail, radius, origin, rotation, lines)
-    top, low, approach = humps(wheel, rail, radius, origin, rotation, lines, depth, slope, where)
+    seen, places = scan(rail, lines, radius, origin, rotation), lines.s
+    depth, where, sample = seen.depth, seen.x, seen.sample
+    top, low, before, approach = humps(wheel, rail, radius, origin, rotation, places, seen)
     beyond = depth[0] > 0.0 or depth[-1] > 0.0
     own, reach = shares(top, low, merge)
     m = len(PLACES)
@@ -103,26 +103,26 @@ def wheel_zones(
             if reach[k, j] <= 0.0:
                 continue
             middle = top[j, 0]
-            at = np.searchsorted(lines, middle)
             for way in (-1, 1):
-                stop = lines[0] if way < 0 else lines[-1]
+                stop = places[0] if way < 0 else places[-1]
                 if way < 0 and j > 0:
                     stop = low[j - 1, 0]
                 if way > 0 and j < len(top) - 1:
                     stop = low[j, 0]
-                i, inner = at - 1 if way < 0 else at, middle
-                while (lines[i] - stop) * way < 0.0 and depth[i] >= level:
-                    inner = lines[i]
+                i, inner = before[j] + (way > 0), middle
+                while (places[i] - stop) * way < 0.0 and ((places[i] - middle) * way <= 0.0 or depth[i] >= level):
+                    if (places[i] - middle) * way > 0.0:
+                        inner = places[i]
                     i += way
                 edge = stop
-                outer = lines[i] if (lines[i] - stop) * way < 0.0 else stop
-                d, _, _, _ = deepest(wheel, rail, radius, origin, rotation, outer, where[i], -1)
+                outer = places[i] if (places[i] - stop) * way < 0.0 else stop
+                d, _, _, _ = deepest(wheel, rail, radius, origin, rotation, outer, where[i], sample[i])
                 if d < level:
-                    edge = crossing(wheel, rail, radius, origin, rotation, inner, outer, level, where[i], -1)
-                x, sample = top[j, 2], -1
+                    edge = crossing(wheel, rail, radius, origin, rotation, inner, outer, level, where[i], sample[i])
+                x, near = top[j, 2], sample[before[j]]
                 for q in range(m):
                     s = middle + (edge - middle) * PLACES[q]
-                    d, _, x, sample = deepest(wheel, rail, radius, origin, rotation, s, x, sample)
+                    d, _, x, near = deepest(wheel, rail, radius, origin, rotation, s, x, near)
                     z, t, _ = local(wheel, s, piece(wheel, s))
                     contact[n], strips[n, 0], strips[n, 1] = count, s, x
                     strips[n, 2], strips[n, 3] = abs(edge - middle) * WIDTHS[q], reach[k, j] * max(d - level, 0.0)
@@ -133,10 +133,10 @@ def wheel_zones(
 
 
 def profile_zones(
-    wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Array, merge: float
+    wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines, merge: float
 ) -> tuple[Zones | None, float]:
-    """Zones (None without overlap) of a wheel of nominal radius m on a rail, looked for at lines (n,) m of the wheel's
-    profile, and the largest overlap m. Raises ValueError for an overlap beyond the lines.
+    """Zones (None without overlap) of a wheel of nominal radius m on a rail, looked for at lines of the wheel's profile,
+    and the largest overlap m. Raises ValueError for an overlap beyond the lines.
     """
     approach, beyond, contacts, _, contact, strips = wheel_zones(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge

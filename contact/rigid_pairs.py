@@ -8,12 +8,13 @@ from typing import Protocol
 
 import numpy as np
 
-from contact.contact_zones import LINES, Zones, profile_zones, quadric_zones
+from contact.contact_zones import Zones, profile_zones, quadric_zones
 from contact.pose import Array, Pose
-from contact.strip_surfaces import ProfileStrips
+from contact.rigid_search import Lines, wheel_places
 from meshes.bodies import wheel_touches
 from meshes.profiles import Profile
 
+SPACING = 4e-4  # m, between the lines where humps are looked for
 MERGE = 4e-3  # m: half the width of a patch on a rail head; two ellipses of that size so near would be one patch
 
 
@@ -23,11 +24,11 @@ class RigidPair(Protocol):
     def zones(self, pose: Pose) -> tuple[Zones | None, float]:
         """Zones of contact (None without overlap) and the largest overlap m. Raises ValueError for one beyond reach."""
 
-    def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array, Array]:
-        """Points (n, 3) m, axes (n, 3, 3) and arc length m of the feet on the lower body, of places of the upper one."""
+    def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
+        """Points (n, 3) m and axes (n, 3, 3), as in `contact.points.Places`, of places on the upper body."""
 
-    def across(self, s: Array, foot: Array) -> tuple[Array, Array]:
-        """Lateral positions [m] on the profiles of both bodies."""
+    def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
+        """Arc length and lateral position (n, 2) m on the profiles of both bodies, of such points."""
 
 
 @dataclass(frozen=True)
@@ -40,23 +41,21 @@ class RigidWheelRail:
     merge_distance: float = MERGE
 
     @cached_property
-    def lines(self) -> Array:
+    def lines(self) -> Lines:
         start, stop = wheel_touches(self.wheel)
-        return np.linspace(start, stop, int(np.ceil((stop - start) / LINES)) + 1)
-
-    @cached_property
-    def surfaces(self) -> ProfileStrips:
-        return ProfileStrips(self.wheel, self.rail, self.radius)
+        s = np.linspace(start, stop, int(np.ceil((stop - start) / SPACING)) + 1)
+        return Lines.of(self.wheel, self.rail, s)
 
     def zones(self, pose: Pose) -> tuple[Zones | None, float]:
         return profile_zones(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
-    def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array, Array]:
-        seen = self.surfaces.seen(pose, np.clip(s, *self.wheel.s_range), x)
-        return seen.point, seen.axes, seen.foot
+    def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
+        return wheel_places(self.wheel.shape, self.radius, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
 
-    def across(self, s: Array, foot: Array) -> tuple[Array, Array]:
-        return self.wheel.point(np.clip(s, *self.wheel.s_range))[:, 0], self.rail.point(foot)[:, 0]
+    def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
+        s, foot = np.clip(s, *self.wheel.s_range), self.rail.closest(point[:, 1:]).s
+        on_wheel, on_rail = self.wheel.point(s)[:, 0], self.rail.point(foot)[:, 0]
+        return np.column_stack([s, on_wheel]), np.column_stack([foot, on_rail])
 
 
 @dataclass(frozen=True)
@@ -69,10 +68,11 @@ class RigidQuadrics:
     def zones(self, pose: Pose) -> tuple[Zones | None, float]:
         return quadric_zones(self.upper, self.lower, pose)
 
-    def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array, Array]:
+    def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
         axes = np.zeros((len(s), 3, 3))
         axes[:] = np.diag([1.0, 1.0, -1.0])
-        return np.column_stack([x, s, np.zeros_like(s)]), axes, s
+        return np.column_stack([x, s, np.zeros_like(s)]), axes
 
-    def across(self, s: Array, foot: Array) -> tuple[Array, Array]:
-        return s, foot
+    def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
+        both = np.column_stack([s, s])
+        return both, both

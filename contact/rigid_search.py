@@ -6,13 +6,18 @@ wheel's profile against the rail's normal. So humps, valleys and edges do not de
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from contact.pose import Array
+from contact.pose import Array, Nodes
 from meshes.closest import Shape, foot, local, nearer_sample, nearest_sample, piece
 from meshes.compiled import compiled
+from meshes.curve import Complex
+from meshes.profiles import Profile
 
 HUMPS = 8  # more than a wheel and a rail can have
+NEAR = -1e-4  # m: humps lower than that are not looked at
 NONE = -1.0  # m: the overlap beside the rail
 CLOSE = 1e-9  # m: a hump and a valley are further apart
 TURNS = 12  # at most, of finding the lowest place of a yawed wheel
@@ -128,61 +133,138 @@ def crossing(
     return s
 
 
+class Lines(NamedTuple):
+    """Where humps are looked for: places s (n,) m on the wheel's profile, points and tangents there, and those of the
+    rail's samples, as y + iz in m; curvature (m,) 1/m of the rail at its samples, positive where it is convex.
+    """
+
+    s: Array
+    point: Complex
+    tangent: Complex
+    rail_tangent: Complex
+    rail_curvature: Array
+
+    @classmethod
+    def of(cls, wheel: Profile, rail: Profile, s: Array) -> Lines:
+        at = rail.shape.samples
+        return cls(s, *(_complex(f(c)) for f, c in ((wheel.point, s), (wheel.tangent, s), (rail.tangent, at))), rail.curvature(at))
+
+
+def _complex(pairs: Array) -> Complex:
+    return np.ascontiguousarray(pairs[:, 0] + 1j * pairs[:, 1])
+
+
+class Scan(NamedTuple):
+    """Overlap (n,) m, its slope, its x m and the rail's nearest sample at every line."""
+
+    depth: Array
+    slope: Array
+    x: Array
+    sample: Nodes
+
+
 @compiled
-def scan(
-    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Array
-) -> tuple[Array, Array, Array]:
-    """Overlap [m], its slope and its x [m] at lines (n,) m."""
-    n = len(lines)
-    depth, slope, where = np.empty(n), np.empty(n), np.empty(n)
-    x, sample = 0.0, -1
+def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Array) -> Scan:
+    """A first look, from the rail's samples and its curvature there: overlaps to about 1e-9 m."""
+    n, last = len(lines.s), len(rail.samples) - 1
+    depth, slope, where, nearest = np.full(n, NONE), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64)
+    x, sample, rounds = 0.0, -1, 1 if rotation[1, 0] == 0.0 and rotation[2, 0] == 0.0 else 3
     for i in range(n):
-        depth[i], slope[i], x, sample = deepest(wheel, rail, radius, origin, rotation, lines[i], x, sample)
-        if depth[i] == NONE:
+        z, t = lines.point[i], lines.tangent[i]
+        r = z.imag + radius
+        for turn in range(rounds):
+            sine, cosine = np.sin(x / radius), np.cos(x / radius)
+            y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
+            h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
+            q = complex(y, h)
+            sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
+            away, along, bend = q - rail.sampled[sample], lines.rail_tangent[sample], lines.rail_curvature[sample]
+            a = away.real * along.real + away.imag * along.imag
+            d = away.imag * along.real - away.real * along.imag
+            a /= 1.0 + bend * d  # to the foot on the circle of curvature
+            turned = along * complex(1.0 - 0.5 * (a * bend) ** 2, -a * bend)
+            ny, nz = -turned.imag, turned.real
+            if turn < rounds - 1:
+                forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
+                x = -radius * np.arctan(forward / upward) if upward != 0.0 else x
+        if (sample == 0 and a < 0.0) or (sample == last and a > 0.0):
             x, sample = 0.0, -1
-        where[i] = x
-    return depth, slope, where
+            continue
+        ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
+        tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
+        depth[i], slope[i] = -(d + 0.5 * bend * a * a * (1.0 + bend * d)), -(ty * ny + tz * nz)
+        where[i], nearest[i] = x, sample
+    return Scan(depth, slope, where, nearest)
 
 
 @compiled
 def humps(
-    wheel: Shape,
-    rail: Shape,
-    radius: float,
-    origin: Array,
-    rotation: Array,
-    lines: Array,
-    depth: Array,
-    slope: Array,
-    where: Array,
-) -> tuple[Array, Array, float]:
-    """Humps (n, 3) with overlap, valleys (n - 1, 3) between them: place, overlap and x, all m; largest overlap m."""
-    top, low = np.empty((HUMPS, 3)), np.empty((HUMPS, 3))
-    count, approach, last = 0, depth.max(), 0
-    for i in range(len(lines) - 1):
-        if not (slope[i] > 0.0 >= slope[i + 1]) or max(depth[i], depth[i + 1]) < -1e-4 or count == HUMPS:
+    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Array, seen: Scan
+) -> tuple[Array, Array, Nodes, float]:
+    """Humps (n, 3) with overlap, valleys (n - 1, 3) between them: place, overlap and x, all m; the line (n,) before
+    each hump; largest overlap m.
+    """
+    depth, slope, where, sample = seen
+    top, low, before = np.empty((HUMPS, 3)), np.empty((HUMPS, 3)), np.empty(HUMPS, dtype=np.int64)
+    count, approach, n = 0, depth.max(), len(lines)
+    for i in range(n - 1):
+        if not (slope[i] > 0.0 >= slope[i + 1]) or max(depth[i], depth[i + 1]) < NEAR or count == HUMPS:
+            continue
+        j, k = i, i + 1
+        _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[j], where[j], sample[j])
+        _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[k], where[k], sample[k])
+        if rise <= 0.0 and j > 0:  # the first look missed it by a hair
+            j -= 1
+            _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[j], where[j], sample[j])
+        if fall > 0.0 and k < n - 1:
+            k += 1
+            _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[k], where[k], sample[k])
+        if not rise > 0.0 >= fall:
             continue
         s, d, x = turning(
-            wheel, rail, radius, origin, rotation, lines[i], lines[i + 1], slope[i], slope[i + 1], where[i], -1
+            wheel, rail, radius, origin, rotation, lines[j], lines[k], rise, fall, where[i], sample[i]
         )
         approach = max(approach, d)
         if d <= 0.0:
             continue
         if count > 0:
-            k = last + 1
-            for j in range(last + 1, i + 1):
+            k = before[count - 1] + 1
+            for j in range(k, i + 1):
                 if depth[j] < depth[k]:
                     k = j
             low[count - 1, 0], low[count - 1, 1], low[count - 1, 2] = lines[k], depth[k], where[k]
             if depth[k] > 0.0:  # one that matters, between the lines
-                j = k - 1 if slope[k] > 0.0 else k
-                one, other = max(lines[j], top[count - 1, 0] + CLOSE), min(lines[j + 1], s - CLOSE)
-                _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, one, where[k], -1)
-                _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, other, where[k], -1)
+                one, other = max(lines[k - 1], top[count - 1, 0] + CLOSE), min(lines[k + 1], s - CLOSE)
+                _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, one, where[k], sample[k])
+                _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, other, where[k], sample[k])
                 if fall < 0.0 < rise:
                     low[count - 1, 0], low[count - 1, 1], low[count - 1, 2] = turning(
-                        wheel, rail, radius, origin, rotation, one, other, fall, rise, where[k], -1
+                        wheel, rail, radius, origin, rotation, one, other, fall, rise, where[k], sample[k]
                     )
-        top[count, 0], top[count, 1], top[count, 2] = s, d, x
-        count, last = count + 1, i
-    return top[:count].copy(), low[: max(count - 1, 0)].copy(), approach
+        top[count, 0], top[count, 1], top[count, 2], before[count] = s, d, x, i
+        count += 1
+    return top[:count].copy(), low[: max(count - 1, 0)].copy(), before[:count].copy(), approach
+
+
+@compiled
+def wheel_places(
+    wheel: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
+) -> tuple[Array, Array]:
+    """Points (n, 3) m and axes (n, 3, 3), rows longitudinal, lateral and outward, of places s, x (n,) m on a wheel."""
+    n = len(s)
+    points, axes, own, normal = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(3), np.empty(3)
+    for i in range(n):
+        at = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
+        z, t, _ = local(wheel, at, piece(wheel, at))
+        r, sine, cosine = z.imag + radius, np.sin(x[i] / radius), np.cos(x[i] / radius)
+        own[0], own[1], own[2] = r * sine, z.real, -r * cosine
+        normal[0], normal[1], normal[2] = t.real * sine, -t.imag, -t.real * cosine
+        for c in range(3):
+            row = rotation[c]
+            points[i, c] = origin[c] + row[0] * own[0] + row[1] * own[1] + row[2] * own[2]
+            axes[i, 2, c] = row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2]
+            axes[i, 0, c] = row[0] * cosine + row[2] * sine
+        f, u = axes[i, 0], axes[i, 2]
+        axes[i, 1, 0], axes[i, 1, 1] = f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2]
+        axes[i, 1, 2] = f[0] * u[1] - f[1] * u[0]
+    return points, axes

@@ -76,7 +76,7 @@ class StandardContact:
             return ContactResult.separated(min(approach, 0.0))
         strips = (virtual_penetration if self.normal == "kik-piotrowski" else hertzian)(zones, self.elasticity.E_star)
         n = len(strips.s)
-        point, axes, foot = self.surfaces.at(
+        point, axes = self.surfaces.at(
             pose, np.concatenate([strips.s, zones.peak]), np.concatenate([strips.x, zones.peak_x])
         )
         peak, peak_axes = point[n:], axes[n:]
@@ -98,7 +98,7 @@ class StandardContact:
                 "mu = 0 needs none",
                 approach,
             )
-        made = StripContacts(zones, strips, cells, axes, foot[:n], pose, self.surfaces)
+        made = StripContacts(zones, strips, cells, point, axes, pose, self.surfaces)
         return ContactResult(
             force=cells.force,
             moment=cells.moment,

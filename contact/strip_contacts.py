@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StripContacts:
-    """Zones, strips and cells of one solve; axes (n, 3, 3) and foot (n,) m on the lower body of the n strips."""
+    """Zones, strips and cells of one solve; points (n, 3) m and axes (n, 3, 3) of the n strips."""
 
     zones: Zones
     strips: Pressed
     cells: Cells
+    point: Array
     axes: Array
-    foot: Array
     pose: Pose
     surfaces: RigidPair
 
     @property
     def count(self) -> int:
         """Cells to a strip."""
-        return len(self.cells.area) // len(self.foot)
+        return len(self.cells.area) // len(self.point)
 
     def fields(self) -> Fields:
         cells, n = self.cells, len(self.cells.area)
@@ -64,7 +64,7 @@ class StripContacts:
     def summaries(self) -> tuple[Patch, ...]:
         """Every contact, by falling load."""
         fields, cells, strips = self.fields(), self.cells, self.strips
-        on_wheel, on_rail = self.surfaces.across(strips.s, self.foot)
+        on_wheel, on_rail = self.surfaces.profiles(strips.s, self.point)
         places = Places(
             point=fields.point,
             axes=fields.axes,
@@ -72,8 +72,8 @@ class StripContacts:
             overlap=fields.gap,
             wheel_rotation=self.pose.rotation,
             step=fields.step,
-            wheel_place=np.repeat(np.column_stack([strips.s, on_wheel]), self.count, axis=0),
-            rail_place=np.repeat(np.column_stack([self.foot, on_rail]), self.count, axis=0),
+            wheel_place=np.repeat(on_wheel, self.count, axis=0),
+            rail_place=np.repeat(on_rail, self.count, axis=0),
         )
         local = np.column_stack([cells.traction, -cells.pressure]) * cells.area[:, None]
         forces = (local[:, None, :] @ fields.axes)[:, 0]

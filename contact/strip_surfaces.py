@@ -121,7 +121,7 @@ class ProfileStrips:
     def _follows(self) -> OnRail:
         return OnRail.of(self.rail)
 
-    def seen(self, pose: Pose, s: Array, x: Array) -> Seen:
+    def _seen(self, pose: Pose, s: Array, x: Array) -> Seen:
         """Places of the wheel, seen from the rail."""
         both = np.broadcast_arrays(s, x)
         return Seen(
@@ -141,27 +141,27 @@ class ProfileStrips:
         """
         x = np.zeros_like(s)
         for _ in range(2 if pose.rotation[1, 0] != 0 else 0):
-            across = np.column_stack([np.zeros_like(s), self.rail.normal(self.seen(pose, s, x).foot)]) @ pose.rotation
+            across = np.column_stack([np.zeros_like(s), self.rail.normal(self._seen(pose, s, x).foot)]) @ pose.rotation
             x = -self.radius * np.arctan(across[:, 0] / across[:, 2])
-        depth = self.seen(pose, s, x).overlap
+        depth = self._seen(pose, s, x).overlap
         r, nr = self.wheel.point(s)[:, 1] + self.radius, self.wheel.normal(s)[:, 1]
         return Ridge(s, depth, x, np.maximum(r * nr, 0.05 * r) / self.radius**2)
 
     def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
-        return self.seen(pose, s, x).overlap.reshape(x.shape)
+        return self._seen(pose, s, x).overlap.reshape(x.shape)
 
     def along(self, s: Array) -> Array:
         return stretched(self.wheel.shape, self.radius, s)
 
     def lower_sides(self, pose: Pose, layout: Layout) -> Array:
         x = np.repeat(layout.ends.mean(axis=1), 2).reshape(-1, 2)
-        return self.seen(pose, layout.sides, x).foot.reshape(x.shape)
+        return self._seen(pose, layout.sides, x).foot.reshape(x.shape)
 
     def places(self, pose: Pose, layout: Layout) -> Places:
         edges = layout.edges
         x = 0.5 * (edges[:, 1:] + edges[:, :-1])
         s = np.broadcast_to(layout.middle[:, None], x.shape)
-        at = self.seen(pose, s, x)
+        at = self._seen(pose, s, x)
         length = np.diff(edges) * self.along(layout.middle)[:, None]
         return Places(
             point=at.point,
