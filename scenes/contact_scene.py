@@ -38,15 +38,24 @@ def solve_contact(
         "status": overall(sides),
         "kind": scene.kind,
         "model": scene.model,
-        "laws": scene.laws,
         "friction": scene.friction,
-        "bodies": scene.meshes,
-        "points": scene.placing,
-        "surface_size": scene.surface_size,
+        **_ways(scene),
         "falling": None if scene.falling is None else scene.falling.model_dump(),
         "stiffness_per_area": found.stiffness_per_area if found.normal_compliance else None,
         "regularisation": found.regularisation,
         **sides,
+    }
+
+
+def _ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
+    """How the bodies and their contact are modelled."""
+    if scene.model == "standard":
+        return {"normal": scene.normal or "kik-piotrowski", "tangential": scene.tangential or "fastsim"}
+    return {
+        "laws": scene.laws,
+        "bodies": scene.meshes,
+        "points": scene.placing,
+        "surface_size": scene.surface_size,
     }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
 
@@ -11,16 +11,28 @@ if TYPE_CHECKING:
     from contact.laws import Laws
     from contact.patch_stress import LoadedBody
     from contact.pose import Motion, Pose
+    from contact.rigid_pairs import RigidPair
     from contact.wheelset import ContactModel, WheelsetContact
     from meshes.profiles import Profile
 
 
+class Material(Protocol):
+    """What has Young's modulus Pa and Poisson's ratio."""
+
+    @property
+    def E(self) -> float: ...
+    @property
+    def nu(self) -> float: ...
+
+
 def laws(scene: HertzScene | WheelsetScene | RunScene) -> Laws:
-    """Penalty pressure and regularised Coulomb friction with the scene's constants, or the exact laws."""
+    """Penalty pressure and regularised Coulomb friction with the scene's constants, or the exact laws; of these the
+    standard contact takes the friction.
+    """
     from contact.laws import FallingFriction, Laws
 
     falling = None if scene.falling is None else FallingFriction(scene.falling.share, scene.falling.rate)
-    if scene.laws == "exact":
+    if scene.laws == "exact" or scene.model == "standard":
         return Laws(friction=scene.friction, falling=falling)
     return Laws(scene.stiffness_per_area, scene.friction, scene.regularisation, falling)
 
@@ -28,8 +40,14 @@ def laws(scene: HertzScene | WheelsetScene | RunScene) -> Laws:
 def hertz_model(scene: HertzScene) -> ContactModel:
     """The pair of bodies of a Hertz scene."""
     from contact.laws import Steel
+
+    if scene.model == "standard":
+        from contact.rigid_pairs import RigidQuadrics
+
+        return _standard(scene, RigidQuadrics(scene.upper.radii, scene.lower.radii), scene.upper, scene.lower)
     from contact.pairs import hertz_pair
 
+    assert scene.surface_size is not None
     return hertz_pair(
         scene.upper.radii,
         scene.lower.radii,
@@ -84,7 +102,6 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
     Raises SceneError for a profile that cannot be read, or a rail without the gauge's height.
     """
     from contact.laws import Steel
-    from contact.pairs import wheel_rail_pair
     from contact.pose import Mounting
     from contact.wheelset import WheelsetContact
 
@@ -95,6 +112,15 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
     except ValueError as error:
         raise SceneError(f"profiles: {error}") from error
     mounting = Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
+    if scene.model == "standard":
+        from contact.rigid_pairs import MERGE, RigidWheelRail
+
+        merge = MERGE if scene.merge_distance is None else scene.merge_distance
+        rigid = RigidWheelRail(wheel, rail, axle.radius, merge)
+        return WheelsetContact(_standard(scene, rigid, scene, scene), mounting)
+    from contact.pairs import wheel_rail_pair
+
+    assert scene.surface_size is not None
     model = wheel_rail_pair(
         wheel,
         rail,
@@ -113,6 +139,18 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
         **_fineness(scene),
     )
     return WheelsetContact(model, mounting)
+
+
+def _standard(
+    scene: HertzScene | WheelsetScene | RunScene, surfaces: RigidPair, upper: Material, lower: Material
+) -> ContactModel:
+    """The contact of multibody codes."""
+    from contact.laws import Steel
+    from contact.standard import StandardContact
+
+    given = {key: value for key in ("normal", "tangential") if (value := getattr(scene, key)) is not None}
+    steels = (Steel(body.E, body.nu) for body in (upper, lower))
+    return StandardContact(surfaces, laws(scene), *steels, **given)
 
 
 def _profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:

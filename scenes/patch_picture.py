@@ -81,7 +81,9 @@ class PatchCells:
 
 
 def _sticks(fields: Fields, own: NDArray[np.bool_], laws: Laws) -> NDArray[np.bool_]:
-    """Where the surfaces stick: traction below its bound, or no slip where the bound falls with it."""
+    """Where the surfaces stick, from the model if it says so: traction below its bound, or no slip where the bound falls with it."""
+    if fields.sticks is not None:
+        return fields.sticks[own]
     if laws.falling is None:
         return np.asarray(np.hypot(*fields.traction[own].T) < (1 - 1e-6) * laws.friction * fields.pressure[own])
     slip = np.hypot(*fields.slip[own].T)

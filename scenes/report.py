@@ -130,8 +130,8 @@ def table(report: Mapping[str, Any]) -> RenderableType:
 
 
 def _heading(report: Mapping[str, Any]) -> str:
-    parts = [f"{report['model']} model", f"laws {report['laws']}"]
-    parts += [f"{report[key]} {key}" for key in ("bodies", "points") if key in report]
+    parts = [f"{report['model']} model", *(f"laws {report[key]}" for key in ("laws",) if key in report)]
+    parts += [f"{report[key]} {key}" for key in ("bodies", "points", "normal", "tangential") if key in report]
     return ", ".join(parts)
 
 

@@ -29,6 +29,9 @@ from scenes.toml_file import parse, read_text
 from scenes.track_line import TrackLine
 
 
+ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
+
+
 class Contact(Table):
     """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip.
 
@@ -39,13 +42,18 @@ class Contact(Table):
     the default for the exact ones. degree of the displacements, 1 for solids unless given. points: "fitted", strips of
     cells that end where the contact ends, the default for waveguides and the exact normal law, which alone have them;
     or "grid". strips over a patch's width and cells along each are those of fitted points, 12 and 16 unless given.
+    model = "standard" is the contact of multibody codes, without elements: it takes friction and falling of the laws,
+    ignores surface_size, and has normal and tangential of its own.
     """
 
-    model: Literal["condensed", "full"] = "condensed"
+    model: Literal["condensed", "full", "standard"] = "condensed"
     laws: Literal["paper", "exact"] = "exact"
     friction: q.Friction
     falling: Falling | None = None
-    surface_size: q.SurfaceSize
+    surface_size: q.SurfaceSize | None = None
+    normal: Literal["hertz", "kik-piotrowski"] | None = None
+    tangential: Literal["fastsim", "polach"] | None = None
+    merge_distance: q.MergeDistance | None = None
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     bodies: Literal["solid", "waveguide"] | None = None
     degree: Literal[1, 2] | None = None
@@ -58,6 +66,16 @@ class Contact(Table):
 
     @model_validator(mode="after")
     def _lawful(self) -> Contact:
+        if self.model == "standard":
+            for key in ELEMENTS:
+                if key in self.model_fields_set:
+                    raise q.refuse('only with model = "condensed" or "full"; the standard one has no elements', key)
+            return self
+        if self.surface_size is None:
+            raise q.refuse('must be given unless model = "standard"', "surface_size")
+        for key in ("normal", "tangential", "merge_distance"):
+            if getattr(self, key) is not None:
+                raise q.refuse('only with model = "standard"', key)
         if self.laws == "exact":
             for key in ("stiffness_per_area", "regularisation"):
                 if key in self.model_fields_set:
@@ -92,6 +110,9 @@ class Contact(Table):
         return "solid" if meshed else "waveguide"
 
 
+NO_STRESS = 'only with model = "condensed" or "full"'
+
+
 class Solve(Contact):
     """Keys of one contact solve; error_estimate: solve once more on half as many cells, to say how far off it is."""
 
@@ -99,7 +120,7 @@ class Solve(Contact):
 
     @model_validator(mode="after")
     def _estimable(self) -> Solve:
-        if self.error_estimate and self.placing != "fitted":
+        if self.error_estimate and (self.placing != "fitted" or self.model == "standard"):
             raise q.refuse('only with points = "fitted": error estimates need fitted points', "error_estimate")
         return self
 
@@ -130,7 +151,11 @@ class HertzScene(Solve):
                 raise q.refuse("bodies roll or are shifted, not both: remove shift", key)
             if self.shift is None and self.friction > 0.0 and getattr(self, key) is None:
                 raise q.refuse("must be given when friction is not 0", key)
-        if self.shift is not None and self.model == "full":
+        if self.model == "standard" and self.merge_distance is not None:
+            raise q.refuse("not for a Hertz pair, which touches in one point", "merge_distance")
+        if self.model == "standard" and self.stress is not None:
+            raise q.refuse(NO_STRESS, "stress")
+        if self.shift is not None and self.model != "condensed":
             raise q.refuse('only with model = "condensed"', "shift")
         if self.shift is not None and (self.falling or (self.laws == "paper" and self.regularisation > 0.0)):
             raise q.refuse('only with Coulomb\'s friction: regularisation = 0 or laws = "exact", not falling', "shift")
@@ -161,6 +186,8 @@ class WheelsetScene(Solve):
             raise q.refuse("each side at most once", "sides")
         if len(self.sides) == 1 and (self.wheelset.axle_load is not None or self.wheelset.roll == "solve"):
             raise q.refuse('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
+        if self.model == "standard" and self.stress is not None:
+            raise q.refuse(NO_STRESS, "stress")
         for key in ("speed", "pitch_rate"):
             if self.friction > 0.0 and getattr(self.wheelset, key) is None:
                 raise q.refuse("must be given when friction is not 0", f"wheelset.{key}")
