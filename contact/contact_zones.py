@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import roots_legendre
 
 from contact.pose import Array, Nodes, Pose
 from contact.quadrics import curvature
@@ -20,7 +21,7 @@ from meshes.profiles import Profile
 
 VIRTUAL = 0.55  # penetration of the virtual bodies over that of the elastic ones, Piotrowski and Kik 2008
 APART = 1.5  # times the merging distance: two humps further apart are contacts of their own
-_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_GAUSS, _WEIGHTS = roots_legendre(8)
 HALF = 0.5 * (_GAUSS + 1.0)
 # places and widths from 0 to 1 of half a zone's strips, closer together at the hump, where a strip sees itself
 PLACES = HALF * HALF
@@ -30,7 +31,7 @@ STEEPEST = 0.05  # cosine: where a wheel's surface is as steep as this it does n
 
 class Zones(NamedTuple):
     """Contacts (k,): place of the hump on the upper body's profile, m, and x there, m; overlap m; share that counts, 0
-    to 1. Strips (n,) across, contact by contact: contact; place m and x m; width m; virtual overlap m; radius along x, m.
+    to 1. Strips (n,) across, contact by contact: contact; place m, x m; width m; virtual overlap m; radius along x m.
     """
 
     peak: Array
@@ -69,7 +70,11 @@ def shares(top: Array, low: Array, merge: float) -> tuple[Array, Array]:
             apart = fade((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (APART - 1.0))
             single = fade((lower - valley) / (VIRTUAL * lower)) * apart
             # which is the higher one: undecided only within the depth of the valley
-            above = fade(0.5 + 0.5 * (other - mine) / (lower - valley)) if lower > valley else (1.0 if other > mine else 0.0)
+            above = (
+                fade(0.5 + 0.5 * (other - mine) / (lower - valley))
+                if lower > valley
+                else (1.0 if other > mine else 0.0)
+            )
             own[i] *= 1.0 - (1.0 - single) * above
             level = (1.0 - VIRTUAL) * mine
             if other > level:
@@ -135,15 +140,19 @@ def wheel_zones(
 def profile_zones(
     wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines, merge: float
 ) -> tuple[Zones | None, float]:
-    """Zones (None without overlap) of a wheel of nominal radius m on a rail, looked for at lines of the wheel's profile,
-    and the largest overlap m. Raises ValueError for an overlap beyond the lines.
+    """Zones (None without overlap) of a wheel of nominal radius m on a rail, looked for at lines of its
+    profile, and the largest overlap m. Raises ValueError for an overlap beyond the lines.
     """
     approach, beyond, contacts, _, contact, strips = wheel_zones(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
     if beyond:
         raise ValueError("the wheel overlaps the rail beyond the part of its surface that touches rails")
-    return (Zones(*contacts.T, contact, *strips.T) if len(contacts) else None), approach
+    if not len(contacts):
+        return None, approach
+    peak, peak_x, depth, share = contacts.T
+    place, x, width, overlap, radii = strips.T
+    return Zones(peak, peak_x, depth, share, contact, place, x, width, overlap, radii), approach
 
 
 def quadric_zones(upper: tuple[float, float], lower: tuple[float, float], pose: Pose) -> tuple[Zones | None, float]:

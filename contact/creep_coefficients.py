@@ -9,8 +9,10 @@ import numpy as np
 from contact.laws import Steel
 from contact.pose import Array
 from contact.references.hertz import modulus
-from contact.references.kalker import RATIO, kalker
+from contact.references.kalker import RATIO, Name, kalker
 from meshes.compiled import compiled
+
+NAMES: tuple[Name, ...] = ("C11", "C22", "C23")
 
 
 class Elasticity(NamedTuple):
@@ -27,10 +29,7 @@ class Elasticity(NamedTuple):
         """1/G is the mean of both bodies', and so is nu/G. Raises ValueError for a mean Poisson's ratio below 0."""
         soft = [2.0 * (1.0 + steel.nu) / steel.E for steel in (upper, lower)]
         nu = (soft[0] * upper.nu + soft[1] * lower.nu) / (soft[0] + soft[1])
-        rows = [
-            [[kalker(name, ratio, nu) for name in ("C11", "C22", "C23")] for ratio in ratios]
-            for ratios in (RATIO, 1.0 / RATIO)
-        ]
+        rows = [[[kalker(name, ratio, nu) for name in NAMES] for ratio in ratios] for ratios in (RATIO, 1.0 / RATIO)]
         return cls(modulus((upper.E, upper.nu), (lower.E, lower.nu)), 2.0 / sum(soft), np.array(rows))
 
 

@@ -45,8 +45,8 @@ def strip_tractions(
     traction: Array,
     slip: Array,
 ) -> None:
-    """Fill tractions (m, 2) Pa on the faster body and slips (m, 2) over the speed, on m equal cells of a strip of a half
-    length m, from the trailing end.
+    """Fill tractions (m, 2) Pa on the faster body and slips (m, 2) over the speed, on m equal cells of a strip of a
+    half length m, from the trailing end.
 
     creep: longitudinal and lateral, of the patch's middle; spin: what this strip has more of both, and what the lateral
     one grows by along x, 1/m; bounds (m,) Pa. Tractions are those in the middles of the cells.

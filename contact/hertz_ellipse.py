@@ -58,9 +58,9 @@ def ellipse(A: float, B: float, approach: float, E_star: float) -> tuple[float, 
 
 @compiled
 def strip_potential(half: float, away: float) -> float:
-    """Integral [m] over x of sqrt(half^2 - x^2) / sqrt(x^2 + away^2): a strip's pressure seen from beside its middle."""
+    """Integral [m] over x of sqrt(half^2 - x^2) / sqrt(x^2 + away^2): a strip's pressure seen from beside it."""
     if half <= 0.0:
         return 0.0
     reach = np.sqrt(half * half + away * away)
-    K, D = complete(max(away / reach, 1e-12))
-    return 2.0 * (half / reach) * half * D
+    _, D = complete(max(away / reach, 1e-12))
+    return float(2.0 * (half / reach) * half * D)

@@ -41,9 +41,7 @@ def polach(
         return 0.0, 0.0
     c = np.hypot(kalker[0] * xi, kalker[1] * eta) / plain if plain > 0.0 else 0.0
     gradient = 0.25 * np.pi * G * a * b * c * total / bound
-    size = 2.0 / np.pi * bound * (
-        adhesion * gradient / (1.0 + (adhesion * gradient) ** 2) + np.arctan(slip * gradient)
-    )
+    size = 2.0 / np.pi * bound * (adhesion * gradient / (1.0 + (adhesion * gradient) ** 2) + np.arctan(slip * gradient))
     slender = 1.0 + 6.3 * (1.0 - np.exp(-a / b))
     e = 8.0 / 3.0 * G * b * np.sqrt(a * b) * kalker[2] * lateral / (bound * slender)
     d = (e * e - 1.0) / (e * e + 1.0)

@@ -33,7 +33,10 @@ class RigidPair(Protocol):
 
 @dataclass(frozen=True)
 class RigidWheelRail:
-    """A wheel of nominal radius m, its profile revolved, on a rail, its profile extruded; see `contact_zones` for merge."""
+    """A wheel of nominal radius m, its profile revolved, on a rail, its profile extruded.
+
+    merge_distance m: humps of the overlap closer than that are one contact, see `contact.contact_zones`.
+    """
 
     wheel: Profile
     rail: Profile

@@ -147,7 +147,8 @@ class Lines(NamedTuple):
     @classmethod
     def of(cls, wheel: Profile, rail: Profile, s: Array) -> Lines:
         at = rail.shape.samples
-        return cls(s, *(_complex(f(c)) for f, c in ((wheel.point, s), (wheel.tangent, s), (rail.tangent, at))), rail.curvature(at))
+        own = _complex(wheel.point(s)), _complex(wheel.tangent(s))
+        return cls(s, own[0], own[1], _complex(rail.tangent(at)), rail.curvature(at))
 
 
 def _complex(pairs: Array) -> Complex:
@@ -221,9 +222,7 @@ def humps(
             _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[k], where[k], sample[k])
         if not rise > 0.0 >= fall:
             continue
-        s, d, x = turning(
-            wheel, rail, radius, origin, rotation, lines[j], lines[k], rise, fall, where[i], sample[i]
-        )
+        s, d, x = turning(wheel, rail, radius, origin, rotation, lines[j], lines[k], rise, fall, where[i], sample[i])
         approach = max(approach, d)
         if d <= 0.0:
             continue

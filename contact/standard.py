@@ -108,5 +108,3 @@ class StandardContact:
             status="converged",
             statistics=Statistics(points=len(cells.area)),
         )
-
-

@@ -41,8 +41,8 @@ class Velocities(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Forces N and moment N m about the origin. By contact (k,): rolling speed m/s, creepages (k, 3), frictional power W.
-    By cell (n,), strip by strip from the trailing end: place in m (n, 3) and length m; area m2 that counts; pressure,
+    """Forces N and moment N m about the origin. By contact (k,): rolling speed m/s, creepages (k, 3), frictional power
+    W. By cell (n,), strip by strip from the trailing end: place in m (n, 3) and length m; area m2 that counts; pressure,
     traction (n, 2) Pa; slip (n, 2) over the speed; whether it sticks.
     """
 
@@ -90,7 +90,7 @@ def turning(v: Velocities, axis: Array) -> float:
 @compiled
 def friction_at(law: Friction, velocity: float) -> float:
     """Friction coefficient at a slip velocity m/s."""
-    return law.mu * ((1.0 - law.share) * np.exp(-law.rate * velocity) + law.share)
+    return float(law.mu * ((1.0 - law.share) * np.exp(-law.rate * velocity) + law.share))
 
 
 @compiled
@@ -107,7 +107,7 @@ def strip_forces(
     m: int,
 ) -> Cells:
     """Cells, m to a strip, of contacts that count by a share (k,) each; points (n, 3) m and axes (n, 3, 3), rows
-    longitudinal, lateral and outward from the wheel, of the strips' middles, and of the humps, where creepages are taken.
+    longitudinal, lateral and outward from the wheel, of the strips' middles, and of the humps, which give creepages.
 
     A rolling speed that is not positive leaves its contact without tractions.
     """
@@ -120,11 +120,15 @@ def strip_forces(
     bounds, arch, dome = np.empty(m), np.empty(m), np.empty(m)
     for j in range(m):  # means over equal cells of sqrt(1 - t^2) and of 1 - t^2
         low, high = 2.0 * j / m - 1.0, 2.0 * (j + 1) / m - 1.0
-        arch[j] = 0.25 * m * (
-            high * np.sqrt(max(1.0 - high * high, 0.0))
-            + np.arcsin(min(high, 1.0))
-            - low * np.sqrt(max(1.0 - low * low, 0.0))
-            - np.arcsin(low)
+        arch[j] = (
+            0.25
+            * m
+            * (
+                high * np.sqrt(max(1.0 - high * high, 0.0))
+                + np.arcsin(min(high, 1.0))
+                - low * np.sqrt(max(1.0 - low * low, 0.0))
+                - np.arcsin(low)
+            )
         )
         dome[j] = 1.0 - (high * high + high * low + low * low) / 3.0
     start = 0
@@ -183,7 +187,10 @@ def strip_forces(
                 length[q], area[q] = cell, cell * strips.width[i] * share[c]
                 pressure[q] = strips.scale[i] * half * arch[j]
                 if law.method == POLACH and rolls:
-                    traction[q, 0], traction[q, 1] = fx * pressure[q] / strips.load[c], fy * pressure[q] / strips.load[c]
+                    traction[q, 0], traction[q, 1] = (
+                        fx * pressure[q] / strips.load[c],
+                        fy * pressure[q] / strips.load[c],
+                    )
                     slip[q, 0], slip[q, 1] = wx, wy + grows * x
                 sticks[q] = rolls and slip[q, 0] == 0.0 and slip[q, 1] == 0.0
                 power[c] -= area[q] * V * (traction[q, 0] * wx + traction[q, 1] * (wy + grows * x))

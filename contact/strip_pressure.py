@@ -1,4 +1,4 @@
-"""Pressure on strips along the rolling direction, half an ellipse on each: of Hertz's ellipse, or of Piotrowski and Kik."""
+"""Pressure on strips along the rolling direction, half an ellipse on each: of Hertz, or of Piotrowski and Kik."""
 
 from __future__ import annotations
 

@@ -149,8 +149,8 @@ def _standard(
     from contact.standard import StandardContact
 
     given = {key: value for key in ("normal", "tangential") if (value := getattr(scene, key)) is not None}
-    steels = (Steel(body.E, body.nu) for body in (upper, lower))
-    return StandardContact(surfaces, laws(scene), *steels, **given)
+    above, below = (Steel(body.E, body.nu) for body in (upper, lower))
+    return StandardContact(surfaces, laws(scene), above, below, **given)
 
 
 def _profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:

@@ -81,7 +81,7 @@ class PatchCells:
 
 
 def _sticks(fields: Fields, own: NDArray[np.bool_], laws: Laws) -> NDArray[np.bool_]:
-    """Where the surfaces stick, from the model if it says so: traction below its bound, or no slip where the bound falls with it."""
+    """Where the surfaces stick, if the model does not say so: traction below its bound, or no slip where that falls."""
     if fields.sticks is not None:
         return fields.sticks[own]
     if laws.falling is None:

@@ -28,7 +28,6 @@ from scenes.sections import (
 from scenes.toml_file import parse, read_text
 from scenes.track_line import TrackLine
 
-
 ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
 
 
