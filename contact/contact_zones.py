@@ -26,6 +26,7 @@ HALF = 0.5 * (_GAUSS + 1.0)
 # places and widths from 0 to 1 of half a zone's strips, closer together at the hump, where a strip sees itself
 PLACES = HALF * HALF
 WIDTHS = HALF * _WEIGHTS
+LEAST = 1e-15  # m: overlap of a strip at the very edge, which still has a length
 STEEPEST = 0.05  # cosine: where a wheel's surface is as steep as this it does not get flatter along the rail
 
 
@@ -130,7 +131,7 @@ def wheel_zones(
                     d, _, x, near = deepest(wheel, rail, radius, origin, rotation, s, x, near)
                     z, t, _ = local(wheel, s, piece(wheel, s))
                     contact[n], strips[n, 0], strips[n, 1] = count, s, x
-                    strips[n, 2], strips[n, 3] = abs(edge - middle) * WIDTHS[q], reach[k, j] * max(d - level, 0.0)
+                    strips[n, 2], strips[n, 3] = abs(edge - middle) * WIDTHS[q], max(reach[k, j] * (d - level), LEAST)
                     strips[n, 4] = (z.imag + radius) / max(t.real, STEEPEST)
                     n += 1
         count += 1

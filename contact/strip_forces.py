@@ -41,8 +41,8 @@ class Velocities(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Forces N and moment N m about the origin. By contact (k,): rolling speed m/s, creepages (k, 3), frictional power
-    W. By cell (n,), strip by strip from the trailing end: place in m (n, 3) and length m; area m2 that counts; pressure,
+    """Force N and moment N m about the origin. By contact (k,): rolling speed m/s, creepages (k, 3), frictional power
+    W. By cell (n,), strip by strip from the trailing end: place (n, 3) m, length m; area m2 that counts; pressure and
     traction (n, 2) Pa; slip (n, 2) over the speed; whether it sticks.
     """
 

@@ -60,6 +60,24 @@ def test_a_solve_from_the_cache_imports_no_mesher_and_no_finite_elements() -> No
     assert heavy_after(SOLVE) == set()
 
 
+def test_the_standard_contact_needs_no_meshes_and_no_finite_elements() -> None:
+    script = f"""
+from pathlib import Path
+from scenes.contact_scene import solve_contact
+from scenes.models import wheelset_contact
+from scenes.scene import parse_scene
+text = (Path({str(ROOT)!r}) / "scenes" / "wheelset.toml").read_text()
+report = solve_contact(parse_scene(text.replace('model = "condensed"', 'model = "standard"')))
+assert report["status"] == "converged", report
+run = (Path({str(ROOT)!r}) / "scenes" / "paper_curve.toml").read_text()
+wheelset_contact(parse_scene(run.replace('model = "condensed"', 'model = "standard"')))
+import sys
+wrong = ("contact.pairs", "contact.compliance", "contact.waveguide", "contact.fitted", "forms")
+assert not [name for name in wrong if name in sys.modules]
+"""
+    assert heavy_after(script) == set()
+
+
 def test_an_empty_cache_asks_for_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # the check above must be able to fail
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))

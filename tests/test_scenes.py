@@ -5,14 +5,21 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from contact.laws import FallingFriction, Laws
-from scenes.models import hertz_motion, hertz_scale, laws
+from contact.result import ContactResult
+from contact.standard import StandardContact
+from scenes.contact_scene import solve_contact
+from scenes.models import hertz_motion, hertz_scale, laws, wheelset_contact
 from scenes.override import overridden
+from scenes.patch_picture import draw_patches
+from scenes.report import table
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene, load_scene, parse_scene
 from vehicle.drive import Drive
 from vehicle.track import Track
@@ -374,3 +381,55 @@ def test_reading_a_hertz_scene_loads_no_numerics() -> None:
         [sys.executable, "-c", code, str(FOLDER / "hertz.toml")], capture_output=True, text=True, check=True
     )
     assert run.stdout.split() == []
+
+
+def standard(text: str, *more: str) -> str:
+    return changed(text, 'model = "condensed"', "\n".join(['model = "standard"', *more]))
+
+
+def test_the_standard_model_takes_scenes_of_the_others_as_they_are() -> None:
+    for text in (HERTZ, WHEELSET, CURVE):
+        scene = parse_scene(standard(text), FOLDER / "scene.toml")
+        assert (scene.model, scene.normal, scene.tangential) == ("standard", None, None)
+        assert laws(scene) == Laws(friction=0.3)  # whatever the laws of the elastic models
+    bare = standard(changed(WHEELSET, "surface_size = 1e-3", ""), 'normal = "hertz"', "merge_distance = 6e-3")
+    contact = wheelset_contact(parse_scene(bare))
+    assert isinstance(contact.model, StandardContact)
+    assert (contact.model.normal, contact.model.tangential) == ("hertz", "fastsim")
+    assert contact.model.surfaces.merge_distance == 6e-3  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (changed(HERTZ, "surface_size = 0.5e-3", ""), ("surface_size", 'unless model = "standard"')),
+        (changed(HERTZ, 'laws = "paper"', 'normal = "hertz"'), ('normal = "hertz"', 'model = "standard"')),
+        (standard(HERTZ, 'tangential = "kalker"'), ('tangential = "kalker"', '"fastsim" or "polach"')),
+        (standard(HERTZ, "merge_distance = 4e-3"), ("merge_distance", "one point")),
+        (standard(WHEELSET, "merge_distance = 4.0"), ("merge_distance = 4.0", "4 mm is 4e-3")),
+        (standard(WHEELSET, 'points = "grid"'), ('points = "grid"', "no elements")),
+        (standard(CURVE, "strips = 8"), ("strips = 8", "no elements")),
+        (standard(WHEELSET, "error_estimate = true"), ("error_estimate = true", "fitted points")),
+        (standard(WHEELSET) + "\n[stress]\ndepths = [1e-3]", ("stress", '"condensed" or "full"')),
+    ],
+)
+def test_keys_of_one_model_are_refused_by_another(text: str, says: tuple[str, ...]) -> None:
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text)
+    for part in says:
+        assert part in str(caught.value)
+
+
+def test_the_standard_model_reports_and_draws(tmp_path: Path) -> None:
+    results: dict[str, ContactResult] = {}
+    scene = parse_scene(standard(WHEELSET, 'tangential = "fastsim"'))
+    assert isinstance(scene, WheelsetScene)
+    report = solve_contact(scene, seen=results.__setitem__)
+    assert (report["normal"], report["tangential"]) == ("kik-piotrowski", "fastsim")
+    assert report["left"]["force"][2] == pytest.approx(57e3, rel=1e-6)
+    assert "laws" not in report
+    text = StringIO()
+    Console(file=text, width=120).print(table(report))
+    assert "standard model, kik-piotrowski normal, fastsim tangential: converged" in text.getvalue()
+    draw_patches(results, laws(scene), tmp_path / "patches.png")
+    assert (tmp_path / "patches.png").stat().st_size > 10_000
