@@ -86,7 +86,7 @@ def shares(top: Array, low: Array, merge: float) -> tuple[Array, Array]:
 @compiled
 def wheel_zones(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Lines, merge: float
-) -> tuple[float, bool, Array, Array, Nodes, Array]:
+) -> tuple[float, bool, Array, Nodes, Array]:
     """Largest overlap m and whether it leaves the lines; contacts (k, 4) and strips: contact (n,), values (n, 5)."""
     seen, places = scan(rail, lines, radius, origin, rotation), lines.s
     depth, where, sample = seen.depth, seen.x, seen.sample
@@ -98,7 +98,7 @@ def wheel_zones(
     contact, strips = np.empty(HUMPS * HUMPS * 2 * m, dtype=np.int64), np.empty((HUMPS * HUMPS * 2 * m, 5))
     count, n = 0, 0
     if beyond:
-        return approach, beyond, contacts[:0], own[:0], contact[:0], strips[:0]
+        return approach, beyond, contacts[:0], contact[:0], strips[:0]
     for k in range(len(top)):
         if own[k] <= 0.0:
             continue
@@ -135,7 +135,7 @@ def wheel_zones(
                     strips[n, 4] = (z.imag + radius) / max(t.real, STEEPEST)
                     n += 1
         count += 1
-    return approach, beyond, contacts[:count], own, contact[:n], strips[:n]
+    return approach, beyond, contacts[:count], contact[:n], strips[:n]
 
 
 def profile_zones(
@@ -144,7 +144,7 @@ def profile_zones(
     """Zones (None without overlap) of a wheel of nominal radius m on a rail, looked for at lines of its
     profile, and the largest overlap m. Raises ValueError for an overlap beyond the lines.
     """
-    approach, beyond, contacts, _, contact, strips = wheel_zones(
+    approach, beyond, contacts, contact, strips = wheel_zones(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
     if beyond:
