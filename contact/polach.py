@@ -1,6 +1,7 @@
 """Polach's creep forces of an elliptic patch in closed form.
 
-O. Polach, Vehicle System Dynamics 33 Suppl. (1999) 728-739, with the reduction factors of Wear 258 (2005) 992-1000, doi:10.1016/j.wear.2004.03.046.
+O. Polach, Vehicle System Dynamics 33 Suppl. (1999) 728-739, with the reduction factors of
+Wear 258 (2005) 992-1000, doi:10.1016/j.wear.2004.03.046.
 """
 
 from __future__ import annotations
