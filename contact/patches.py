@@ -43,11 +43,10 @@ def outcome(
     rank = np.full(len(load) + 1, -1)
     rank[order] = np.arange(len(order))
     patch = rank[patch]
-    rubbing = Rubbing(traction, bound, motion, speed)
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=Summaries(partial(_summarised, points, patch, forces, pressure, rubbing)),
+        patches=Summaries(partial(_summarised, points, patch, forces, pressure, traction, bound, motion, speed)),
         fields=Fields(
             node,
             patch,
@@ -69,16 +68,12 @@ def outcome(
 
 @dataclass(frozen=True)
 class Rubbing:
-    """Tractions (n, 2) Pa on the wheel, largest possible ones (n,) Pa, the bodies' motion and rolling speed m/s."""
+    """Tractions (n, 2) Pa on the wheel, where the surfaces stick (n,), the bodies' motion and rolling speed m/s."""
 
     traction: Array
-    bound: Array
+    sticks: Mask
     motion: Motion
     speed: float
-
-    @property
-    def sticks(self) -> Mask:
-        return np.asarray(np.hypot(*self.traction.T) < self.bound * (1 - 1e-9))
 
     def power(self, points: Places) -> Array:
         """Power (n,) W of the tractions over the rigid slip.
@@ -100,8 +95,18 @@ class Rubbing:
         return float(slip[0]), float(slip[1]), float(axes[2] @ (wheel.rotation - rail.rotation)) / self.speed
 
 
-def _summarised(points: Places, patch: Nodes, forces: Array, pressure: Array, rubbing: Rubbing) -> tuple[Patch, ...]:
+def _summarised(
+    points: Places,
+    patch: Nodes,
+    forces: Array,
+    pressure: Array,
+    traction: Array,
+    bound: Array,
+    motion: Motion,
+    speed: float,
+) -> tuple[Patch, ...]:
     """Every patch, by falling load."""
+    rubbing = Rubbing(traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
     return tuple(
         summarise(points, patch == k, forces=forces, pressure=pressure, rubbing=rubbing)
         for k in range(patch.max(initial=-1) + 1)

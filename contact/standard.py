@@ -31,7 +31,7 @@ class StandardContact:
 
     surfaces: the rigid pair. normal: "hertz", an ellipse as Hertz's curved like the overlap, flat in the tangent plane;
     or "kik-piotrowski", strips that follow the surface. tangential: "fastsim" on those strips, or "polach", whose
-    resultant is shared out like the pressure. Only friction and its fall are taken of the laws; reduction (k_A, k_S) is
+    resultant is shared out like the pressure and knows no moment, so that with much spin its power may turn negative. Only friction and its fall are taken of the laws; reduction (k_A, k_S) is
     Polach's. cells to each of the 16 strips of a contact. Raises ValueError for other names and impossible numbers.
     """
 
@@ -98,7 +98,7 @@ class StandardContact:
                 "mu = 0 needs none",
                 approach,
             )
-        made = StripContacts(zones, strips, cells, point, axes, pose, self.surfaces)
+        made = StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces)
         return ContactResult(
             force=cells.force,
             moment=cells.moment,

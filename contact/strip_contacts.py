@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact.contact_zones import Zones
-from contact.patches import summarise
+from contact.patches import Rubbing, summarise
 from contact.points import Places
-from contact.pose import Array, Nodes, Pose
+from contact.pose import Array, Motion, Nodes, Pose
 from contact.result import Fields, Patch
 from contact.strip_forces import Cells
 from contact.strip_pressure import Pressed
@@ -30,6 +30,7 @@ class StripContacts:
     point: Array
     axes: Array
     pose: Pose
+    motion: Motion
     surfaces: RigidPair
 
     @property
@@ -77,18 +78,12 @@ class StripContacts:
         )
         local = np.column_stack([cells.traction, -cells.pressure]) * cells.area[:, None]
         forces = (local[:, None, :] @ fields.axes)[:, 0]
+        speed = float(cells.speed.mean()) if cells.traction.any() else 0.0
+        rubbing = Rubbing(cells.traction, cells.sticks, self.motion, speed)
         found = []
         for contact in np.argsort(self.rank):
             inside = fields.patch == self.rank[contact]
             own = strips.contact == contact
-            patch = summarise(places, inside, forces=forces, pressure=cells.pressure, sticks=cells.sticks)
-            xi, eta, phi = cells.creep[contact].tolist()
-            found.append(
-                replace(
-                    patch,
-                    max_pressure=float((strips.scale[own] * strips.half[own]).max()),
-                    creepage=(xi, eta, phi),
-                    frictional_power=max(float(cells.power[contact]), 0.0),
-                )
-            )
+            patch = summarise(places, inside, forces=forces, pressure=cells.pressure, rubbing=rubbing)
+            found.append(replace(patch, max_pressure=float((strips.scale[own] * strips.half[own]).max())))
         return tuple(found)

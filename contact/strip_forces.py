@@ -41,16 +41,14 @@ class Velocities(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Force N and moment N m about the origin. By contact (k,): rolling speed m/s, creepages (k, 3), frictional power
-    W. By cell (n,), strip by strip from the trailing end: place (n, 3) m, length m; area m2 that counts; pressure and
-    traction (n, 2) Pa; slip (n, 2) over the speed; whether it sticks.
+    """Force N and moment N m about the origin. By contact (k,): rolling speed m/s. By cell (n,), strip by strip from
+    the trailing end: place (n, 3) m, length m; area m2 that counts; pressure and traction (n, 2) Pa; slip (n, 2) over
+    the speed; whether it sticks.
     """
 
     force: Array
     moment: Array
     speed: Array
-    creep: Array
-    power: Array
     point: Array
     length: Array
     area: Array
@@ -113,7 +111,7 @@ def strip_forces(
     """
     n, k = len(strips.s), len(share)
     force, moment = np.zeros(3), np.zeros(3)
-    speed, creep, power = np.zeros(k), np.zeros((k, 3)), np.zeros(k)
+    speed, creep = np.zeros(k), np.zeros(3)
     place, length, area = np.empty((n * m, 3)), np.empty(n * m), np.empty(n * m)
     pressure, traction, slip = np.empty(n * m), np.zeros((n * m, 2)), np.zeros((n * m, 2))
     sticks = np.zeros(n * m, dtype=np.bool_)
@@ -145,13 +143,14 @@ def strip_forces(
         rolls = law.method != NO_FRICTION and V > 0.0
         a, b, parabola = strips.along[c], strips.across[c], strips.load[c] / volume
         flexible, fx, fy = bed(a, b, elastic.G, coefficients(elastic.table, a / b)), 0.0, 0.0
+        creep[:] = 0.0
         if V > 0.0:
-            creep[c, 0], creep[c, 1], creep[c, 2] = (
+            creep[0], creep[1], creep[2] = (
                 slipping(v, peak[c], f) / V,
                 slipping(v, peak[c], l) / V,
                 turning(v, u) / V,
             )
-        xi, eta, phi = creep[c]
+        xi, eta, phi = creep
         if rolls and law.method == POLACH:
             mu = friction_at(law, V * np.hypot(xi, effective(eta, phi, a)))
             fx, fy = polach(
@@ -193,7 +192,6 @@ def strip_forces(
                     )
                     slip[q, 0], slip[q, 1] = wx, wy + grows * x
                 sticks[q] = rolls and slip[q, 0] == 0.0 and slip[q, 1] == 0.0
-                power[c] -= area[q] * V * (traction[q, 0] * wx + traction[q, 1] * (wy + grows * x))
                 for d in range(3):
                     place[q, d] = point[i, d] + x * f[d]
                 px = area[q] * (traction[q, 0] * f[0] + traction[q, 1] * l[0] - pressure[q] * u[0])
@@ -206,4 +204,4 @@ def strip_forces(
                 moment[1] += place[q, 2] * px - place[q, 0] * pz
                 moment[2] += place[q, 0] * py - place[q, 1] * px
         start = stop
-    return Cells(force, moment, speed, creep, power, place, length, area, pressure, traction, slip, sticks)
+    return Cells(force, moment, speed, place, length, area, pressure, traction, slip, sticks)
