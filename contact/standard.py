@@ -31,8 +31,9 @@ class StandardContact:
 
     surfaces: the rigid pair. normal: "hertz", an ellipse as Hertz's curved like the overlap, flat in the tangent plane;
     or "kik-piotrowski", strips that follow the surface. tangential: "fastsim" on those strips, or "polach", whose
-    resultant is shared out like the pressure and knows no moment, so that with much spin its power may turn negative. Only friction and its fall are taken of the laws; reduction (k_A, k_S) is
-    Polach's. cells to each of the 16 strips of a contact. Raises ValueError for other names and impossible numbers.
+    resultant is shared out like the pressure and knows no moment, so that with much spin its power may turn negative.
+    Only friction and its fall are taken of the laws; reduction (k_A, k_S) is Polach's. cells to each of the 16 strips
+    of a contact. Raises ValueError for other names and impossible numbers.
     """
 
     surfaces: RigidPair

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from scenes.models import wheelset_contact
 from scenes.progress import costs, progress_bar
 from scenes.scene import RunScene
-from scenes.sections import Output
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -89,24 +88,27 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, res
     if not len(history):
         return Outcome(history, ())
     with console.status("results and pictures"):
-        files = tuple(keep(history, text, folder, scene.output))
+        files = tuple(keep(history, text, folder, scene))
     if history.status == "completed":
         journal.remove()
     return Outcome(history, files, resumable=history.status == "interrupted" and journal.file.exists())
 
 
-def keep(history: History, text: str, folder: Path, output: Output) -> Iterator[Path]:
+def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator[Path]:
     """Write results, then pictures; yields the files."""
+    from scenes.energy import with_energy
     from scenes.netcdf import write
     from scenes.results import dataset
     from scenes.wear import wear
 
     with _undisturbed():
         data = dataset(history, scene=text)
-        data = data.assign(wear(data, output.shear_yield))
+        data = data.assign(wear(data, scene.output.shear_yield))
+        if not scene.output.interval:  # between accepted steps forces are not known well enough
+            data = with_energy(data, history, wagon(scene), track(scene))
         write(data, folder / RESULTS)
     yield folder / RESULTS
-    if output.figures:
+    if scene.output.figures:
         from scenes.figures import draw_figures
 
         try:

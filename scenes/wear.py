@@ -27,7 +27,7 @@ def wear(data: Dataset, shear_yield: float) -> dict[str, DataArray]:
     per_wheel = power.sum("patch")
     found = {
         "frictional_power": (per_wheel, "W", "power of friction that turns into heat, all patches of a wheel"),
-        "t_gamma": (per_wheel / data.attrs["speed"], "N", "T-gamma: heat of friction per metre of track"),
+        "t_gamma": (per_wheel / data["speed"], "N", "T-gamma: heat of friction per metre of track"),
         "patch_utilisation": (used, "1", "tangential over normal force of the patch"),
         "patch_load_factor": (loaded, "1", f"peak pressure over a yield stress in shear of {1e-6 * shear_yield:g} MPa"),
         "patch_surface_fatigue_index": (index, "1", "utilisation less one over the load factor: above 0 it ratchets"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +66,16 @@ class Evaluation:
     rate: Array
     contacts: Contacts
     yaw_reaction: float
+
+
+class Fictitious(NamedTuple):
+    """Forces N and roll moments N m (..., 3, 3) on the three bodies; moments (...) N m about the wheelset's axle and
+    about its vertical axis.
+    """
+
+    on_bodies: Array
+    about_axle: Array
+    about_vertical: Array
 
 
 @dataclass(frozen=True)
@@ -168,34 +178,52 @@ class Dynamics:
         """Accelerations of the coordinates of states (..., 20 + m) under contact forces, then the m rates of springs in
         series with dampers, (..., 10 + m); yaw reactions (...) N m.
         """
-        position, rate, _, pitch_rate, series = split(state)
-        mass, ixx, iyy, izz, height = self.constants
-        y, z, roll = position[..., 0], position[..., 1], np.ascontiguousarray(position[..., 2])
-        vy, vz, spin = rate[..., 0], rate[..., 1], rate[..., 2]
-        theta_rate = self.rolling_rate(frame) + pitch_rate
-
-        forces, _, _, series_rate = self.suspension.forces(position, rate, series)
-        forces[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
-        inertial_y, inertial_z = frame.acceleration_of(y, height + z, vy, vz)
-        g = self.plane.gravity
-        o_y, o_z = frame.turned(roll)
+        position, rate, _, _, series = split(state)
+        loads, _, _, series_rate = self.suspension.forces(position, rate, series)
+        fictitious = self.fictitious(frame, state)
+        loads += fictitious.on_bodies
+        loads[..., :2] += self.weight(frame)
+        loads[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
 
         result = np.empty((*state.shape[:-1], state.shape[-1] - COUNT))
+        result[..., :9] = (loads / self.inertia).reshape(*state.shape[:-1], 9)
         result[..., COUNT:] = series_rate
-        result[..., 0:9:3] = forces[..., 0] / mass + g * frame.down[1] - inertial_y
-        result[..., 1:9:3] = forces[..., 1] / mass + g * frame.down[2] - inertial_z
-        gyroscopic = (izz - iyy) * o_y * o_z
-        gyroscopic[..., 2] -= iyy[2] * theta_rate * o_z[..., 2]
-        result[..., 2:9:3] = (forces[..., 2] - gyroscopic) / ixx - frame.rate_dot[0]
-
         # About the axle and about the vertical axis of the wheelset, which rolled but did not spin.
-        leaning, spin_ws, o_y, o_z = np.ascontiguousarray(roll[..., 2]), spin[..., 2], o_y[..., 2], o_z[..., 2]
+        leaning = np.ascontiguousarray(position[..., 2, 2])
         c, s = np.cos(leaning), np.sin(leaning)
         _, my, mz = contact.moment
+        about_axle = my * c + mz * s + fictitious.about_axle
+        result[..., 9] = about_axle / self.constants[2, 2] - frame.acceleration / self.wagon.radius
+        return result, -fictitious.about_vertical - (mz * c - my * s)
+
+    @cached_property
+    def inertia(self) -> Array:
+        """(3, 3): mass for y and z, roll inertia of the three bodies."""
+        mass, roll, _, _, _ = self.constants
+        return np.stack([mass, mass, roll], axis=1)
+
+    def weight(self, frame: Frame) -> Array:
+        """Lateral and vertical part (3, 2) of the weights of the three bodies, N."""
+        return np.asarray(self.plane.gravity * np.outer(self.constants[0], frame.down[1:]))
+
+    def fictitious(self, frame: Frame, state: Array) -> Fictitious:
+        """What the motion of the track's frame does to states (..., 20 + m), gyroscopic moments included."""
+        position, rate, _, pitch_rate, _ = split(state)
+        mass, ixx, iyy, izz, height = self.constants
+        roll = np.ascontiguousarray(position[..., 2])
+        lateral, vertical = frame.acceleration_of(
+            position[..., 0], height + position[..., 1], rate[..., 0], rate[..., 1]
+        )
+        o_y, o_z = frame.turned(roll)
+        theta_rate = self.rolling_rate(frame) + pitch_rate
+        gyroscopic = (izz - iyy) * o_y * o_z
+        gyroscopic[..., 2] -= iyy[2] * theta_rate * o_z[..., 2]
+        on_bodies = -np.stack([mass * lateral, mass * vertical, gyroscopic + ixx * frame.rate_dot[0]], axis=-1)
+
+        leaning, turning, o_y, o_z = np.ascontiguousarray(roll[..., 2]), rate[..., 2, 2], o_y[..., 2], o_z[..., 2]
+        c, s = np.cos(leaning), np.sin(leaning)
         _, dy, dz = frame.rate_dot
-        o_y_dot = dy * c + dz * s + spin_ws * o_z
-        o_z_dot = dz * c - dy * s - spin_ws * o_y
-        result[..., 9] = (my * c + mz * s) / iyy[2] - o_y_dot - frame.acceleration / self.wagon.radius
-        o_x = frame.rate[0] + spin_ws
-        needed = izz[2] * o_z_dot + o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
-        return result, needed - (mz * c - my * s)
+        o_x = frame.rate[0] + turning
+        about_axle = -iyy[2] * (dy * c + dz * s + turning * o_z)
+        spun = o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
+        return Fictitious(on_bodies, about_axle, -(izz[2] * (dz * c - dy * s - turning * o_y) + spun))
