@@ -59,14 +59,20 @@ def compare_scene(file: Path, text: str, other: str, folder: Path, console: Cons
     )
     names = (given.model, second.model)
     from scenes.compare_figures import draw_comparison
-    from scenes.differences import differences, rows
+    from scenes.differences import differences, noise, rows
 
     found = differences(one, two)
     energy = one.attrs.get("energy_balance_error"), two.attrs.get("energy_balance_error")
     with console.status("pictures of both"):
         files = list(draw_comparison((one, two), names, folder))
     table = folder / TABLE
-    report = {"first": names[0], "second": names[1], "energy_balance_error": energy, "channels": rows(found)}
+    report = {
+        "first": names[0],
+        "second": names[1],
+        "energy_balance_error": energy,
+        "scatter": {name: noise(data) for name, data in zip(names, (one, two), strict=True)},
+        "channels": rows(found),
+    }
     table.write_text(json.dumps(report, indent=1) + "\n")
     return Comparison(names, found, energy, (*files, table))
 

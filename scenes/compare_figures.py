@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.differences import scatter
+from scenes.differences import rms, scatter, settled
 from scenes.figures import STYLE, along_track, named, patch_bands
 
 if TYPE_CHECKING:
@@ -81,18 +81,20 @@ def rail_sections(runs: Runs, names: Names) -> Figure:
 
 
 def force_scatter(runs: Runs, names: Names) -> Figure:
-    """What is left of the vertical and lateral forces beside parabolas over a tenth of a second: numerical noise."""
+    """What is left of the vertical and lateral forces beside parabolas over a tenth of a second: where the motion is
+    steady, numerical noise.
+    """
     figure, axes = along_track(runs[0], 4)
     panels = [(name, side) for name in ("vertical_force", "lateral_force") for side in runs[0]["side"].values]
     for ax, (variable, side) in zip(axes, panels, strict=True):
         for data, label, look in zip(runs, names, LOOKS, strict=True):
             left = scatter(data["time"].values, data[variable].sel(side=side).values)
-            rms = float(np.sqrt((left**2).mean()))
             style = {"color": look["color"], "linewidth": 0.6}
-            ax.plot(data["distance"], left, label=f"{label}, RMS {rms:.2g} N", **style)
+            words = f"{label}, RMS {rms(left):.2g} N, {rms(left[settled(data)]):.2g} N in the full curve"
+            ax.plot(data["distance"], left, label=words, **style)
         ax.set_title(f"Scatter of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
         ax.set_ylabel("[N]")
-        ax.legend(loc="best", ncols=2)
+        ax.legend(loc="lower right", fontsize=7.5)
     return figure
 
 

@@ -85,6 +85,29 @@ def scatter(time: Array, values: Array) -> Array:
     return left
 
 
+def rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else np.nan
+
+
+def settled(data: Dataset) -> NDArray[np.bool_]:
+    """Samples (n,) in the second half of those with the sharpest curvature, where the motion has come to rest most."""
+    curvature = np.abs(data["curvature"].values)
+    full = np.flatnonzero(curvature >= (1 - 1e-6) * curvature.max(initial=0.0))
+    inside = np.zeros(len(curvature), dtype=bool)
+    inside[full[len(full) // 2 :]] = True
+    return inside
+
+
+def noise(data: Dataset) -> dict[str, tuple[float, float]]:
+    """RMS scatter N of every wheel's vertical and lateral force, all along and where it has settled."""
+    found = {}
+    for name in ("vertical_force", "lateral_force"):
+        for side in data["side"].values:
+            left = scatter(data["time"].values, data[name].sel(side=side).values)
+            found[f"{name.replace('_', ' ')}, {side}"] = (rms(left), rms(left[settled(data)]))
+    return found
+
+
 def table(found: list[Difference], names: tuple[str, str]) -> Table:
     """To read: a line for every channel."""
     from rich.table import Table
