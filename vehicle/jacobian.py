@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 SEEN = ("y", "z", "roll", "y_rate", "z_rate", "roll_rate", "pitch_rate")
 PLACES = np.array([Y, Z, ROLL, COUNT + Y, COUNT + Z, COUNT + ROLL, COUNT + PITCH])
 COLUMNS = [0, 1, 2, 4, 5, 6, 7]
+ODD = ("y", "roll", "y_rate", "roll_rate")  # change their sign in the mirror: differences to both sides keep it exact
 SMALL = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
 STEP = 1e-7  # m, rad, m/s or rad/s: for what is smooth and costs nothing
 MOMENT = 1e-5  # s
@@ -42,9 +43,9 @@ class Jacobian:
     """Linearisation at a time s and state (n,) with its evaluation; what it costs goes to the counts.
 
     Suspension, inertia and kinematics by differences under held contact forces (all n columns in one vectorised look);
-    contact forces by the contact's tangent or, when it has none, by differences of 7 solves a side at every eighth
-    call: the methods of `vehicle.rosenbrock` keep their order with any matrix. central: differences to both sides, of
-    second order, for whom the matrix itself matters.
+    contact forces by the contact's tangent or, when it has none, by differences of 11 solves a side at every eighth
+    call: the methods of `vehicle.rosenbrock` keep their order with any matrix. central: all differences to both sides,
+    of second order, for whom the matrix itself matters. The mirror image has the mirrored matrix, to the last bit.
     """
 
     dynamics: Dynamics
@@ -61,12 +62,14 @@ class Jacobian:
         wrench = Wrench.of(at.contacts)
         by_state = np.zeros((len(state), len(state)))
         by_state[:COUNT, COUNT : 2 * COUNT] = np.eye(COUNT)
-        looks, _ = d.accelerations(frame, np.vstack([state, state + STEP * np.eye(len(state))]), wrench)
-        by_state[COUNT:] = (looks[1:] - looks[0]).T / STEP
+        small = STEP * np.eye(len(state))
+        looks, _ = d.accelerations(frame, np.vstack([state + small, state - small, state]), wrench)
+        ahead, behind, (here,) = np.split(looks, [len(state), 2 * len(state)])
+        by_state[COUNT:] = (ahead - behind).T / (2 * STEP)
         by_wrench, tangents = self.by_wrench(state), self.tangents(frame, state, at.contacts)
         by_state[COUNT : 2 * COUNT, PLACES] += by_wrench @ tangents.sum(axis=0)[:, COLUMNS]
         by_time = np.zeros(len(state))
-        by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - looks[0]) / MOMENT
+        by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - here) / MOMENT
         if frame.rails is not None and later.rails is not None:
             rates = (np.array(later.rails) - np.array(frame.rails)) / MOMENT
             # A rail that moves is a wheelset that moves the other way, wherever both are together.
@@ -111,10 +114,9 @@ class Jacobian:
         result, here = np.zeros((2, 6, 8)), _six(contacts)
         for column, name, small in zip(COLUMNS, SEEN, SMALL, strict=True):
             ahead = self._moved(wheelset, contacts, name, small)
-            behind, width = (
-                (self._moved(wheelset, contacts, name, -small), 2 * small) if self.central else (here, small)
-            )
-            result[:, :, column] = (ahead - behind) / width
+            both = self.central or name in ODD
+            behind = self._moved(wheelset, contacts, name, -small) if both else here
+            result[:, :, column] = (ahead - behind) / (2 * small if both else small)
         self.differences, self.age = result, 0
         return result
 
