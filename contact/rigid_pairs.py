@@ -10,7 +10,8 @@ import numpy as np
 
 from contact.contact_zones import Zones, profile_zones, quadric_zones
 from contact.pose import Array, Pose
-from contact.rigid_search import Lines, wheel_places
+from contact.rigid_search import Lines
+from contact.wheel_places import wheel_places
 from meshes.bodies import wheel_touches
 from meshes.profiles import Profile
 

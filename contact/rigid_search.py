@@ -243,27 +243,3 @@ def humps(
         top[count, 0], top[count, 1], top[count, 2], before[count] = s, d, x, i
         count += 1
     return top[:count].copy(), low[: max(count - 1, 0)].copy(), before[:count].copy(), approach
-
-
-@compiled
-def wheel_places(
-    wheel: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
-) -> tuple[Array, Array]:
-    """Points (n, 3) m and axes (n, 3, 3), rows longitudinal, lateral and outward, of places s, x (n,) m on a wheel."""
-    n = len(s)
-    points, axes, own, normal = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(3), np.empty(3)
-    for i in range(n):
-        at = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
-        z, t, _ = local(wheel, at, piece(wheel, at))
-        r, sine, cosine = z.imag + radius, np.sin(x[i] / radius), np.cos(x[i] / radius)
-        own[0], own[1], own[2] = r * sine, z.real, -r * cosine
-        normal[0], normal[1], normal[2] = t.real * sine, -t.imag, -t.real * cosine
-        for c in range(3):
-            row = rotation[c]
-            points[i, c] = origin[c] + row[0] * own[0] + row[1] * own[1] + row[2] * own[2]
-            axes[i, 2, c] = row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2]
-            axes[i, 0, c] = row[0] * cosine + row[2] * sine
-        f, u = axes[i, 0], axes[i, 2]
-        axes[i, 1, 0], axes[i, 1, 1] = f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2]
-        axes[i, 1, 2] = f[0] * u[1] - f[1] * u[0]
-    return points, axes

@@ -13,6 +13,7 @@ from contact.points import Places
 from contact.pose import Array, Nodes, Pose
 from contact.quadrics import UPSIDE_DOWN, curvature
 from contact.strips import Layout
+from contact.wheel_places import wheel_place
 from meshes.closest import Shape, foot, local, nearer_sample, nearest_sample, piece
 from meshes.compiled import compiled
 from meshes.profiles import Profile
@@ -75,26 +76,15 @@ def seen(
     """`Seen` of places s, x (n,) on a wheel of a radius, revolved about y, from a rail, extruded along x."""
     n = len(s)
     overlap, feet, points, axes = np.empty(n), np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
-    own, normal = np.empty(3), np.empty(3)
     last, sample = complex(np.inf, 0.0), 0
     for i in range(n):
-        z, t, _ = local(wheel, s[i], piece(wheel, s[i]))
-        r, sine, cosine = z.imag + radius, np.sin(x[i] / radius), np.cos(x[i] / radius)
-        own[0], own[1], own[2] = r * sine, z.real, -r * cosine
-        normal[0], normal[1], normal[2] = t.real * sine, -t.imag, -t.real * cosine
-        for c in range(3):
-            row = rotation[c]
-            points[i, c] = origin[c] + row[0] * own[0] + row[1] * own[1] + row[2] * own[2]
-            axes[i, 2, c] = row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2]
-            axes[i, 0, c] = row[0] * cosine + row[2] * sine
-        f, u = axes[i, 0], axes[i, 2]
-        axes[i, 1, 0], axes[i, 1, 1] = f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2]
-        axes[i, 1, 2] = f[0] * u[1] - f[1] * u[0]
+        wheel_place(wheel, radius, origin, rotation, s[i], x[i], points[i], axes[i])
         q = complex(points[i, 1], points[i, 2])
         sample = nearer_sample(rail, q, sample) if abs(q - last) < NEXT else nearest_sample(rail, q)
         last = q
         feet[i], _, inside = foot(rail, q, rail.samples[sample])
         on_rail, _, _ = local(rail, feet[i], piece(rail, feet[i]))
+        u = axes[i, 2]
         overlap[i] = (q.real - on_rail.real) * u[1] + (q.imag - on_rail.imag) * u[2] if inside else -np.inf
     return overlap, feet, points, axes
 

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from numba import njit
+from numba import config, njit
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+HERE = Path(__file__).parent
+SOURCES = (HERE, HERE.parent / "contact")  # folders with compiled functions
 
 
 def compiled(function: F) -> F:
@@ -15,4 +23,31 @@ def compiled(function: F) -> F:
 
     Sums may be reordered, but infinities and NaN keep their meaning.
     """
-    return cast(F, njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz", "arcp"})(function))
+    with _kept_in(str(folder())):
+        return cast(F, njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz", "arcp"})(function))
+
+
+@cache
+def folder() -> Path:
+    """Where machine code of these very sources is kept, whose hash is part of its name.
+
+    Numba asks for the file of a function alone, and would go on with what it made of others that the function calls.
+    """
+    found = hashlib.sha256()
+    for source in sorted(file for package in SOURCES for file in package.glob("*.py")):
+        found.update(source.read_bytes())
+    place = Path(config.CACHE_DIR or HERE / "__pycache__") / f"compiled-{found.hexdigest()[:12]}"
+    if not place.exists():
+        for old in place.parent.glob("compiled-*"):
+            shutil.rmtree(old, ignore_errors=True)
+    return place
+
+
+@contextmanager
+def _kept_in(place: str) -> Iterator[None]:
+    """Numba asks where to when it is told to compile; others who use it are not concerned."""
+    before, config.CACHE_DIR = config.CACHE_DIR, place
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = before
