@@ -11,13 +11,14 @@ import pytest
 from scipy.optimize import brentq
 from standin_contact import CONTACT
 
+import vehicle.equilibrium
 from benchmarks.linear_contact import LinearContact
 from contact.pose import Side, WheelsetState
 from contact.result import ContactResult
+from vehicle.balance import Balance
 from vehicle.curve import Curve
 from vehicle.curving import Steady, curving, curving_over
-from vehicle.dynamics import Dynamics
-from vehicle.equilibrium import Equilibrium, EquilibriumError, equilibrium
+from vehicle.equilibrium import Equilibrium, EquilibriumError
 from vehicle.tally import Tally
 from vehicle.wagon import Wagon
 
@@ -200,18 +201,19 @@ def test_over_speeds_each_from_the_one_before() -> None:
 
 
 def test_a_run_into_the_curve_shows_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
-    expected, guesses = curving(WAGON, CONTACT, PAPER), []
+    expected, starts = curving(WAGON, CONTACT, PAPER), []
+    newton = vehicle.equilibrium._newton
 
-    def stubborn(dynamics: Dynamics, *, guess: np.ndarray | None = None, max_iterations: int = 60) -> Equilibrium:
-        guesses.append(guess)
-        if len(guesses) == 1:
-            raise EquilibriumError("no equilibrium: stuck")
-        return equilibrium(dynamics, guess=guess, max_iterations=max_iterations)
+    def stubborn(balance: Balance, unknown: np.ndarray, *options: float) -> Equilibrium:
+        starts.append(unknown)
+        if len(starts) == 1:
+            raise EquilibriumError("stuck")
+        return newton(balance, unknown, *options)
 
-    monkeypatch.setattr("vehicle.curving.equilibrium", stubborn)
+    monkeypatch.setattr("vehicle.equilibrium._newton", stubborn)
     found = curving(WAGON, CONTACT, PAPER)
-    assert guesses[0] is None
-    assert guesses[1][:9] == pytest.approx(expected.equilibrium.state[:9], abs=2e-3)  # 6 s are not for ever
+    assert len(starts) == 3  # from rest, on straight track, at the end of the run
+    assert starts[2][:9] == pytest.approx(expected.equilibrium.state[:9], abs=2e-3)  # 6 s are not for ever
     assert found.wheel_load["right"] == pytest.approx(expected.wheel_load["right"], rel=1e-5)
     assert found.equilibrium.iterations <= 6
 

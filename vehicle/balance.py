@@ -32,7 +32,8 @@ def size_of(vector: Array) -> float:
 class Balance:
     """Forces that are left, over the axle load; unknown (10,): positions, then spin over nominal spin, less one.
 
-    Springs in series with dampers are not stretched at rest.
+    Springs in series with dampers are not stretched at rest. Contacts are solved from nothing: where they depend a
+    little on where they come from, a balance would depend on the way to it.
     """
 
     dynamics: Dynamics
@@ -51,12 +52,11 @@ class Balance:
         state[:9], state[COUNT + PITCH] = unknown[:9], unknown[9] * self.dynamics.rolling_rate(self.frame)
         return state
 
-    def start(self, state: Array) -> tuple[Array, Contacts]:
-        unknown = np.append(state[:9], state[COUNT + PITCH] / self.dynamics.rolling_rate(self.frame))
-        return unknown, self.contacts(unknown, None)
+    def unknown(self, state: Array) -> Array:
+        return np.append(state[:9], state[COUNT + PITCH] / self.dynamics.rolling_rate(self.frame))
 
-    def contacts(self, unknown: Array, guess: Contacts | None) -> Contacts:
-        return self.dynamics.solve_contacts(self.frame, self.state(unknown), guess)
+    def contacts(self, unknown: Array) -> Contacts:
+        return self.dynamics.solve_contacts(self.frame, self.state(unknown), None)
 
     def residual(self, unknown: Array, contacts: Contacts) -> Array:
         left, _ = self.dynamics.accelerations(self.frame, self.state(unknown), Wrench.of(contacts))
@@ -71,7 +71,7 @@ class Balance:
             moved = unknown.copy()
             moved[i] += small
             solved = tangents is None and i in SEEN_BY_CONTACT
-            there = self.contacts(moved, contacts) if solved else contacts
+            there = self.contacts(moved) if solved else contacts
             columns.append((self.residual(moved, there) - residual) / small)
         result: Array = np.stack(columns, axis=1)
         if tangents is not None:
@@ -79,19 +79,19 @@ class Balance:
             result[:, SEEN_BY_CONTACT] += self.weights[:, None] * linear.by_wrench(state) @ seen
         return result
 
-    def settled(self) -> tuple[Array, Contacts]:
+    def settled(self) -> Array:
         """All bodies upright, lowered until the contacts carry the axle load within 2 %; raises StepFailure."""
-        unknown, contacts = np.zeros(COUNT), None
+        unknown = np.zeros(COUNT)
         heights = [1, 4, Z]
 
-        def lifted(z: float) -> tuple[float, Contacts]:
+        def lifted(z: float) -> float:
             unknown[heights] = z
-            found = self.contacts(unknown, contacts)
+            carried = Wrench.of(self.contacts(unknown)).force[2]
             # A Hertzian force grows as depth^(3/2): its power 2/3 is nearly straight.
-            return float(np.cbrt(max(Wrench.of(found).force[2], 0.0) / self.dynamics.wagon.axle_load) ** 2), found
+            return float(np.cbrt(max(carried, 0.0) / self.dynamics.wagon.axle_load) ** 2)
 
         z, stride = 0.0, 5e-5
-        carried, contacts = lifted(z)
+        carried = lifted(z)
         way = -1.0 if carried < 1.0 else 1.0
         other, carried_other = z, carried
         while (carried_other < 1.0) == (carried < 1.0):
@@ -99,7 +99,7 @@ class Balance:
                 raise StepFailure("the wheels do not come to rest within 50 mm of the nominal height")
             z, carried = other, carried_other
             try:
-                carried_other, contacts = lifted(z + way * stride)
+                carried_other = lifted(z + way * stride)
             except StepFailure:
                 if stride < 1e-7:
                     raise
@@ -108,11 +108,11 @@ class Balance:
             other, stride = z + way * stride, 1.5 * stride
         for _ in range(40):
             middle = z + (1.0 - carried) * (other - z) / (carried_other - carried)
-            value, contacts = lifted(middle)
+            value = lifted(middle)
             if abs(value - 1.0) < 0.013:
                 break
             if (value < 1.0) == (carried < 1.0):
                 z, carried = middle, value
             else:
                 other, carried_other = middle, value
-        return unknown, contacts
+        return unknown

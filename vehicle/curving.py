@@ -14,14 +14,11 @@ from contact.result import Patch
 from vehicle.curve import Curve
 from vehicle.dynamics import Contact, Dynamics, Wrench
 from vehicle.equilibrium import Equilibrium, EquilibriumError, equilibrium
-from vehicle.simulate import simulate
 from vehicle.state import COUNT
 from vehicle.suspension import SuspensionForces
-from vehicle.track import Track
 from vehicle.wagon import Wagon
 
 Array = NDArray[np.float64]
-ENOUGH = 25  # iterations of Newton's method, which needs 5 to 15 where all is smooth
 OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
 
@@ -102,16 +99,11 @@ class Steady:
 def curving(wagon: Wagon, contact: Contact, curve: Curve, *, before: Steady | None = None) -> Steady:
     """Steady position in a curve; one found before, in a curve much like this, saves contact solves.
 
-    Where Newton's method does not find it from there or from rest, as between tread and flange, a run into the curve
-    shows the way. Raises EquilibriumError.
+    Raises EquilibriumError.
     """
     dynamics = Dynamics(wagon, curve.track, contact, curve.speed)
     guess = None if before is None else _carried_over(before, curve)
-    try:
-        found = equilibrium(dynamics, guess=guess, max_iterations=ENOUGH)
-    except EquilibriumError as error:
-        found = equilibrium(dynamics, guess=_run_into(dynamics, curve, error))
-    return Steady.of(dynamics, curve, found)
+    return Steady.of(dynamics, curve, equilibrium(dynamics, guess=guess))
 
 
 def curving_over(wagon: Wagon, contact: Contact, curves: Iterable[Curve]) -> list[Steady]:
@@ -132,17 +124,4 @@ def _carried_over(before: Steady, curve: Curve) -> Array:
     """The earlier state with its rates, the creepage of rolling among them, at the new speed."""
     state: Array = before.equilibrium.state.copy()
     state[COUNT : 2 * COUNT] *= curve.speed / before.curve.speed
-    return state
-
-
-def _run_into(dynamics: Dynamics, curve: Curve, error: EquilibriumError) -> Array:
-    """State at the end of a run through a transition of 3 s and a curve of 6 s; without one, raises the error."""
-    v = curve.speed
-    track = Track.curve(curvature=curve.curvature, cant=curve.cant, transition=3.0 * v, length=6.0 * v, base=curve.base)
-    history = simulate(
-        dynamics.wagon, track, dynamics.contact, speed=v, span=(0.0, 9.0), method="rosenbrock", rtol=3e-3, atol=3e-6
-    )
-    if history.status != "completed":
-        raise error
-    state: Array = history.state[-1]
     return state

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +12,9 @@ from numpy.typing import NDArray
 from vehicle.attempts import StepFailure
 from vehicle.balance import LARGE, Balance, size_of
 from vehicle.dynamics import Contacts, Dynamics
+from vehicle.run_in import bends, run_in
+from vehicle.steppers import StepTooSmall
+from vehicle.track import Track
 
 Array = NDArray[np.float64]
 
@@ -35,34 +40,50 @@ def equilibrium(
     guess: Array | None = None,
     tolerance: float = 1e-6,
     acceptable: float = 1e-4,
-    max_iterations: int = 60,
+    max_iterations: int = 30,
 ) -> Equilibrium:
     """State without acceleration for the speed, curvature and cant at the given time s, taken as constant, on smooth
     rails; guess: a state.
 
     Damped Newton with the contact's tangent or, without one, with four differences of the contact. The damping fades
-    with the residual (pseudo-transient continuation), so that it works through the sharp rise at a flange. tolerance of
-    the residual; an acceptable one is taken when a contact that is not exact allows no better. Raises EquilibriumError.
+    with the residual (pseudo-transient continuation), so that it works through the sharp rise at a flange. Where that
+    does not end from the guess or from rest, as between tread and flange, a run into the curve shows the way. tolerance
+    of the residual; an acceptable one is taken when a contact that is not exact allows no better. Raises
+    EquilibriumError.
     """
     balance = Balance(dynamics, dynamics.frame(time).steady())
-    try:
-        unknown, contacts = balance.settled() if guess is None else balance.start(guess)
-        residual = balance.residual(unknown, contacts)
-        damping, best = 0.0, Equilibrium(balance.state(unknown), contacts, 0, size_of(residual))
-        for iteration in range(1, max_iterations + 1):
-            stalled = best.residual <= acceptable and iteration > best.iterations + 4
-            if best.residual <= tolerance or stalled:
-                return best
-            unknown, contacts, new, damping = _step(balance, unknown, contacts, residual, damping)
-            damping *= min(0.5, size_of(new) / size_of(residual))
-            residual = new
-            if size_of(residual) < best.residual:
-                best = Equilibrium(balance.state(unknown), contacts, iteration, size_of(residual))
-    except StepFailure as error:
-        raise EquilibriumError(f"no equilibrium: {error}") from error
+    starts: list[Callable[[], Array]] = [balance.settled]
+    if guess is not None:
+        starts.insert(0, partial(balance.unknown, guess))
+    if bends(dynamics, time):
+        straight = replace(dynamics, track=Track(), speed=dynamics.drive(time).speed)
+        starts.append(lambda: balance.unknown(run_in(dynamics, time, equilibrium(straight).state)))
+    for place, start in enumerate(starts, start=1):
+        try:
+            return _newton(balance, start(), tolerance, acceptable, max_iterations)
+        except (StepFailure, StepTooSmall, EquilibriumError) as error:
+            if place == len(starts):
+                raise EquilibriumError(f"no equilibrium: {error}") from error
+    raise AssertionError("one start at least")
+
+
+def _newton(balance: Balance, unknown: Array, tolerance: float, acceptable: float, max_iterations: int) -> Equilibrium:
+    """Raises EquilibriumError, and StepFailure where it is stuck."""
+    contacts = balance.contacts(unknown)
+    residual = balance.residual(unknown, contacts)
+    damping, best = 0.0, Equilibrium(balance.state(unknown), contacts, 0, size_of(residual))
+    for iteration in range(1, max_iterations + 1):
+        stalled = best.residual <= acceptable and iteration > best.iterations + 4
+        if best.residual <= tolerance or stalled:
+            return best
+        unknown, contacts, new, damping = _step(balance, unknown, contacts, residual, damping)
+        damping *= min(0.5, size_of(new) / size_of(residual))
+        residual = new
+        if size_of(residual) < best.residual:
+            best = Equilibrium(balance.state(unknown), contacts, iteration, size_of(residual))
     if best.residual <= acceptable:
         return best
-    raise EquilibriumError(f"no equilibrium: {best.residual:.3g} of the axle load left after {max_iterations} steps")
+    raise EquilibriumError(f"{best.residual:.3g} of the axle load left after {max_iterations} steps")
 
 
 def _step(
@@ -78,7 +99,7 @@ def _step(
         try:
             change = np.linalg.solve(damping * np.diag(1.0 / LARGE) - jacobian, residual)
             change /= max(1.0, size_of(change / LARGE))
-            there = balance.contacts(unknown + change, contacts)
+            there = balance.contacts(unknown + change)
             left = balance.residual(unknown + change, there)
             if size_of(left) < 3.0 * size:
                 return unknown + change, there, left, damping

@@ -20,7 +20,7 @@ from vehicle.history import History, RunCost
 from vehicle.jacobian import Jacobian
 from vehicle.record import Recorder
 from vehicle.rosenbrock import ROS34PW2, Rosenbrock
-from vehicle.state import COUNT
+from vehicle.state import COUNT, graded
 from vehicle.steppers import StepTooSmall, integrate
 from vehicle.tableau import METHODS as EXPLICIT
 from vehicle.tableau import Tableau
@@ -32,7 +32,6 @@ Array = NDArray[np.float64]
 Progress = Callable[[float, Mapping[str, float]], None]
 
 METHODS: dict[str, Tableau | Rosenbrock] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
-RATE_SCALE = 100.0  # 1/s: what a rate may be off against a position, see `tolerances`
 
 
 def simulate(
@@ -137,15 +136,12 @@ def _anew(dynamics: Dynamics, at: Checkpoint) -> Evaluation | None:
 def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float | Array:
     """Absolute tolerance of each component: an array as it is, a number for positions and deflections in m and rad.
 
-    Explicit steps take the same number for the rates; they are bound by stability anyway. Implicit ones take 100 times
-    that, per second: what they step over fades within 10 ms, so that such a rate moves a position by as much as the
-    tolerance of a position.
+    Explicit steps take the same number for the rates, as they are bound by stability anyway; for implicit ones see
+    `vehicle.state.graded`.
     """
-    if np.ndim(atol) or not isinstance(METHODS[method], Rosenbrock):
-        return atol
-    each = np.full(size, float(atol))
-    each[COUNT : 2 * COUNT] *= RATE_SCALE
-    return each
+    if isinstance(atol, float | int) and isinstance(METHODS[method], Rosenbrock):
+        return graded(atol, size)
+    return atol
 
 
 def _figures(time: float, step: float, distance: float, cost: RunCost) -> dict[str, float]:

@@ -52,3 +52,18 @@ def split(state: Array) -> Split:
     shape = (*state.shape[:-1], 3, 3)
     position, rate = state[..., :9].reshape(shape), state[..., 10:19].reshape(shape)
     return Split(position, rate, state[..., 9], state[..., 19], state[..., 2 * COUNT :])
+
+
+RATE_SCALE = 100.0  # 1/s
+
+
+def graded(atol: float, size: int = 2 * COUNT) -> Array:
+    """Absolute tolerance of each component of a state for implicit steps: atol in m and rad, and 100 times that per
+    second for rates.
+
+    What such steps go over fades within 10 ms, so that a rate moves a position by as much as the tolerance of a
+    position.
+    """
+    each = np.full(size, float(atol))
+    each[COUNT : 2 * COUNT] *= RATE_SCALE
+    return each
