@@ -18,6 +18,7 @@ from vehicle.dynamics import Contact, Dynamics, Evaluation
 from vehicle.equilibrium import EquilibriumError, equilibrium
 from vehicle.history import History, RunCost
 from vehicle.jacobian import Jacobian
+from vehicle.limits import LIMITS, Limits, OutOfBounds
 from vehicle.record import Recorder
 from vehicle.rosenbrock import ROS34PW2, Rosenbrock
 from vehicle.state import COUNT, graded
@@ -49,6 +50,7 @@ def simulate(
     max_step: float = np.inf,
     min_step: float = 1e-8,
     control: Control | None = None,
+    limits: Limits = LIMITS,
     progress: Progress | None = None,
     checkpoints: Checkpoints | None = None,
 ) -> History:
@@ -58,9 +60,9 @@ def simulate(
     the contact's tangent where there is one. atol: see `tolerances`. initial: a state (see `vehicle.state`), else the
     equilibrium at the start. Rows at accepted steps, or `every` so many seconds. Each contact solve starts from the
     result before, the first of a step from the latest accepted one. A solve that fails makes the step shorter; when
-    min_step s does not help either, or on Ctrl-C, the history ends there and its status tells. progress gets the share
-    done and figures at each accepted step. With checkpoints the run goes on from the latest one; all else given must be
-    the same. Raises ValueError for senseless input.
+    min_step s does not help either, beyond the limits, or on Ctrl-C, the history ends there and its status tells.
+    progress gets the share done and figures at each accepted step. With checkpoints the run goes on from the latest
+    one; all else given must be the same. Raises ValueError for senseless input.
     """
     if method not in METHODS:
         raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
@@ -107,6 +109,7 @@ def simulate(
             )
             for done, step in enumerate(leg, start=1):
                 recorder.add(step)
+                limits.check(dynamics, step.t, step.x)
                 if progress is not None:
                     distance = dynamics.drive(step.t).distance
                     progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, cost))
@@ -119,7 +122,7 @@ def simulate(
                 break
     except KeyboardInterrupt:
         status = "interrupted"
-    except (StepTooSmall, StepFailure, EquilibriumError) as error:
+    except (StepTooSmall, StepFailure, EquilibriumError, OutOfBounds) as error:
         status = f"failed: {error}"
     cost.seconds = perf_counter() - began
     return History.of(recorder, cost, status)
