@@ -24,9 +24,9 @@ class OutOfBounds(RuntimeError):
 
 @dataclass(frozen=True)
 class Limits:
-    """roll rad of the car body against the track: a wagon that leans further has lifted a wheel for long. shift and lift
-    m of the lower wheel against its rail: flanges are about 30 mm thick and 28 mm high, so that a wheel beyond is no
-    longer guided by its rail.
+    """roll rad of the car body against the track, beyond what springs allow with both wheels down; shift
+    and lift m of the lower wheel against its rail: a flange is about 30 mm thick and 28 mm high, so that a rail guides
+    no wheel beyond.
 
     The other wheel may lift as far as the roll permits: it can come down again. Raises ValueError unless positive;
     infinity is no limit.
