@@ -122,6 +122,8 @@ class FittedContact:
         for _ in range(ROUNDS):
             fitted = self._fitted(pose, ridge, known, raised, count)
             if fitted is None:
+                if start is not None:
+                    raise NotConverged("cells that were fitted before lose all their pressure")
                 return ContactResult.separated(approach)
             cells, pressure, settled = fitted
             known = cells

@@ -104,6 +104,8 @@ def fit(
         if moved is None:
             return None
         held = holds if len(moved.sides) == len(held) else np.ones(len(moved.sides), dtype=bool)
+        if not held.any():
+            return None
         layout = moved
     assert best is not None
     return Fitted(*best[1:], False, STEPS)

@@ -22,7 +22,7 @@ from vehicle.dynamics import Contact, Dynamics
 from vehicle.equilibrium import equilibrium
 from vehicle.history import History
 from vehicle.irregularity import Irregularities
-from vehicle.limits import Limits, OutOfBounds, lower_wheel
+from vehicle.limits import Limits, OutOfBounds, wheels
 from vehicle.parallel import in_parallel
 from vehicle.simulate import simulate
 from vehicle.state import COORDINATES, COUNT, MIRROR, ROLL, Y, Z
@@ -95,21 +95,21 @@ def momentum_gap(history: History) -> float:
 
 def test_a_wheel_lifts_and_lands_again() -> None:
     start = kicked(standard(), wheelset_roll=0.25)
-    history = run(standard(), 0.06, initial=start)
+    history = run(standard(), 0.04, initial=start, rtol=1e-3)
     assert history.status == "completed"
     off = in_the_air(history)
     assert (off[:, 0] & ~off[:, 1]).any()
     assert (np.diff(off.astype(int), axis=0) < 0).any(axis=0).all()  # both were off, and came back
     assert abs(momentum_gap(history)) < 0.01
-    tight = run(standard(), 0.06, initial=start, rtol=1e-4)
+    tight = run(standard(), 0.04, initial=start, rtol=2e-4)
     for i in (Y, Z, ROLL):
         even = np.interp(tight.time, history.time, history.state[:, i])
-        assert np.abs(even - tight.state[:, i]).max() < 0.02 * np.ptp(tight.state[:, i])
+        assert np.abs(even - tight.state[:, i]).max() < 0.05 * np.ptp(tight.state[:, i])
 
 
 def test_a_wheel_on_fitted_cells_lifts_and_lands_again() -> None:
     """From a result without cells, and with a tangent of zeros, to a contact; steps are as long as before then."""
-    history = run(fitted(), 0.02, initial=kicked(fitted(), wheelset_roll=0.15))
+    history = run(fitted(), 0.012, initial=kicked(fitted(), wheelset_roll=0.15))
     assert history.status == "completed"
     off = in_the_air(history)
     assert (off[:, 0] ^ off[:, 1]).any()
@@ -118,15 +118,24 @@ def test_a_wheel_on_fitted_cells_lifts_and_lands_again() -> None:
     assert abs(momentum_gap(history)) < 0.02
 
 
-@pytest.mark.parametrize(("rate", "side"), [(2.5, "right"), (-2.5, "left")])
-def test_a_wagon_that_overturns_ends_the_run(rate: float, side: str) -> None:
-    history = run(standard(), 1.0, initial=kicked(standard(), car_body_roll=rate))
-    assert history.status.startswith(f"failed: the wagon overturns to the {side}: its car body rolls by 0.3")
+def test_a_wagon_that_overturns_ends_the_run() -> None:
+    """45 m/s into 250 m without cant: 8.1 m/s2."""
+    history = run(standard(), 2.0, Track.curve(curvature=1 / 250, transition=20.0, length=500.0))
+    assert history.status.startswith("failed: the wagon overturns to the right: its car body rolls by 0.3")
     assert history.status.endswith(f"at t = {history.time[-1]:.4g} s, {history.distance[-1]:.4g} m")
-    assert 0.3 < abs(history.car_body[-1, 2]) < 0.35
-    assert (np.abs(history.car_body[:-1, 2]) <= 0.3).all()
+    assert 0.3 < history.car_body[-1, 2] < 0.35
+    assert (history.car_body[:-1, 2] <= 0.3).all()
     assert in_the_air(history)[-1].any()
     assert history.cost.steps.failed < 5
+
+
+def test_a_flange_that_climbs_ends_the_run() -> None:
+    """Where the contact has no answer beyond the flange the status tells how high it has climbed."""
+    history = run(standard(), 0.2, initial=kicked(standard(), car_body_roll=2.5))
+    assert "left contact: failed: the wheel overlaps the rail beyond" in history.status
+    assert "the left wheel is " in history.status
+    assert float(history.status.split(" mm above its rail")[0].split()[-1]) > 15.0
+    assert history.cost.steps.failed < 40
 
 
 @pytest.mark.parametrize(
@@ -143,19 +152,21 @@ def test_a_wheelset_off_its_rails_ends_the_run(rates: dict[str, float], limits: 
     assert len(history) > 10
 
 
-def test_where_the_lower_wheel_is() -> None:
+def test_where_the_wheels_are() -> None:
     """Turned about the right rail, level with it, the right wheel stays where it was."""
     state, roll = np.zeros(20), 0.2
     c, s = np.cos(roll), np.sin(roll)
     state[[Y, Z, ROLL]] = -0.75 * (1 - c) - 0.46 * s, 0.75 * s - 0.46 * (1 - c), roll
     dynamics = Dynamics(Wagon(), Track(), CONTACT, V)
-    np.testing.assert_allclose(lower_wheel(dynamics, 0.0, state), (0.0, 0.0), atol=1e-15)
-    np.testing.assert_allclose(lower_wheel(dynamics, 0.0, state * MIRROR), (0.0, 0.0), atol=1e-15)
+    left, right = wheels(dynamics, 0.0, state)
+    np.testing.assert_allclose(right, (0.0, 0.0), atol=1e-15)
+    np.testing.assert_allclose(left, (-1.5 * (1 - c), 1.5 * s), rtol=1e-12)
+    np.testing.assert_allclose(wheels(dynamics, 0.0, state * MIRROR)[0], (0.0, 0.0), atol=1e-15)
     stations = np.arange(0.0, 200.0)
     values = np.tile([3e-3, 2e-3, 0.0, 0.0], (200, 1))  # both rails 3 mm to the left, 2 mm up
     uneven = Track(irregularities=Irregularities.faded(stations, values))
-    moved = lower_wheel(Dynamics(Wagon(), uneven, CONTACT, V), 2.0, state)
-    np.testing.assert_allclose(moved, (-3e-3, -2e-3), atol=1e-9)
+    moved = wheels(Dynamics(Wagon(), uneven, CONTACT, V), 2.0, state)
+    np.testing.assert_allclose(moved[1], (-3e-3, -2e-3), atol=1e-9)
 
 
 def test_limits() -> None:
@@ -174,7 +185,7 @@ def test_limits() -> None:
 
 
 @pytest.mark.parametrize("friction", [0.05, 0.6])
-def test_fast_and_slippery_or_rough_curves(friction: float) -> None:
+def test_fast_and_slippery_curves(friction: float) -> None:
     """60 m/s into 1200 m with 60 mm of cant, 3.0 m/s2 less 0.4 of cant: the inner wheel keeps a share of its load."""
     track = Track.curve(curvature=1 / 1200, cant=0.06, tangent=5.0, transition=90.0, length=200.0)
     history = run(standard(friction), 2.0, track, speed=60.0)

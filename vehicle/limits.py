@@ -44,13 +44,11 @@ class Limits:
     def check(self, dynamics: Dynamics, time: float, state: Array) -> None:
         """Raises OutOfBounds, which says what has happened, when and where."""
         roll = float(state[CAR_BODY_ROLL])
-        shift, lift = lower_wheel(dynamics, time, state)
+        shift, lift = min(wheels(dynamics, time, state), key=lambda wheel: wheel[1])
         if abs(roll) > self.roll:
-            side = "left" if roll < 0.0 else "right"
-            what = f"the wagon overturns to the {side}: its car body rolls by {abs(roll):.3f} rad"
+            what = f"the wagon overturns to the {_hand(-roll)}: its car body rolls by {abs(roll):.3f} rad"
         elif abs(shift) > self.shift:
-            side = "left" if shift > 0.0 else "right"
-            what = f"the wheelset has left the rails to the {side}: {1e3 * abs(shift):.0f} mm aside"
+            what = f"the wheelset has left the rails to the {_hand(shift)}: {1e3 * abs(shift):.0f} mm aside"
         elif lift > self.lift:
             what = f"the wheelset has left the rails: both wheels are {1e3 * lift:.0f} mm above them or more"
         else:
@@ -61,17 +59,28 @@ class Limits:
 LIMITS = Limits()
 
 
-def lower_wheel(dynamics: Dynamics, time: float, state: Array) -> tuple[float, float]:
-    """Where the lowest point of the lower wheel's rolling circle is, against the same at rest on its rail: shift to the
-    left and lift m.
+def wheels(dynamics: Dynamics, time: float, state: Array) -> list[tuple[float, float]]:
+    """Where the lowest points of the left and the right rolling circle are, against the same at rest on their rails:
+    shift to the left and lift m.
     """
     half_base, radius = 0.5 * dynamics.track.base, dynamics.wagon.radius
     y, z, roll = float(state[Y]), float(state[Z]), float(state[ROLL])
     c, s = cos(roll), sin(roll)
     rails = dynamics.frame(time).rails or SMOOTH
-    below = [
-        (z + sign * half_base * s + radius * (1.0 - c) - rail_z, y - sign * half_base * (1.0 - c) + radius * s - rail_y)
+    return [
+        (y - sign * half_base * (1.0 - c) + radius * s - rail_y, z + sign * half_base * s + radius * (1.0 - c) - rail_z)
         for sign, (rail_y, rail_z) in zip((1.0, -1.0), rails, strict=True)
     ]
-    lift, shift = min(below)
-    return shift, lift
+
+
+def whereabouts(dynamics: Dynamics, time: float, state: Array) -> str:
+    """Where wheelset and car body are, in words, for whom a contact has no answer there."""
+    (shift, left), (_, right) = wheels(dynamics, time, state)
+    return (
+        f"the left wheel is {1e3 * abs(shift):.1f} mm to the {_hand(shift)}, {1e3 * left:.1f} mm above its rail, "
+        f"the right one {1e3 * right:.1f} mm, and the car body rolls by {float(state[CAR_BODY_ROLL]):.3f} rad"
+    )
+
+
+def _hand(y: float) -> str:
+    return "left" if y > 0.0 else "right"

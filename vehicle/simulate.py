@@ -18,7 +18,7 @@ from vehicle.dynamics import Contact, Dynamics, Evaluation
 from vehicle.equilibrium import EquilibriumError, equilibrium
 from vehicle.history import History, RunCost
 from vehicle.jacobian import Jacobian
-from vehicle.limits import LIMITS, Limits, OutOfBounds
+from vehicle.limits import LIMITS, Limits, OutOfBounds, whereabouts
 from vehicle.record import Recorder
 from vehicle.rosenbrock import ROS34PW2, Rosenbrock
 from vehicle.state import COUNT, graded
@@ -122,7 +122,10 @@ def simulate(
                 break
     except KeyboardInterrupt:
         status = "interrupted"
-    except (StepTooSmall, StepFailure, EquilibriumError, OutOfBounds) as error:
+    except StepTooSmall as error:
+        (last,) = recorder.latest
+        status = f"failed: {error}; {whereabouts(dynamics, last.time, last.state)}"
+    except (StepFailure, EquilibriumError, OutOfBounds) as error:
         status = f"failed: {error}"
     cost.seconds = perf_counter() - began
     return History.of(recorder, cost, status)
