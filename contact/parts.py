@@ -13,6 +13,7 @@ from contact.strip_surfaces import Ridge
 from contact.strips import Layout, tip
 
 VIRTUAL = 0.55  # of the approach
+WIDE = 1.8  # times as wide as the guess: an overlap wider than that, 1.35 times for one hump, may touch elsewhere, too
 NECK = 0.9  # of the smaller hump beside it: a load lower than that divides a patch into parts with strips of their own
 
 
@@ -64,7 +65,9 @@ def single(ridge: Ridge, fineness: Fineness, cell_marks: Array) -> Layout | None
     """
     o, top = ridge.overlap, int(ridge.overlap.argmax())
     depth = o - (1 - VIRTUAL) * o[top]
-    inside = np.flatnonzero(depth > 0)
+    inside, over = np.flatnonzero(depth > 0), np.flatnonzero(o > 0)
+    if over[-1] - over[0] > WIDE * (inside[-1] - inside[0] + 1):
+        return None
     if len(ridge.humps) > 1 or inside[-1] - inside[0] != len(inside) - 1 or inside[0] == 0 or inside[-1] == len(o) - 1:
         return None
     low, high = (

@@ -103,6 +103,8 @@ class Coupled:
         return normal_contact(self._factors, self._overlap + self._coupling @ q, active, count)
 
     def slope(self, active: Mask, count: Count) -> Array:
-        """dp/dq (a, 2 n) of the active points."""
+        """dp/dq (a, 2 n) of the active points, of which a step of Newton's method may leave none."""
+        if not active.any():
+            return np.zeros((0, self._coupling.shape[1]))
         factor = self._factors.of(active, count)
         return np.asarray(la.lu_solve(factor, self._coupling[active], check_finite=False))
