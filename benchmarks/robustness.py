@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ from vehicle.parallel import in_parallel
 from vehicle.simulate import simulate
 
 RTOL = 3e-3
+PATIENCE = 20.0  # s of wall time that a run gets
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,16 @@ class Done:
 
 
 def run(case: Case, rtol: float = RTOL) -> History:
-    """Rows at accepted steps; the right-hand contact of elastic bodies in a process of its own."""
+    """Rows at accepted steps; the right-hand contact of elastic bodies in a process of its own. A run that takes too
+    long is interrupted.
+    """
+    patience = case.patience or PATIENCE * RTOL / rtol
+    until = perf_counter() + patience
+
+    def watch(share: float, figures: Mapping[str, float]) -> None:
+        if perf_counter() > until:
+            raise KeyboardInterrupt
+
     contact, own = contact_of(case.model, case.friction), wagon(scene(case.model, case.friction))
     with in_parallel(contact) if case.model == ELASTIC else nullcontext(contact) as both:
         return simulate(
@@ -51,6 +62,7 @@ def run(case: Case, rtol: float = RTOL) -> History:
             rtol=rtol,
             atol=1e-3 * rtol,
             initial=case.start(own, contact),
+            progress=watch,
         )
 
 
@@ -72,7 +84,7 @@ def row(done: Done) -> dict[str, str]:
         "m/s": f"{case.speed:g}",
         "mu": f"{case.friction:g}",
         "radius m": f"{case.radius:g}",
-        "status": done.history.status.removeprefix("failed: "),
+        "status": done.history.status.removeprefix("failed: ").replace("interrupted", "stopped, too slow"),
         "m": f"{f.metres:.1f}",
         "steps (rejected, failed)": f"{steps.accepted} ({steps.rejected}, {steps.failed})",
         "wall s": f"{done.seconds:.1f}",
