@@ -21,7 +21,7 @@ from vehicle.parallel import in_parallel
 from vehicle.simulate import simulate
 
 RTOL = 3e-3
-PATIENCE = 20.0  # s of wall time that a run gets
+PATIENCE = 25.0  # s of wall time that a run gets
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 from standin_contact import CONTACT
 
+from contact.convergence import Count
 from contact.fineness import Fineness
 from contact.laws import Laws, Steel
 from contact.pairs import wheel_rail_pair
+from contact.parts import single
 from contact.pose import Mounting, Side, WheelsetState
+from contact.pressure import Coupled, Factors
 from contact.result import ContactResult
 from contact.rigid_pairs import RigidWheelRail
 from contact.standard import StandardContact
+from contact.strip_surfaces import Ridge
 from contact.wheelset import WheelsetContact
 from meshes.profiles import named_profile
 from vehicle.dynamics import Contact, Dynamics
@@ -30,7 +34,7 @@ from vehicle.track import Track
 from vehicle.track_spectrum import ERRI
 from vehicle.wagon import Wagon
 
-V, SIDES = 45.0, ("left", "right")
+V = 45.0
 WHEEL, RAIL = named_profile("S1002"), named_profile("UIC60-benchmark")
 MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
 
@@ -205,6 +209,24 @@ def test_rough_rails() -> None:
     assert history.time[-1] == 0.5
     assert np.ptp(history.outputs.force[:, 0, 2]) > 20e3
     assert abs(momentum_gap(history)) < 0.01
+
+
+def test_an_overlap_with_a_shoulder_is_not_taken_for_one_hump() -> None:
+    """Or else a contact on the tread is missed while the flange carries."""
+    s = np.linspace(-0.05, 0.05, 251)
+    hump = 1e-3 - (s / 0.006) ** 2 * 1e-3
+    shoulder = np.where(s > 0.0, np.maximum(hump, 1e-4 - 2e-3 * s), hump)  # falls, so that there is one maximum
+    ridges = [Ridge(s, o, np.zeros_like(s), np.full_like(s, 2.0)) for o in (hump, shoulder)]
+    assert [len(ridge.humps) for ridge in ridges] == [1, 1]
+    marks = np.linspace(-1.0, 1.0, 9)
+    assert single(ridges[0], Fineness(4, 8), marks) is not None
+    assert single(ridges[1], Fineness(4, 8), marks) is None
+
+
+def test_pressure_without_a_point_that_carries_has_no_slope() -> None:
+    pressure = Coupled(Factors(np.eye(3)), np.ones(3), np.ones((3, 6)))
+    assert pressure.slope(np.zeros(3, dtype=bool), Count()).shape == (0, 6)
+    np.testing.assert_array_equal(pressure.slope(np.array([True, False, True]), Count()), np.ones((2, 6)))
 
 
 @dataclass(frozen=True)
