@@ -78,14 +78,14 @@ def seen(
     overlap, feet, points, axes = np.empty(n), np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
     last, sample = complex(np.inf, 0.0), 0
     for i in range(n):
-        wheel_place(wheel, radius, origin, rotation, s[i], x[i], points[i], axes[i])
+        wheel_place(wheel, radius, origin, rotation, s[i], x[i], points, axes, i)
         q = complex(points[i, 1], points[i, 2])
         sample = nearer_sample(rail, q, sample) if abs(q - last) < NEXT else nearest_sample(rail, q)
         last = q
         feet[i], _, inside = foot(rail, q, rail.samples[sample])
         on_rail, _, _ = local(rail, feet[i], piece(rail, feet[i]))
-        u = axes[i, 2]
-        overlap[i] = (q.real - on_rail.real) * u[1] + (q.imag - on_rail.imag) * u[2] if inside else -np.inf
+        away = (q.real - on_rail.real) * axes[i, 2, 1] + (q.imag - on_rail.imag) * axes[i, 2, 2]
+        overlap[i] = away if inside else -np.inf
     return overlap, feet, points, axes
 
 

@@ -11,21 +11,21 @@ from meshes.compiled import compiled
 
 @compiled
 def wheel_place(
-    wheel: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, point: Array, axes: Array
+    wheel: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, points: Array, axes: Array, i: int
 ) -> None:
-    """Put the point (3,) m and the axes (3, 3), rows longitudinal, lateral and outward, of a place s, x m on a wheel of
-    a nominal radius m, posed by origin and rotation, where they are asked for.
+    """Put point and axes of a place s, x m on a wheel of a nominal radius m, posed by origin and rotation, into row i
+    of points (n, 3) m and axes (n, 3, 3), rows longitudinal, lateral and outward.
     """
     z, t, _ = local(wheel, s, piece(wheel, s))
     r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
     for c in range(3):
-        row = rotation[c]
-        point[c] = origin[c] + row[0] * (r * sine) + row[1] * z.real - row[2] * (r * cosine)
-        axes[2, c] = row[0] * (t.real * sine) - row[1] * t.imag - row[2] * (t.real * cosine)
-        axes[0, c] = row[0] * cosine + row[2] * sine
-    f, u = axes[0], axes[2]
-    axes[1, 0], axes[1, 1] = f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2]
-    axes[1, 2] = f[0] * u[1] - f[1] * u[0]
+        forward, axle, up = rotation[c, 0], rotation[c, 1], rotation[c, 2]
+        points[i, c] = origin[c] + forward * (r * sine) + axle * z.real - up * (r * cosine)
+        axes[i, 2, c] = forward * (t.real * sine) - axle * t.imag - up * (t.real * cosine)
+        axes[i, 0, c] = forward * cosine + up * sine
+    for c in range(3):
+        after, last = (c + 1) % 3, (c + 2) % 3
+        axes[i, 1, c] = axes[i, 0, after] * axes[i, 2, last] - axes[i, 0, last] * axes[i, 2, after]
 
 
 @compiled
@@ -37,5 +37,5 @@ def wheel_places(
     points, axes = np.empty((n, 3)), np.empty((n, 3, 3))
     for i in range(n):
         at = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
-        wheel_place(wheel, radius, origin, rotation, at, x[i], points[i], axes[i])
+        wheel_place(wheel, radius, origin, rotation, at, x[i], points, axes, i)
     return points, axes
