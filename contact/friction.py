@@ -10,6 +10,7 @@ follows the tractions, p = P(q), so Newton runs on q alone: F(q) = q - b y / max
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from inspect import signature
 from typing import Protocol
@@ -26,7 +27,9 @@ from meshes.compiled import compiled
 RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # renamed in SciPy 1.12
 TINY = 1e-300
 STALLS = 3  # steps without descent that end an attempt
+PATIENCE = 8  # steps that halve the misfit, or an attempt ends
 ROUNDS = 60  # bounds held in turn
+NEAR = 0.1  # of the bound: a misfit from which Newton's method is tried again
 CHORD = 0.1  # of the misfit: a step with old factors that leaves more is not worth it
 
 NONE, NOTHING = np.empty((0, 0)), np.empty(0)
@@ -258,10 +261,10 @@ def tangential_contact(friction: Friction, q: Array, active: Mask, options: Newt
             if k == ROUNDS - 1:
                 break
             bound = t.bound
-            try:
-                return newton(friction, t, options, count)
-            except NotConverged:
+            if t.norm > NEAR * float(np.linalg.norm(bound)):
                 continue
+            with suppress(NotConverged):
+                return newton(friction, t, options, count)
         return newton(friction, t, options, count)
 
 
@@ -270,10 +273,13 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
 
     Raises NotConverged.
     """
-    stalls, chords = 0, options.linear == "lu"
-    for _ in range(options.iterations):
+    stalls, chords, norms = 0, options.linear == "lu", list[float]()
+    for k in range(options.iterations):
         scale = max(float(np.linalg.norm(t.bound)), TINY)
         count.residual = t.norm / scale
+        norms.append(t.norm)
+        if k >= PATIENCE and t.norm > 0.5 * norms[k - PATIENCE]:
+            break
         if t.norm <= options.tolerance * scale:
             return t
         if stalls == STALLS:
