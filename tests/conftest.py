@@ -10,10 +10,14 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import logging
 import shutil
+import signal
 import tempfile
 from collections.abc import Iterator
 
 import pytest
+
+# A shell makes what it starts in the background ignore Ctrl-C, and so would all that the tests start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # dolfinx compiles its forms through distutils, which reports every command to the root logger. Filters and not levels:
 # all of them set their own when they are imported.
