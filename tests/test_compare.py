@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from rich.console import Console
+from standin_contact import CONTACT
 from test_figures import history
+from typer.testing import CliRunner
 from xarray import Dataset
 
+from contact.wheelset import WheelsetContact
+from scenes.cli import app
 from scenes.compare import with_model
 from scenes.compare_figures import PICTURES, draw_comparison
 from scenes.differences import channels, differences, rows, scatter, table
 from scenes.results import dataset
-from scenes.scene import load_scene, parse_scene
+from scenes.scene import RunScene, load_scene, parse_scene
 from scenes.wear import wear
 
 FOLDER = Path(__file__).parents[1] / "scenes"
@@ -113,3 +118,64 @@ def test_a_scene_takes_another_model(name: str) -> None:
     scene, other = load_scene(FOLDER / f"{name}.toml"), parse_scene(with_model(text, "standard"))
     apart = {key for key, value in scene.model_dump().items() if other.model_dump()[key] != value}
     assert {"model"} <= apart <= {"model", "strips", "cells"}
+
+
+def short_scene(folder: Path) -> Path:
+    text = (FOLDER / "curve.toml").read_text()
+    for old, new in (
+        ("tangent = 50.0", "tangent = 1.0"),
+        ("transition_length = 100.0", "transition_length = 12.0"),
+        ("curve = 300.0", "curve = 2.0"),
+        ("workers = 2", "workers = 1"),
+        ("interval = 0.01", "figures = false\ninterval = 0.0"),
+        ("rtol = 3e-3", "rtol = 1e-4"),
+        ("atol = 3e-6", "atol = 1e-7"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    file = folder / "short.toml"
+    file.write_text(text)
+    return file
+
+
+def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both runs, pictures, table; a second time neither run is repeated; another scene's results are."""
+    models: list[str] = []
+
+    def contact(scene: RunScene) -> WheelsetContact:
+        models.append(scene.model)
+        return (
+            CONTACT if scene.model == "standard" else replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
+        )
+
+    monkeypatch.setattr("scenes.run.wheelset_contact", contact)
+    file, out = short_scene(tmp_path), tmp_path / "out"
+    first = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
+    assert first.exit_code == 0, first.output
+    assert models == ["condensed", "standard"]
+    assert "wheelset y" in first.stdout
+    assert first.stdout.count("energy balances within") == 2
+    report = json.loads((out / "differences.json").read_text())
+    assert (report["first"], report["second"]) == ("condensed", "standard")
+    assert all(0.0 < error < 1e-2 for error in report["energy_balance_error"])
+    assert all((out / f"{name}.png").stat().st_size > 5000 for name in PICTURES)
+    again = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
+    assert again.exit_code == 0
+    assert models == ["condensed", "standard"]
+    assert again.stdout == first.stdout
+    file.write_text(file.read_text().replace("friction = 0.3", "friction = 0.2"))
+    assert CliRunner().invoke(app, ["compare", str(file), "--out", str(out)]).exit_code == 0
+    assert models == ["condensed", "standard"] * 2
+
+
+def test_what_cannot_be_compared(tmp_path: Path) -> None:
+    for arguments, says in (
+        ([str(FOLDER / "hertz.toml")], "no vehicle run"),
+        ([str(FOLDER / "curve.toml"), "--with", "condensed"], "nothing to compare it with"),
+        ([str(FOLDER / "curve.toml"), "--with", "simple"], "model"),
+        ([str(FOLDER / "curve.toml"), "--with", "full"], "only with points"),
+    ):
+        refused = CliRunner().invoke(app, ["compare", *arguments, "--out", str(tmp_path / "out")])
+        assert refused.exit_code == 2
+        assert says in refused.output
+    assert not (tmp_path / "out").exists()
