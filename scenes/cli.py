@@ -102,7 +102,7 @@ def run(
 
     folder = out or Path("results", scene.stem)
     with _complaints(f"{scene}: ", f"{folder}: "):
-        if resume and ended(given, scene, folder):
+        if resume and ended(given, folder):
             print(f"{folder}: this run is complete, there is nothing to go on with")
             return
         with stdout_for_results():

@@ -55,7 +55,7 @@ def compare_scene(file: Path, text: str, other: str, folder: Path, console: Cons
     changed = with_model(text, other)
     second = _scene(changed, f"{file} with model = {other!r}")
     one, two = (
-        _run(scene, file, source, folder / scene.model, console) for scene, source in ((given, text), (second, changed))
+        _run(scene, source, folder / scene.model, console) for scene, source in ((given, text), (second, changed))
     )
     names = (given.model, second.model)
     from scenes.compare_figures import draw_comparison
@@ -94,7 +94,7 @@ def _scene(text: str, name: str | Path) -> RunScene:
     return scene
 
 
-def _run(scene: RunScene, file: Path, text: str, folder: Path, console: Console) -> Dataset:
+def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     """Results of a scene: those that the folder holds, or of a run, which goes on where an earlier one stopped."""
     from xarray import load_dataset
 
@@ -103,7 +103,7 @@ def _run(scene: RunScene, file: Path, text: str, folder: Path, console: Console)
 
     results = folder / RESULTS
     try:
-        if ended(scene, file, folder):
+        if ended(scene, folder):
             say(f"{results} holds this run already")
             return load_dataset(results, decode_times=False)
         say("running")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scenes.run import CHECKPOINTS, RESULTS
-from scenes.scene import RunScene, SceneError, parse_scene
+from scenes.scene import RunScene, SceneError
 
 if TYPE_CHECKING:
     from scenes.journal import Journal
@@ -19,8 +19,14 @@ FREE = ("output.figures", "solver.workers")  # what may differ: it does not chan
 
 
 def head(scene: RunScene) -> dict[str, Any]:
-    """What a journal says of its run: the scene, files in it by what they hold, and the versions that compute it."""
+    """What a journal says of its run: the scene, and the versions that compute it."""
     from scenes.netcdf import versions
+
+    return {"versions": versions() | {"sources": _sources()}, "scene": inputs(scene)}
+
+
+def inputs(scene: RunScene) -> dict[str, Any]:
+    """The scene, files in it by what they hold."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, str) and Path(value).is_file():
@@ -29,8 +35,8 @@ def head(scene: RunScene) -> dict[str, Any]:
             return {key: plain(item) for key, item in value.items()}
         return value
 
-    own = {"sources": _sources()}
-    return {"versions": versions() | own, "scene": plain(json.loads(json.dumps(scene.model_dump())))}
+    found: dict[str, Any] = plain(json.loads(json.dumps(scene.model_dump())))
+    return found
 
 
 def _sources() -> str:
@@ -52,7 +58,7 @@ def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "
             yield f"{name}: {json.dumps(old)} then, {json.dumps(new)} now"
 
 
-def ended(scene: RunScene, path: Path, folder: Path) -> bool:
+def ended(scene: RunScene, folder: Path) -> bool:
     """Whether a folder holds the results of the complete run; raises SceneError for another scene's."""
     from xarray import open_dataset
 
@@ -60,11 +66,10 @@ def ended(scene: RunScene, path: Path, folder: Path) -> bool:
     if (folder / CHECKPOINTS).exists() or not file.exists():
         return False
     with open_dataset(file, engine="netcdf4") as data:
-        status, text = str(data.attrs.get("status")), str(data.attrs.get("scene"))
+        status, before = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
     if status != "completed":
         return False
-    before = parse_scene(text, path)
-    same_or_refused(head(before)["scene"] if isinstance(before, RunScene) else {}, head(scene)["scene"], file)
+    same_or_refused(before, inputs(scene), file)
     return True
 
 

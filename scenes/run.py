@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -99,11 +100,12 @@ def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator
     from scenes.energy import with_energy
     from scenes.netcdf import write
     from scenes.results import dataset
+    from scenes.resume import inputs
     from scenes.wear import wear
 
     with _undisturbed():
         data = dataset(history, scene=text)
-        data = data.assign(wear(data, scene.output.shear_yield))
+        data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(inputs=json.dumps(inputs(scene)))
         if not scene.output.interval:  # between accepted steps forces are not known well enough
             data = with_energy(data, history, wagon(scene), track(scene))
         write(data, folder / RESULTS)
