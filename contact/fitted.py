@@ -118,7 +118,7 @@ class FittedContact:
         """
         surfaces, approach = self.operators.surfaces, float(ridge.overlap.max())
         known, raised, settled = start, None if start is None else start.raised, True
-        q, last = None if start is None else start.traction, np.inf
+        q = None if start is None else start.traction
         for _ in range(ROUNDS):
             fitted = self._fitted(pose, ridge, known, raised, count)
             if fitted is None:
@@ -154,15 +154,12 @@ class FittedContact:
                 break
             # friction presses the bodies together or apart, where one patch pushes another one sideways, too
             by_friction = scale * (gathered.displacement[2 * n :, : 2 * n] @ found.tangential.T.ravel())
-            added, before = by_friction.reshape(len(layout.sides), -1), last
-            after, known_of = Raised.by(layout, added), 0.0 if raised is None else raised.at(layout)
-            last = float(np.abs(after.at(layout) - known_of).max())
-            log.debug("friction changes the overlap by %.1e of the approach", last / approach)
-            if last <= RAISED * approach:
+            after = Raised.by(layout, by_friction.reshape(len(layout.sides), -1))
+            change = float(np.abs(after.at(layout) - (0.0 if raised is None else raised.at(layout))).max())
+            log.debug("friction changes the overlap by %.1e of the approach", change / approach)
+            if change <= RAISED * approach:
                 break
-            # cells and friction that answer one another without end meet half-way
-            raised = after if last <= 0.5 * before else Raised.by(layout, 0.5 * (added + known_of))
-            q = found.tangential.T.ravel()
+            raised, q = after, found.tangential.T.ravel()
         else:
             settled = False
         around = Linearisation(
