@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from scipy import ndimage
@@ -68,23 +68,27 @@ def outcome(
 
 @dataclass(frozen=True)
 class Rubbing:
-    """Tractions (n, 2) Pa on the wheel, where the surfaces stick (n,), the bodies' motion and rolling speed m/s."""
+    """Places, tractions (n, 2) Pa on the wheel, where the surfaces stick (n,), the bodies' motion and rolling speed
+    m/s.
+    """
 
+    points: Places
     traction: Array
     sticks: Mask
     motion: Motion
     speed: float
 
-    def power(self, points: Places) -> Array:
+    @cached_property
+    def power(self) -> Array:
         """Power (n,) W of the tractions over the rigid slip.
 
         In steady rolling the patch as a whole turns this into heat: what elastic slip takes in one place it gives back
         in another. Sums of traction times slip tend to the same, but from 7 % below with 12 x 16 cells.
         """
         if self.speed == 0.0:
-            return np.zeros(len(points.area))
-        slip = shift(points, self.motion).reshape(2, -1)
-        return np.asarray(-points.area * np.einsum("nk,kn->n", self.traction, slip))
+            return np.zeros(len(self.points.area))
+        slip = shift(self.points, self.motion).reshape(2, -1)
+        return np.asarray(-self.points.area * np.einsum("nk,kn->n", self.traction, slip))
 
     def creepage(self, point: Array, axes: Array) -> tuple[float, float, float]:
         """At a point (3,) m; axes forward, left and upward as rows (3, 3)."""
@@ -106,7 +110,7 @@ def _summarised(
     speed: float,
 ) -> tuple[Patch, ...]:
     """Every patch, by falling load."""
-    rubbing = Rubbing(traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
+    rubbing = Rubbing(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
     return tuple(
         summarise(points, patch == k, forces=forces, pressure=pressure, rubbing=rubbing)
         for k in range(patch.max(initial=-1) + 1)
@@ -173,5 +177,5 @@ def summarise(points: Places, inside: Mask, *, forces: Array, pressure: Array, r
         x=float(x),
         stick_area=float(area[rubbing.sticks[inside]].sum()),
         creepage=rubbing.creepage(weight @ points.point[inside] / total, np.stack([forward, left, upward])),
-        frictional_power=float(rubbing.power(points)[inside].sum()),
+        frictional_power=float(rubbing.power[inside].sum()),
     )

@@ -79,7 +79,7 @@ class StripContacts:
         local = np.column_stack([cells.traction, -cells.pressure]) * cells.area[:, None]
         forces = (local[:, None, :] @ fields.axes)[:, 0]
         speed = float(cells.speed.mean()) if cells.traction.any() else 0.0
-        rubbing = Rubbing(cells.traction, cells.sticks, self.motion, speed)
+        rubbing = Rubbing(places, cells.traction, cells.sticks, self.motion, speed)
         found = []
         for contact in np.argsort(self.rank):
             inside = fields.patch == self.rank[contact]

@@ -200,14 +200,12 @@ def _complaints(scene: str, place: str | None = None) -> Iterator[None]:
     went wrong on the way behind the place of the results.
     """
     from scenes.complaint import RunFailed, SceneError
-    from vehicle.attempts import StepFailure
-    from vehicle.equilibrium import EquilibriumError
 
     try:
         yield
     except SceneError as error:
         raise _refused(f"{scene}{error}") from None
-    except (OSError, RunFailed, EquilibriumError, StepFailure) as error:
+    except (OSError, RunFailed) as error:
         print(f"{scene if place is None else place}{error}", file=sys.stderr)
         raise typer.Exit(FAILED) from None
     except KeyboardInterrupt:

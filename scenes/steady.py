@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from scenes.complaint import RunFailed
 from scenes.models import wheelset_contact
 from scenes.run import track, wagon
 from scenes.scene import RunScene
@@ -21,13 +23,14 @@ if TYPE_CHECKING:
 
 
 def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
-    """On straight level track at speeds m/s, the contact included. Raises EquilibriumError, StepFailure."""
+    """On straight level track at speeds m/s, the contact included. Raises RunFailed where no equilibrium is found."""
     from vehicle.dynamics import Dynamics
     from vehicle.modes import modes
     from vehicle.track import Track
 
     given, contact = wagon(scene), wheelset_contact(scene)
-    return [modes(Dynamics(given, Track(), contact, speed)) for speed in speeds]
+    with _failures_told():
+        return [modes(Dynamics(given, Track(), contact, speed)) for speed in speeds]
 
 
 def curve_of(scene: RunScene) -> Curve:
@@ -41,11 +44,23 @@ def curve_of(scene: RunScene) -> Curve:
 
 
 def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[Steady]:
-    """At the speeds m/s, in their order, from one to the next. Raises EquilibriumError."""
+    """At the speeds m/s, in their order, from one to the next. Raises RunFailed where no equilibrium is found."""
     from vehicle.curving import curving_over
 
-    curve = curve_of(scene)
-    return curving_over(wagon(scene), wheelset_contact(scene), [replace(curve, speed=speed) for speed in speeds])
+    curve, contact = curve_of(scene), wheelset_contact(scene)
+    with _failures_told():
+        return curving_over(wagon(scene), contact, [replace(curve, speed=speed) for speed in speeds])
+
+
+@contextmanager
+def _failures_told() -> Iterator[None]:
+    from vehicle.attempts import StepFailure
+    from vehicle.equilibrium import EquilibriumError
+
+    try:
+        yield
+    except (EquilibriumError, StepFailure) as error:
+        raise RunFailed(str(error)) from error
 
 
 def modes_table(found: Sequence[Mode], speed: float) -> Table:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from small_fitted import warm_cells
 from standin_contact import CONTACT
-from test_resume import warm_cells
 from test_standard import wheel_on_rail
 
 from contact.pose import MIRROR

@@ -14,18 +14,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_fitted import warm_cells
 from spring_contact import patch
 from standin_contact import CONTACT
 from typer.testing import CliRunner
 from xarray import open_dataset
 
-from contact.fineness import Fineness
-from contact.laws import Laws, Steel
-from contact.pairs import wheel_rail_pair
-from contact.pose import Motion, Mounting, Pose, Side, WheelsetState
+from contact.pose import Motion, Pose, Side, WheelsetState
 from contact.result import ContactResult
 from contact.wheelset import WheelsetContact
-from meshes.profiles import named_profile
 from scenes.cli import app
 from scenes.journal import Journal, StillRunning, head_of
 from scenes.records import Plain, Unreadable
@@ -107,23 +104,6 @@ def test_no_checkpoint_where_a_contact_cannot_be_solved_from_nothing() -> None:
     assert 3 < len(found) < len(whole) / 6
     for at in found[1::4]:
         assert_same(resumed(5, at, Clinging()), whole)
-
-
-def warm_cells() -> WheelsetContact:
-    rail = named_profile("UIC60-benchmark")
-    model = wheel_rail_pair(
-        named_profile("S1002"),
-        rail,
-        radius=0.46,
-        wheel_steel=Steel(),
-        rail_steel=Steel(),
-        surface_size=1e-3,
-        laws=Laws(friction=0.3),
-        bodies="half-space",
-        fineness=Fineness(4, 8),
-        warm=True,
-    )
-    return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
 
 
 def test_warm_cells_in_two_processes_go_on_to_the_last_bit() -> None:

@@ -7,12 +7,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from small_fitted import warm_cells
 from standin_contact import CONTACT
 
 from contact.convergence import Count
 from contact.fineness import Fineness
-from contact.laws import Laws, Steel
-from contact.pairs import wheel_rail_pair
+from contact.laws import Laws
 from contact.parts import single
 from contact.pose import Mounting, Side, WheelsetState
 from contact.pressure import Coupled, Factors
@@ -42,23 +42,6 @@ MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
 @cache
 def standard(friction: float = 0.3) -> WheelsetContact:
     return WheelsetContact(StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), Laws(friction=friction)), MOUNTING)
-
-
-@cache
-def fitted() -> WheelsetContact:
-    model = wheel_rail_pair(
-        WHEEL,
-        RAIL,
-        radius=0.46,
-        wheel_steel=Steel(),
-        rail_steel=Steel(),
-        surface_size=1e-3,
-        laws=Laws(friction=0.3),
-        bodies="half-space",
-        fineness=Fineness(4, 8),
-        warm=True,
-    )
-    return WheelsetContact(model, MOUNTING)
 
 
 def kicked(contact: Contact, **rates: float) -> np.ndarray:
@@ -113,7 +96,8 @@ def test_a_wheel_lifts_and_lands_again() -> None:
 
 def test_a_wheel_on_fitted_cells_lifts_and_lands_again() -> None:
     """From a result without cells, and with a tangent of zeros, to a contact; steps are as long as before then."""
-    history = run(fitted(), 0.012, initial=kicked(fitted(), wheelset_roll=0.15))
+    contact = warm_cells()
+    history = run(contact, 0.012, initial=kicked(contact, wheelset_roll=0.15))
     assert history.status == "completed"
     off = in_the_air(history)
     assert (off[:, 0] ^ off[:, 1]).any()
