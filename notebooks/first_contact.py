@@ -29,7 +29,7 @@ from contact.loading import Loaded, hertz_pose, hertz_under_load
 from contact.pairs import hertz_pair
 from contact.pose import Array, Motion, Nodes, Twist
 from contact.references.hertz import hertz, modulus
-from scenes.patch_picture import patches_figure
+from scenes.pictures.patches import patches_figure
 
 # %% tags=["parameters"]
 SIZES = (1.3e-3, 0.8e-3, 0.5e-3)  # m, edge of the surface triangles; the patch is 5.4 mm wide

@@ -78,7 +78,7 @@ def track(
 
     result_console().print(segment_table(given))
     if picture is not None:
-        from scenes.track_picture import draw_track
+        from scenes.pictures.track import draw_track
 
         with _complaints("", f"{picture}: "):
             draw_track(given, picture)
@@ -226,7 +226,7 @@ def _refused(complaint: str) -> typer.Exit:
 def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], file: Path) -> None:
     """Save the picture, or end with the reason why not on standard error."""
     from scenes.models import laws
-    from scenes.patch_picture import draw_patches
+    from scenes.pictures.patches import draw_patches
 
     try:
         draw_patches(results, laws(scene), file)

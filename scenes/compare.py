@@ -58,8 +58,8 @@ def compare_scene(file: Path, text: str, other: str, folder: Path, console: Cons
         _run(scene, source, folder / scene.model, console) for scene, source in ((given, text), (second, changed))
     )
     names = (given.model, second.model)
-    from scenes.compare_figures import draw_comparison
     from scenes.differences import differences, noise, rows
+    from scenes.pictures.comparison import draw_comparison
 
     found = differences(one, two)
     energy = one.attrs.get("energy_balance_error"), two.attrs.get("energy_balance_error")

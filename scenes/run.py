@@ -111,7 +111,7 @@ def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator
         write(data, folder / RESULTS)
     yield folder / RESULTS
     if scene.output.figures:
-        from scenes.figures import draw_figures
+        from scenes.pictures.runs import draw_figures
 
         try:
             yield from draw_figures(data, folder)

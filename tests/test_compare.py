@@ -17,8 +17,8 @@ from xarray import Dataset
 from contact.wheelset import WheelsetContact
 from scenes.cli import app
 from scenes.compare import with_model
-from scenes.compare_figures import PICTURES, draw_comparison
 from scenes.differences import channels, differences, rows, scatter, table
+from scenes.pictures.comparison import PICTURES, draw_comparison
 from scenes.results import dataset
 from scenes.scene import RunScene, load_scene, parse_scene
 from scenes.wear import wear

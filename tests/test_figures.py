@@ -14,9 +14,9 @@ from spring_contact import patch
 
 from contact.laws import Laws
 from contact.result import ContactResult, Fields
-from scenes import figures
 from scenes.netcdf import write
-from scenes.patch_picture import PatchCells, draw_patches, patches_figure
+from scenes.pictures import runs as figures
+from scenes.pictures.patches import PatchCells, draw_patches, patches_figure
 from scenes.results import BANDS, PATCH_VARIABLES, dataset
 from vehicle.history import History, RunCost
 from vehicle.record import Outputs, PatchPair

@@ -18,7 +18,7 @@ from contact.standard import StandardContact
 from scenes.contact_scene import solve_contact
 from scenes.models import hertz_motion, hertz_scale, laws, wheelset_contact
 from scenes.override import overridden
-from scenes.patch_picture import draw_patches
+from scenes.pictures.patches import draw_patches
 from scenes.report import table
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene, load_scene, parse_scene
 from vehicle.drive import Drive

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.differences import rms, scatter, settled
-from scenes.figures import STYLE, along_track, named, patch_bands
+from scenes.pictures.runs import along_track, named, patch_bands
+from scenes.pictures.style import STYLE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

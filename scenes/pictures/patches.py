@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.figures import PRESSURE_MAP, STYLE
+from scenes.pictures.style import PRESSURE_MAP, STYLE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

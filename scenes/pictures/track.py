@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.figures import STYLE
+from scenes.pictures.style import STYLE
 from scenes.track_report import cant_deficiency
 
 if TYPE_CHECKING:

@@ -9,32 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.pictures.style import PRESSURE_MAP, SIDES, STYLE
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from xarray import DataArray, Dataset
 
 Array = NDArray[np.float64]
-
-STYLE = {
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "0.9",
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-    "lines.linewidth": 1.1,
-    "savefig.dpi": 150,
-}
-# Okabe and Ito's colours, told apart by every kind of sight; dashes say the same in black and white.
-SIDES: dict[str, dict[str, Any]] = {
-    "left": {"color": "#0072B2", "linestyle": "-"},
-    "right": {"color": "#D55E00", "linestyle": (0, (5, 1.5))},
-}
-PRESSURE_MAP = "viridis"
 
 
 def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:

@@ -1,0 +1,1 @@
+"""Pictures of contacts, runs, tracks and studies."""
