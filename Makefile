@@ -1,24 +1,32 @@
 # make run: the paper's curve, end to end (SCENE= another one).  make test: ruff, mypy and pytest.  Both set everything up first.
+# make docs: the documentation, as pages.  make test-debian RELEASE=trixie|sid: the tests on another Debian, as root.
 VENV ?= .venv
 SCENE ?= scenes/curve.toml
+RELEASE ?= trixie
 PY = $(VENV)/bin/python
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: run test clean
+.PHONY: run test docs test-debian clean
 
 run: $(VENV)/ready
 	$(PY) -m scenes.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
-test: $(VENV)/ready
+test: $(VENV)/ready-to-test
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
 	$(PY) -m pytest
 
-$(VENV)/ready: pyproject.toml bootstrap.sh
-	VENV=$(VENV) ./bootstrap.sh
+docs: $(VENV)/ready-to-test
+	$(PY) -m sphinx -W --keep-going -b html docs build/docs
+
+test-debian:
+	tests/debian.sh $(RELEASE)
+
+$(VENV)/ready $(VENV)/ready-to-test: pyproject.toml bootstrap.sh
+	VENV=$(VENV) ./bootstrap.sh $(@F)
 
 clean:
 	rm -rf $(VENV) build *.egg-info results

@@ -1,14 +1,21 @@
 #!/bin/sh
 # Sets up everything on a bare Debian (12 or later): the compiled finite-element stack by apt, the rest by pip in a
 # virtual environment on the system's Python, the only one that can import apt's dolfinx. Safe to run again.
+# bootstrap.sh ready: what runs and draws; bootstrap.sh ready-to-test: and what tests, notebooks and documentation need.
 set -eu
 cd "$(dirname "$0")"
 venv=${VENV:-.venv}
+state=${1:-ready}
+case $state in
+  ready) extras=view; more="" ;;
+  ready-to-test) extras=view,cluster,notebook,docs,dev; more="chromium openmpi-bin" ;;
+  *) echo "bootstrap.sh $state: must be ready or ready-to-test" >&2; exit 2 ;;
+esac
 
 # OpenBLAS: with the reference BLAS sparse factorisations take 4 to 8 times longer.
 wanted="python3-dolfinx python3-dolfinx-real python3-venv python3-dev gcc libopenblas0-pthread
         python3-scipy python3-h5py python3-netcdf4
-        libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1"
+        libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 $more"
 missing=""
 for package in $wanted; do
   [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing="$missing $package"
@@ -34,6 +41,6 @@ for name in ("numpy", "scipy", "mpi4py", "petsc4py", "slepc4py", "cffi", "h5py",
     except PackageNotFoundError:
         pass
 PY
-"$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$venv/constraints.txt" -e ".[view,dev]"
+"$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$venv/constraints.txt" -e ".[$extras]"
 "$venv/bin/python" -c "import dolfinx, numpy; print('dolfinx', dolfinx.__version__, '- numpy', numpy.__version__)"
-touch "$venv/ready"
+touch "$venv/ready" "$venv/$state"  # whatever is ready to test is ready

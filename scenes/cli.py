@@ -177,6 +177,26 @@ def wagon(
         print(wagon_toml(Wagon() if file is None else load_wagon(file)), end="")
 
 
+@app.command()
+def example(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="NAME", help="One of them; a list of all without it.", show_default=False),
+    ] = None,
+) -> None:
+    """Print a scene that comes with the package, to start another one from."""
+    from scenes.examples import example as text_of
+    from scenes.examples import examples
+
+    with _complaints(""):
+        if name is not None:
+            print(text_of(name), end="")
+            return
+    width = max(map(len, examples()))
+    for known, heading in examples().items():
+        print(f"{known:{width}}  {heading}")
+
+
 def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
     """The scene, or the end of the command with the complaint on standard error."""
     from scenes.scene import load_scene
