@@ -8,15 +8,20 @@ PY = $(VENV)/bin/python
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: run test docs test-debian clean
+.PHONY: run test lint suite docs test-debian clean
 
 run: $(VENV)/ready
 	$(PY) -m scenes.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
-test: $(VENV)/ready-to-test
+test: lint suite
+
+# Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
+lint: $(VENV)/ready-to-test
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
+
+suite: $(VENV)/ready-to-test
 	$(PY) -m pytest
 
 docs: $(VENV)/ready-to-test

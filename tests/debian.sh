@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs `make test` in a bare Debian of another release: tests/debian.sh trixie|sid [PYTEST ARGUMENTS].
+# Runs `make suite`, all of pytest, in a bare Debian of another release: tests/debian.sh trixie|sid [PYTEST ARGUMENTS].
 # Needs root and debootstrap. The system stays in $DEBIAN_ROOT, build/debian/RELEASE unless given: 4 GB; a second run
 # finds it in place. Nothing outside of it is changed, mounts end with the script.
 set -eu
@@ -35,5 +35,5 @@ exec unshare --mount --pid --fork sh -eu -c '
   mount --make-rprivate /
   mount -t proc proc "$0/proc"
   mount --rbind /dev "$0/dev"
-  exec chroot "$0" sh -c "cd /work && PATH=/usr/sbin:/usr/bin:/sbin:/bin exec make test"
+  exec chroot "$0" sh -c "cd /work && PATH=/usr/sbin:/usr/bin:/sbin:/bin exec make suite"
 ' "$root"
