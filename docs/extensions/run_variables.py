@@ -1,0 +1,37 @@
+"""What `run.nc` holds: the variables of a short run on springs, so that the table cannot go stale."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def run_variables() -> str:
+    """Markdown: a table of coordinates and variables with dimensions, units and meaning; and the attributes."""
+    data = _example()
+    rows = ["| name | dimensions | unit | meaning |", "|---|---|---|---|"]
+    for name in (*data.coords, *data.data_vars):
+        values = data[name]
+        meaning = str(values.attrs.get("long_name", "")) or _listed(values)
+        rows.append(f"| `{name}` | {', '.join(map(str, values.dims))} | {values.attrs.get('units', '')} | {meaning} |")
+    return "\n".join([*rows, "", "Attributes: " + ", ".join(f"`{name}`" for name in data.attrs) + "."])
+
+
+def _listed(values: Any) -> str:
+    return ", ".join(map(str, values.values.tolist()))
+
+
+def _example() -> Any:
+    from benchmarks.linear_contact import LinearContact
+    from scenes.energy import with_energy
+    from scenes.results import dataset
+    from scenes.wear import wear
+    from vehicle.simulate import simulate
+    from vehicle.track import Track
+    from vehicle.track_spectrum import ERRI
+    from vehicle.wagon import Wagon
+
+    wagon = Wagon()
+    track = Track(irregularities=ERRI["low"].irregularities(40.0, seed=1))
+    history = simulate(wagon, track, LinearContact(wagon.wheel_load), speed=20.0, span=(0.0, 0.01))
+    data = dataset(history)
+    return with_energy(data.assign(wear(data, 300e6)), history, wagon, track)

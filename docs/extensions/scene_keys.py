@@ -1,0 +1,141 @@
+"""Every key that a scene may have, read off the pydantic models that check scenes."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isinf
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+SENTENCES = Path(__file__).parents[1] / "reference" / "keys.toml"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a value may be, in words; its unit; the tables that it is made of."""
+
+    allowed: str
+    unit: str = ""
+    tables: tuple[type[BaseModel], ...] = ()
+
+
+def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> Kind:
+    """Of a type annotation, and what pydantic has taken off it."""
+    if get_origin(annotation) is Annotated:
+        inner, *more = get_args(annotation)
+        return kind(inner, (*metadata, *more))
+    for item in metadata:
+        if hasattr(item, "unit") and hasattr(item, "low"):  # a range
+            return Kind(str(item) + (", whole" if annotation is int else ""), item.unit)
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if origin is Literal:
+        return Kind(" or ".join(map(toml, parts)))
+    if origin in (Union, UnionType):
+        kinds = [kind(part) for part in parts if part is not NoneType]
+        return Kind(" or ".join(k.allowed for k in kinds), _unit(kinds), _tables(kinds))
+    if origin in (tuple, list):
+        kinds = [kind(part) for part in parts if part is not Ellipsis]
+        if len(parts) == 2 and parts[1] is Ellipsis or origin is list:
+            (one,) = kinds
+            text = "tables" if one.tables else f"a list, each {one.allowed}"
+            return Kind(text, one.unit, one.tables)
+        same = len({k.allowed for k in kinds}) == 1
+        text = f"{len(kinds)} times {kinds[0].allowed}" if same else ", ".join(k.allowed for k in kinds)
+        return Kind(f"[{text}]", _unit(kinds), _tables(kinds))
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return Kind("a table", "", (annotation,))
+    if origin is dict:
+        return Kind("a table of names and values")
+    plain = {bool: "true or false", str: "a text", int: "a whole number", float: "a number"}
+    return Kind(plain.get(annotation, "a value"))
+
+
+def _unit(kinds: list[Kind]) -> str:
+    return ", ".join(dict.fromkeys(k.unit for k in kinds if k.unit))
+
+
+def _tables(kinds: list[Kind]) -> tuple[type[BaseModel], ...]:
+    return tuple(table for k in kinds for table in k.tables)
+
+
+def toml(value: Any) -> str:
+    """A value as code, as it is written in a scene."""
+    return f"`{_bare(value)}`"
+
+
+def _bare(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, float) and isinf(value):
+        return "inf" if value > 0 else "-inf"
+    if isinstance(value, (tuple, list)):
+        return "[" + ", ".join(map(_bare, value)) + "]"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def default(field: FieldInfo) -> str:
+    """What is taken where a key is left out."""
+    if field.is_required():
+        return "must be given"
+    value = field.get_default(call_default_factory=True)
+    if value is None or value is PydanticUndefined:
+        return ""
+    return "that of its keys" if isinstance(value, BaseModel) else toml(value)
+
+
+def sentence(model: type[BaseModel], key: str) -> str:
+    """What a key is for: the model's own description of it, or that in keys.toml under the class that has it."""
+    known = tomllib.loads(SENTENCES.read_text(encoding="utf-8"))
+    own = model.model_fields[key].description
+    return own or next((known[c.__name__][key] for c in model.__mro__ if key in known.get(c.__name__, {})), "")
+
+
+def own_keys(model: type[BaseModel]) -> list[str]:
+    """Keys that a class itself adds, or gives another default."""
+    return [key for key in model.__dict__.get("__annotations__", {}) if key in model.model_fields]
+
+
+def models(roots: tuple[type[BaseModel], ...]) -> list[type[BaseModel]]:
+    """The classes of these models and of all tables in them that have keys of their own, each once."""
+    found: dict[type[BaseModel], None] = {}
+    for root in roots:
+        bases = [c for c in reversed(root.__mro__) if issubclass(c, BaseModel) and c is not BaseModel and own_keys(c)]
+        found |= dict.fromkeys(bases)
+    tables = [table for model in found for key in own_keys(model) for table in _of(model, key).tables]
+    new = tuple(table for table in dict.fromkeys(tables) if table not in found)
+    return [*found, *(m for m in models(new) if m not in found)] if new else list(found)
+
+
+def _of(model: type[BaseModel], key: str) -> Kind:
+    field = model.model_fields[key]
+    return kind(field.annotation, tuple(field.metadata))
+
+
+def table(model: type[BaseModel]) -> Iterator[str]:
+    """Markdown: what a class says of itself, and its own keys."""
+    yield from (f"## {model.__name__}", "")
+    if model.__doc__:
+        yield from (*(line.strip() for line in model.__doc__.strip().splitlines()), "")
+    yield from ("| key | allowed | unit | default | meaning |", "|---|---|---|---|---|")
+    for key in own_keys(model):
+        k = _of(model, key)
+        links = ", ".join(f"[{t.__name__}](#{t.__name__.lower()})" for t in k.tables)
+        allowed = (k.allowed + (f": {links}" if links else "")).replace("|", r"\|")
+        yield f"| `{key}` | {allowed} | {k.unit} | {default(model.model_fields[key])} | {sentence(model, key)} |"
+    yield ""
+
+
+def scene_keys() -> str:
+    """Markdown: all tables of all kinds of scenes."""
+    from scenes.scene import KINDS
+
+    return "\n".join(line for model in models(tuple(KINDS.values())) for line in table(model))
