@@ -90,4 +90,5 @@ def test_licence_and_version_agree() -> None:
     assert f"\nversion: {project['version']}\n" in citation
     assert f"\nlicense: {project['license']['text']}\n" in citation
     assert "GNU LESSER GENERAL PUBLIC LICENSE" in (ROOT / "LICENSE").read_text(encoding="utf-8")
-    assert f"## {project['version']}\n" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    (date,) = re.findall(r"^date-released: (\d{4}-\d\d-\d\d)$", citation, flags=re.MULTILINE)
+    assert f"## {project['version']} - {date}\n" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from extensions.benchmark_list import benchmark_list
 from extensions.commands import commands
 from extensions.public_names import public_names
 from extensions.run_variables import run_variables
-from extensions.scene_keys import scene_keys
+from extensions.scene_keys import scene_keys, study_keys
 from extensions.wagon_values import wagon_values
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -24,6 +24,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "public-names": public_names,
     "run-variables": run_variables,
     "scene-keys": scene_keys,
+    "study-keys": study_keys,
     "wagon-values": wagon_values,
 }
 LINE = re.compile(r"^(?:%|\.\.) generated: ([\w-]+)$", re.MULTILINE)

@@ -5,6 +5,7 @@ Docutils, which Sphinx stands on, translates; an equation that it does not under
 
 from __future__ import annotations
 
+import re
 from html import escape
 from typing import Any
 
@@ -14,6 +15,8 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
+LOOSE = re.compile(r"\\[dt]?frac\s*\d{2}")  # taken for one number
+
 log = logging.getLogger(__name__)
 
 
@@ -21,6 +24,8 @@ def translated(node: nodes.Element, *, block: bool) -> str:
     """MathML of a node, or its LaTeX as code after a warning."""
     tex = node.astext()
     try:
+        if LOOSE.search(tex):
+            raise MathError("write \\frac{1}{2}, not \\frac12")
         return str(tex2mathml(tex, as_block=block))
     except MathError as error:
         log.warning("equation not understood: %s: %s", error, tex, location=node)

@@ -1,10 +1,11 @@
-"""Every key that a scene may have, read off the pydantic models that check scenes."""
+"""Every key that a scene or a study may have, read off the pydantic models that check them."""
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from math import isinf
 from pathlib import Path
 from types import NoneType, UnionType
@@ -52,7 +53,8 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> Kind:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return Kind("a table", "", (annotation,))
     if origin is dict:
-        return Kind("a table of names and values")
+        each = kind(parts[1])
+        return Kind(f"a table of names, each {each.allowed}", each.unit, each.tables)
     plain = {bool: "true or false", str: "a text", int: "a whole number", float: "a number"}
     return Kind(plain.get(annotation, "a value"))
 
@@ -138,4 +140,17 @@ def scene_keys() -> str:
     """Markdown: all tables of all kinds of scenes."""
     from scenes.scene import KINDS
 
-    return "\n".join(line for model in models(tuple(KINDS.values())) for line in table(model))
+    return _tables_of(*KINDS.values())
+
+
+def study_keys() -> str:
+    """Markdown: all tables of a study."""
+    if find_spec("scenes.studies") is None:
+        return ""
+    from scenes.studies.study import Study
+
+    return _tables_of(Study)
+
+
+def _tables_of(*roots: type[BaseModel]) -> str:
+    return "\n".join(line for model in models(roots) for line in table(model))
