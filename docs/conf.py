@@ -27,6 +27,8 @@ myst_heading_anchors = 3
 nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
 nb_execution_mode = "off"  # the tests execute them
 
+smartquotes = False  # "--resume" is no dash
+
 html_theme = "furo"
 html_title = f"wheelrail {release}"
 html_static_path = ["_static"]

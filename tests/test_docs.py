@@ -295,7 +295,16 @@ def _keys(table: object) -> Iterator[str]:
 
 
 def test_docstrings_are_text() -> None:
-    lines = ["Norm |x| of x_i * y <z> and `name`.", "", "More text", "goes on:", "", "    indented_code *", "", ">>> f(x)"]
+    lines = [
+        "Norm |x| of x_i * y <z> and `name`.",
+        "",
+        "More text",
+        "goes on:",
+        "",
+        "    indented_code *",
+        "",
+        ">>> f(x)",
+    ]
     found = restructured(lines)
     assert found[0] == r"Norm \|x\| of x\_i \* y \<z\> and ``name``."
     assert found.count("::") == 2

@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+from extensions.plain import plain
+
 FOLDER = Path(__file__).parents[2] / "benchmarks"
 
 
@@ -21,5 +23,5 @@ def programs() -> dict[str, str]:
 
 def benchmark_list() -> str:
     """Markdown: a table of programs."""
-    rows = [f"| `python -m benchmarks.{name}` | {text} |" for name, text in programs().items()]
+    rows = [f"| `python -m benchmarks.{name}` | {plain(text)} |" for name, text in programs().items()]
     return "\n".join(["| program | what |", "|---|---|", *rows])

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from extensions.plain import plain
+
 
 def commands() -> str:
     """Markdown: a section for every command, with its arguments and options."""
@@ -23,7 +25,7 @@ def _command(name: str, command: Any) -> Iterator[str]:
     usage = [text if p.required else f"[{text}]" for text, p in zip(usage, arguments, strict=True)]
     yield from (f"## {name}", "", "```sh")
     yield " ".join(["wheelrail", name, *usage, *(["[OPTIONS]"] if options else [])])
-    yield from ("```", "", " ".join(str(command.help or "").split()), "")
+    yield from ("```", "", plain(command.help or ""), "")
     for p, text in zip(arguments, usage, strict=True):
         yield from _entry(text, p)
     for p in options:
@@ -34,4 +36,4 @@ def _command(name: str, command: Any) -> Iterator[str]:
 def _entry(name: str, p: Any) -> Iterator[str]:
     default = p.default if p.default not in (None, False, ()) and not callable(p.default) else None
     given = "" if p.required or default is None or str(default) == "Ellipsis" else f" Default: `{default}`."
-    yield from (f"`{name}`", f": {' '.join(str(p.help or '').split())}{given}", "")
+    yield from (f"`{name}`", f": {plain(p.help or '')}{given}", "")

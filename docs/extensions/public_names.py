@@ -59,7 +59,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
 
 
 def public(module: ModuleType) -> list[str]:
-    """What the public package says; of other modules their own classes and functions without an underscore, in order."""
+    """What the public package says; of other modules their own classes and functions without an underscore."""
     if module.__name__ == "wheelrail":
         return list(getattr(module, "__all__", ()))
     own = {name: thing for name, thing in vars(module).items() if not name.startswith("_") and _defined(thing, module)}

@@ -15,6 +15,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from extensions.plain import plain
+
 SENTENCES = Path(__file__).parents[1] / "reference" / "keys.toml"
 
 
@@ -43,7 +45,7 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> Kind:
         return Kind(" or ".join(k.allowed for k in kinds), _unit(kinds), _tables(kinds))
     if origin in (tuple, list):
         kinds = [kind(part) for part in parts if part is not Ellipsis]
-        if len(parts) == 2 and parts[1] is Ellipsis or origin is list:
+        if origin is list or (len(parts) == 2 and parts[1] is Ellipsis):
             (one,) = kinds
             text = "tables" if one.tables else f"a list, each {one.allowed}"
             return Kind(text, one.unit, one.tables)
@@ -103,7 +105,13 @@ def sentence(model: type[BaseModel], key: str) -> str:
 
 def own_keys(model: type[BaseModel]) -> list[str]:
     """Keys that a class itself adds, or gives another default."""
-    return [key for key in model.__dict__.get("__annotations__", {}) if key in model.model_fields]
+    # not by __annotations__, to which autodoc adds those of base classes
+    above = {key: f for base in model.__bases__ if issubclass(base, BaseModel) for key, f in base.model_fields.items()}
+    return [
+        key
+        for key, f in model.model_fields.items()
+        if key not in above or (f.annotation, f.default) != (above[key].annotation, above[key].default)
+    ]
 
 
 def models(roots: tuple[type[BaseModel], ...]) -> list[type[BaseModel]]:
@@ -122,11 +130,28 @@ def _of(model: type[BaseModel], key: str) -> Kind:
     return kind(field.annotation, tuple(field.metadata))
 
 
-def table(model: type[BaseModel]) -> Iterator[str]:
-    """Markdown: what a class says of itself, and its own keys."""
+def places(model: type[BaseModel], path: str = "", brackets: str = "[]") -> Iterator[tuple[type[BaseModel], str]]:
+    """Every class of a model and of the tables in it, with the heading that it has in a file."""
+    for c in model.__mro__ if path else ():
+        if issubclass(c, BaseModel):
+            yield c, f"`{brackets[: len(brackets) // 2]}{path}{brackets[len(brackets) // 2 :]}`"
+    for key in model.model_fields:
+        k = _of(model, key)
+        for inner in k.tables:
+            name = f"{path}.{key}" if path else key
+            yield from places(
+                inner,
+                name + (".NAME" if "table of names" in k.allowed else ""),
+                "[[]]" if k.allowed == "tables" else "[]",
+            )
+
+
+def table(model: type[BaseModel], headings: list[str]) -> Iterator[str]:
+    """Markdown: where a table stands, what its class says of itself, and its own keys."""
     yield from (f"## {model.__name__}", "")
-    if model.__doc__:
-        yield from (*(line.strip() for line in model.__doc__.strip().splitlines()), "")
+    if headings:
+        yield from (", ".join(headings), "")
+    yield from ("\n\n".join(map(plain, (model.__doc__ or "").strip().split("\n\n"))), "")
     yield from ("| key | allowed | unit | default | meaning |", "|---|---|---|---|---|")
     for key in own_keys(model):
         k = _of(model, key)
@@ -153,4 +178,8 @@ def study_keys() -> str:
 
 
 def _tables_of(*roots: type[BaseModel]) -> str:
-    return "\n".join(line for model in models(roots) for line in table(model))
+    where: dict[type[BaseModel], dict[str, None]] = {}
+    for root in roots:
+        for model, heading in places(root):
+            where.setdefault(model, {})[heading] = None
+    return "\n".join(line for model in models(roots) for line in table(model, list(where.get(model, {}))))
