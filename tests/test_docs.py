@@ -138,7 +138,7 @@ def test_an_equation_that_is_not_understood_ends_the_build(tmp_path: Path) -> No
         'extensions = ["myst_parser", "extensions.mathml"]\n'
         'myst_enable_extensions = ["dollarmath"]\nhtml_math_renderer = "mathml"\n'
     )
-    for number, equation in enumerate((r"\nosuchcommand{x}", r"\frac12")):
+    for number, equation in enumerate((r"\nosuchcommand{x}", r"\frac12 + \dot{x}", r"\dot\omega")):
         (tmp_path / "index.md").write_text(f"# Title\n\n${equation}$\n")
         done = built(tmp_path, tmp_path / f"out{number}", tmp_path)
         assert done.returncode != 0
@@ -154,6 +154,7 @@ def test_every_public_name_is_in_the_reference(site: Path) -> None:
     front = import_module("wheelrail")
     assert {f"wheelrail.{name}" for name in getattr(front, "__all__", ())} <= public
     assert public <= anchors
+    assert "ForwardRef" not in page(site / "reference" / "python.html").text
 
 
 def test_every_key_of_a_scene_has_its_row(site: Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
+ALIAS = re.compile(r"TypeAliasForwardRef\('([\w.]+)'\)")
 SPECIAL = re.compile(r"([*|_\\<>])")
 
 
@@ -40,6 +41,13 @@ def process(app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: 
     lines[:] = restructured(lines)
 
 
+def signature(
+    app: Sphinx, what: str, name: str, thing: Any, options: Any, given: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """Names of types as they are written, which Sphinx loses inside other types."""
+    return tuple(text and ALIAS.sub(r"\1", text) for text in (given, returned))  # type: ignore[return-value]
+
+
 def skip(app: Sphinx, what: str, name: str, thing: Any, skipped: bool, options: Any) -> bool | None:
     """What named tuples say of their fields is nothing."""
     return True if str(getattr(thing, "__doc__", "")).startswith("Alias for field number") else None
@@ -47,5 +55,6 @@ def skip(app: Sphinx, what: str, name: str, thing: Any, skipped: bool, options: 
 
 def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("autodoc-process-docstring", process)
+    app.connect("autodoc-process-signature", signature)
     app.connect("autodoc-skip-member", skip)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -16,6 +16,8 @@ from sphinx.application import Sphinx
 from sphinx.util import logging
 
 LOOSE = re.compile(r"\\[dt]?frac\s*\d{2}")  # taken for one number
+BARE = re.compile(r"\\(boldsymbol|d?dot|hat|bar)\s*\\")  # takes more than the symbol behind it
+BAR = re.compile(r'<mo(?: class="mathopen")?>\|</mo>')
 
 log = logging.getLogger(__name__)
 
@@ -26,7 +28,9 @@ def translated(node: nodes.Element, *, block: bool) -> str:
     try:
         if LOOSE.search(tex):
             raise MathError("write \\frac{1}{2}, not \\frac12")
-        return str(tex2mathml(tex, as_block=block))
+        if BARE.search(tex):
+            raise MathError("write \\dot{\\omega}, not \\dot\\omega")
+        return BAR.sub('<mo lspace="0" rspace="0" stretchy="false">|</mo>', tex2mathml(tex, as_block=block))
     except MathError as error:
         log.warning("equation not understood: %s: %s", error, tex, location=node)
         return f"<code>{escape(tex)}</code>"
