@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from math import isinf
 from pathlib import Path
@@ -170,11 +171,14 @@ def scene_keys() -> str:
 
 def study_keys() -> str:
     """Markdown: all tables of a study."""
-    if find_spec("scenes.studies") is None:
-        return ""
-    from scenes.studies.study import Study
+    return _tables_of(*study_models())
 
-    return _tables_of(Study)
+
+def study_models() -> tuple[type[BaseModel], ...]:
+    """What checks studies, in versions that have them."""
+    if find_spec("scenes.studies") is None:
+        return ()
+    return (import_module("scenes.studies.study").Study,)
 
 
 def _tables_of(*roots: type[BaseModel]) -> str:
