@@ -139,6 +139,39 @@ def compare(
 
 
 @app.command()
+def study(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder of the results; results/<name of the study> without it."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", metavar="ADDRESS", help="Dask scheduler, as in tcp://host:8786; else this machine."
+        ),
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Compute cases anew that are done already.")] = False,
+) -> None:
+    """Solve all cases of a study in parallel; started again it computes only what is missing."""
+    from scenes.studies.plan import plan
+    from scenes.studies.run import run_plan
+    from scenes.studies.study import load_study
+
+    folder = out or Path("results", study.stem)
+    with _complaints(""):
+        planned = plan(load_study(study), study)
+    with _complaints("", f"{folder}: "), stdout_for_results():
+        outcome = run_plan(planned, folder, progress_console(), scheduler=scheduler, fresh=fresh)
+    for part in outcome.summary():
+        result_console().print(part, highlight=False, markup=False)
+    if outcome.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if outcome.failed:
+        raise typer.Exit(FAILED)
+
+
+@app.command()
 def modes(scene: SceneFile, speed: Speeds = None) -> None:
     """Linear modes of a run's wagon on straight track, its contact included: frequency, damping, what moves."""
     given = _load_run(scene)

@@ -52,6 +52,20 @@ def allowed(model: type[BaseModel], location: Keys) -> str:
     return _describe(_type_at(model, location))
 
 
+def unit_of(model: type[BaseModel], location: Keys) -> str:
+    """The unit of the number at a location; nothing where there is none."""
+    kind = _type_at(model, location)
+    choices = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    ranges = [extra for choice in choices for extra in get_args(choice)[1:] if isinstance(extra, Range)]
+    return ranges[-1].unit if ranges else ""
+
+
+def whole(model: type[BaseModel], location: Keys) -> bool:
+    """Whether the entry at a location is a whole number."""
+    choices = list(_without_none(_type_at(model, location)))
+    return all(c is int or (get_origin(c) is Literal and all(type(v) is int for v in get_args(c))) for c in choices)
+
+
 def _describe(kind: Any) -> str:
     origin, arguments = get_origin(kind), get_args(kind)
     if origin is Annotated:
@@ -63,11 +77,20 @@ def _describe(kind: Any) -> str:
         return ", or ".join(_describe(choice) for choice in arguments if choice is not type(None))
     if origin is tuple and arguments[-1] is Ellipsis:
         return f"an array of {_describe(arguments[0])}"
+    if origin is dict:
+        return f"a table of {_describe(arguments[1])}"
     if origin is tuple:
         return f"an array of {len(arguments)}: " + "; ".join(_describe(item) for item in arguments)
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return "a table with the keys " + ", ".join(kind.model_fields)
-    return {str: "a text", bool: "true or false", float: "a number"}.get(kind, "of another type")
+    known = {
+        str: "a text",
+        bool: "true or false",
+        float: "a number",
+        int: "a whole number",
+        Any: "values, at least one",
+    }
+    return known.get(kind, "of another type")
 
 
 def _type_at(model: type[BaseModel], location: Keys) -> Any:
@@ -81,6 +104,8 @@ def _type_at(model: type[BaseModel], location: Keys) -> Any:
         elif get_origin(kind) is tuple and isinstance(part, int):
             arguments = get_args(kind)
             kind = arguments[0] if arguments[-1] is Ellipsis else arguments[min(part, len(arguments) - 1)]
+        elif get_origin(kind) is dict:
+            kind = get_args(kind)[1]
     return kind
 
 

@@ -30,7 +30,8 @@ def write(data: Dataset, file: Path) -> None:
     handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
     os.close(handle)
     try:
-        packed = {name: {"zlib": True, "complevel": 1} for name, values in data.data_vars.items() if values.ndim > 0}
+        arrays = (name for name, values in data.data_vars.items() if values.ndim > 0 and values.dtype.kind not in "OU")
+        packed = {name: {"zlib": True, "complevel": 1} for name in arrays}  # texts cannot be
         data.to_netcdf(temporary, engine="netcdf4", encoding=packed)
         os.chmod(temporary, 0o644)
         os.replace(temporary, file)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -44,6 +44,36 @@ def progress_bar(console: Console, length: float, gone: float = 0.0) -> Iterator
                 )
 
         yield progress
+
+
+@contextmanager
+def case_bar(console: Console, total: int) -> Iterator[Callable[[bool], None]]:
+    """A bar over the cases of a study with the time left, called when a case has ended, well or not; ten lines in a
+    log.
+    """
+    from rich import progress as bars
+
+    columns = (
+        bars.TextColumn("{task.completed:.0f}/{task.total:.0f} cases"),
+        bars.BarColumn(bar_width=20),
+        bars.TimeElapsedColumn(),
+        bars.TextColumn("gone,"),
+        bars.TimeRemainingColumn(),
+        bars.TextColumn("left, {task.fields[failed]:.0f} failed"),
+    )
+    with bars.Progress(*columns, console=console, speed_estimate_period=600.0) as shown:
+        task, said, failed = shown.add_task("cases", total=total, failed=0), 0, 0
+
+        def done(well: bool) -> None:
+            nonlocal said, failed
+            failed += not well
+            shown.update(task, advance=1, failed=failed)
+            ended = int(shown.tasks[0].completed)
+            if not console.is_terminal and 10 * ended // total > said:
+                said, left = 10 * ended // total, shown.tasks[0].time_remaining or 0.0
+                console.print(f"{ended}/{total} cases, {failed} failed, {left:.0f} s left")
+
+        yield done
 
 
 def costs(history: History) -> RenderableType:

@@ -22,7 +22,7 @@ def head(scene: RunScene) -> dict[str, Any]:
     """What a journal says of its run: the scene, and the versions that compute it."""
     from scenes.netcdf import versions
 
-    return {"versions": versions() | {"sources": _sources()}, "scene": inputs(scene)}
+    return {"versions": versions() | {"sources": sources()}, "scene": inputs(scene)}
 
 
 def inputs(scene: RunScene) -> dict[str, Any]:
@@ -39,7 +39,7 @@ def inputs(scene: RunScene) -> dict[str, Any]:
     return found
 
 
-def _sources() -> str:
+def sources() -> str:
     """Hash of this package's own files, which change more often than its version."""
     root, found = Path(__file__).parents[1], hashlib.sha256()
     for package in ("meshes", "forms", "contact", "vehicle", "scenes"):

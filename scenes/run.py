@@ -103,7 +103,7 @@ def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator
     from scenes.resume import inputs
     from scenes.wear import wear
 
-    with _undisturbed():
+    with undisturbed():
         data = dataset(history, scene=text)
         data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(inputs=json.dumps(inputs(scene)))
         if not scene.output.interval:  # between accepted steps forces are not known well enough
@@ -137,7 +137,7 @@ def _workers(contact: Contact, count: int) -> AbstractContextManager[Contact]:
 
 
 @contextmanager
-def _undisturbed() -> Iterator[None]:
+def undisturbed() -> Iterator[None]:
     """Let no impatient second Ctrl-C spoil what the first one was to keep."""
     try:
         before = signal.signal(signal.SIGINT, signal.SIG_IGN)

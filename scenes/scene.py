@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isinf
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Strict, ValidationError, model_validator
 
@@ -232,7 +233,11 @@ def load_scene(path: str | Path) -> Scene:
 
 def parse_scene(text: str, path: str | Path = "scene") -> Scene:
     """The scene in a TOML text; path names it in errors, and files in it are looked for beside it."""
-    data = parse(text, path)
+    return check_scene(parse(text, path), path)
+
+
+def check_scene(data: Mapping[str, Any], path: str | Path = "scene") -> Scene:
+    """The scene that a table describes; path as in `parse_scene`."""
     kind = data.get("kind")
     known = KINDS.get(kind) if isinstance(kind, str) else None
     if known is None:
@@ -244,4 +249,4 @@ def parse_scene(text: str, path: str | Path = "scene") -> Scene:
         raise complain(error, known, data, path) from None
 
 
-__all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "load_scene", "parse_scene"]
+__all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "check_scene", "load_scene", "parse_scene"]

@@ -1,0 +1,191 @@
+"""Pictures of a study: quantities over what was varied, what they depend on, and how errors fall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scenes.pictures.style import STYLE
+from scenes.studies.convergence import ORDER, counts_of, errors_of
+from scenes.studies.plan import SAMPLE, shown
+from scenes.studies.quantities import MAIN, varying
+from scenes.studies.tables import dimensions, parameters
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from xarray import DataArray, Dataset
+
+# Okabe and Ito's, with markers and dashes that say the same in black and white.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+MARKERS, DASHES = "osD^vPX", ("-", "--", "-.", ":")
+PANELS, LINES = 6, 12  # at most
+
+
+def draw_study(data: Dataset, folder: Path) -> list[Path]:
+    """Save what there is to see; returns the files: study.png, and convergence.png of a study of convergence."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    pictures: dict[str, Callable[[Dataset], Figure | None]] = {
+        "study": sensitivity if SAMPLE in data.dims else lines,
+        "convergence": convergence,
+    }
+    files = []
+    with mpl.rc_context(STYLE):
+        for name, draw in pictures.items():
+            figure = draw(data)
+            if figure is not None:
+                figure.savefig(folder / f"{name}.png")
+                plt.close(figure)
+                files.append(folder / f"{name}.png")
+    return files
+
+
+def lines(data: Dataset) -> Figure | None:
+    """The main quantities over the longest dimension of numbers, a line for every case of the others."""
+    names, dims = varying(data)[:PANELS], dimensions(data)
+    if not names:
+        return None
+    numeric = [dim for dim in dims if data[dim].dtype.kind in "if"]
+    over = max(numeric or dims, key=lambda dim: data.sizes[dim])
+    figure, panels = _panels(len(names))
+    for panel, name in zip(panels, names, strict=True):
+        label, scale, unit = MAIN[name]
+        rest = data[name].stack(line=[dim for dim in data[name].dims if dim != over])
+        for index, line in enumerate(rest.transpose("line", over)[:LINES]):
+            text = ", ".join(_said(data, dim, line) for dim in rest.indexes["line"].names)
+            panel.plot(*_ordered(data[over], scale * line.values), label=text, **_look(index))
+        panel.set_ylabel(f"{label} [{unit}]")
+        _along(panel, data[over])
+    if rest.sizes["line"] > 1:
+        more = f"first {LINES} of {rest.sizes['line']} lines" if rest.sizes["line"] > LINES else None
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)), title=more)
+    return figure
+
+
+def sensitivity(data: Dataset) -> Figure | None:
+    """Rank correlation (Spearman) of the main quantities with every parameter of the hypercube, and scatter over the
+    one that matters most.
+    """
+    from scipy.stats import spearmanr
+
+    names = varying(data)[: PANELS // 2]
+    drawn = [p for p in parameters(data) if data[p].dims == (SAMPLE,) and data[p].dtype.kind in "if"]
+    if not names or not drawn:
+        return None
+    figure, panels = _panels(2 * len(names), columns=2)
+    for row, name in enumerate(names):
+        label, scale, unit = MAIN[name]
+        columns = (
+            data[name].stack(line=[dim for dim in data[name].dims if dim != SAMPLE]) if data[name].ndim > 1 else None
+        )
+        series = [data[name].values] if columns is None else list(columns.transpose("line", SAMPLE).values[:4])
+        texts = (
+            [""] if columns is None else [", ".join(map(str, np.atleast_1d(i))) for i in columns.indexes["line"][:4]]
+        )
+        bars, dots = panels[2 * row], panels[2 * row + 1]
+        found = np.array([[spearmanr(data[p].values, y, nan_policy="omit")[0] for p in drawn] for y in series])
+        height = 0.8 / len(series)
+        for index, (values, text) in enumerate(zip(found, texts, strict=True)):
+            places = np.arange(len(drawn)) + height * (index - 0.5 * (len(series) - 1))
+            bars.barh(places, values, 0.9 * height, color=COLOURS[index], label=text)
+        bars.set_yticks(np.arange(len(drawn)), [data[p].attrs["long_name"] for p in drawn])
+        bars.invert_yaxis()
+        bars.set_xlim(-1.0, 1.0)
+        bars.axvline(0.0, color="0.4", linewidth=0.8)
+        bars.set_xlabel(f"rank correlation with {label} [-]")
+        most = drawn[int(np.nanargmax(np.abs(found).max(axis=0)))]
+        for index, (y, text) in enumerate(zip(series, texts, strict=True)):
+            look: dict[str, Any] = {"color": COLOURS[index], "marker": MARKERS[index]}
+            dots.plot(data[most].values, scale * y, linestyle="", markersize=3.0, label=text, **look)
+        dots.set_ylabel(f"{label} [{unit}]")
+        _along(dots, data[most])
+        if columns is not None:
+            dots.legend()
+    return figure
+
+
+def convergence(data: Dataset) -> Figure | None:
+    """Relative errors over the size, and over the time that they cost (work and precision), largest of all sides."""
+    errors = errors_of(data)
+    if not errors:
+        return None
+    over = str(data.attrs["convergence_over"])
+    others = [dim for dim in data["seconds"].dims if dim != over]
+    seconds = data["solve_seconds" if "solve_seconds" in data else "seconds"]
+    seconds = seconds.sum("side") if "side" in seconds.dims else seconds
+    figure, (left, right) = _panels(2)
+    for index, (name, error) in enumerate(errors.items()):
+        worst = error.max([dim for dim in error.dims if dim != over])
+        order, look = float(data[ORDER + name].median()), _look(index)
+        left.loglog(
+            *_ordered(data[over], 100.0 * worst.values), label=f"{name.replace('_', ' ')}: order {order:.2f}", **look
+        )
+        right.loglog(*_ordered(seconds.mean(others), 100.0 * worst.values), **look)
+    left.set_ylabel("relative error [%]")
+    left.set_xlabel(_label(data[over]))
+    if not counts_of(data):
+        left.invert_xaxis()
+    left.legend()
+    right.set_xlabel("time for the contact solves [s]")
+    right.set_ylabel("relative error [%]")
+    for panel in (left, right):
+        panel.grid(visible=True, which="minor", linewidth=0.3)
+    return figure
+
+
+def _panels(count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]:
+    import matplotlib.pyplot as plt
+
+    columns = columns or min(count, 3 if count > 4 else 2)
+    rows = -(-count // columns)
+    figure, panels = plt.subplots(
+        rows, columns, figsize=(4.0 * columns, 2.7 * rows + 0.4), squeeze=False, layout="constrained"
+    )
+    for panel in panels.flat[count:]:
+        panel.set_visible(False)
+    return figure, list(panels.flat[:count])
+
+
+def _look(index: int) -> dict[str, Any]:
+    """Of a line."""
+    return {
+        "color": COLOURS[index % len(COLOURS)],
+        "marker": MARKERS[index % len(MARKERS)],
+        "linestyle": DASHES[index % len(DASHES)],
+        "markersize": 4.0,
+    }
+
+
+def _ordered(x: DataArray, y: Any) -> tuple[Any, Any]:
+    """Points by rising x; texts as they come."""
+    if x.dtype.kind not in "if":
+        return x.values.astype(str), y
+    order = np.argsort(x.values)
+    return x.values[order], np.asarray(y)[order]
+
+
+def _along(panel: Axes, x: DataArray) -> None:
+    panel.set_xlabel(_label(x))
+    values = x.values
+    if x.dtype.kind == "f" and len(values) > 2 and values.min() > 0 and values.max() / values.min() > 20:
+        panel.set_xscale("log")
+
+
+def _label(x: DataArray) -> str:
+    unit = x.attrs.get("units")
+    return f"{x.attrs.get('long_name', x.name)} [{'-' if unit in (None, '1') else unit}]"
+
+
+def _said(data: Dataset, dim: str, line: DataArray) -> str:
+    value = line.coords[dim].values.item()
+    if dim == "side":
+        return str(value)
+    return f"{data[dim].attrs['long_name']} = {shown(value)}"

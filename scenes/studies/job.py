@@ -1,0 +1,75 @@
+"""A case as it is sent to a worker, on this machine or another one: a scene with the files that it names."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from scenes.scene import Scene, check_scene
+from scenes.studies.plan import Case
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene's table with files by names that say what they hold, these files, and what computes it: `computer`.
+
+    key: hash of all that; the same key, the same results. A run keeps to one process: the cases fill the others.
+    """
+
+    table: Mapping[str, Any]
+    files: Mapping[str, bytes]
+    histories: bool
+    computer: Mapping[str, str]
+    key: str
+
+    @classmethod
+    def of(cls, case: Case, *, histories: bool = False) -> Job:
+        """Raises OSError for a file that has gone meanwhile."""
+        files: dict[str, bytes] = {}
+        table = _packed(dict(case.table), case.scene.model_dump(), files)
+        if case.scene.kind == "run":
+            table |= {"solver": {**table.get("solver", {}), "workers": 1}}
+            table |= {"output": {**table.get("output", {}), "figures": False}}
+        what = {"scene": table, "histories": histories, "computer": computer()}
+        text = json.dumps(what, sort_keys=True, default=list)
+        return cls(table, files, histories, computer(), hashlib.sha256(text.encode()).hexdigest()[:24])
+
+    @contextmanager
+    def scene(self) -> Iterator[tuple[Scene, Path]]:
+        """The scene, its files in a folder of their own that goes at the end, for whatever else there is to write."""
+        with tempfile.TemporaryDirectory(prefix="wheelrail-case-") as name:
+            for path, content in self.files.items():
+                file = Path(name, path)
+                file.parent.mkdir(exist_ok=True)
+                file.write_bytes(content)
+            yield check_scene(self.table, Path(name, "case")), Path(name)
+
+
+@cache
+def computer() -> dict[str, str]:
+    """Versions of what computes, the sources of this package by their hash."""
+    from scenes.netcdf import versions
+    from scenes.resume import sources
+
+    return versions() | {"sources": sources()}
+
+
+def _packed(value: Any, checked: Any, files: dict[str, bytes]) -> Any:
+    """The value with the files in it by name, which go into files; checked is the same with their full paths."""
+    if isinstance(value, Mapping) and isinstance(checked, Mapping):
+        return {key: _packed(item, checked.get(key), files) for key, item in value.items()}
+    if isinstance(value, list | tuple) and isinstance(checked, list | tuple):
+        return [_packed(item, below, files) for item, below in zip(value, checked, strict=True)]
+    if isinstance(value, str) and isinstance(checked, str) and Path(checked).is_absolute():
+        content = Path(checked).read_bytes()
+        name = f"{hashlib.sha256(content).hexdigest()[:16]}/{Path(checked).name}"
+        files[name] = content
+        return name
+    return value

@@ -1,0 +1,209 @@
+"""The cases of a study: all combinations of the points of its dimensions, every one a checked scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from itertools import product
+from math import floor, prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from scenes.complaint import SceneError, unit_of, whole
+from scenes.scene import KINDS, HertzScene, Scene, check_scene
+from scenes.studies.study import Convergence, LatinHypercube, Study
+
+MOST = 10_000  # cases: a slip of the pen multiplies quickly
+SHOWN = 5  # complaints about cases
+SAMPLE = "sample"  # the dimension of a Latin hypercube
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A dimension: n points, each with a value for every one of its parameters."""
+
+    name: str
+    values: Mapping[str, Sequence[Any]]
+    reference: bool = False  # whether the last point is the one that errors are counted from
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values.values())))
+
+    def points(self) -> list[dict[str, Any]]:
+        return [dict(zip(self.values, row, strict=True)) for row in zip(*self.values.values(), strict=True)]
+
+
+@dataclass(frozen=True)
+class Case:
+    """Place in the grid, the parameters there, and the scene as a table and checked."""
+
+    place: tuple[int, ...]
+    parameters: Mapping[str, Any]
+    table: Mapping[str, Any]
+    scene: Scene
+
+    def __str__(self) -> str:
+        return ", ".join(f"{name} = {shown(value)}" for name, value in self.parameters.items())
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Dimensions and cases of a study; units of parameters by name; where files in the scenes are looked for."""
+
+    study: Study
+    axes: tuple[Axis, ...]
+    cases: tuple[Case, ...]
+    units: Mapping[str, str]
+    scene: Mapping[str, Any]
+    kind: str
+    convergence: Axis | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return tuple(len(axis) for axis in self.axes)
+
+
+def plan(study: Study, path: str | Path = "study") -> Plan:
+    """All cases of a study, checked; path names it in errors.
+
+    Raises SceneError for too many cases, and for those that are no scene: file, case, key, value and what is allowed.
+    """
+    base, file = study.base(Path(path).parent)
+    base = _with(base, study.set, path)
+    kind = base.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        check_scene(base, file)  # which says what is allowed
+    model = KINDS[str(kind)]
+    axes = _axes(study, lambda name: whole(model, _keys(name)))
+    over = None if study.convergence is None else _over(study.convergence, axes, model, path)
+    axes = [over if over and axis.name == over.name else axis for axis in axes]
+    if (count := prod(map(len, axes))) > MOST:
+        sizes = " x ".join(f"{len(axis)} {axis.name}" for axis in axes)
+        raise SceneError(f"{path}: {count} cases ({sizes}): must be {MOST} at most")
+    cases = _cases(axes, base, file, path)
+    if study.histories:
+        _check_histories(cases, path)
+    units = {name: unit_of(model, _keys(name)) for axis in axes for name in axis.values}
+    return Plan(study, tuple(axes), tuple(cases), units, base, str(kind), over)
+
+
+def _axes(study: Study, whole: Callable[[str], bool]) -> list[Axis]:
+    axes = [Axis(dimension(name), {name: values}) for name, values in study.grid.items()]
+    axes += [Axis(dimension(next(iter(table))), table) for table in study.together]
+    if study.latin_hypercube is not None:
+        axes.append(Axis(SAMPLE, draw(study.latin_hypercube, set(filter(whole, study.latin_hypercube.ranges)))))
+    return axes
+
+
+def _cases(axes: Sequence[Axis], base: Mapping[str, Any], file: Path, path: str | Path) -> list[Case]:
+    """All combinations, checked; the first complaints, where there are any."""
+    cases, complaints = list[Case](), list[str]()
+    for place, points in zip(np.ndindex(*map(len, axes)), product(*(axis.points() for axis in axes)), strict=True):
+        parameters = {name: value for point in points for name, value in point.items()}
+        try:
+            table = _with(base, parameters, path)
+            cases.append(Case(place, parameters, table, check_scene(table, file)))
+        except SceneError as error:
+            said = ", ".join(f"{name} = {shown(value)}" for name, value in parameters.items())
+            complaints.append(f"{path}: with {said}: " + str(error).replace(f"{file}: ", "").replace(f"{path}: ", ""))
+    if complaints:
+        more = [f"{path}: and {len(complaints) - SHOWN} more cases"] if len(complaints) > SHOWN else []
+        raise SceneError("\n".join([*complaints[:SHOWN], *more]))
+    return cases
+
+
+def dimension(parameter: str) -> str:
+    """A name that NetCDF and xarray like."""
+    return parameter.replace(".", "_")
+
+
+def shown(value: Any) -> str:
+    """A value as a short text."""
+    if isinstance(value, float | np.floating):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(shown, value))}]"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {shown(inner)}" for key, inner in value.items()) + "}"
+    return str(value)
+
+
+def draw(cube: LatinHypercube, wholes: set[str]) -> dict[str, list[Any]]:
+    """Values of every parameter, by name; of whole numbers both ends are as likely as the rest."""
+    from scipy.stats.qmc import LatinHypercube as Sampler
+
+    unit = Sampler(d=len(cube.ranges), seed=cube.seed).random(cube.samples)
+    found: dict[str, list[Any]] = {}
+    for (name, between), share in zip(cube.ranges.items(), unit.T, strict=True):
+        low, high = between.low, between.high
+        if name in wholes:
+            low, high = round(low), round(high) + 1
+        if between.scale == "log":
+            values = np.exp(np.log(low) + share * np.log(high / low))
+        else:
+            values = low + share * (high - low)
+        found[name] = [floor(v) if name in wholes else float(v) for v in values]
+    return found
+
+
+def _over(wanted: Convergence, axes: Sequence[Axis], model: type[BaseModel], path: str | Path) -> Axis:
+    """The dimension of convergence, with the reference as its last point where that is a case."""
+    possible = [axis for axis in axes if axis.name != SAMPLE and numbers(next(iter(axis.values.values())))]
+    known = {name: axis for axis in possible for name in (axis.name, *axis.values)}
+    if not possible:
+        raise SceneError(f"{path}: convergence: there is no dimension of numbers in [grid] or [[together]]")
+    if wanted.over is not None and wanted.over not in known:
+        allowed = ", ".join(axis.name for axis in possible)
+        raise SceneError(f'{path}: convergence.over = "{wanted.over}": must be a dimension of numbers: {allowed}')
+    over = known[wanted.over] if wanted.over else possible[0]
+    if wanted.reference == "hertz":
+        if model is not HertzScene:
+            says = 'only for scenes of kind = "hertz"; give values of a finer case'
+            raise SceneError(f'{path}: convergence.reference = "hertz": {says}')
+        return over
+    if over.values.keys() != wanted.reference.keys():
+        raise SceneError(f"{path}: convergence.reference: must have values for {', '.join(over.values)} and no others")
+    if wanted.reference in over.points():
+        raise SceneError(f"{path}: convergence.reference: must not be among the values of {over.name} itself")
+    values = {name: [*values, wanted.reference[name]] for name, values in over.values.items()}
+    return Axis(over.name, values, reference=True)
+
+
+def _check_histories(cases: Sequence[Case], path: str | Path) -> None:
+    intervals = {case.scene.output.interval if case.scene.kind == "run" else None for case in cases}
+    if None in intervals:
+        raise SceneError(f'{path}: histories = true: only for scenes of kind = "run"')
+    if len(intervals) > 1 or 0.0 in intervals:
+        raise SceneError(f"{path}: histories = true: needs one output.interval for all runs, and not 0")
+
+
+def _with(base: Mapping[str, Any], values: Mapping[str, Any], path: str | Path) -> dict[str, Any]:
+    """A copy of the table with the values at dotted places."""
+    found = deepcopy(dict(base))
+    for name, value in values.items():
+        *inner, last = _keys(name)
+        at: Any = found
+        for key in inner:
+            at = at.setdefault(key, {}) if isinstance(at, dict) else at[key] if _inside(at, key) else None
+        if isinstance(at, dict) or _inside(at, last):
+            at[last] = deepcopy(value)
+        else:
+            raise SceneError(f"{path}: {name} = {shown(value)}: unknown key, the scene has no table or array for it")
+    return found
+
+
+def _inside(at: Any, key: str | int) -> bool:
+    return isinstance(at, list) and isinstance(key, int) and key < len(at)
+
+
+def _keys(name: str) -> tuple[str | int, ...]:
+    return tuple(int(part) if part.isdigit() else part for part in name.split("."))
+
+
+def numbers(values: Sequence[Any]) -> bool:
+    """Whether all values are numbers."""
+    return all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)

@@ -1,0 +1,106 @@
+"""One case, solved: what a worker does."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from dataclasses import asdict, dataclass, field
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
+from scenes.studies.job import Job, computer
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ALONE = threading.Lock()  # the libraries in C are made for one thread; workers of a cluster may have several
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is known of a case: status, what went wrong, seconds in all, numbers by side and in all, histories.
+
+    status: "converged", "separated" or "completed", or "failed" with the error. lost: the worker ended, and nothing is
+    known about the case itself.
+    """
+
+    status: str
+    error: str = ""
+    seconds: float = float("nan")
+    sides: dict[str, dict[str, float]] = field(default_factory=dict)
+    whole: dict[str, float] = field(default_factory=dict)
+    histories: dict[str, Any] = field(default_factory=dict)
+    host: str = ""
+    lost: bool = False
+
+    @property
+    def ok(self) -> bool:
+        return self.status in ("converged", "separated", "completed")
+
+    def text(self) -> str:
+        """As JSON, every bit of every number kept."""
+        return json.dumps(asdict(self))
+
+
+def solve(job: Job) -> Found:
+    """Never raises for what a case does: a failure is a status too."""
+    with ALONE:
+        start = perf_counter()
+        try:
+            found = _solved(job)
+        except (OSError, MemoryError) as error:  # of this machine, not of the case
+            found = {"status": "failed", "error": _said(error), "lost": True}
+        except Exception as error:
+            found = {"status": "failed", "error": _said(error)}
+        return Found(**found, seconds=perf_counter() - start, host=os.uname().nodename)
+
+
+def _solved(job: Job) -> dict[str, Any]:
+    here = computer()
+    if here["sources"] != job.computer["sources"]:
+        text = "the worker has another version of wheelrail's files than what started the study"
+        return {"status": "failed", "error": text, "lost": True}
+    with job.scene() as (scene, folder):
+        return _run(scene, folder, job.histories) if isinstance(scene, RunScene) else _contact(scene)
+
+
+def _contact(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
+    from scenes.contact_scene import solve_contact
+    from scenes.studies.quantities import of_contact
+
+    report = solve_contact(scene)
+    names = ("contact",) if isinstance(scene, HertzScene) else scene.sides
+    return _ended(report["status"]) | {"sides": {name: of_contact(report[name]) for name in names}}
+
+
+def _run(scene: RunScene, folder: Path, histories: bool) -> dict[str, Any]:
+    from rich.console import Console
+    from xarray import load_dataset
+
+    from scenes.run import RESULTS, run_scene
+    from scenes.studies.quantities import histories_of, of_run
+
+    with open(os.devnull, "w") as nowhere:
+        outcome = run_scene(scene, "", folder, Console(file=nowhere))
+    if not outcome.files:
+        return _ended(f"failed: {outcome.status.removeprefix('failed: ')} before the first step")
+    data = load_dataset(folder / RESULTS, engine="netcdf4")
+    sides, whole = of_run(data)
+    return _ended(outcome.status) | {
+        "sides": sides,
+        "whole": whole,
+        "histories": histories_of(data) if histories else {},
+    }
+
+
+def _ended(status: str) -> dict[str, str]:
+    """The first word of a status, the rest as its error."""
+    if status in ("converged", "separated", "completed"):
+        return {"status": status}
+    return {"status": "failed", "error": status.removeprefix("failed").lstrip(": ")}
+
+
+def _said(error: BaseException) -> str:
+    return str(error) if isinstance(error, SceneError) else f"{type(error).__name__}: {error}"

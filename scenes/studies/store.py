@@ -1,0 +1,55 @@
+"""Finished cases, a file each as soon as it is done: what is there is whole, or is not read."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenes.studies.solve import Found
+
+
+@dataclass(frozen=True)
+class Store:
+    """A folder of cases by the key of their job."""
+
+    folder: Path
+
+    def load(self, key: str) -> Found | None:
+        """None for a case that is not there, or whose file is damaged or of another version: it is computed anew."""
+        try:
+            seal, text = self._file(key).read_text(encoding="utf-8").split("\n", 1)
+            if seal != _seal(key, text):
+                return None
+            return Found(**json.loads(text))
+        except (OSError, ValueError, TypeError):
+            return None
+
+    def keep(self, key: str, found: Found) -> None:
+        """On disk when this returns, in one stroke. Raises OSError."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        text = found.text()
+        handle, temporary = tempfile.mkstemp(prefix=".part-", dir=self.folder)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as stream:
+                stream.write(f"{_seal(key, text)}\n{text}")
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.replace(temporary, self._file(key))
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+
+    def forget(self, key: str) -> None:
+        self._file(key).unlink(missing_ok=True)
+
+    def _file(self, key: str) -> Path:
+        return self.folder / f"{key}.json"
+
+
+def _seal(key: str, text: str) -> str:
+    """The key, too: a file under another name is another case's."""
+    return hashlib.sha256(f"{key}\n{text}".encode()).hexdigest()

@@ -1,0 +1,99 @@
+"""A study to read: its cases, and how errors fall."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scenes.studies.convergence import ERROR, ORDER, errors_of
+from scenes.studies.plan import SAMPLE, shown
+from scenes.studies.quantities import MAIN, varying
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+    from xarray import Dataset
+
+ROWS = 40  # of a table; more are in the results
+
+
+def dimensions(data: Dataset) -> list[str]:
+    """Names of the study's own dimensions."""
+    return [str(name) for name in data["status"].dims]
+
+
+def parameters(data: Dataset) -> list[str]:
+    """Names of the coordinates that are parameters."""
+    own = set(dimensions(data))
+    return [
+        str(name)
+        for name, values in data.coords.items()
+        if name != SAMPLE and values.ndim == 1 and set(values.dims) <= own
+    ]
+
+
+def tables(data: Dataset) -> list[RenderableType]:
+    """Cases, then convergence if the study is about it."""
+    return [case_table(data), *([error_table(data)] if errors_of(data) else [])]
+
+
+def case_table(data: Dataset) -> Table:
+    """A line for every case; values of the sides one after the other."""
+    from rich.table import Table
+
+    names, main = parameters(data), varying(data)
+    sides = f", {' / '.join(map(str, data['side'].values))}" if "side" in data.dims else ""
+    view = Table(title=f"{data['status'].size} cases{sides}", title_justify="left")
+    for name in names:
+        unit = data[name].attrs.get("units", "1")
+        view.add_column(f"{data[name].attrs['long_name']}" + (f" [{unit}]" if unit != "1" else ""), justify="right")
+    for name in main:
+        view.add_column(f"{MAIN[name][0]} [{MAIN[name][2]}]", justify="right")
+    view.add_column("s", justify="right")
+    view.add_column("status")
+    for index, one in enumerate(_cases(data)):
+        if index == ROWS:
+            view.caption, view.caption_justify = f"and {data['status'].size - ROWS} more, in the results", "left"
+            break
+        cells = [shown(_plain(one[name].values)) for name in names]
+        for name in main:
+            cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(one[name].values)))
+        said = f"{one['status'].values}" + (f": {one['error'].values}" if str(one["error"].values) else "")
+        view.add_row(*cells, _number(float(one["seconds"])), said)
+    return view
+
+
+def error_table(data: Dataset) -> Table:
+    """Relative errors in per cent along the dimension of convergence, with the order from row to row, and the fitted
+    orders at the end; sides and other dimensions by their largest error and median order.
+    """
+    from rich.table import Table
+
+    over = str(data.attrs["convergence_over"])
+    names = list(errors_of(data))
+    view = Table(title=f"Relative errors over {data[over].attrs['long_name']}", title_justify="left")
+    view.add_column(data[over].attrs["long_name"], justify="right")
+    for name in names:
+        view.add_column(f"{name.replace('_', ' ')} [%]", justify="right")
+    for place, value in enumerate(data[over].values):
+        errors = [float(data[ERROR + name].isel({over: place}).max()) for name in names]
+        view.add_row(shown(_plain(value)), *(_number(100.0 * error) for error in errors))
+    view.add_section()
+    view.add_row("order", *(f"{float(data[ORDER + name].median()):.2f}" for name in names))
+    return view
+
+
+def _cases(data: Dataset) -> Iterator[Dataset]:
+    dims = dimensions(data)
+    for place in np.ndindex(*(data.sizes[dim] for dim in dims)):
+        yield data.isel(dict(zip(dims, place, strict=True)))
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") else value
+
+
+def _number(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.4g}"
