@@ -76,7 +76,7 @@ def sensitivity(data: Dataset) -> Figure | None:
     """
     from scipy.stats import spearmanr
 
-    names = varying(data)[: PANELS // 2]
+    names = varying(data)[:4]
     drawn = [p for p in parameters(data) if data[p].dims == (SAMPLE,) and data[p].dtype.kind in "if"]
     if not names or not drawn:
         return None
@@ -121,6 +121,8 @@ def convergence(data: Dataset) -> Figure | None:
     others = [dim for dim in data["seconds"].dims if dim != over]
     seconds = data["solve_seconds" if "solve_seconds" in data else "seconds"]
     seconds = seconds.sum("side") if "side" in seconds.dims else seconds
+    from matplotlib.ticker import NullLocator
+
     figure, (left, right) = _panels(2)
     for index, (name, error) in enumerate(errors.items()):
         worst = error.max([dim for dim in error.dims if dim != over])
@@ -133,7 +135,10 @@ def convergence(data: Dataset) -> Figure | None:
     left.set_xlabel(_label(data[over]))
     if not counts_of(data):
         left.invert_xaxis()
-    left.legend()
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    left.set_xticks(data[over].values, [shown(value.item()) for value in data[over].values])
+    left.xaxis.set_minor_locator(NullLocator())
     right.set_xlabel("time for the contact solves [s]")
     right.set_ylabel("relative error [%]")
     for panel in (left, right):

@@ -20,7 +20,8 @@ from scenes.studies.plan import Case
 class Job:
     """A scene's table with files by names that say what they hold, these files, and what computes it: `computer`.
 
-    key: hash of all that; the same key, the same results. A run keeps to one process: the cases fill the others.
+    key: hash of all that; the same key, the same results. timed: seconds are compared, so that a process solves its
+    first case once before, which loads and compiles. A run keeps to one process: the cases fill the others.
     """
 
     table: Mapping[str, Any]
@@ -28,9 +29,10 @@ class Job:
     histories: bool
     computer: Mapping[str, str]
     key: str
+    timed: bool = False
 
     @classmethod
-    def of(cls, case: Case, *, histories: bool = False) -> Job:
+    def of(cls, case: Case, *, histories: bool = False, timed: bool = False) -> Job:
         """Raises OSError for a file that has gone meanwhile."""
         files: dict[str, bytes] = {}
         table = _packed(dict(case.table), case.scene.model_dump(), files)
@@ -39,7 +41,7 @@ class Job:
             table |= {"output": {**table.get("output", {}), "figures": False}}
         what = {"scene": table, "histories": histories, "computer": computer()}
         text = json.dumps(what, sort_keys=True, default=list)
-        return cls(table, files, histories, computer(), hashlib.sha256(text.encode()).hexdigest()[:24])
+        return cls(table, files, histories, computer(), hashlib.sha256(text.encode()).hexdigest()[:24], timed)
 
     @contextmanager
     def scene(self) -> Iterator[tuple[Scene, Path]]:

@@ -73,7 +73,7 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
     Raises SceneError for too many cases, and for those that are no scene: file, case, key, value and what is allowed.
     """
     base, file = study.base(Path(path).parent)
-    base = _with(base, study.set, path)
+    base = _with(_without(base, study.without, path), study.set, path)
     kind = base.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         check_scene(base, file)  # which says what is allowed
@@ -193,6 +193,20 @@ def _with(base: Mapping[str, Any], values: Mapping[str, Any], path: str | Path) 
             at[last] = deepcopy(value)
         else:
             raise SceneError(f"{path}: {name} = {shown(value)}: unknown key, the scene has no table or array for it")
+    return found
+
+
+def _without(base: Mapping[str, Any], names: Sequence[str], path: str | Path) -> dict[str, Any]:
+    """A copy of the table without the values at dotted places."""
+    found = deepcopy(dict(base))
+    for name in names:
+        *inner, last = _keys(name)
+        at: Any = found
+        for key in inner:
+            at = at.get(key) if isinstance(at, dict) else None
+        if not isinstance(at, dict) or last not in at:
+            raise SceneError(f"{path}: without: {name}: must be a key that the scene has")
+        del at[last]
     return found
 
 

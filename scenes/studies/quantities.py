@@ -93,10 +93,10 @@ MEANINGS: dict[str, tuple[str, str]] = {**PHYSICAL, **ESTIMATES, **COST, **RUN_C
 MAIN = {
     "max_pressure": ("peak pressure", 1e-6, "MPa"),
     "area": ("area", 1e6, "mm²"),
+    "lateral_force": ("lateral force", 1e-3, "kN"),
+    "longitudinal_force": ("longitudinal force", 1e-3, "kN"),
     "approach": ("approach", 1e6, "µm"),
     "normal_force": ("normal force", 1e-3, "kN"),
-    "longitudinal_force": ("longitudinal force", 1e-3, "kN"),
-    "lateral_force": ("lateral force", 1e-3, "kN"),
     "largest_wheelset_y": ("largest wheelset y", 1e3, "mm"),
     "largest_lateral_force": ("largest lateral force", 1e-3, "kN"),
     "least_vertical_force": ("least vertical force", 1e-3, "kN"),

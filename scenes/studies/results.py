@@ -8,6 +8,7 @@ import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -114,7 +115,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 
     study = plan.study
     return {
-        "title": f"Study of {study.scene if isinstance(study.scene, str) else 'a scene'}",
+        "title": f"Study of {Path(study.scene).name if isinstance(study.scene, str) else 'a scene'}",
         "kind": "study",
         "scene_kind": plan.kind,
         "study": json.dumps(study.model_dump(mode="json"), default=list),

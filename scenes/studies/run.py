@@ -94,7 +94,7 @@ def run_plan(
     jobs: dict[str, Job] = {}
     places: dict[str, list[tuple[int, ...]]] = {}
     for case in planned.cases:  # the same scene at two places is computed once
-        job = Job.of(case, histories=planned.study.histories)
+        job = Job.of(case, histories=planned.study.histories, timed=planned.convergence is not None)
         jobs[job.key] = job
         places.setdefault(job.key, []).append(case.place)
     if fresh:

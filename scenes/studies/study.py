@@ -54,8 +54,8 @@ class Convergence(Table):
 
 
 class Study(Table):
-    """A scene, values that hold in all cases (`set`), and what is varied: every value of `grid` with every other,
-    tables of parameters that change `together`, and a Latin hypercube; all combinations of these are the cases.
+    """A scene, keys of it to leave out (`without`), values that hold in all cases (`set`), and what is varied: values
+    of a `grid`, tables of parameters that change `together`, a Latin hypercube; all their combinations are the cases.
 
     Parameters are keys of the scene, dotted into its tables and arrays: upper.radii, creepage.0. scene: a file, seen
     from the study's folder, or a table. workers: processes on this machine, one for each core unless given. histories:
@@ -66,6 +66,7 @@ class Study(Table):
     scene: str | dict[str, Any]
     workers: Processes | None = None
     histories: bool = False
+    without: Annotated[tuple[str, ...], Strict(False)] = ()
     set: dict[str, Any] = Field(default_factory=dict)
     grid: dict[str, Values] = Field(default_factory=dict)
     together: Annotated[tuple[dict[str, Values], ...], Strict(False)] = ()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.table import Table
     from xarray import Dataset
 
-ROWS = 40  # of a table; more are in the results
+ROWS = 30  # of a table; more are in the results
 
 
 def dimensions(data: Dataset) -> list[str]:
@@ -43,7 +43,8 @@ def case_table(data: Dataset) -> Table:
     """A line for every case; values of the sides one after the other."""
     from rich.table import Table
 
-    names, main = parameters(data), varying(data)
+    names = parameters(data)
+    main = varying(data)[: 2 if "side" in data.dims and len(names) > 3 else 4]
     sides = f", {' / '.join(map(str, data['side'].values))}" if "side" in data.dims else ""
     view = Table(title=f"{data['status'].size} cases{sides}", title_justify="left")
     for name in names:
@@ -51,17 +52,17 @@ def case_table(data: Dataset) -> Table:
         view.add_column(f"{data[name].attrs['long_name']}" + (f" [{unit}]" if unit != "1" else ""), justify="right")
     for name in main:
         view.add_column(f"{MAIN[name][0]} [{MAIN[name][2]}]", justify="right")
-    view.add_column("s", justify="right")
-    view.add_column("status")
+    view.add_column("s", justify="right", no_wrap=True)
+    view.add_column("status", min_width=9)
     for index, one in enumerate(_cases(data)):
         if index == ROWS:
             view.caption, view.caption_justify = f"and {data['status'].size - ROWS} more, in the results", "left"
             break
-        cells = [shown(_plain(one[name].values)) for name in names]
+        cells = [_short(_plain(one[name].values)) for name in names]
         for name in main:
             cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(one[name].values)))
         said = f"{one['status'].values}" + (f": {one['error'].values}" if str(one["error"].values) else "")
-        view.add_row(*cells, _number(float(one["seconds"])), said)
+        view.add_row(*cells, f"{float(one['seconds']):.2g}", said)
     return view
 
 
@@ -93,6 +94,10 @@ def _cases(data: Dataset) -> Iterator[Dataset]:
 
 def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else shown(value)
 
 
 def _number(value: float) -> str:
