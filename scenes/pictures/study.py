@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's, with markers and dashes that say the same in black and white.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-MARKERS, DASHES = "osD^vPX", ("-", "--", "-.", ":")
+MARKERS = "osD^vPX"
+SIDES: dict[Any, dict[str, Any]] = {"left": {}, "right": {"linestyle": "--", "fillstyle": "none"}}
 PANELS, LINES = 6, 12  # at most
 
 
@@ -48,25 +49,33 @@ def draw_study(data: Dataset, folder: Path) -> list[Path]:
 
 
 def lines(data: Dataset) -> Figure | None:
-    """The main quantities over the longest dimension of numbers, a line for every case of the others."""
+    """The main quantities over the longest dimension of numbers, a colour for every case of the others."""
+    from matplotlib.lines import Line2D
+
     names, dims = varying(data)[:PANELS], dimensions(data)
     if not names:
         return None
-    numeric = [dim for dim in dims if data[dim].dtype.kind in "if"]
-    over = max(numeric or dims, key=lambda dim: data.sizes[dim])
+    over = max([dim for dim in dims if data[dim].dtype.kind in "if"] or dims, key=lambda dim: data.sizes[dim])
+    others = [dim for dim in dims if dim != over]
+    chosen = list(np.ndindex(*(data.sizes[dim] for dim in others)))[:LINES]
     figure, panels = _panels(len(names))
     for panel, name in zip(panels, names, strict=True):
         label, scale, unit = MAIN[name]
-        rest = data[name].stack(line=[dim for dim in data[name].dims if dim != over])
-        for index, line in enumerate(rest.transpose("line", over)[:LINES]):
-            text = ", ".join(_said(data, dim, line) for dim in rest.indexes["line"].names)
-            panel.plot(*_ordered(data[over], scale * line.values), label=text, **_look(index))
+        for index, place in enumerate(chosen):
+            one = data[name].isel(dict(zip(others, place, strict=True)))
+            for side in data["side"].values if "side" in one.dims else [None]:
+                values = one if side is None else one.sel(side=side)
+                panel.plot(*_ordered(data[over], scale * values.values), **_look(index), **SIDES.get(side, {}))
         panel.set_ylabel(f"{label} [{unit}]")
         _along(panel, data[over])
-    if rest.sizes["line"] > 1:
-        more = f"first {LINES} of {rest.sizes['line']} lines" if rest.sizes["line"] > LINES else None
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)), title=more)
+    handles = [Line2D([], [], label=_said(data, others, place), **_look(i)) for i, place in enumerate(chosen)]
+    handles = handles if others else []
+    if "side" in data.dims:
+        handles += [Line2D([], [], color="0.4", marker="o", markersize=4.0, label=s, **SIDES[s]) for s in SIDES]
+    if handles:
+        count = int(np.prod([data.sizes[dim] for dim in others]))
+        more = f"the first {LINES} of {count}" if count > LINES else None
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(5, len(handles)), title=more)
     return figure
 
 
@@ -160,13 +169,9 @@ def _panels(count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]
 
 
 def _look(index: int) -> dict[str, Any]:
-    """Of a line."""
-    return {
-        "color": COLOURS[index % len(COLOURS)],
-        "marker": MARKERS[index % len(MARKERS)],
-        "linestyle": DASHES[index % len(DASHES)],
-        "markersize": 4.0,
-    }
+    """Of a line: colours, and markers that go on when these begin anew."""
+    marker = MARKERS[(index + index // len(COLOURS)) % len(MARKERS)]
+    return {"color": COLOURS[index % len(COLOURS)], "marker": marker, "markersize": 4.0}
 
 
 def _ordered(x: DataArray, y: Any) -> tuple[Any, Any]:
@@ -189,8 +194,9 @@ def _label(x: DataArray) -> str:
     return f"{x.attrs.get('long_name', x.name)} [{'-' if unit in (None, '1') else unit}]"
 
 
-def _said(data: Dataset, dim: str, line: DataArray) -> str:
-    value = line.coords[dim].values.item()
-    if dim == "side":
-        return str(value)
-    return f"{data[dim].attrs['long_name']} = {shown(value)}"
+def _said(data: Dataset, dims: list[str], place: tuple[int, ...]) -> str:
+    values = (
+        f"{data[dim].attrs['long_name']} = {shown(data[dim].values[i].item())}"
+        for dim, i in zip(dims, place, strict=True)
+    )
+    return ", ".join(values)

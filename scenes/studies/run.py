@@ -49,11 +49,12 @@ def run_study(
     *,
     scheduler: str | None = None,
     fresh: bool = False,
+    pictures: bool = True,
 ) -> Dataset:
     """Results of a study: a file, or a table like one, whose `scene` may be a table, too.
 
     folder keeps every case as it finishes, so that a study that was stopped goes on, with the results (study.nc) and
-    pictures; without it nothing is kept. scheduler: address of a Dask cluster, instead of processes on this machine.
+    pictures, if wanted; without it nothing is kept. scheduler: address of a Dask cluster, instead of processes on this machine.
     fresh: compute everything anew. A failed case is NaN, with its error. Raises SceneError for a study that cannot be
     used, before anything is computed; KeyboardInterrupt after keeping what is done.
     """
@@ -67,7 +68,9 @@ def run_study(
     planned, console = plan(study, path), Console(stderr=True)
     with tempfile.TemporaryDirectory(prefix="wheelrail-study-") as spare:
         place = Path(spare if folder is None else folder)
-        outcome = run_plan(planned, place, console, scheduler=scheduler, fresh=fresh, pictures=folder is not None)
+        outcome = run_plan(
+            planned, place, console, scheduler=scheduler, fresh=fresh, pictures=pictures and folder is not None
+        )
     if outcome.interrupted:
         raise KeyboardInterrupt
     return outcome.data
