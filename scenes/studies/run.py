@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +55,7 @@ def run_study(
     """Results of a study: a file, or a table like one, whose `scene` may be a table, too.
 
     folder keeps every case as it finishes, so that a study that was stopped goes on, with the results (study.nc) and
-    pictures, if wanted; without it nothing is kept. scheduler: address of a Dask cluster, instead of processes on this machine.
+    pictures, if wanted; without it nothing is kept. scheduler: address of a Dask cluster, instead of this machine.
     fresh: compute everything anew. A failed case is NaN, with its error. Raises SceneError for a study that cannot be
     used, before anything is computed; KeyboardInterrupt after keeping what is done.
     """
@@ -92,6 +93,7 @@ def run_plan(
     from scenes.studies.job import Job
     from scenes.studies.store import Store
 
+    tell = partial(console.print, highlight=False, markup=False, soft_wrap=True)
     folder.mkdir(parents=True, exist_ok=True)
     store = Store(folder / CASES)
     jobs: dict[str, Job] = {}
@@ -105,7 +107,7 @@ def run_plan(
             store.forget(key)
     known = {key: one for key in jobs if (one := store.load(key)) is not None}
     if known:
-        console.print(f"{len(known)} of {len(jobs)} cases are done already; --fresh would compute them anew")
+        tell(f"{len(known)} of {len(jobs)} cases are done already; --fresh would compute them anew")
     missing, computed, interrupted = [job for key, job in jobs.items() if key not in known], 0, False
     try:
         if missing:
@@ -113,11 +115,11 @@ def run_plan(
                 for job, one in finished(workers, missing):
                     known[job.key], computed = one, computed + 1
                     if not one.lost:  # of a case whose worker was lost nothing is known: next time once more
-                        _keep(store, job.key, one, console)
+                        _keep(store, job.key, one, tell)
                     done(one.ok)
     except KeyboardInterrupt:
         interrupted = True
-        console.print("interrupted; what is done is kept, the same command goes on from there")
+        tell("interrupted; what is done is kept, the same command goes on from there")
     from scenes.run import undisturbed
 
     with undisturbed():
@@ -134,11 +136,11 @@ def _workers(planned: Plan, scheduler: str | None, jobs: int) -> AbstractContext
     return cluster(scheduler) if scheduler else processes(min(planned.study.processes, jobs))
 
 
-def _keep(store: Any, key: str, one: Found, console: Console) -> None:
+def _keep(store: Any, key: str, one: Found, tell: Callable[[str], None]) -> None:
     try:
         store.keep(key, one)
     except OSError as error:
-        console.print(f"{store.folder}: a case was not kept: {error.strerror or error}; the study goes on")
+        tell(f"{store.folder}: a case was not kept: {error.strerror or error}; the study goes on")
 
 
 def _written(planned: Plan, found: Mapping[tuple[int, ...], Found], folder: Path) -> tuple[Dataset, list[Path]]:
