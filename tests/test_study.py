@@ -443,8 +443,8 @@ scene = "SCENE"
 workers = 2
 [set]
 laws = "exact"
-cells = 16
-strips = 12
+cells = 8
+strips = 6
 [grid]
 friction = [0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28, 0.30, 0.32, 0.34, 0.36, 0.38, 0.40]
 """
