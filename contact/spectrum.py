@@ -174,13 +174,13 @@ def refine(
     found: dict[float, Samples],
     take: Callable[[list[float]], None],
     axis: Axis,
-    share: Callable[[float, float], float],
+    share: Callable[[float, float], Array | float],
     tolerance: float,
 ) -> float:
     """Halve the intervals between samples until interpolation into them costs no more than the tolerance; the cost.
 
-    take adds samples to those found; share is what an error of one all over an interval (low, high) costs. Raises
-    RuntimeError when 400 samples do not do.
+    take adds samples to those found; share is what an error of one all over an interval (low, high) costs, for all
+    entries or each. Raises RuntimeError when 400 samples do not do.
     """
     whole = axis.place(max(found))
     open_intervals = list(pairwise(sorted(found)))
