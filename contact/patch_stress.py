@@ -96,17 +96,8 @@ class LoadedBody:
         if fields is None or not (fields.pressure > 0).any():
             raise ValueError("nothing touches: there is no stress to find")
         section = self.section(fields, _size(fields, depths))
-        normals = []
-        starts = []
-        for k in range(len(result.patches)):
-            own = fields.patch == k
-            weight = (fields.pressure * fields.area)[own]
-            normal = weight @ fields.axes[own, 2]
-            inward = (-1.0 if self.upper else 1.0) * normal / np.linalg.norm(normal)
-            normals.append(inward @ self.frame.rotation)
-            starts.append((weight @ fields.point[own] / weight.sum() - self.frame.origin) @ self.frame.rotation)
-        top = _on_surface(section, np.array(starts))
-        places = (top[:, None] + depths[:, None] * np.array(normals)[:, None]).reshape(-1, 3)
+        top, inward = under(self, section, result)
+        places = (top[:, None] + depths[:, None] * inward[:, None]).reshape(-1, 3)
         told: list[int] = []
         found = stress(
             section,
@@ -138,14 +129,38 @@ class LoadedBody:
         )
 
 
+def under(body: LoadedBody, section: Section, result: ContactResult) -> tuple[Array, Array]:
+    """Points (p, 3) m of a body's surface under every patch's resultant, and its mean normals (p, 3) inwards, in body
+    axes.
+    """
+    fields = result.fields
+    assert fields is not None
+    normals, starts = [], []
+    for k in range(len(result.patches)):
+        own = fields.patch == k
+        weight = (fields.pressure * fields.area)[own]
+        normal = weight @ fields.axes[own, 2]
+        inward = (-1.0 if body.upper else 1.0) * normal / np.linalg.norm(normal)
+        normals.append(inward @ body.frame.rotation)
+        starts.append((weight @ fields.point[own] / weight.sum() - body.frame.origin) @ body.frame.rotation)
+    return _on_surface(section, np.array(starts)), np.array(normals)
+
+
+def narrowest(fields: Fields) -> float:
+    """Mean width m of the narrowest patch."""
+    width = fields.area / fields.step
+    return float(
+        min(
+            np.sum(width[own] * fields.step[own]) / np.ptp(np.append(fields.point[own, 0], fields.step[own].max()))
+            for own in (fields.patch == k for k in range(fields.patch.max() + 1))
+        )
+    )
+
+
 def _size(fields: Fields, depths: Array) -> float:
     """Distance m of the section's lines: by the narrowest patch and the shallowest depth."""
-    width = fields.area / fields.step
-    narrowest = min(
-        np.sum(width[own] * fields.step[own]) / np.ptp(np.append(fields.point[own, 0], fields.step[own].max()))
-        for own in (fields.patch == k for k in range(fields.patch.max() + 1))
-    )
-    return float(min(narrowest / ACROSS, max(0.5 * depths.min(), narrowest / FINEST)))
+    width = narrowest(fields)
+    return float(min(width / ACROSS, max(0.5 * depths.min(), width / FINEST)))
 
 
 def _profiled(
