@@ -67,7 +67,7 @@ class Inside:
         """The body between stations so far [m] to either side of the patches, dense there, wedges."""
         everywhere = self._stations(range(len(self.patches)))
         stations = 0.5 * (everywhere.min() + everywhere.max()) + layers(
-            int(1.3 * DENSE), self.half / DENSE + np.ptp(everywhere) / (2 * DENSE), half_length
+            int(1.3 * DENSE), self.half / DENSE + float(np.ptp(everywhere)) / (2 * DENSE), half_length
         )
         used = len(self.spots) - sum(map(len, self.lines))
         ends = self.triangles + used * np.arange(len(stations))[:, None, None]

@@ -1,0 +1,32 @@
+"""A plotter as a picture, or as one HTML page that can be turned round and needs no network."""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+from typing import Any
+
+VIEWS = (".png", ".html")
+
+
+def save_view(plotter: Any, file: Path, *, title: str = "") -> None:
+    """Write a picture or a page, by the file's ending. Raises ValueError for another ending."""
+    if file.suffix.lower() not in VIEWS:
+        raise ValueError(f"{file} must end in {' or '.join(VIEWS)}")
+    if file.suffix.lower() == ".png":
+        plotter.screenshot(str(file))
+    else:
+        file.write_text(view_html(plotter, title=title), encoding="utf-8")
+
+
+def view_html(plotter: Any, *, title: str = "") -> str:
+    """The page: the viewer, the scene and a title, which the viewer itself does not draw, in one text."""
+    page: str = plotter.trame.export_html(None).getvalue()
+    text = html.escape(title)
+    head, tail = page.split("</title>", 1)
+    page = head[: head.rindex("<title>")] + f"<title>{text}</title>" + tail
+    banner = (
+        '<div style="position:absolute;z-index:9;top:0;left:0;padding:.5em 1em;pointer-events:none;'
+        f'white-space:pre-line;font-size:14px">{text}</div>'
+    )
+    return page.replace("<body>", f"<body>{banner}", 1)
