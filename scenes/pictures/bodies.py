@@ -18,14 +18,14 @@ Array = NDArray[np.float64]
 
 MISES, MOVED, PRESSURE = "von Mises stress [MPa]", "displacement [µm]", "pressure [MPa]"
 # Of even lightness and told apart by every kind of sight; pressure as in all other pictures.
-MAPS = {MISES: "inferno", MOVED: "cividis", PRESSURE: PRESSURE_MAP}
+MAPS = {MISES: "inferno", MOVED: "cividis_r", PRESSURE: PRESSURE_MAP}
 ABOVE = 0.1  # mm that the patch is drawn above the rail's surface
 STEEL = "#b8bec6"
 
 
 def bodies_mesh(fields: BodyFields) -> Any:
     """Grid [mm] with "displacement" [mm] and "stress" [MPa] by point, and the scalars that colour it: von Mises stress
-    [MPa] and the length of the displacement [um].
+    [MPa] and the length of the displacement [µm].
     """
     pv = pyvista()
     types = {
@@ -50,12 +50,22 @@ def moved(mesh: Any, scale: float, lift: float = 0.0) -> Any:
     return shown
 
 
-def deformed(plotter: Any, mesh: Any, *, scale: float, lift: float = 0.0, largest: float, bar: bool = True) -> Any:
-    """Draw the skin of a body with its displacements scaled, coloured by them up to the largest [um], and the edges of
-    the undeformed body; the drawn mesh.
+def deformed(
+    plotter: Any,
+    mesh: Any,
+    *,
+    scale: float,
+    largest: float,
+    lift: float = 0.0,
+    top: float = np.inf,
+    bar: bool = True,
+) -> Any:
+    """Draw the skin of a body with its displacements scaled, coloured by them up to the largest [µm], and the edges of
+    the undeformed body, up to the height top [mm]; the drawn mesh.
     """
-    skin = mesh.extract_surface(algorithm="dataset_surface")
-    shown = moved(skin, scale, lift)
+    cut = mesh.bounds[5] > top
+    below = mesh.clip("z", origin=(0.0, 0.0, top)) if cut else mesh
+    shown = moved(below.extract_surface(algorithm="dataset_surface"), scale, lift)
     plotter.add_mesh(
         shown,
         scalars=MOVED,
@@ -63,11 +73,14 @@ def deformed(plotter: Any, mesh: Any, *, scale: float, lift: float = 0.0, larges
         clim=(0.0, largest),
         smooth_shading=True,
         split_sharp_edges=True,
+        ambient=0.25,
         show_scalar_bar=bar,
         scalar_bar_args=bar_style(MOVED) if bar else None,
     )
-    edges = moved(skin, 0.0, lift).extract_feature_edges(45.0, boundary_edges=False, non_manifold_edges=False)
-    plotter.add_mesh(edges, color="#707070", line_width=1.0)
+    skin = mesh.extract_surface(algorithm="dataset_surface")
+    edges = skin.extract_feature_edges(45.0, boundary_edges=False, non_manifold_edges=False)
+    edges = edges.clip("z", origin=(0.0, 0.0, top)) if cut else edges
+    plotter.add_mesh(moved(edges, 0.0, lift), color="#707070", line_width=1.0)
     return shown
 
 
@@ -108,7 +121,7 @@ def riding(mesh: Any, body: Any, scale: float, lift: float = 0.0) -> Any:
     return moved(shown, scale, lift)
 
 
-def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = True) -> None:
+def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = False) -> None:
     """Draw the pressure on a surface of patch cells."""
     plotter.add_mesh(
         mesh,
@@ -142,8 +155,7 @@ def stress_cut(
 
 
 def bar_style(title: str) -> dict[str, Any]:
-    """Where and how scalar bars stand: one of each title."""
-    left = {MOVED: 0.05, MISES: 0.08, PRESSURE: 0.56}[title]
+    """Where and how scalar bars stand; one to a pane, as pages have one place for them."""
     return {
         "title": title,
         "fmt": "%.0f",
@@ -151,8 +163,8 @@ def bar_style(title: str) -> dict[str, Any]:
         "color": "black",
         "title_font_size": 15,
         "label_font_size": 13,
-        "width": 0.36,
+        "width": 0.5,
         "height": 0.07,
-        "position_x": left,
+        "position_x": 0.25,
         "position_y": 0.03,
     }

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes.pictures.bodies import (
     MISES,
     MOVED,
+    PRESSURE,
     bodies_mesh,
     deformed,
     patch_pressure,
@@ -23,10 +25,14 @@ if TYPE_CHECKING:
     from contact.body_fields import BodyFields
     from contact.result import ContactResult
 
+Array = NDArray[np.float64]
+
 SHOWN = 6.0  # mm that the largest displacement is drawn as when no scale is given
-LIFT = 45.0  # mm between the bodies in the left pane
-APART = 0.6  # half patch lengths between their cuts in the right pane
-REACH = 3.5  # half patch lengths that the cuts are shown to
+LIFT = 70.0  # mm between the bodies in the left pane
+HIGH = 110.0  # mm above the patch that the upper body is shown to there
+APART = 0.8  # half patch lengths between their cuts in the right pane
+REACH = 2.6  # half patch lengths that the cuts are shown to
+ANGLE = 30.0  # degrees, of the camera
 
 
 @dataclass(frozen=True)
@@ -54,17 +60,28 @@ def contact_scene(
     already. Show it (`.show()`, also in a notebook), or write it with `save_view`. Raises ValueError without contact.
     """
     patch = pressure_surface(result, mirrored=mirrored)
-    middle = np.average(np.asarray(patch.cell_centers().points), axis=0, weights=patch["pressure [MPa]"])
+    middle = np.average(np.asarray(patch.cell_centers().points), axis=0, weights=patch[PRESSURE])
     half = 0.5 * max(patch.bounds[1] - patch.bounds[0], patch.bounds[3] - patch.bounds[2])
     view = new_plotter((1, 2), size=(1600, 900), off_screen=off_screen)
     meshes = [(body, bodies_mesh(body.whole)) for body in bodies]
     largest = max(float(mesh[MOVED].max()) for _, mesh in meshes)
     scale = round_scale(SHOWN / (1e-3 * largest)) if scale is None else scale
-    _left(view, meshes, patch, scale, largest)
-    view.add_text(f"{title}\nbodies moved apart, displacements x {scale:g}", font_size=10, color="black")
+    _left(view, meshes, patch, middle, scale, largest)
+    peak = float(patch[PRESSURE].max())
+    view.title = (
+        f"{title}\nleft: bodies moved apart, displacements x {scale:g}; patch: pressure up to {peak:.0f} MPa (yellow)\n"
+        "right: von Mises stress on cuts along and across, below the patch"
+    )
+    view.add_text(
+        f"{title}\ndisplacements x {scale:g}, bodies apart\npressure of the patch up to {peak:.0f} MPa (yellow)",
+        font_size=10,
+        color="black",
+    )
     view.subplot(0, 1)
     _right(view, bodies, patch, middle, half)
-    view.add_text("von Mises stress below the patch\ncuts along and across, bodies apart", font_size=10, color="black")
+    view.add_text(
+        "von Mises stress below the patch\non cuts along and across, bodies apart", font_size=10, color="black"
+    )
     view.subplot(0, 0)
     return view
 
@@ -75,23 +92,20 @@ def round_scale(value: float) -> float:
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-12)))
 
 
-def _left(view: Any, meshes: list[tuple[SeenBody, Any]], patch: Any, scale: float, largest: float) -> None:
+def _left(
+    view: Any, meshes: list[tuple[SeenBody, Any]], patch: Any, middle: Array, scale: float, largest: float
+) -> None:
     lower = None
     for number, (body, mesh) in enumerate(meshes):
         lift = LIFT if body.upper and len(meshes) > 1 else 0.0
-        deformed(view, mesh, scale=scale, lift=lift, largest=largest, bar=number == 0)
+        deformed(view, mesh, scale=scale, lift=lift, top=middle[2] + HIGH, largest=largest, bar=number == 0)
         if lower is None or not body.upper:
             lower = mesh
     patch_pressure(view, riding(patch, lower, scale))
-    _frame(view)
-    bounds = np.array(view.bounds).reshape(3, 2)
-    reach = float(np.ptp(bounds, axis=1).max())
-    centre = bounds.mean(axis=1) - [0.0, 0.0, 0.04 * reach]
-    view.camera_position = [centre + reach * np.array([1.1, -1.15, 0.55]), centre, (0, 0, 1)]
-    view.camera.zoom(1.15)
+    _frame(view, direction=np.array([1.0, -0.9, 0.42]))
 
 
-def _right(view: Any, bodies: tuple[SeenBody, ...], patch: Any, middle: Any, half: float) -> None:
+def _right(view: Any, bodies: tuple[SeenBody, ...], patch: Any, middle: Array, half: float) -> None:
     gap, reach = APART * half, REACH * half
     cuts = [(body, bodies_mesh(cut)) for body in bodies for cut in body.cuts]
     largest = max(float(mesh[MISES].max()) for _, mesh in cuts)
@@ -99,12 +113,12 @@ def _right(view: Any, bodies: tuple[SeenBody, ...], patch: Any, middle: Any, hal
         lift = gap if body.upper and len(bodies) > 1 else 0.0
         stress_cut(view, mesh, around=middle, reach=reach, largest=largest, lift=lift, bar=number == 0)
     patch_pressure(view, patch)
-    _frame(view)
-    view.camera_position = [middle + reach * np.array([2.2, -2.6, 1.1]), middle - [0, 0, 0.25 * reach], (0, 0, 1)]
+    _frame(view, direction=np.array([1.0, -1.15, 0.5]))
 
 
-def _frame(view: Any) -> None:
-    view.add_axes(color="black", line_width=3)
+def _frame(view: Any, direction: Array) -> None:
+    """Axes in mm, and the camera where all is seen, above the bars of the colours."""
+    view.add_axes(color="black", line_width=3, viewport=(0.0, 0.13, 0.16, 0.29))
     view.show_bounds(
         xtitle="x, forward [mm]",
         ytitle="y, to the left [mm]",
@@ -117,3 +131,9 @@ def _frame(view: Any) -> None:
         n_zlabels=4,
         fmt="%.0f",
     )
+    bounds = np.array(view.bounds).reshape(3, 2)
+    centre, size = bounds.mean(axis=1), float(np.linalg.norm(np.ptp(bounds, axis=1)))
+    distance = 0.56 * size / np.tan(np.radians(0.5 * ANGLE))
+    view.camera.view_angle = ANGLE
+    focus = centre - [0.0, 0.0, 0.06 * size]
+    view.camera_position = [focus + distance * direction / np.linalg.norm(direction), focus, (0, 0, 1)]

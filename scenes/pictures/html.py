@@ -9,20 +9,20 @@ from typing import Any
 VIEWS = (".png", ".html")
 
 
-def save_view(plotter: Any, file: Path, *, title: str = "") -> None:
+def save_view(plotter: Any, file: Path) -> None:
     """Write a picture or a page, by the file's ending. Raises ValueError for another ending."""
     if file.suffix.lower() not in VIEWS:
         raise ValueError(f"{file} must end in {' or '.join(VIEWS)}")
     if file.suffix.lower() == ".png":
         plotter.screenshot(str(file))
     else:
-        file.write_text(view_html(plotter, title=title), encoding="utf-8")
+        file.write_text(view_html(plotter), encoding="utf-8")
 
 
-def view_html(plotter: Any, *, title: str = "") -> str:
-    """The page: the viewer, the scene and a title, which the viewer itself does not draw, in one text."""
+def view_html(plotter: Any) -> str:
+    """The page: the viewer, the scene and the plotter's title, as the viewer itself draws no text, in one."""
     page: str = plotter.trame.export_html(None).getvalue()
-    text = html.escape(title)
+    text = html.escape(plotter.title)
     head, tail = page.split("</title>", 1)
     page = head[: head.rindex("<title>")] + f"<title>{text}</title>" + tail
     banner = (
