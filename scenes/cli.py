@@ -230,6 +230,53 @@ def example(
         print(f"{known:{width}}  {heading}")
 
 
+@app.command()
+def view(
+    scene: SceneFile,
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Picture (.png), or page to turn (.html).")],
+    scale: Annotated[float | None, typer.Option("--scale", metavar="N", help="Displacements so many times.")] = None,
+    body: Annotated[str, typer.Option("--body", help="wheel or rail, upper or lower, or both.")] = "both",
+    side: Annotated[str | None, typer.Option("--side", help="left or right; the scene's first without it.")] = None,
+) -> None:
+    """Draw a contact in three dimensions: bodies deformed, pressure, von Mises stress on cuts below the surface."""
+    given = _load(scene)
+    if given.kind == "run":
+        raise _refused(f'{scene}: kind = "run": this is a vehicle run, use wheelrail animate with its results')
+    _check_ending("--out", out, (".png", ".html"))
+    if scale is not None and not 0 < scale < float("inf"):
+        raise _refused(f"--scale {scale:g}: must be greater than 0")
+    from scenes.pictures.html import save_view
+    from scenes.view import view_scene
+
+    console = progress_console()
+    with _complaints(f"{scene}: "), stdout_for_results(), console.status("reading the scene") as status:
+        made = view_scene(given, title=scene.stem, body=body, side=side, scale=scale, say=status.update)
+        save_view(made, out)
+
+
+@app.command()
+def animate(
+    results: Annotated[Path, typer.Argument(metavar="RUN", help="Results of a run: run.nc, or its folder.")],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Film (.mp4, .gif).")],
+    frames: Annotated[int, typer.Option("--frames", metavar="N", min=1, max=100_000)] = 120,
+    fps: Annotated[float, typer.Option("--fps", metavar="N", min=0.1, max=240.0, help="Frames a second.")] = 20.0,
+    scale: Annotated[
+        float, typer.Option("--scale", metavar="N", min=1e-3, help="Displacements so many times above.")
+    ] = 20.0,
+) -> None:
+    """Make a film of a run: the wheelset on its rails, forces, and both contacts close up."""
+    _check_ending("--out", out, (".mp4", ".gif"))
+    from scenes.view import animate_file
+
+    console = progress_console()
+    with _complaints(""), stdout_for_results(), console.status("reading the run") as status:
+
+        def told(done: int, count: int) -> None:
+            status.update(f"frame {done} of {count}")
+
+        animate_file(results, out, told, frames=frames, fps=fps, scale=scale)
+
+
 def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
     """The scene, or the end of the command with the complaint on standard error."""
     from scenes.scene import load_scene
@@ -267,8 +314,13 @@ def _complaints(scene: str, place: str | None = None) -> Iterator[None]:
 
 
 def _check_picture(picture: Path | None) -> None:
-    if picture is not None and picture.suffix.lower() not in PICTURES:
-        raise _refused(f"--picture {picture}: must end in {', '.join(PICTURES)}")
+    if picture is not None:
+        _check_ending("--picture", picture, PICTURES)
+
+
+def _check_ending(option: str, file: Path, endings: tuple[str, ...]) -> None:
+    if file.suffix.lower() not in endings:
+        raise _refused(f"{option} {file}: must end in {', '.join(endings)}")
 
 
 def _refused(complaint: str) -> typer.Exit:

@@ -22,10 +22,14 @@ if TYPE_CHECKING:
 
 Say = Callable[[str], None]
 Seen = Callable[[str, "ContactResult"], None]
+Posed = Callable[[str, "Pose"], None]
 
 
 def solve_contact(
-    scene: HertzScene | WheelsetScene, say: Say = lambda _: None, seen: Seen = lambda *_: None
+    scene: HertzScene | WheelsetScene,
+    say: Say = lambda _: None,
+    seen: Seen = lambda *_: None,
+    posed: Posed = lambda *_: None,
 ) -> dict[str, Any]:
     """The report of a scene, see `scenes.report`; say is told what is being done, seen the result of every side.
 
@@ -33,7 +37,7 @@ def solve_contact(
     not converge, is a status "failed: ..." and no error.
     """
     found = laws(scene)
-    sides = _hertz(scene, say, seen) if isinstance(scene, HertzScene) else _wheelset(scene, say, seen)
+    sides = _hertz(scene, say, seen, posed) if isinstance(scene, HertzScene) else _wheelset(scene, say, seen, posed)
     return {
         "status": overall(sides),
         "kind": scene.kind,
@@ -59,7 +63,7 @@ def _ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     }
 
 
-def _hertz(scene: HertzScene, say: Say, seen: Seen) -> dict[str, Any]:
+def _hertz(scene: HertzScene, say: Say, seen: Seen, posed: Posed) -> dict[str, Any]:
     from contact.loading import LoadError, hertz_pose, hertz_under_load
 
     say("meshes and stiffness of both bodies")
@@ -80,13 +84,14 @@ def _hertz(scene: HertzScene, say: Say, seen: Seen) -> dict[str, Any]:
         say("the same on half as many cells")
         result = _estimated(result, lambda: _halved(model)(pose, motion, None))
     seen("contact", result)
+    posed("contact", pose)
     stress = _stress(scene, result, pose, say)
     report = side_report(result, z=-depth, roll=0.0, solves=solves, seconds=spent, stress=stress)
     # The approach of the bodies: the largest overlap on a grid may miss the point of first touch.
     return {"contact": {**report, "approach": depth} if result.ok else report}
 
 
-def _wheelset(scene: WheelsetScene, say: Say, seen: Seen) -> dict[str, Any]:
+def _wheelset(scene: WheelsetScene, say: Say, seen: Seen, posed: Posed) -> dict[str, Any]:
     from contact.loading import LoadError
 
     say("meshes and stiffness of wheel and rail")
@@ -109,6 +114,7 @@ def _wheelset(scene: WheelsetScene, say: Say, seen: Seen) -> dict[str, Any]:
                 result = _estimated(result, partial(rough, state, side))
             seen(side, result)
             pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
+            posed(side, pose)
             stress = _stress(scene, result, pose, say)
             if side == "right":
                 stress = {name: found.mirrored() for name, found in stress.items()}

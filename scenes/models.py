@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
@@ -10,7 +11,7 @@ if TYPE_CHECKING:
     from contact.fineness import Fineness
     from contact.laws import Laws
     from contact.patch_stress import LoadedBody
-    from contact.pose import Motion, Pose
+    from contact.pose import Motion, Mounting, Pose
     from contact.rigid_pairs import RigidPair
     from contact.wheelset import ContactModel, WheelsetContact
     from meshes.profiles import Profile
@@ -102,16 +103,10 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
     Raises SceneError for a profile that cannot be read, or a rail without the gauge's height.
     """
     from contact.laws import Steel
-    from contact.pose import Mounting
     from contact.wheelset import WheelsetContact
 
-    axle, track, steel = scene.wheelset, scene.track, Steel(scene.E, scene.nu)
-    wheel, rail = _profiles(scene)
-    try:
-        rail_y = rail.gauge_offset(track.gauge, track.gauge_height)
-    except ValueError as error:
-        raise SceneError(f"profiles: {error}") from error
-    mounting = Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
+    axle, steel = scene.wheelset, Steel(scene.E, scene.nu)
+    wheel, rail, mounting = wheelset_mounting(scene)
     if scene.model == "standard":
         from contact.rigid_pairs import MERGE, RigidWheelRail
 
@@ -141,6 +136,19 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
     return WheelsetContact(model, mounting)
 
 
+def wheelset_mounting(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile, Mounting]:
+    """Profiles of wheel and rail, and how they sit on axle and track. Raises SceneError as `wheelset_contact`."""
+    from contact.pose import Mounting
+
+    axle, track = scene.wheelset, scene.track
+    wheel, rail = _profiles(scene)
+    try:
+        rail_y = rail.gauge_offset(track.gauge, track.gauge_height)
+    except ValueError as error:
+        raise SceneError(f"profiles: {error}") from error
+    return wheel, rail, Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
+
+
 def _standard(
     scene: HertzScene | WheelsetScene | RunScene, surfaces: RigidPair, upper: Material, lower: Material
 ) -> ContactModel:
@@ -166,16 +174,17 @@ def _profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
 
 def stressed_bodies(scene: HertzScene | WheelsetScene, pose: Pose) -> dict[str, LoadedBody]:
     """The bodies inside which the scene asks for stresses, by name; pose of the upper one (of the left pair)."""
+    return {} if scene.stress is None else loaded_bodies(scene, pose, scene.stress.bodies)
+
+
+def loaded_bodies(scene: HertzScene | WheelsetScene, pose: Pose, names: Iterable[str]) -> dict[str, LoadedBody]:
+    """Bodies of a scene as ones that its tractions load: "upper" and "lower", or "wheel" and "rail"."""
     from contact.laws import Steel
     from contact.patch_stress import LoadedBody
 
-    if scene.stress is None:
-        return {}
     if isinstance(scene, HertzScene):
         pair = {"upper": scene.upper, "lower": scene.lower}
-        return {
-            name: LoadedBody.block(name == "upper", Steel(pair[name].E, pair[name].nu)) for name in scene.stress.bodies
-        }
+        return {name: LoadedBody.block(name == "upper", Steel(pair[name].E, pair[name].nu)) for name in names}
     from meshes.sections import rail_outline, wheel_outline
 
     steel = Steel(scene.E, scene.nu)
@@ -184,7 +193,7 @@ def stressed_bodies(scene: HertzScene | WheelsetScene, pose: Pose) -> dict[str, 
         "wheel": lambda: LoadedBody.wheel(wheel_outline(wheel, scene.wheelset.radius), steel, pose),
         "rail": lambda: LoadedBody.rail(rail_outline(rail), steel),
     }
-    return {name: made[name]() for name in scene.stress.bodies}
+    return {name: made[name]() for name in names}
 
 
 def _fineness(scene: HertzScene | WheelsetScene | RunScene) -> dict[str, Fineness]:

@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 FILMS = (".mp4", ".gif")
 SCALE = 20.0  # of the wheelset's displacements in the upper pane
+BESIDE = 0.5  # m behind the contacts that forces are drawn
 ARROW = 0.55  # m that the largest force is drawn as
 TRACK = 1.6  # m of rail that is shown
 STEEL, RAIL = "#b8bec6", "#8d867c"
@@ -85,7 +86,7 @@ class Film:
     view: Any = field(init=False)
 
     def __post_init__(self) -> None:
-        self.view = plotter("1/2", size=(1280, 960), off_screen=True)
+        self.view = plotter("1/2", size=(1024, 768), off_screen=True)
         values = {name: self.data[name].values for name in ("vertical_force", "lateral_force", "patch_normal_force")}
         largest = [float(np.nanmax(np.abs(v), initial=1.0)) for v in values.values()]
         self._force, self._load = max(largest[:2]), largest[2]
@@ -107,7 +108,7 @@ class Film:
             sign = 1.0 if side == "left" else -1.0
             self._wheels[side].user_matrix = _pose(y, m.radius + z, roll, 0.0)
             force = now.sel(side=side)
-            foot = np.array([0.0, sign * m.rail_y, 0.0])
+            foot = np.array([-BESIDE, sign * m.rail_y, 0.03])
             self._arrow(f"Q {side}", foot, np.array([0.0, 0.0, float(force["vertical_force"])]))
             self._arrow(f"Y {side}", foot, np.array([0.0, float(force["lateral_force"]), 0.0]))
             self._patches(side, sign, force)
@@ -126,7 +127,7 @@ class Film:
         view, m = self.view, self.mounting
         view.subplot(2)
         body = wheelset_body(self.wheel, m.radius, wheel_y=m.wheel_y)
-        self._axle = view.add_mesh(body, color=STEEL, smooth_shading=True, split_sharp_edges=True, opacity=0.9)
+        self._axle = view.add_mesh(body, color=STEEL, smooth_shading=True, split_sharp_edges=True)
         for sign in (1.0, -1.0):
             rail = rail_body(self.rail, length=TRACK, right=sign < 0).translate((0.0, sign * m.rail_y, 0.0))
             view.add_mesh(rail, color=RAIL)
@@ -146,13 +147,13 @@ class Film:
         body = body.translate((0.0, sign * m.wheel_y, 0.0))
         self._wheels[side] = view.add_mesh(body, color=STEEL, opacity=0.45, smooth_shading=True)
         middle = np.array([0.0, sign * m.rail_y, 0.0])
-        view.camera_position = [middle + [-1.0, 0.0, 0.12], middle, (0.0, 0.0, 1.0)]
+        view.camera_position = [middle + np.array([-1.0, 0.0, 0.12]), middle, (0.0, 0.0, 1.0)]
         view.camera.parallel_projection = True
         view.camera.parallel_scale = NEAR
         self._say(side, " ")
 
     def _arrow(self, name: str, foot: Array, force: Array) -> None:
-        """An arrow to the foot that pushes, or from it that pulls: forces act on the wheel."""
+        """An arrow along a force on the wheel, beside where it acts."""
         self.view.subplot(2)
         size = float(np.linalg.norm(force)) / self._force * ARROW
         if size < 1e-3:
@@ -160,7 +161,7 @@ class Film:
             return
         way = force / np.linalg.norm(force)
         mesh = pyvista().Arrow(
-            start=foot - way * size,
+            start=foot,
             direction=way,
             tip_length=min(0.5, 0.1 / size),
             tip_radius=0.03 / size,
@@ -185,7 +186,7 @@ class Film:
             points = np.column_stack(
                 [float(own["patch_x"]) + a * np.cos(turn), y + c * b * np.sin(turn), z + s * b * np.sin(turn)]
             )
-            disc = pyvista().PolyData(points + [0, -s * 3e-4, c * 3e-4], np.array([48, *range(48)])).triangulate()
+            disc = pyvista().PolyData(points + np.array([0.0, -s, c]) * 3e-4, np.array([48, *range(48)])).triangulate()
             disc["load [kN]"] = np.full(len(points), 1e-3 * load[k])
             found.append(disc)
         name = f"patches {side}"
@@ -216,7 +217,7 @@ class Film:
 
     def _say(self, pane: str, text: str) -> None:
         self.view.subplot(2 if pane == "whole" else SIDES.index(pane))  # type: ignore[arg-type]
-        self.view.add_text(text, name=f"text {pane}", font_size=10, color="black", position="upper_left", render=False)
+        self.view.add_text(text, name=f"text {pane}", font_size=9, color="black", position="upper_left", render=False)
 
 
 def _pose(y: float, z: float, roll: float, pitch: float) -> Array:
