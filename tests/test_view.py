@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -176,7 +177,7 @@ def test_a_film_of_a_run(tmp_path: Path) -> None:
     assert told == [(1, 3), (2, 3), (3, 3)]
     frames = imageio.imread(file)
     assert len(frames) == 3
-    moving = [np.abs(a.astype(int) - b).max(axis=-1) > 60 for a, b in zip(frames[:-1], frames[1:], strict=True)]
+    moving = [np.abs(a.astype(int) - b).max(axis=-1) > 60 for a, b in pairwise(frames)]
     assert all(0.001 < change.mean() < 0.5 for change in moving)
     animate_run(run_data(), tmp_path / "run.mp4", **{**options, "frames": 1})  # type: ignore[arg-type]
     assert (tmp_path / "run.mp4").stat().st_size > 5000
