@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,18 @@ def view_html(plotter: Any) -> str:
     text = html.escape(plotter.title)
     head, tail = page.split("</title>", 1)
     page = head[: head.rindex("<title>")] + f"<title>{text}</title>" + tail
+    style = (
+        "position:fixed;z-index:9;top:0;left:0;padding:.4em .8em;pointer-events:none;white-space:pre-line;"
+        "font:13px sans-serif;background:rgba(255,255,255,.85)"
+    )
+    # beside the body, which the viewer empties for itself
     banner = (
-        '<div style="position:absolute;z-index:9;top:0;left:0;padding:.5em 1em;pointer-events:none;'
-        f'white-space:pre-line;font-size:14px">{text}</div>'
+        "<script>{const d=document.createElement('div');"
+        f"d.style='{style}';d.textContent={_literal(plotter.title)};document.documentElement.append(d)}}</script>"
     )
     return page.replace("<body>", f"<body>{banner}", 1)
+
+
+def _literal(text: str) -> str:
+    """A text as one of JavaScript's that cannot end the script it stands in."""
+    return json.dumps(text).replace("<", "\\u003c")
