@@ -28,6 +28,10 @@ class Pose:
     origin: Array
     rotation: Array
 
+    def mirrored(self) -> Pose:
+        """The same seen in a mirror at y = 0, in which the wheel's own lateral axis still points left."""
+        return Pose(MIRROR * self.origin, self.rotation * np.outer(MIRROR, MIRROR))
+
 
 @dataclass(frozen=True)
 class Twist:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
+from math import nan
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from scenes.models import hertz_model, hertz_motion, hertz_scale, laws, stressed_bodies, wheel_scale, wheelset_contact
 from scenes.report import overall, side_report
@@ -19,17 +20,38 @@ if TYPE_CHECKING:
     from contact.result import ContactResult
     from contact.seating import Seat
     from contact.wheelset import ContactModel, WheelsetContact
+    from meshes.profiles import Profile
 
 Say = Callable[[str], None]
 Seen = Callable[[str, "ContactResult"], None]
-Posed = Callable[[str, "Pose"], None]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The contact of one side: its result, the pose (of the upper body in the frame of the lower one) that it stands
+    in, z m and roll rad of the wheelset, contact solves and seconds that it took, and stresses inside the bodies.
+
+    Without a pose there is no result but the reason why, as its status.
+    """
+
+    result: ContactResult
+    pose: Pose | None = None
+    z: float = nan
+    roll: float = nan
+    solves: int = 0
+    seconds: float = 0.0
+    stress: Mapping[str, Underneath] = field(default_factory=dict)
+
+    @classmethod
+    def unfound(cls, reason: str) -> Solved:
+        """The load cannot be carried."""
+        from contact.result import ContactResult
+
+        return cls(ContactResult.failed(reason))
 
 
 def solve_contact(
-    scene: HertzScene | WheelsetScene,
-    say: Say = lambda _: None,
-    seen: Seen = lambda *_: None,
-    posed: Posed = lambda *_: None,
+    scene: HertzScene | WheelsetScene, say: Say = lambda _: None, seen: Seen = lambda *_: None
 ) -> dict[str, Any]:
     """The report of a scene, see `scenes.report`; say is told what is being done, seen the result of every side.
 
@@ -37,13 +59,26 @@ def solve_contact(
     not converge, is a status "failed: ..." and no error.
     """
     found = laws(scene)
-    sides = _hertz(scene, say, seen, posed) if isinstance(scene, HertzScene) else _wheelset(scene, say, seen, posed)
+    sides: dict[str, Any] = {}
+    for side, solved in solve_sides(scene, say=say):
+        if solved.pose is None:
+            sides[side] = {"status": solved.result.status}
+            continue
+        seen(side, solved.result)
+        sides[side] = side_report(
+            solved.result,
+            z=solved.z,
+            roll=solved.roll,
+            solves=solved.solves,
+            seconds=solved.seconds,
+            stress=solved.stress,
+        )
     return {
         "status": overall(sides),
         "kind": scene.kind,
         "model": scene.model,
         "friction": scene.friction,
-        **_ways(scene),
+        **ways(scene),
         "falling": None if scene.falling is None else scene.falling.model_dump(),
         "stiffness_per_area": found.stiffness_per_area if found.normal_compliance else None,
         "regularisation": found.regularisation,
@@ -51,7 +86,24 @@ def solve_contact(
     }
 
 
-def _ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
+def solve_sides(
+    scene: HertzScene | WheelsetScene,
+    *,
+    model: ContactModel | WheelsetContact | None = None,
+    profiles: Sequence[Profile] | None = None,
+    say: Say = lambda _: None,
+) -> Iterator[tuple[str, Solved]]:
+    """Every side of a scene, "contact" for a Hertz pair, solved in its turn.
+
+    model: one that was built for this scene, or for one that differs only in pose, motion and load; profiles of wheel
+    and rail as laid, where they are not the scene's own. Both are made from the scene unless given.
+    """
+    if isinstance(scene, HertzScene):
+        return _hertz(scene, cast("ContactModel | None", model), say)
+    return _wheelset(scene, cast("WheelsetContact | None", model), profiles, say)
+
+
+def ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     """How the bodies and their contact are modelled."""
     if scene.model == "standard":
         return {"normal": scene.normal or "kik-piotrowski", "tangential": scene.tangential or "fastsim"}
@@ -63,11 +115,13 @@ def _ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     }
 
 
-def _hertz(scene: HertzScene, say: Say, seen: Seen, posed: Posed) -> dict[str, Any]:
+def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[tuple[str, Solved]]:
     from contact.loading import LoadError, hertz_pose, hertz_under_load
 
-    say("meshes and stiffness of both bodies")
-    model, motion = hertz_model(scene), hertz_motion(scene)
+    if model is None:
+        say("meshes and stiffness of both bodies")
+        model = hertz_model(scene)
+    motion = hertz_motion(scene)
     say("contact")
     with _clock() as seconds:
         if scene.load is None:
@@ -77,33 +131,33 @@ def _hertz(scene: HertzScene, say: Say, seen: Seen, posed: Posed) -> dict[str, A
             try:
                 found = hertz_under_load(model, motion, scene.load, expected=hertz_scale(scene, scene.load))
             except LoadError as error:
-                return {"contact": {"status": f"failed: {error}"}}
+                yield "contact", Solved.unfound(str(error))
+                return
             depth, solves, result = found.depth, found.trials, found.results[0]
     spent, pose = seconds(), hertz_pose(depth)
+    if result.ok:  # the approach of the bodies: the largest overlap on a grid may miss the point of first touch
+        result = replace(result, approach=depth)
     if scene.error_estimate:
         say("the same on half as many cells")
         result = _estimated(result, lambda: _halved(model)(pose, motion, None))
-    seen("contact", result)
-    posed("contact", pose)
-    stress = _stress(scene, result, pose, say)
-    report = side_report(result, z=-depth, roll=0.0, solves=solves, seconds=spent, stress=stress)
-    # The approach of the bodies: the largest overlap on a grid may miss the point of first touch.
-    return {"contact": {**report, "approach": depth} if result.ok else report}
+    yield "contact", Solved(result, pose, -depth, 0.0, solves, spent, _stress(scene, result, pose, None, say))
 
 
-def _wheelset(scene: WheelsetScene, say: Say, seen: Seen, posed: Posed) -> dict[str, Any]:
+def _wheelset(
+    scene: WheelsetScene, contact: WheelsetContact | None, profiles: Sequence[Profile] | None, say: Say
+) -> Iterator[tuple[str, Solved]]:
     from contact.loading import LoadError
 
-    say("meshes and stiffness of wheel and rail")
-    contact = wheelset_contact(scene)
-    reports: dict[str, Any] = {}
+    if contact is None:
+        say("meshes and stiffness of wheel and rail")
+        contact = wheelset_contact(scene)
     for sides, solve in _seats(scene, contact):
         say(f"contact of the {' and '.join(sides)} wheel")
         with _clock() as seconds:
             try:
                 seat = solve()
             except LoadError as error:
-                reports |= {side: {"status": f"failed: {error}"} for side in sides}
+                yield from ((side, Solved.unfound(str(error))) for side in sides)
                 continue
         share, time = seat.solves // len(sides), seconds() / len(sides)
         state = seat.state
@@ -112,14 +166,11 @@ def _wheelset(scene: WheelsetScene, say: Say, seen: Seen, posed: Posed) -> dict[
                 say(f"{side} wheel: the same on half as many cells")
                 rough = replace(contact, model=_halved(contact.model))
                 result = _estimated(result, partial(rough, state, side))
-            seen(side, result)
             pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
-            posed(side, pose)
-            stress = _stress(scene, result, pose, say)
+            stress = _stress(scene, result, pose, profiles, say)
             if side == "right":
-                stress = {name: found.mirrored() for name, found in stress.items()}
-            reports[side] = side_report(result, z=state.z, roll=state.roll, solves=share, seconds=time, stress=stress)
-    return reports
+                pose, stress = pose.mirrored(), {name: found.mirrored() for name, found in stress.items()}
+            yield side, Solved(result, pose, state.z, state.roll, share, time, stress)
 
 
 def _halved(model: ContactModel) -> ContactModel:
@@ -140,14 +191,20 @@ def _estimated(result: ContactResult, rough: Callable[[], ContactResult]) -> Con
     return replace(result, error_estimate=difference(result, other) if other.ok else ErrorEstimate.unknown())
 
 
-def _stress(scene: HertzScene | WheelsetScene, result: ContactResult, pose: Pose, say: Say) -> dict[str, Underneath]:
+def _stress(
+    scene: HertzScene | WheelsetScene,
+    result: ContactResult,
+    pose: Pose,
+    profiles: Sequence[Profile] | None,
+    say: Say,
+) -> dict[str, Underneath]:
     """Stresses by body, in the frame of the result's fields. Raises SceneError for depths that leave a body."""
     if scene.stress is None or not result.patches:
         return {}
     import numpy as np
 
     found = {}
-    for name, body in stressed_bodies(scene, pose).items():
+    for name, body in stressed_bodies(scene, pose, profiles).items():
         say(f"stress inside the {name}")
         try:
             found[name] = body.below(result, np.array(scene.stress.depths))

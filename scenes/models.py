@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
@@ -97,16 +97,17 @@ def hertz_scale(scene: HertzScene, load: float) -> float:
     return sphere_approach(load, radius=2.0 / curvature, modulus=modulus)
 
 
-def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
+def wheelset_contact(scene: WheelsetScene | RunScene, profiles: Sequence[Profile] | None = None) -> WheelsetContact:
     """Both wheels of a wheelset on the rails of the scene's track; one model serves both sides.
 
-    Raises SceneError for a profile that cannot be read, or a rail without the gauge's height.
+    profiles: wheel, and rail as laid, the scene's own unless given. Raises SceneError for a profile that cannot be
+    read, or a rail without the gauge's height.
     """
     from contact.laws import Steel
     from contact.wheelset import WheelsetContact
 
     axle, steel = scene.wheelset, Steel(scene.E, scene.nu)
-    wheel, rail, mounting = wheelset_mounting(scene)
+    wheel, rail, mounting = wheelset_mounting(scene, profiles)
     if scene.model == "standard":
         from contact.rigid_pairs import MERGE, RigidWheelRail
 
@@ -136,12 +137,14 @@ def wheelset_contact(scene: WheelsetScene | RunScene) -> WheelsetContact:
     return WheelsetContact(model, mounting)
 
 
-def wheelset_mounting(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile, Mounting]:
-    """Profiles of wheel and rail, and how they sit on axle and track. Raises SceneError as `wheelset_contact`."""
+def wheelset_mounting(
+    scene: WheelsetScene | RunScene, profiles: Sequence[Profile] | None = None
+) -> tuple[Profile, Profile, Mounting]:
+    """Profiles of wheel and rail as laid, and how they sit on axle and track; as for `wheelset_contact`."""
     from contact.pose import Mounting
 
     axle, track = scene.wheelset, scene.track
-    wheel, rail = _profiles(scene)
+    wheel, rail = profiles or laid_profiles(scene)
     try:
         rail_y = rail.gauge_offset(track.gauge, track.gauge_height)
     except ValueError as error:
@@ -161,7 +164,7 @@ def _standard(
     return StandardContact(surfaces, laws(scene), above, below, **given)
 
 
-def _profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
+def laid_profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
     """Profiles of wheel and rail, the rail as laid. Raises SceneError for one that cannot be read."""
     from meshes.profiles import load_profile
 
@@ -172,12 +175,19 @@ def _profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
         raise SceneError(f"profiles: {error}") from error
 
 
-def stressed_bodies(scene: HertzScene | WheelsetScene, pose: Pose) -> dict[str, LoadedBody]:
-    """The bodies inside which the scene asks for stresses, by name; pose of the upper one (of the left pair)."""
-    return {} if scene.stress is None else loaded_bodies(scene, pose, scene.stress.bodies)
+def stressed_bodies(
+    scene: HertzScene | WheelsetScene, pose: Pose, profiles: Sequence[Profile] | None = None
+) -> dict[str, LoadedBody]:
+    """The bodies inside which the scene asks for stresses, by name; pose of the upper one (of the left pair).
+
+    profiles as for `wheelset_contact`.
+    """
+    return {} if scene.stress is None else loaded_bodies(scene, pose, scene.stress.bodies, profiles)
 
 
-def loaded_bodies(scene: HertzScene | WheelsetScene, pose: Pose, names: Iterable[str]) -> dict[str, LoadedBody]:
+def loaded_bodies(
+    scene: HertzScene | WheelsetScene, pose: Pose, names: Iterable[str], profiles: Sequence[Profile] | None = None
+) -> dict[str, LoadedBody]:
     """Bodies of a scene as ones that its tractions load: "upper" and "lower", or "wheel" and "rail"."""
     from contact.laws import Steel
     from contact.patch_stress import LoadedBody
@@ -188,7 +198,7 @@ def loaded_bodies(scene: HertzScene | WheelsetScene, pose: Pose, names: Iterable
     from meshes.sections import rail_outline, wheel_outline
 
     steel = Steel(scene.E, scene.nu)
-    wheel, rail = _profiles(scene)
+    wheel, rail = profiles or laid_profiles(scene)
     made = {
         "wheel": lambda: LoadedBody.wheel(wheel_outline(wheel, scene.wheelset.radius), steel, pose),
         "rail": lambda: LoadedBody.rail(rail_outline(rail), steel),

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from scenes.complaint import RunFailed
-from scenes.contact_scene import solve_contact
+from scenes.contact_scene import solve_sides
 from scenes.models import loaded_bodies, wheelset_mounting
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
-
-if TYPE_CHECKING:
-    from contact.pose import Pose
-    from contact.result import ContactResult
 
 
 def view_scene(
@@ -43,15 +39,13 @@ def view_scene(
         raise SceneError(f"--side {chosen}: must be {' or '.join(sides)}")
     if scene.model == "standard":
         raise SceneError('model = "standard": knows no bodies to look at, only with "condensed" or "full"')
-    results: dict[str, ContactResult] = {}
-    poses: dict[str, Pose] = {}
-    status = solve_contact(scene, say, results.__setitem__, poses.__setitem__)["status"]
-    result = results.get(chosen)
-    if result is None or result.status != "converged":
-        raise RunFailed(status if result is None else result.status)
+    solved = dict(solve_sides(scene, say=say))[chosen]
+    result, pose = solved.result, solved.pose
+    if result.status != "converged" or pose is None:
+        raise RunFailed(result.status)
     seen = []
-    right = chosen == "right"
-    for name, loaded in loaded_bodies(scene, poses[chosen], names if body == "both" else (body,)).items():
+    right = chosen == "right"  # which is solved as its mirror image
+    for name, loaded in loaded_bodies(scene, pose.mirrored() if right else pose, names if body == "both" else (body,)).items():
         say(f"displacement and stress in the {name}")
         inside = look_inside(loaded, result)
         main = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
