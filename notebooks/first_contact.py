@@ -29,6 +29,7 @@ from contact.loading import Loaded, hertz_pose, hertz_under_load
 from contact.pairs import hertz_pair
 from contact.pose import Array, Motion, Nodes, Twist
 from contact.references.hertz import hertz, modulus
+from scenes.contact_results import contact_dataset
 from scenes.pictures.patches import patches_figure
 
 # %% tags=["parameters"]
@@ -260,7 +261,7 @@ for xi, force, reference, estimate in zip(contact_creepage, fitted_force, contac
 # of traction on the ball, and the edge between stick and slip.
 
 # %%
-fitted_figure = patches_figure({"contact": fitted_results[2]}, rough_laws)
+fitted_figure = patches_figure(contact_dataset({"contact": fitted_results[2]}, rough_laws))
 fitted_figure  # noqa: B018
 
 # %% [markdown]

@@ -330,11 +330,12 @@ def _refused(complaint: str) -> typer.Exit:
 
 def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], file: Path) -> None:
     """Save the picture, or end with the reason why not on standard error."""
+    from scenes.contact_results import contact_dataset
     from scenes.models import laws
     from scenes.pictures.patches import draw_patches
 
     try:
-        draw_patches(results, laws(scene), file)
+        draw_patches(contact_dataset(results, laws(scene)), file)
     except (OSError, ValueError) as error:
         print(f"{file}: {error}", file=sys.stderr)
         raise typer.Exit(FAILED) from None

@@ -9,6 +9,7 @@ import numpy as np
 
 from contact.pose import SIDES
 from scenes.netcdf import versions
+from scenes.patch_variables import means, patch_variables
 from vehicle.irregularity import QUANTITIES
 from vehicle.state import COORDINATES, COUNT
 
@@ -19,37 +20,6 @@ if TYPE_CHECKING:
 
 AXES = ("longitudinal", "lateral", "vertical")
 TURNS = ("roll", "spin", "yaw")
-# Variable: attribute of the patch, index in it or None, unit, meaning.
-PATCH_VARIABLES: dict[str, tuple[str, int | None, str, str]] = {
-    "patch_area": ("area", None, "m2", "area of the patch"),
-    "patch_max_pressure": ("max_pressure", None, "Pa", "peak pressure of the patch"),
-    "patch_normal_force": ("normal_force", None, "N", "normal force of the patch"),
-    "patch_longitudinal_force": ("tangential_force", 0, "N", "tangential force on the wheel, forward"),
-    "patch_lateral_force": (
-        "tangential_force",
-        1,
-        "N",
-        "tangential force on the wheel in the contact plane, to the left",
-    ),
-    "patch_semi_axis_x": ("semi_axes", 0, "m", "semi-axis along the track of the ellipse of the same second moments"),
-    "patch_semi_axis_y": ("semi_axes", 1, "m", "semi-axis across"),
-    "patch_contact_angle": ("contact_angle", None, "rad", "turn of the contact plane about the track"),
-    "patch_stick_area": ("stick_area", None, "m2", "area that sticks"),
-    "patch_longitudinal_creepage": ("creepage", 0, "1", "creepage of the wheel, forward, at the patch's resultant"),
-    "patch_lateral_creepage": ("creepage", 1, "1", "creepage of the wheel in the contact plane, to the left"),
-    "patch_spin": ("creepage", 2, "rad/m", "spin creepage of the wheel, about the patch's upward normal"),
-    "patch_frictional_power": ("frictional_power", None, "W", "power of friction that turns into heat"),
-    "patch_x": ("x", None, "m", "position of the resultant along the track"),
-    "wheel_s": ("wheel_s", None, "m", "arc length on the wheel's profile from the rolling circle, to the field side"),
-    "rail_s": ("rail_s", None, "m", "arc length on the rail's profile from its top as laid, to the field side"),
-    "wheel_y": ("wheel_y", None, "m", "lateral position on the wheel from the rolling circle, to the field side"),
-    "rail_y": ("rail_y", None, "m", "lateral position on the rail from its top as laid, to the field side"),
-}
-BANDS = {
-    "wheel_band": "lateral extent of the patch on the wheel, from the rolling circle, to the field side",
-    "rail_band": "lateral extent of the patch on the rail, from its top as laid, to the field side",
-}
-
 IRREGULARITIES = {
     "alignment": "irregularity of the track to the left",
     "level": "irregularity of the track upwards",
@@ -66,21 +36,23 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
     every: dict[str, Any] = {
         **_motion(history),
         **_forces(history),
-        **_patches(history),
+        **patch_variables(
+            [patches for pair in history.patches for patches in pair], ("time", "side"), (len(history), len(SIDES))
+        ),
         "in_contact": (
             ("time", "side"),
             np.array(history.contact_status) == "converged",
-            _means("1", "wheel touches rail"),
+            means("1", "wheel touches rail"),
         ),
-        "contact_solves": ("side", [cost.solves for cost in costs], _means("1", "contact problems solved")),
-        "failed_solves": ("side", [cost.failed for cost in costs], _means("1", "of these, failed and tried again")),
-        "newton_iterations": ("side", [cost.newton for cost in costs], _means("1", "Newton iterations in all")),
-        "linear_iterations": ("side", [cost.linear for cost in costs], _means("1", "linear iterations in all")),
-        "contact_seconds": ("side", [cost.seconds for cost in costs], _means("s", "time for all contact solves")),
+        "contact_solves": ("side", [cost.solves for cost in costs], means("1", "contact problems solved")),
+        "failed_solves": ("side", [cost.failed for cost in costs], means("1", "of these, failed and tried again")),
+        "newton_iterations": ("side", [cost.newton for cost in costs], means("1", "Newton iterations in all")),
+        "linear_iterations": ("side", [cost.linear for cost in costs], means("1", "linear iterations in all")),
+        "contact_seconds": ("side", [cost.seconds for cost in costs], means("s", "time for all contact solves")),
     }
     coordinates = {
         "time": ("time", history.time, {"units": "s", "long_name": "time"}),
-        "distance": ("time", history.distance, _means("m", "distance along the track")),
+        "distance": ("time", history.distance, means("m", "distance along the track")),
         "side": ("side", list(SIDES)),
         "edge": ("edge", ["low", "high"]),
     }
@@ -103,10 +75,6 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
     return Dataset(every, coords=coordinates, attrs=attributes)
 
 
-def _means(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}
-
-
 def _motion(history: History) -> dict[str, Any]:
     """Coordinates of the bodies and their rates, the track below them."""
     found: dict[str, Any] = {}
@@ -116,19 +84,19 @@ def _motion(history: History) -> dict[str, Any]:
     for index, name in enumerate(COORDINATES):
         turns = name.endswith(("roll", "pitch"))
         text = name.replace("_", " ") + (", from the nominal height" if name.endswith("z") else "")
-        found[name] = ("time", state[:, index], _means("rad" if turns else "m", text))
+        found[name] = ("time", state[:, index], means("rad" if turns else "m", text))
         rate = state[:, COUNT + index]
-        found[f"{name}_rate"] = ("time", rate, _means("rad/s" if turns else "m/s", f"rate of {text}"))
+        found[f"{name}_rate"] = ("time", rate, means("rad/s" if turns else "m/s", f"rate of {text}"))
     if history.series_deflection.size:
         text = "deflection outwards of the springs in series with dampers, of the left side, then of the right side"
-        found["series_deflection"] = (("time", "series"), history.series_deflection, _means("m", text))
-    found["speed"] = ("time", history.speeds, _means("m/s", "speed along the track"))
+        found["series_deflection"] = (("time", "series"), history.series_deflection, means("m", text))
+    found["speed"] = ("time", history.speeds, means("m/s", "speed along the track"))
     if history.irregularities is not None:
         for index, name in enumerate(QUANTITIES):
             found[f"irregularity_{name}"] = (
                 "time",
                 history.irregularities[:, index],
-                _means("m", IRREGULARITIES[name]),
+                means("m", IRREGULARITIES[name]),
             )
     for source, name, units, text in (
         (history, "curvature", "1/m", "curvature of the track, positive to the left"),
@@ -138,7 +106,7 @@ def _motion(history: History) -> dict[str, Any]:
         (history.outputs, "bumpstop_deflection", "m", "deflection of the lateral bumpstop, to the left"),
         (history.outputs, "bumpstop_force", "N", "force of the bumpstop on the car body, to the left"),
     ):
-        found[name] = ("time", getattr(source, name), _means(units, text))
+        found[name] = ("time", getattr(source, name), means(units, text))
     return found
 
 
@@ -150,32 +118,13 @@ def _forces(history: History) -> dict[str, Any]:
         found[f"{axis}_force"] = (
             by_side,
             history.outputs.force[:, :, index],
-            _means("N", f"{axis} contact force on the wheel"),
+            means("N", f"{axis} contact force on the wheel"),
         )
         text = f"{turn} moment of the contact force about the wheelset's centre"
-        found[f"{turn}_moment"] = (by_side, history.outputs.moment[:, :, index], _means("N m", text))
+        found[f"{turn}_moment"] = (by_side, history.outputs.moment[:, :, index], means("N m", text))
     found["approach"] = (
         by_side,
         history.outputs.approach,
-        _means("m", "largest undeformed overlap; negative is a gap"),
+        means("m", "largest undeformed overlap; negative is a gap"),
     )
-    return found
-
-
-def _patches(history: History) -> dict[str, Any]:
-    """Values of every patch; a patch keeps its place in the list of its sample only."""
-    counts = np.array([[len(patches) for patches in pair] for pair in history.patches], dtype=int).reshape(-1, 2)
-    present = np.arange(max(1, counts.max(initial=0))) < counts[:, :, None]
-    listed = [patch for pair in history.patches for patches in pair for patch in patches]
-    by_patch = ("time", "side", "patch")
-    found: dict[str, Any] = {"patches": (by_patch[:2], counts, _means("1", "number of contact patches"))}
-    for name, (attribute, index, units, text) in PATCH_VARIABLES.items():
-        values = [getattr(patch, attribute) for patch in listed]
-        filled = np.full(present.shape, np.nan)
-        filled[present] = values if index is None else [value[index] for value in values]
-        found[name] = (by_patch, filled, _means(units, text))
-    for name, text in BANDS.items():
-        filled = np.full((*present.shape, 2), np.nan)
-        filled[present] = np.array([getattr(patch, name) for patch in listed]).reshape(-1, 2)
-        found[name] = ((*by_patch, "edge"), filled, _means("m", text))
     return found

@@ -14,10 +14,13 @@ from spring_contact import patch
 
 from contact.laws import Laws
 from contact.result import ContactResult, Fields
+from scenes.contact_results import contact_dataset
 from scenes.netcdf import write
+from scenes.patch_variables import BANDS, PATCH_VARIABLES
 from scenes.pictures import runs as figures
-from scenes.pictures.patches import PatchCells, draw_patches, patches_figure
-from scenes.results import BANDS, PATCH_VARIABLES, dataset
+from scenes.pictures.patch_cells import PatchCells
+from scenes.pictures.patches import draw_patches, patches_figure
+from scenes.results import dataset
 from vehicle.history import History, RunCost
 from vehicle.record import Outputs, PatchPair
 from vehicle.state import COORDINATES
@@ -203,9 +206,8 @@ def strips(lean: float = 0.1) -> ContactResult:
 
 
 def test_cells_are_drawn_in_their_true_lengths() -> None:
-    result = strips()
-    assert result.fields is not None
-    cells, mirrored = (PatchCells.of(result.fields, 0, Laws(friction=0.3), mirrored=m) for m in (False, True))
+    data = contact_dataset({"left": strips(), "right": strips().mirrored()}, Laws(friction=0.3))
+    cells, mirrored = (PatchCells.of(data, side, 0) for side in ("left", "right"))
     size = np.ptp(cells.corners, axis=1)
     np.testing.assert_allclose(size[:, 0], [2e-3, 3e-3, 1e-3, 2e-3, 1e-3, 1e-3], rtol=1e-12)
     np.testing.assert_allclose(size[:, 1], 2e-3, rtol=1e-12)  # in the contact plane, not seen from above
@@ -215,9 +217,7 @@ def test_cells_are_drawn_in_their_true_lengths() -> None:
 
 
 def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
-    result = strips()
-    assert result.fields is not None
-    cells = PatchCells.of(result.fields, 0, Laws(friction=0.3))
+    cells = PatchCells.of(contact_dataset({"left": strips()}, Laws(friction=0.3)), "left", 0)
     assert cells.sticks.tolist() == [False, True, True, False, False, True]
     pieces = cells.stick_edge()
     x0 = cells.corners[0, 0, 0] + 3e-3  # where x = 0 is
@@ -229,9 +229,10 @@ def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
 
 def test_picture_of_patches(tmp_path: Path) -> None:
     results = {"left": strips(), "right": strips(-0.1)}
-    draw_patches(results, Laws(friction=0.3), tmp_path / "patches.png")
+    data = contact_dataset(results, Laws(friction=0.3))
+    draw_patches(data, tmp_path / "patches.png")
     assert (tmp_path / "patches.png").read_bytes().startswith(b"\x89PNG")
-    figure = patches_figure(results, Laws(friction=0.3))
+    figure = patches_figure(data)
     panels = [ax for ax in figure.axes if ax.get_title(loc="left") or ax.get_title()]
     assert [ax.get_title(loc="left") or ax.get_title() for ax in panels] == ["left wheel: 10 kN", "right wheel: 10 kN"]
     for ax in panels:
@@ -239,4 +240,4 @@ def test_picture_of_patches(tmp_path: Path) -> None:
         assert ax.get_ylabel() == "across, to the left [mm]"
         assert "30 MPa" in ax.get_xlabel() or "60 MPa" in ax.get_xlabel()
     with pytest.raises(ValueError, match="nothing touches"):
-        draw_patches({"left": ContactResult.separated()}, Laws(), tmp_path / "none.png")
+        draw_patches(contact_dataset({"left": ContactResult.separated()}, Laws()), tmp_path / "none.png")

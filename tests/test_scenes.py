@@ -15,6 +15,7 @@ from rich.console import Console
 from contact.laws import FallingFriction, Laws
 from contact.result import ContactResult
 from contact.standard import StandardContact
+from scenes.contact_results import contact_dataset
 from scenes.contact_scene import solve_contact
 from scenes.models import hertz_motion, hertz_scale, laws, wheelset_contact
 from scenes.override import overridden
@@ -431,5 +432,5 @@ def test_the_standard_model_reports_and_draws(tmp_path: Path) -> None:
     text = StringIO()
     Console(file=text, width=120).print(table(report))
     assert "standard model, kik-piotrowski normal, fastsim tangential: converged" in text.getvalue()
-    draw_patches(results, laws(scene), tmp_path / "patches.png")
+    draw_patches(contact_dataset(results, laws(scene)), tmp_path / "patches.png")
     assert (tmp_path / "patches.png").stat().st_size > 10_000

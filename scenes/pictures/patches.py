@@ -1,191 +1,184 @@
-"""Picture of the patches of a contact solve: pressure, tractions on the wheel, where the surfaces stick."""
+"""Pictures of contact patches from above: pressure, tractions and slip on the wheel, where the surfaces stick."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.pictures.style import PRESSURE_MAP, STYLE
+from scenes.pictures.patch_cells import PatchCells, chosen, title, touching
+from scenes.pictures.style import PRESSURE_MAP, REGIONS, STYLE, axes_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from contact.laws import Laws
-    from contact.result import ContactResult, Fields
+    from xarray import Dataset
 
 Array = NDArray[np.float64]
 
 ARROWS = 15  # over the longer side of a patch
+EDGE = "#D55E00"
+ALONG, ACROSS = "along, forward [mm]", "across, to the left [mm]"
 
 
-@dataclass(frozen=True)
-class PatchCells:
-    """Loaded cells of one patch seen from above in its contact plane, forward and to the left of its resultant:
-    corners (n, 4, 2) m, pressure (n,) Pa, traction (n, 2) Pa on the wheel, sticks (n,).
-    """
-
-    corners: Array
-    pressure: Array
-    traction: Array
-    sticks: NDArray[np.bool_]
-
-    @property
-    def middle(self) -> Array:
-        return np.asarray(self.corners.mean(axis=1))
-
-    def stick_edge(self) -> Array:
-        """Pieces (k, 2, 2) m of the sides that cells which stick share with cells which slip."""
-        low, high = self.corners.min(axis=1), self.corners.max(axis=1)
-        size = high - low
-        pieces: list[Array] = []
-        for one, other in ((self.sticks, ~self.sticks), (~self.sticks, self.sticks)):
-            a, b = np.flatnonzero(one), np.flatnonzero(other)
-            for axis in (0, 1):  # a side of the first cell across this axis, and the cell beyond it
-                across = 1 - axis
-                apart = np.abs(high[a, None, axis] - low[b, axis])
-                start = np.maximum(low[a, None, across], low[b, across])
-                stop = np.minimum(high[a, None, across], high[b, across])
-                near = apart < 0.2 * np.minimum(size[a, None, axis], size[b, axis])
-                least = np.minimum(size[a, None, across], size[b, across])
-                i, j = np.nonzero(near & (stop - start > 1e-2 * least))
-                side = 0.5 * (high[a[i], axis] + low[b[j], axis])
-                ends = np.empty((len(i), 2, 2))
-                ends[..., axis] = side[:, None]
-                ends[:, 0, across], ends[:, 1, across] = start[i, j], stop[i, j]
-                pieces.append(ends)
-        return np.concatenate(pieces)
-
-    @classmethod
-    def of(cls, fields: Fields, patch: int, laws: Laws, *, mirrored: bool = False) -> PatchCells:
-        """Cells in their true lengths; mirrored for a right-hand pair, whose fields are those of its mirror image."""
-        own = fields.patch == patch
-        weight = (fields.pressure * fields.area)[own]
-        up = -(weight @ fields.axes[own, 2])
-        up /= np.linalg.norm(up)
-        forward = np.array([1.0, 0.0, 0.0]) - up[0] * up
-        forward /= np.linalg.norm(forward)
-        plane = np.column_stack([forward, np.cross(up, forward) * (-1.0 if mirrored else 1.0)])
-        point = fields.point[own] - weight @ fields.point[own] / weight.sum()
-        step = fields.step[own]
-        half = 0.5 * np.stack([step, fields.area[own] / step], axis=1)[..., None] * fields.axes[own, :2]
-        signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        corners = (point[:, None] + np.einsum("ks,nsc->nkc", signs, half)) @ plane
-        traction = np.einsum("ns,nsc->nc", fields.traction[own], fields.axes[own, :2]) @ plane
-        return cls(corners, fields.pressure[own], traction, _sticks(fields, own, laws))
-
-
-def _sticks(fields: Fields, own: NDArray[np.bool_], laws: Laws) -> NDArray[np.bool_]:
-    """Where the surfaces stick, if the model does not say so: traction below its bound, or no slip where that falls."""
-    if fields.sticks is not None:
-        return fields.sticks[own]
-    if laws.falling is None:
-        return np.asarray(np.hypot(*fields.traction[own].T) < (1 - 1e-6) * laws.friction * fields.pressure[own])
-    slip = np.hypot(*fields.slip[own].T)
-    return np.asarray(slip <= max(laws.regularisation, 1e-6 * float(slip.max(initial=0.0))))
-
-
-def draw_patches(results: Mapping[str, ContactResult], laws: Laws, file: Path) -> None:
+def draw_patches(data: Dataset, file: Path) -> None:
     """Write the picture; its format is that of the file's ending. Raises ValueError when nothing touches, or for an
     ending that is no picture's.
     """
     from matplotlib import rc_context
 
     with rc_context(STYLE):
-        patches_figure(results, laws).savefig(file)
+        patches_figure(data).savefig(file)
 
 
-def patches_figure(results: Mapping[str, ContactResult], laws: Laws) -> Figure:
-    """A column for every side, its patches below one another, on one scale of pressure."""
+def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Pressure, arrows of traction and the edge of stick of all patches of a Dataset of `scenes.contact_results`: a
+    column for every side, its patches below one another, on one scale of pressure.
+    """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    shown = {side: result for side, result in results.items() if result.ok and result.patches}
-    if not shown:
+    there = touching(data)
+    if not there:
         raise ValueError("nothing touches: there is no patch to draw")
-    rows = max(len(result.patches) for result in shown.values())
-    cells = {side: _cells(side, result, laws) for side, result in shown.items()}
-    tall = [
-        max(float(np.divide(*np.ptp(own[k].corners, axis=(0, 1))[::-1])) for own in cells.values() if k < len(own))
-        for k in range(rows)
+    sides = list(dict.fromkeys(side for side, _ in there))
+    rows = 1 + max(patch for _, patch in there)
+    cells = {place: PatchCells.of(data, *place) for place in there}
+    heights = [
+        1.3 + 3.4 * min(max(_tall(own) for (_, patch), own in cells.items() if patch == row), 1.6)
+        for row in range(rows)
     ]
-    heights = [1.3 + 3.4 * min(ratio, 1.6) for ratio in tall]
-    figure = Figure(figsize=(1.2 + 4.4 * len(shown), sum(heights)), layout="constrained")
-    axes = figure.subplots(rows, len(shown), squeeze=False, gridspec_kw={"height_ratios": heights})
-    peak = max(patch.max_pressure for result in shown.values() for patch in result.patches)
-    shade = Normalize(0.0, 1e-6 * peak)
-    for column, (side, result) in zip(axes.T, shown.items(), strict=True):
-        name = "contact" if side == "contact" else f"{side} wheel"
-        for index, ax in enumerate(column):
-            if index >= len(result.patches):
+    figure = Figure() if figure is None else figure
+    figure.set_size_inches(1.2 + 4.4 * len(sides), sum(heights))
+    figure.set_layout_engine("constrained")
+    axes = figure.subplots(rows, len(sides), squeeze=False, gridspec_kw={"height_ratios": heights})
+    shade = Normalize(0.0, 1e-6 * float(data["patch_max_pressure"].max()))
+    for column, side in zip(axes.T, sides, strict=True):
+        for patch, ax in enumerate(column):
+            if (side, patch) not in cells:
                 ax.set_axis_off()
                 continue
-            which = f", patch {index + 1}" if len(result.patches) > 1 else ""
-            ax.set_title(f"{name}{which}: {1e-3 * result.patches[index].normal_force:.3g} kN")
-            _draw(ax, cells[side][index], shade)
+            ax.set_title(title(data, side, patch))
+            own = cells[side, patch]
+            _shaded(ax, own, shade)
+            _finish(ax, own, [*_arrows(ax, own, own.traction, "white"), *_stick_line(ax, own)])
     figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), ax=axes[0], aspect=25, label="pressure [MPa]")
     return figure
 
 
-def _cells(side: str, result: ContactResult, laws: Laws) -> list[PatchCells]:
-    assert result.fields is not None
-    fields = result.fields
-    return [PatchCells.of(fields, k, laws, mirrored=side == "right") for k in range(len(result.patches))]
+def pressure_map(data: Dataset, side: str | None = None, patch: int = 0, ax: Axes | None = None) -> Axes:
+    """Pressure MPa of one patch over its plane, and the edge between stick and slip; the first side that touches
+    unless one is named. Raises ValueError for a patch that is not there.
+    """
+    from matplotlib.colors import Normalize
+
+    cells = PatchCells.of(data, *chosen(data, side, patch))
+    ax = axes_of(ax)
+    shaded = _shaded(ax, cells, Normalize(0.0, 1e-6 * float(cells.pressure.max())))
+    ax.figure.colorbar(shaded, ax=ax, label="pressure [MPa]")
+    ax.set_title(title(data, *chosen(data, side, patch)))
+    _finish(ax, cells, _stick_line(ax, cells))
+    return ax
 
 
-def _draw(ax: Axes, cells: PatchCells, shade: object) -> None:
+def traction_map(
+    data: Dataset, side: str | None = None, patch: int = 0, ax: Axes | None = None, *, slip: bool = True
+) -> Axes:
+    """Where one patch sticks and slips, with arrows of the traction on the wheel, and of the slip where it slips.
+
+    Raises ValueError for a patch that is not there.
+    """
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
+
+    cells = PatchCells.of(data, *chosen(data, side, patch))
+    ax = axes_of(ax)
+    colours = np.where(cells.sticks, REGIONS["stick"], REGIONS["slip"])
+    ax.add_collection(PolyCollection(list(1e3 * cells.corners), facecolors=list(colours), edgecolors="face"))
+    notes = _arrows(ax, cells, cells.traction, "0.1")
+    slides = ~cells.sticks
+    if slip and slides.any() and notes:
+        moving = np.where(slides[:, None], cells.slip, 0.0)
+        notes += _arrows(ax, cells, moving, EDGE, only=slides, says="orange: slip, longest {:.3g} of the speed")
+    share = {name: float(cells.areas[cells.sticks == (name == "stick")].sum()) for name in REGIONS}
+    handles = [
+        Patch(color=colour, label=f"{name}s, {1e6 * share[name]:.3g} mm²")
+        for name, colour in REGIONS.items()
+        if share[name] > 0.0
+    ]
+    ax.legend(handles=handles, loc="upper right", fontsize=8, frameon=True, framealpha=0.85, edgecolor="none")
+    ax.set_title(title(data, *chosen(data, side, patch)))
+    _finish(ax, cells, notes)
+    return ax
+
+
+def _tall(cells: PatchCells) -> float:
+    """Height over width."""
+    return float(np.divide(*np.ptp(cells.corners, axis=(0, 1))[::-1]))
+
+
+def _shaded(ax: Axes, cells: PatchCells, shade: Any) -> Any:
     from matplotlib.collections import PolyCollection
 
     patch = PolyCollection(list(1e3 * cells.corners), cmap=PRESSURE_MAP, norm=shade, edgecolors="face", linewidths=0.3)
     patch.set_array(1e-6 * cells.pressure)
     ax.add_collection(patch)
-    notes = []
-    largest = float(np.hypot(*cells.traction.T).max())
-    if largest > 0:
-        at = _spread(cells)
-        (x, y), (u, v) = 1e3 * cells.middle[at].T, cells.traction[at].T / largest
-        length = float(np.ptp(1e3 * cells.corners.reshape(-1, 2), axis=0).max()) / ARROWS
-        ax.quiver(
-            x,
-            y,
-            u,
-            v,
-            angles="xy",
-            scale_units="xy",
-            scale=0.7 / length,
-            color="white",
-            width=0.004,
-            edgecolor="0.2",
-            linewidth=0.3,
-        )
-        notes.append(f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the wheel")
-        notes.append(_stick_line(ax, cells))
+    return patch
+
+
+def _finish(ax: Axes, cells: PatchCells, notes: list[str]) -> None:
+    """Axes in true proportion, with notes below."""
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.margins(0.06)
-    ax.set_xlabel("\n".join(["along, forward [mm]", *notes]))
-    ax.set_ylabel("across, to the left [mm]")
+    ax.grid(False)
+    ax.set_xlabel("\n".join([ALONG, *notes]))
+    ax.set_ylabel(ACROSS)
 
 
-def _stick_line(ax: Axes, cells: PatchCells) -> str:
-    """The line between cells that stick and cells that slip, and a word on it."""
+def _arrows(
+    ax: Axes,
+    cells: PatchCells,
+    vectors: Array,
+    colour: str,
+    *,
+    only: NDArray[np.bool_] | None = None,
+    says: str = "",
+) -> list[str]:
+    """Arrows of vectors (n, 2), tractions [Pa] unless something else is said, and a word on their length."""
+    size = np.hypot(*vectors.T)
+    largest = float(size.max())
+    if not largest > 0.0:
+        return []
+    at = cells.spread(ARROWS, only)
+    (x, y), (u, v) = 1e3 * cells.middle[at].T, vectors[at].T / largest
+    length = float(np.ptp(1e3 * cells.corners.reshape(-1, 2), axis=0).max()) / ARROWS
+    ax.quiver(
+        x,
+        y,
+        u,
+        v,
+        angles="xy",
+        scale_units="xy",
+        scale=0.7 / length,
+        color=colour,
+        width=0.004,
+        edgecolor="0.2",
+        linewidth=0.3 if colour == "white" else 0.0,
+    )
+    return [says.format(largest) if says else f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the wheel"]
+
+
+def _stick_line(ax: Axes, cells: PatchCells) -> list[str]:
+    """The line between cells that stick and cells that slip, and a word on it; nothing without friction."""
+    if not cells.traction.any():
+        return []
     if cells.sticks.all() or not cells.sticks.any():
-        return "all sticks" if cells.sticks.all() else "all slips"
+        return ["all sticks" if cells.sticks.all() else "all slips"]
     from matplotlib.collections import LineCollection
 
-    ax.add_collection(LineCollection(list(1e3 * cells.stick_edge()), colors="#D55E00", linewidths=1.6))
-    return "orange: edge between stick and slip"
-
-
-def _spread(cells: PatchCells) -> NDArray[np.int64]:
-    """Some cells, about evenly over the patch."""
-    middle = cells.middle
-    box = float(np.ptp(middle, axis=0).max()) / ARROWS or 1.0
-    _, first = np.unique(np.floor(middle / box), axis=0, return_index=True)
-    return np.asarray(first)
+    ax.add_collection(LineCollection(list(1e3 * cells.stick_edge()), colors=EDGE, linewidths=1.6))
+    return ["orange: edge between stick and slip"]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 STYLE = {
     "font.size": 9.0,
@@ -23,3 +26,22 @@ SIDES: dict[str, dict[str, Any]] = {
     "right": {"color": "#D55E00", "linestyle": (0, (5, 1.5))},
 }
 PRESSURE_MAP = "viridis"
+REGIONS = {"stick": "#CFE5F2", "slip": "#FBE3CC"}  # light, below arrows; the one is bluish, the other reddish
+SERIES: tuple[dict[str, Any], ...] = (
+    {"color": "#0072B2", "marker": "o", "linestyle": "-"},
+    {"color": "#D55E00", "marker": "s", "linestyle": (0, (5, 1.5))},
+    {"color": "#009E73", "marker": "^", "linestyle": (0, (1, 1))},
+    {"color": "#CC79A7", "marker": "D", "linestyle": (0, (5, 1.5, 1, 1.5))},
+    {"color": "#E69F00", "marker": "v", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+    {"color": "#56B4E9", "marker": "P", "linestyle": "-"},
+    {"color": "0.2", "marker": "x", "linestyle": (0, (5, 1.5))},
+)
+
+
+def axes_of(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Axes:
+    """The axes, or those of a new figure of a size in inches."""
+    if ax is not None:
+        return ax
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=size, layout="constrained").subplots()
