@@ -18,7 +18,7 @@ from meshes.curve import Array, Curve
 
 Kind = Literal["wheel", "rail"]
 KINDS: tuple[Kind, Kind] = ("wheel", "rail")
-NAMES: dict[str, Kind] = {"S1002": "wheel", "60E1": "rail", "UIC60-benchmark": "rail"}
+NAMES: dict[str, Kind] = {"S1002": "wheel", "60E1": "rail", "UIC60-benchmark": "rail", "UIC60": "rail"}
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,19 @@ class Profile(Curve):
             raise ValueError(
                 f"profile {self.name} must have its reference point s = 0 inside {start:.4g} .. {stop:.4g} m"
             )
+
+    def __repr__(self) -> str:
+        (y0, z0), (y1, z1) = self._reach
+        return (
+            f"Profile {self.name} ({self.kind}): y {1e3 * y0:.2f} to {1e3 * y1:.2f} mm, "
+            f"z {1e3 * z0:.2f} to {1e3 * z1:.2f} mm, {1e3 * np.ptp(self.breaks):.2f} mm long"
+        )
+
+    @property
+    def _reach(self) -> tuple[Array, Array]:
+        """Least and largest y and z, m."""
+        points = self.point(self.samples(1e-4))
+        return points.min(axis=0), points.max(axis=0)
 
     def digest(self) -> str:
         """Hash of everything that shapes the body: curve, kind and placement, not the name."""
@@ -130,7 +143,7 @@ def from_sections(sections: list[Section], *, name: str, kind: Kind, placement: 
 
 @lru_cache
 def named_profile(name: str) -> Profile:
-    """S1002 wheel, 60E1 rail (upright, to be laid), or UIC60-benchmark rail (already inclined 1/40).
+    """S1002 wheel, 60E1 rail (upright, to be laid; UIC60 is its older name), or UIC60-benchmark rail (inclined 1/40).
 
     The benchmark's rail keeps the origin of its file, 6 um to the gauge side of the highest point and equally high to
     1e-10 m. ValueError naming what is allowed.
@@ -139,6 +152,8 @@ def named_profile(name: str) -> Profile:
 
     if name == "S1002":
         return from_sections(standards.s1002(), name=name, kind="wheel")
+    if name == "UIC60":
+        return named_profile("60E1")
     if name == "60E1":
         return from_sections(standards.EN_60E1.sections(), name=name, kind="rail")
     if name == "UIC60-benchmark":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from types import UnionType
@@ -24,8 +24,14 @@ class RunFailed(RuntimeError):
     """A run that came to nothing."""
 
 
-def complain(error: ValidationError, model: type[BaseModel], data: Mapping[str, Any], path: str | Path) -> SceneError:
-    """One error with a line for every entry at fault."""
+def complain(
+    error: ValidationError,
+    model: type[BaseModel],
+    data: Mapping[str, Any],
+    path: str | Path,
+    unnamed: Container[str] = (),
+) -> SceneError:
+    """One error with a line for every entry at fault; tables that are unnamed are left out of its name."""
     lines: dict[str, str] = {}
     for item in error.errors(include_url=False):
         ctx = item.get("ctx", {})
@@ -38,7 +44,8 @@ def complain(error: ValidationError, model: type[BaseModel], data: Mapping[str, 
             says = str(ctx["allowed"])
         else:
             key, says = location, f"must be {allowed(model, location)}"
-        lines.setdefault(_dotted(key), fault(key, data, says))
+        called = key[1:] if key[0] in unnamed else key
+        lines.setdefault(_dotted(called), f"{_dotted(called)}{_value(key, data)}: {says}")
     return SceneError("\n".join(f"{path}: {line}" for line in lines.values()))
 
 

@@ -17,7 +17,10 @@ from scenes.scene import RunScene
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
+    from xarray import Dataset
 
+    from scenes.journal import Journal
+    from vehicle.checkpoint import Checkpoint
     from vehicle.dynamics import Contact
     from vehicle.history import History
     from vehicle.track import Track
@@ -62,18 +65,40 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, res
     if not resume and head_of(journal.file):
         console.print(f"{folder} holds a run that was stopped; this one starts anew, --resume would go on with it")
     start = latest(journal, journal.tell) if resume else None
+    history = _simulated(scene, console, journal, start)
+    if not len(history):
+        return Outcome(history, ())
+    with console.status("results and pictures"):
+        files = tuple(keep(history, text, folder, scene))
+    if history.status == "completed":
+        journal.remove()
+    return Outcome(history, files, resumable=history.status == "interrupted" and journal.file.exists())
+
+
+def simulate_scene(scene: RunScene, text: str, console: Console) -> tuple[History, Dataset | None]:
+    """Run a scene and write nothing: its history, and the results, which a run without a single step has not."""
+    history = _simulated(scene, console)
+    return history, gathered(history, text, scene) if len(history) else None
+
+
+def _simulated(
+    scene: RunScene, console: Console, journal: Journal | None = None, start: Checkpoint | None = None
+) -> History:
+    """The history of a scene; checkpoints go to the journal, the run goes on from a start."""
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
     from vehicle.checkpoint import Checkpoints
     from vehicle.drive import Drive
     from vehicle.simulate import simulate
 
-    checkpoints = Checkpoints(scene.output.checkpoint, journal.keep, start) if scene.output.checkpoint else None
+    checkpoints = None
+    if journal is not None and scene.output.checkpoint:
+        checkpoints = Checkpoints(scene.output.checkpoint, journal.keep, start)
     speed, length = scene.vehicle.drive, scene.track.length
     end = Drive.of(speed).time_at(length)
     gone = length * start.time / end if start else 0.0
     with _workers(contact, scene.solver.workers) as shared, progress_bar(console, length, gone) as progress:
-        history = simulate(
+        return simulate(
             wagon(scene),
             track(scene),
             shared,
@@ -86,28 +111,14 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, res
             progress=progress,
             checkpoints=checkpoints,
         )
-    if not len(history):
-        return Outcome(history, ())
-    with console.status("results and pictures"):
-        files = tuple(keep(history, text, folder, scene))
-    if history.status == "completed":
-        journal.remove()
-    return Outcome(history, files, resumable=history.status == "interrupted" and journal.file.exists())
 
 
 def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator[Path]:
     """Write results, then pictures; yields the files."""
-    from scenes.energy import with_energy
     from scenes.netcdf import write
-    from scenes.results import dataset
-    from scenes.resume import inputs
-    from scenes.wear import wear
 
     with undisturbed():
-        data = dataset(history, scene=text)
-        data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(inputs=json.dumps(inputs(scene)))
-        if not scene.output.interval:  # between accepted steps forces are not known well enough
-            data = with_energy(data, history, wagon(scene), track(scene))
+        data = gathered(history, text, scene)
         write(data, folder / RESULTS)
     yield folder / RESULTS
     if scene.output.figures:
@@ -117,6 +128,20 @@ def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator
             yield from draw_figures(data, folder)
         except KeyboardInterrupt:  # whoever has no time for pictures keeps the results
             return
+
+
+def gathered(history: History, text: str, scene: RunScene) -> Dataset:
+    """All results of a run, wear included; text is the scene as written."""
+    from scenes.energy import with_energy
+    from scenes.results import dataset
+    from scenes.resume import inputs
+    from scenes.wear import wear
+
+    data = dataset(history, scene=text)
+    data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(inputs=json.dumps(inputs(scene)))
+    if scene.output.interval:  # between accepted steps forces are not known well enough
+        return data
+    return with_energy(data, history, wagon(scene), track(scene))
 
 
 def track(scene: RunScene) -> Track:

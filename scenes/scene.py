@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from math import isinf
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
@@ -233,20 +233,24 @@ def load_scene(path: str | Path) -> Scene:
 
 def parse_scene(text: str, path: str | Path = "scene") -> Scene:
     """The scene in a TOML text; path names it in errors, and files in it are looked for beside it."""
-    return check_scene(parse(text, path), path)
+    return checked(parse(text, path), path)
 
 
-def check_scene(data: Mapping[str, Any], path: str | Path = "scene") -> Scene:
-    """The scene that a table describes; path as in `parse_scene`."""
+def checked(
+    data: Mapping[str, Any], path: str | Path = "scene", *, at_hand: Container[str] = (), unnamed: Container[str] = ()
+) -> Scene:
+    """The scene in tables; bodies whose profiles are at_hand have no file. Errors as `load_scene`, without the names of
+    tables that are unnamed.
+    """
     kind = data.get("kind")
     known = KINDS.get(kind) if isinstance(kind, str) else None
     if known is None:
         found = f"kind = {kind!r}" if "kind" in data else "kind: missing"
         raise SceneError(f"{path}: {found}: must be one of {', '.join(map(repr, KINDS))}")
     try:
-        return known.model_validate(data, context={"folder": Path(path).parent})
+        return known.model_validate(data, context={"folder": Path(path).parent, "at_hand": at_hand})
     except ValidationError as error:
-        raise complain(error, known, data, path) from None
+        raise complain(error, known, data, path, unnamed) from None
 
 
-__all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "check_scene", "load_scene", "parse_scene"]
+__all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "checked", "load_scene", "parse_scene"]

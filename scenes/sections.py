@@ -70,13 +70,17 @@ class Profiles(Table):
     @field_validator("wheel", "rail")
     @classmethod
     def _exists(cls, value: str, info: ValidationInfo) -> str:
-        """A known name as it is; a file, relative to the scene's folder, as its full path."""
+        """A known name as it is; a file, relative to the scene's folder, as its full path.
+
+        Whoever has a profile at hand says so in the context: then this is its name and no more.
+        """
         from meshes.profiles import NAMES
 
+        context = info.context or {}
         names = [name for name, kind in NAMES.items() if kind == info.field_name]
-        if value in names:
+        if value in names or info.field_name in context.get("at_hand", ()):
             return value
-        file = Path((info.context or {}).get("folder", "."), value)
+        file = Path(context.get("folder", "."), value)
         if not file.is_file():
             raise q.refuse(f"must be {' or '.join(names)}, or a file that exists, seen from the scene's folder")
         return str(file.resolve())

@@ -199,7 +199,17 @@ def strips(lean: float = 0.1) -> ContactResult:
     traction = np.column_stack([-share * pressure, 0.0 * share])
     none = np.zeros(6)
     fields = Fields(
-        np.arange(6), np.zeros(6, dtype=int), point, axes, step * 2e-3, step, none, pressure, traction, traction, none
+        np.arange(6),
+        np.zeros(6, dtype=int),
+        point,
+        axes,
+        step * 2e-3,
+        step,
+        none,
+        pressure,
+        traction,
+        traction,
+        np.zeros((6, 3)),
     )
     force = np.array([0.0, 0.0, 10e3])
     return ContactResult(force, none[:3], (patch(10e3, force),), fields, 1e-5, "converged")

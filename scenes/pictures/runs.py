@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,9 +32,9 @@ def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:
         yield folder / f"{name}.png"
 
 
-def displacements(data: Dataset) -> Figure:
+def displacements(data: Dataset, figure: Figure | None = None) -> Figure:
     """Lateral displacement of wheelset and car body, Figs. 11 and 12."""
-    figure, axes = along_track(data, 2)
+    figure, axes = along_track(data, 2, figure=figure)
     for ax, name, title in zip(axes, ("wheelset_y", "car_body_y"), ("wheelset", "car body"), strict=True):
         ax.plot(data["distance"], 1e3 * data[name], color="0.15")
         ax.set_title(f"Lateral displacement of the {title}")
@@ -42,27 +42,27 @@ def displacements(data: Dataset) -> Figure:
     return figure
 
 
-def lateral_forces(data: Dataset) -> Figure:
+def lateral_forces(data: Dataset, figure: Figure | None = None) -> Figure:
     """Lateral contact forces on both wheels, Figs. 13 and 15."""
-    return _forces(data, "lateral_force", "Lateral contact force on the wheels", "Y, to the left [kN]")
+    return _forces(data, "lateral_force", "Lateral contact force on the wheels", "Y, to the left [kN]", figure)
 
 
-def vertical_forces(data: Dataset) -> Figure:
+def vertical_forces(data: Dataset, figure: Figure | None = None) -> Figure:
     """Vertical contact forces on both wheels, Figs. 14 and 16."""
-    return _forces(data, "vertical_force", "Vertical contact force on the wheels", "Q, upwards [kN]")
+    return _forces(data, "vertical_force", "Vertical contact force on the wheels", "Q, upwards [kN]", figure)
 
 
-def wheel_sections(data: Dataset) -> Figure:
+def wheel_sections(data: Dataset, figure: Figure | None = None) -> Figure:
     """Sections of the contact areas on the wheels, Figs. 17 and 18."""
-    return patch_bands(data, "wheel", "from the rolling circle\nto the field side [mm]")[0]
+    return patch_bands(data, "wheel", "from the rolling circle\nto the field side [mm]", figure)[0]
 
 
-def rail_sections(data: Dataset) -> Figure:
+def rail_sections(data: Dataset, figure: Figure | None = None) -> Figure:
     """Sections of the contact areas on the rails, Figs. 19 and 20."""
-    return patch_bands(data, "rail", "from the top of the rail\nto the field side [mm]")[0]
+    return patch_bands(data, "rail", "from the top of the rail\nto the field side [mm]", figure)[0]
 
 
-PICTURES: dict[str, Callable[[Any], Figure]] = {
+PICTURES: dict[str, Callable[..., Figure]] = {
     "lateral_displacement": displacements,
     "lateral_force": lateral_forces,
     "vertical_force": vertical_forces,
@@ -80,11 +80,15 @@ def named(side: str, data: Dataset) -> str:
     return f"{side} ({'inner' if (most > 0.0) == (side == 'left') else 'outer'})"
 
 
-def along_track(data: Dataset, count: int, *, sharey: bool = False) -> tuple[Figure, list[Axes]]:
-    """Panels over the distance, with the track's curvature hinted at below the curves."""
+def along_track(
+    data: Dataset, count: int, *, sharey: bool = False, figure: Figure | None = None
+) -> tuple[Figure, list[Axes]]:
+    """Panels over the distance, with the track's curvature hinted at below the curves; in a new figure unless given."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.2, 1.0 + 2.1 * count), layout="constrained")
+    figure = Figure() if figure is None else figure
+    figure.set_size_inches(7.2, 1.0 + 2.1 * count)
+    figure.set_layout_engine("constrained")
     axes = list(np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=sharey)))
     distance, curvature = data["distance"].values, data["curvature"].values
     for ax in axes:
@@ -111,8 +115,8 @@ def _shade(ax: Axes, distance: Array, curvature: Array) -> None:
         )
 
 
-def _forces(data: Dataset, name: str, title: str, label: str) -> Figure:
-    figure, (ax,) = along_track(data, 1)
+def _forces(data: Dataset, name: str, title: str, label: str, figure: Figure | None) -> Figure:
+    figure, (ax,) = along_track(data, 1, figure=figure)
     figure.set_size_inches(7.2, 3.6)
     for side, style in SIDES.items():
         ax.plot(data["distance"], 1e-3 * data[name].sel(side=side), label=named(side, data), **style)
@@ -122,13 +126,13 @@ def _forces(data: Dataset, name: str, title: str, label: str) -> Figure:
     return figure
 
 
-def patch_bands(data: Dataset, body: str, label: str) -> tuple[Figure, list[Axes]]:
+def patch_bands(data: Dataset, body: str, label: str, figure: Figure | None = None) -> tuple[Figure, list[Axes]]:
     """Lateral extent of every patch along the track, shaded by its peak pressure."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import Normalize
 
-    figure, axes = along_track(data, 2, sharey=True)
+    figure, axes = along_track(data, 2, sharey=True, figure=figure)
     band, pressure = 1e3 * data[f"{body}_band"], 1e-6 * data["patch_max_pressure"]
     shade = Normalize(0.0, float(pressure.max(skipna=True).fillna(1.0)))
     for ax, side in zip(axes, SIDES, strict=True):

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from scenes.scene import Scene, check_scene
+from scenes.scene import Scene, checked
 from scenes.studies.plan import Case
 
 
@@ -51,7 +51,7 @@ class Job:
                 file = Path(name, path)
                 file.parent.mkdir(exist_ok=True)
                 file.write_bytes(content)
-            yield check_scene(self.table, Path(name, "case")), Path(name)
+            yield checked(self.table, Path(name, "case")), Path(name)
 
 
 @cache

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from scenes.complaint import SceneError, unit_of, whole
-from scenes.scene import KINDS, HertzScene, Scene, check_scene
+from scenes.scene import KINDS, HertzScene, Scene, checked
 from scenes.studies.study import Convergence, LatinHypercube, Study
 
 MOST = 10_000  # cases: a slip of the pen multiplies quickly
@@ -76,7 +76,7 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
     base = _with(_without(base, study.without, path), study.set, path)
     kind = base.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
-        check_scene(base, file)  # which says what is allowed
+        checked(base, file)  # which says what is allowed
     model = KINDS[str(kind)]
     axes = _axes(study, lambda name: whole(model, _keys(name)))
     over = None if study.convergence is None else _over(study.convergence, axes, model, path)
@@ -106,7 +106,7 @@ def _cases(axes: Sequence[Axis], base: Mapping[str, Any], file: Path, path: str 
         parameters = {name: value for point in points for name, value in point.items()}
         try:
             table = _with(base, parameters, path)
-            cases.append(Case(place, parameters, table, check_scene(table, file)))
+            cases.append(Case(place, parameters, table, checked(table, file)))
         except SceneError as error:
             said = ", ".join(f"{name} = {shown(value)}" for name, value in parameters.items())
             complaints.append(f"{path}: with {said}: " + str(error).replace(f"{file}: ", "").replace(f"{path}: ", ""))

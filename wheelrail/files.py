@@ -1,0 +1,85 @@
+"""Scenes, profiles and results from files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scenes.complaint import SceneError
+from scenes.scene import RunScene, WheelsetScene, load_scene
+
+if TYPE_CHECKING:
+    from meshes.profiles import Kind, Profile
+    from wheelrail.hertz import Hertz
+    from wheelrail.runs import Run
+    from wheelrail.solution import Solution
+    from wheelrail.wheelset import Wheelset
+
+ENDINGS: dict[str, Kind] = {".prr": "rail", ".ban": "rail", ".prw": "wheel", ".whl": "wheel"}
+
+
+def load(scene: str | Path) -> Hertz | Wheelset:
+    """The Hertz pair or the wheelset of a scene file (TOML); its `solve()` without arguments is the scene's contact.
+
+    Raises SceneError naming file, key, value and what is allowed, and for a vehicle run, which `wheelrail.run` takes.
+    """
+    from wheelrail.hertz import Hertz
+    from wheelrail.wheelset import SECTIONS, Wheelset
+
+    found = load_scene(scene)
+    if isinstance(found, RunScene):
+        raise SceneError(f'{scene}: kind = "run": this is a vehicle run, use wheelrail.run')
+    keys: dict[str, Any] = found.model_dump(exclude_unset=True)
+    del keys["kind"]
+    if not isinstance(found, WheelsetScene):
+        return Hertz(**keys)
+    for section in SECTIONS:
+        keys |= keys.pop(section)
+    return Wheelset(**keys)
+
+
+def open(file: str | Path) -> Solution | Run:
+    """What `Solution.to_netcdf` or `Run.to_netcdf` wrote, or the run.nc of a vehicle run from the command line.
+
+    Raises SceneError for a file that is none of these, OSError for one that cannot be read.
+    """
+    from xarray import open_dataset
+
+    from wheelrail.runs import Run
+    from wheelrail.solution import Solution
+
+    if not Path(file).is_file():
+        raise FileNotFoundError(f"{file}: there is no such file")
+    try:
+        with open_dataset(file, engine="netcdf4", decode_times=False) as stored:
+            data = stored.load()
+    except (OSError, ValueError) as error:
+        raise SceneError(
+            f"{file}: not a NetCDF file that can be read ({error}); allowed: results of wheelrail"
+        ) from None
+    if "point" in data.dims and "patches" in data:
+        return Solution(data)
+    if "time" in data.dims and "patches" in data:
+        return Run(data)
+    raise SceneError(f"{file}: neither a contact solution nor a vehicle run; allowed: results of wheelrail")
+
+
+def profile(name: str | Path, kind: Kind | None = None, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:
+    """The profile of a wheel or of a rail, lengths in m: "S1002", "60E1" or "UIC60", "UIC60-benchmark", or a file.
+
+    Files: Simpack .prr and .prw, MiniProf .ban and .whl, and points y, z in .txt, .csv or .dat, for which kind says
+    whether it is a "wheel" or a "rail". noise m: RMS distance that the curve may keep from the points; 0 passes through
+    them. inclination rad: laying angle that is in the file already. Raises ValueError naming file, line, value and what
+    is allowed.
+    """
+    from meshes.profiles import NAMES, load_profile
+
+    kind = kind or NAMES.get(str(name)) or ENDINGS.get(Path(name).suffix.lower())
+    if kind is None:
+        from meshes.profiles import KINDS
+
+        if not Path(name).is_file():
+            known = ", ".join(NAMES)
+            raise ValueError(f"profile {str(name)!r} is neither known nor a file; allowed: {known}, or a file")
+        raise ValueError(f"profile {str(name)!r}: kind is missing; allowed: {' or '.join(map(repr, KINDS))}")
+    return load_profile(name, kind, noise=noise, inclination=inclination)

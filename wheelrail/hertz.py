@@ -1,0 +1,130 @@
+"""Two bodies with given principal radii: Hertz's contact, and rolling or shifting friction in it."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from scenes.contact_scene import solve_sides
+from scenes.models import hertz_model
+from scenes.scene import HertzScene
+from scenes.sections import Body
+from wheelrail.arguments import keys_of, known, plain, replaced, scene_of
+from wheelrail.solution import Solution, solved
+
+if TYPE_CHECKING:
+    from contact.references.hertz import Hertz as ClosedForm
+    from contact.wheelset import ContactModel
+
+POSE = ("load", "approach", "speed", "creepage", "shift", "error_estimate", "stress")
+GROUPS = (("load", "approach"), ("creepage", "shift"), ("speed", "shift"))
+KEPT = 8  # models for different loads
+
+
+class Hertz:
+    """Two elastic bodies with given principal radii that touch in one point, upper on lower.
+
+    upper, lower: principal radii (in x, in y) in m, inf is straight and negative is hollow; or a dict with radii, E and
+    nu. friction: coefficient, 0 skips all tangential work. E: Young's modulus Pa and nu: Poisson's ratio of both.
+    surface_size m: edge of the surface cells; cells fitted to the patch (the default) do not depend on it. Further
+    arguments are the keys of a Hertz scene: model ("condensed", "full", "standard"), laws ("exact", "paper"), bodies,
+    points, strips, cells, degree, falling, ...; and those of `solve`, which then are its defaults.
+
+    Bodies are meshed for a load when it is first asked for, and kept. Raises SceneError, a ValueError, naming the
+    argument, its value and what is allowed.
+    """
+
+    def __init__(
+        self,
+        upper: Sequence[float] | Mapping[str, Any] = (0.46, float("inf")),
+        lower: Sequence[float] | Mapping[str, Any] = (float("inf"), 0.30),
+        *,
+        friction: float = 0.3,
+        E: float = 2.1e11,
+        nu: float = 0.3,
+        surface_size: float | None = None,
+        **more: Any,
+    ) -> None:
+        known("Hertz", more, (key for key in keys_of(HertzScene) if key != "kind"), {})
+        if surface_size is None and more.get("model") != "standard":
+            surface_size = 1e-3
+        bodies = {"upper": _body(upper, E, nu), "lower": _body(lower, E, nu)}
+        self.arguments: dict[str, Any] = {**bodies, "friction": friction, "surface_size": surface_size, **more}
+        self._models: OrderedDict[tuple[Any, ...], ContactModel] = OrderedDict()
+        self._scene({} if {"load", "approach"} & more.keys() else {"load": 1e4})
+
+    def solve(
+        self,
+        *,
+        load: float | None = None,
+        approach: float | None = None,
+        speed: float | None = None,
+        creepage: Sequence[float] | None = None,
+        shift: Sequence[float] | None = None,
+        error_estimate: bool | None = None,
+        stress: Mapping[str, Any] | None = None,
+    ) -> Solution:
+        """The contact under a load N or at an approach m, one of the two.
+
+        With friction the bodies roll at a speed m/s (10 unless given; forces depend on it only where friction falls)
+        with a creepage (longitudinal, lateral, spin in rad/m), upper minus lower over the speed, 0 unless given; or the
+        upper one is pushed once against the lower one by a shift (x, y) m. error_estimate: solve once more on half as
+        many cells. stress: {"depths": [...] m, "body": "upper", "lower" or "both"} below the patch.
+
+        A load that cannot be carried is a status "failed: ..." of the solution and no error. Raises SceneError.
+        """
+        given = {
+            "load": load,
+            "approach": approach,
+            "speed": speed,
+            "creepage": creepage,
+            "shift": shift,
+            "error_estimate": error_estimate,
+            "stress": stress,
+        }
+        scene = self._scene(given)
+        return solved(
+            scene, dict(solve_sides(scene, model=self._model(scene))), (), replaced(self.arguments, given, GROUPS)
+        )
+
+    def closed_form(self, *, load: float | None = None, approach: float | None = None) -> ClosedForm:
+        """Hertz's own answer under a load N or at an approach m: semi_axes m, peak Pa, approach m, force N.
+
+        Johnson, Contact Mechanics, 1985, ch. 4. Raises ValueError unless one of the two is given.
+        """
+        from contact.quadrics import curvature
+        from contact.references.hertz import hertz, modulus
+
+        upper, lower = (Body.model_validate(self.arguments[name]) for name in ("upper", "lower"))
+        A, B = curvature(upper.radii) + curvature(lower.radii)
+        return hertz(A, B, modulus((upper.E, upper.nu), (lower.E, lower.nu)), force=load, approach=approach)
+
+    def _scene(self, given: Mapping[str, Any]) -> HertzScene:
+        keys = replaced(self.arguments, given, GROUPS)
+        if keys["friction"] != 0.0 and keys.get("shift") is None:
+            keys = {"speed": 10.0, "creepage": (0.0, 0.0, 0.0), **keys}
+        scene = scene_of("Hertz", "hertz", keys, {})
+        assert isinstance(scene, HertzScene)
+        return scene
+
+    def _model(self, scene: HertzScene) -> ContactModel:
+        """The model for the load of a scene, and for its kind of motion."""
+        key = (scene.load, scene.approach, scene.shift is None)
+        if key not in self._models:
+            self._models[key] = hertz_model(scene)
+        self._models.move_to_end(key)
+        while len(self._models) > KEPT:
+            self._models.popitem(last=False)
+        return self._models[key]
+
+    def __repr__(self) -> str:
+        said = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items() if value is not None)
+        return f"Hertz({said})"
+
+
+def _body(given: Sequence[float] | Mapping[str, Any], E: float, nu: float) -> Any:
+    """A table of the scene."""
+    if isinstance(given, Mapping):
+        return {"E": E, "nu": nu, **plain(given)}
+    return {"radii": plain(given), "E": E, "nu": nu}

@@ -1,0 +1,62 @@
+"""A vehicle run as a table to read."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+# Row: variable, what a unit of it is in SI, digits.
+ROWS: dict[str, tuple[str, float, int]] = {
+    "Y, to the left [kN]": ("lateral_force", 1e3, 2),
+    "Q, upwards [kN]": ("vertical_force", 1e3, 2),
+    "peak pressure [MPa]": ("patch_max_pressure", 1e6, 0),
+    "wheel y [mm]": ("wheel_y", 1e-3, 2),
+}
+
+
+def text(data: Dataset) -> str:
+    """How the run ended, and between what its forces and contacts lay."""
+    rows = _rows(data)
+    width = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = [
+        "  ".join([row[0].ljust(width[0]), *(cell.rjust(w) for cell, w in zip(row[1:], width[1:], strict=True))])
+        for row in rows
+    ]
+    return "\n".join([_heading(data), *lines])
+
+
+def html(data: Dataset) -> str:
+    """The same in HTML, with the whole Dataset folded away below."""
+    table = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in _rows(data))
+    return (
+        f"<div><b>{escape(_heading(data))}</b><table>{table}</table>"
+        f"<details><summary>data</summary>{data._repr_html_()}</details></div>"
+    )
+
+
+def _heading(data: Dataset) -> str:
+    """One line on where the run came to, and what it cost."""
+    reached, time = float(data["distance"].values[-1]), float(data["time"].values[-1])
+    y = 1e3 * data["wheelset_y"].values
+    return (
+        f"Vehicle run: {data.attrs['status']} at {reached:.1f} m, {time:.2f} s; {data.sizes['time']} samples, "
+        f"wheelset y {y.min():.2f} to {y.max():.2f} mm; {float(data.attrs['seconds']):.1f} s of computing"
+    )
+
+
+def _rows(data: Dataset) -> list[list[str]]:
+    sides = [str(side) for side in data["side"].values]
+    rows = [["least to most", *sides]]
+    for label, (name, unit, digits) in ROWS.items():
+        cells = []
+        for side in sides:
+            values = data[name].sel(side=side).values
+            known = values[np.isfinite(values)] / unit
+            cells.append(f"{known.min():.{digits}f} to {known.max():.{digits}f}" if known.size else "-")
+        rows.append([label, *cells])
+    return rows

@@ -1,0 +1,92 @@
+"""Vehicle runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.run_plots import RunPlots
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+@dataclass(frozen=True, repr=False)
+class Run:
+    """A vehicle run: data is a Dataset with units in SI over time, side (left, right) and patch (padded with NaN)."""
+
+    data: Dataset
+
+    @property
+    def status(self) -> str:
+        """ "completed", or how it ended before its time."""
+        return str(self.data.attrs["status"])
+
+    @property
+    def plot(self) -> RunPlots:
+        """Pictures: `plot()`, `plot.displacements()`, `plot.lateral_forces()`, `plot.vertical_forces()`,
+        `plot.bands("wheel")` and `plot.bands("rail")`.
+        """
+        return RunPlots(self.data)
+
+    def to_netcdf(self, file: str | Path) -> Path:
+        """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
+
+        Raises OSError.
+        """
+        from scenes.netcdf import write
+
+        write(self.data, Path(file))
+        return Path(file)
+
+    def __repr__(self) -> str:
+        from wheelrail.run_tables import text
+
+        return text(self.data)
+
+    def _repr_html_(self) -> str:
+        from wheelrail.run_tables import html
+
+        return html(self.data)
+
+
+def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = False, **changes: Any) -> Run:
+    """Run the vehicle of a scene file (TOML) along its track.
+
+    out: folder for results, pictures and checkpoints, as the command `wheelrail run` fills it; nothing is written
+    without it. progress: a bar on standard error. changes: other values for keys of the scene, in SI units, with dots
+    between tables and keys: run("scenes/curve.toml", **{"vehicle.speed": 30.0}).
+
+    A run that ends early is a status and no error, but one without a single step raises RuntimeError. Raises SceneError
+    naming file, key, value and what is allowed, OSError for a folder that cannot be written.
+    """
+    from rich.console import Console
+
+    from scenes.changes import changed, toml_text
+    from scenes.run import RESULTS, run_scene, simulate_scene
+    from scenes.scene import RunScene, SceneError, checked
+    from scenes.terminal import progress_console
+    from scenes.toml_file import parse, read_text
+
+    text = read_text(Path(scene))
+    if changes:
+        tables = changed(parse(text, scene), changes)
+        text = toml_text(tables)
+    given = checked(parse(text, scene), scene)
+    if not isinstance(given, RunScene):
+        raise SceneError(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail.load')
+    console = progress_console() if progress else Console(quiet=True)
+    if out is None:
+        history, data = simulate_scene(given, text, console)
+        if data is None:
+            raise RuntimeError(f"{scene}: {history.status} before the first step")
+        return Run(data)
+    outcome = run_scene(given, text, Path(out), console)
+    if not outcome.files:
+        raise RuntimeError(f"{scene}: {outcome.status} before the first step")
+    from wheelrail.files import open
+
+    found = open(Path(out) / RESULTS)
+    assert isinstance(found, Run)
+    return found

@@ -1,0 +1,81 @@
+"""What a contact solve gives: one Dataset, that can be looked at, drawn and kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.solution_plots import SolutionPlots
+from wheelrail.tables import html, patch_table, text
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from contact.result import ContactResult
+    from meshes.profiles import Profile
+    from scenes.contact_scene import Solved
+    from scenes.scene import HertzScene, WheelsetScene
+
+
+@dataclass(frozen=True, repr=False)
+class Solution:
+    """The contact of both wheels of a wheelset, or of a Hertz pair.
+
+    data: a Dataset with units in SI over side (left and right, or "contact"), patch (by falling load, padded with NaN)
+    and point (found by point_side and point_patch). results: the same as computed, by side; empty for one from a file.
+    """
+
+    data: Dataset
+    results: Mapping[str, ContactResult] = field(default_factory=dict)
+
+    @property
+    def status(self) -> str:
+        """ "converged", "separated", or "failed: ..." with the reason, of all sides together."""
+        return str(self.data.attrs["status"])
+
+    @property
+    def ok(self) -> bool:
+        """Whether no side failed."""
+        return not self.status.startswith("failed")
+
+    @property
+    def patches(self) -> DataFrame:
+        """A row for every patch, in SI units: side, patch, normal_force N, max_pressure Pa, area m2, ..."""
+        return patch_table(self.data)
+
+    @property
+    def plot(self) -> SolutionPlots:
+        """Pictures: `plot()`, `plot.pressure()`, `plot.tractions()`, `plot.section()`, `plot.profiles()`."""
+        return SolutionPlots(self.data)
+
+    def to_netcdf(self, file: str | Path) -> Path:
+        """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
+
+        Raises OSError.
+        """
+        from scenes.netcdf import write
+
+        write(self.data, Path(file))
+        return Path(file)
+
+    def __repr__(self) -> str:
+        return text(self.data)
+
+    def _repr_html_(self) -> str:
+        return html(self.data)
+
+
+def solved(
+    scene: HertzScene | WheelsetScene,
+    sides: Mapping[str, Solved],
+    profiles: Sequence[Profile],
+    arguments: Mapping[str, Any],
+) -> Solution:
+    """The solution of a scene whose sides are solved."""
+    from scenes.solution import solution_dataset
+
+    data = solution_dataset(scene, sides, profiles, arguments)
+    return Solution(data, {side: found.result for side, found in sides.items()})
