@@ -107,7 +107,8 @@ def wheelset_contact(scene: WheelsetScene | RunScene, profiles: Sequence[Profile
     from contact.wheelset import WheelsetContact
 
     axle, steel = scene.wheelset, Steel(scene.E, scene.nu)
-    wheel, rail, mounting = wheelset_mounting(scene, profiles)
+    wheel, rail = profiles or laid_profiles(scene)
+    mounting = mounted(scene, rail)
     if scene.model == "standard":
         from contact.rigid_pairs import MERGE, RigidWheelRail
 
@@ -137,19 +138,18 @@ def wheelset_contact(scene: WheelsetScene | RunScene, profiles: Sequence[Profile
     return WheelsetContact(model, mounting)
 
 
-def wheelset_mounting(
-    scene: WheelsetScene | RunScene, profiles: Sequence[Profile] | None = None
-) -> tuple[Profile, Profile, Mounting]:
-    """Profiles of wheel and rail as laid, and how they sit on axle and track; as for `wheelset_contact`."""
+def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
+    """How wheels sit on the axle and rails, as laid, in the track. Raises SceneError for a rail without the gauge's
+    height.
+    """
     from contact.pose import Mounting
 
     axle, track = scene.wheelset, scene.track
-    wheel, rail = profiles or laid_profiles(scene)
     try:
         rail_y = rail.gauge_offset(track.gauge, track.gauge_height)
     except ValueError as error:
         raise SceneError(f"profiles: {error}") from error
-    return wheel, rail, Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
+    return Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
 
 
 def _standard(

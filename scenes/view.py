@@ -8,7 +8,7 @@ from typing import Any
 
 from scenes.complaint import RunFailed
 from scenes.contact_scene import solve_sides
-from scenes.models import loaded_bodies, wheelset_mounting
+from scenes.models import laid_profiles, loaded_bodies, mounted
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
 
 
@@ -81,5 +81,5 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
         raise SceneError(f"{found}: holds no results of a run")
     scene = parse_scene(data.attrs["scene"], found)
     assert isinstance(scene, RunScene)
-    wheel, rail, mounting = wheelset_mounting(scene)
-    animate_run(data, out, wheel=wheel, rail=rail, mounting=mounting, progress=progress, **options)
+    wheel, rail = laid_profiles(scene)
+    animate_run(data, out, wheel=wheel, rail=rail, mounting=mounted(scene, rail), progress=progress, **options)

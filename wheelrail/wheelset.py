@@ -7,9 +7,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from meshes.profiles import Kind, Profile, load_profile
+from meshes.profiles import KINDS, Kind, Profile, load_profile
 from scenes.contact_scene import solve_sides
-from scenes.models import wheelset_contact
+from scenes.models import mounted, wheelset_contact
 from scenes.scene import SceneError, WheelsetScene
 from scenes.sections import Profiles, Track
 from scenes.sections import Wheelset as Position
@@ -17,6 +17,7 @@ from wheelrail.arguments import keys_of, known, replaced, scene_of
 from wheelrail.solution import Solution, solved
 
 if TYPE_CHECKING:
+    from contact.pose import Mounting
     from contact.wheelset import WheelsetContact
 
 SECTIONS = {"profiles": keys_of(Profiles), "track": keys_of(Track), "wheelset": keys_of(Position)}
@@ -69,7 +70,7 @@ class Wheelset:
         if laying_angle is None:
             laying_angle = INCLINED if _upright(rail) else 0.0
         self._at_hand: dict[Kind, Profile] = {}
-        names = {kind: self._named(kind, body) for kind, body in (("wheel", wheel), ("rail", rail))}
+        names = {kind: self._named(kind, body) for kind, body in zip(KINDS, (wheel, rail), strict=True)}
         self.arguments: dict[str, Any] = {
             **names,
             "friction": friction,
@@ -85,7 +86,7 @@ class Wheelset:
             "curvature": curvature,
             **more,
         }
-        loaded = {"wheel_load", "axle_load", "z"} & more.keys()
+        loaded = more.keys() & set(GROUPS[0])
         self._scene({} if loaded else {"wheel_load": 57e3})
 
     def solve(
@@ -148,6 +149,11 @@ class Wheelset:
         except ValueError as error:
             raise SceneError(f"Wheelset: {error}") from error
         return wheel, rail.laid(scene.profiles.laying_angle)
+
+    @cached_property
+    def mounting(self) -> Mounting:
+        """How wheels sit on the axle and rails in the track, m."""
+        return mounted(self._scene(PLACED), self.profiles[1])
 
     @cached_property
     def _contact(self) -> WheelsetContact:

@@ -1,0 +1,136 @@
+"""Contact geometry of rigid profiles: rolling radii, contact points and equivalent conicity over the displacement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.pose import SIDES, Mounting
+from contact.rigid_pairs import RigidWheelRail
+from meshes.profiles import Profile
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+FINEST = 1e-4  # m, between lateral positions from which the conicity is computed
+# Variable by side: unit, meaning.
+BY_SIDE = {
+    "rolling_radius": ("m", "rolling radius"),
+    "contact_angle": ("rad", "turn of the contact plane about the track"),
+    "wheel_s": ("m", "arc length on the wheel's profile from the rolling circle, to the field side"),
+    "wheel_y": ("m", "lateral position on the wheel from the rolling circle, to the field side"),
+    "rail_s": ("m", "arc length on the rail's profile from its top as laid, to the field side"),
+    "rail_y": ("m", "lateral position on the rail from its top as laid, to the field side"),
+    "contact_x": ("m", "contact point ahead of the axle"),
+}
+
+
+@dataclass(frozen=True)
+class PlacedPair:
+    """Rigid left-hand pair of profiles, the rail as laid, and how both are mounted."""
+
+    rigid: RigidWheelRail
+    mounting: Mounting
+
+
+def placed_pair(wheel: str | Path | Profile = "S1002", rail: str | Path | Profile = "UIC60", **more: Any) -> PlacedPair:
+    """Profiles of a wheelset on its track; arguments as for `wheelrail.Wheelset`, which checks them."""
+    from wheelrail.wheelset import Wheelset
+
+    wheelset = Wheelset(wheel, rail, friction=0.0, model="standard", **more)
+    return PlacedPair(RigidWheelRail(*wheelset.profiles, wheelset.arguments["radius"]), wheelset.mounting)
+
+
+def contact_geometry(
+    wheel: str | Path | Profile = "S1002",
+    rail: str | Path | Profile = "UIC60",
+    y: ArrayLike | None = None,
+    *,
+    yaw: float = 0.0,
+    **more: Any,
+) -> Dataset:
+    """Where a rigid wheelset touches its rigid rails, over its lateral position y (n,) m: -6 to 6 mm unless given.
+
+    wheel, rail: a name, a file or a profile. yaw rad. Further arguments place them, as for `wheelrail.Wheelset`:
+    laying_angle rad; gauge, gauge_height, flange_back_distance, flange_back and radius m.
+
+    A Dataset over y and side: rolling_radius m, contact_angle rad, contact points on both profiles m; over y: height z
+    m and roll rad of the wheelset, rolling_radius_difference m, left minus right; over amplitude m, the positive ones
+    of y: equivalent_conicity, that of cones whose wheelset runs in waves of the same length (EN 15302; Klingel's
+    formula for cones). Raises SceneError, and ValueError for a position at which no two points touch.
+    """
+    from xarray import Dataset
+
+    from contact.conicity import equivalent_conicity
+    from contact.rigid_touch import seats
+    from scenes.patch_variables import means
+
+    places = np.linspace(-6e-3, 6e-3, 121) if y is None else np.atleast_1d(np.asarray(y, dtype=float))
+    if places.ndim != 1 or not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 0.1:
+        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm are 0.002), got {y!r}")
+    pair = placed_pair(wheel, rail, **more)
+    found = seats(pair.rigid, pair.mounting, places, yaw)
+    values = {name: np.empty((len(places), len(SIDES))) for name in BY_SIDE}
+    for row, (_, touches) in enumerate(found):
+        for column, side in enumerate(SIDES):
+            for name, value in _of(pair, touches[side], -1.0 if side == "right" else 1.0).items():
+                values[name][row, column] = value
+    radii = values["rolling_radius"]
+    amplitude = np.unique(places[places > 0.0])
+    base = 2.0 * pair.mounting.wheel_y
+    conicity = np.empty(0)
+    if amplitude.size:
+        fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
+        pairs = [found for _, found in seats(pair.rigid, pair.mounting, fine)]
+        difference = [np.subtract(*(_of(pair, one[side], 1.0)["rolling_radius"] for side in SIDES)) for one in pairs]
+        conicity = equivalent_conicity(
+            fine, np.array(difference), amplitude, base=base, radius=pair.mounting.radius
+        )
+    return Dataset(
+        {
+            **{name: (("y", "side"), values[name], means(units, text)) for name, (units, text) in BY_SIDE.items()},
+            "z": ("y", [state.z for state, _ in found], means("m", "height of the wheelset over the nominal one")),
+            "roll": ("y", [state.roll for state, _ in found], means("rad", "roll of the wheelset")),
+            "rolling_radius_difference": (
+                "y",
+                radii[:, 0] - radii[:, 1],
+                means("m", "rolling radius of the left wheel less that of the right one"),
+            ),
+            "equivalent_conicity": (
+                "amplitude",
+                conicity,
+                means("1", "equivalent conicity, from the length of the wave (EN 15302)"),
+            ),
+        },
+        coords={
+            "y": ("y", places, means("m", "lateral position of the wheelset, to the left")),
+            "side": ("side", list(SIDES)),
+            "amplitude": ("amplitude", amplitude, means("m", "amplitude of the lateral motion")),
+        },
+        attrs={
+            "title": "Contact geometry of rigid profiles",
+            "wheel": pair.rigid.wheel.name,
+            "rail": pair.rigid.rail.name,
+            "base": base,
+            "nominal_radius": pair.mounting.radius,
+            "yaw": yaw,
+        },
+    )
+
+
+def _of(pair: PlacedPair, touch: Any, hand: float) -> dict[str, float]:
+    """What there is to say of a contact point; hand is -1 for the mirror image of a right-hand pair."""
+    (wheel_y, wheel_z), rail_y = pair.rigid.wheel.point(touch.wheel_s), pair.rigid.rail.point(touch.rail_s)[0]
+    return {
+        "rolling_radius": pair.rigid.radius + float(wheel_z),
+        "contact_angle": hand * float(np.arctan2(-touch.normal[1], touch.normal[2])),
+        "wheel_s": touch.wheel_s,
+        "wheel_y": float(wheel_y),
+        "rail_s": touch.rail_s,
+        "rail_y": float(rail_y),
+        "contact_x": float(touch.point[0]),
+    }
