@@ -14,9 +14,9 @@ def equivalent_conicity(y: Array, difference: Array, amplitude: Array, *, base: 
     """Equivalent conicity (m,) at amplitudes (m,) m: that of the cones whose wheelset runs in waves of the same length.
 
     As EN 15302 defines it: L is the length of a wave of the kinematic motion y'' + dr(y) / (e r0) = 0, here from its
-    energy, and tan g = 2 e r0 (pi / L)^2, which is Klingel's formula. y (n,) m from 0 on and difference (n,) m of the rolling radii there, left
-    minus right, odd in y; base e m between the rolling circles; radius r0 m. NaN where the wheelset does not swing
-    back, and beyond y.
+    energy, and tan g = 2 e r0 (pi / L)^2, which is Klingel's formula. y (n,) m from 0 on and difference (n,) m of the
+    rolling radii there, left minus right, odd in y; base e m between the rolling circles; radius r0 m. NaN where the
+    wheelset does not swing back, and beyond y.
     """
     force = difference / (base * radius)
     potential = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(y))])

@@ -64,9 +64,7 @@ def _nearest(pair: RigidWheelRail, pose: Pose) -> Touch:
     return Touch(float(s), foot, float(x), point, np.array([0.0, *pair.rail.normal(foot)]), float(depth))
 
 
-def seated(
-    pair: RigidWheelRail, mounting: Mounting, state: WheelsetState
-) -> tuple[WheelsetState, dict[Side, Touch]]:
+def seated(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> tuple[WheelsetState, dict[Side, Touch]]:
     """The state with height and roll at which both wheels just touch, from those of the state, by Newton's method.
 
     Contact points of the right pair are those of its mirror image. Raises ValueError where there is no such place.

@@ -57,6 +57,7 @@ def solution_dataset(
         model=scene.model,
         friction=scene.friction,
         contact_modulus=modulus(above, below),
+        **({} if isinstance(scene, HertzScene) else {"nominal_radius": scene.wheelset.radius}),
         **described,
         arguments=json.dumps(dict(arguments or {}), default=str),
         versions=", ".join(f"{name} {number}" for name, number in versions().items()),
@@ -74,7 +75,7 @@ def _stand(solved: Mapping[str, Solved]) -> dict[str, Any]:
     return {
         "z": ("side", [found.z for found in solved.values()], means("m", "height over the nominal one")),
         "roll": ("side", [found.roll for found in solved.values()], means("rad", "roll of the wheelset")),
-        "wheel_origin": (("side", "axis"), origin, means("m", "centre of the wheel's nominal rolling circle")),
+        "wheel_origin": (("side", "axis"), origin, means("m", "centre of the wheel, in its rolling plane")),
         "wheel_rotation": (("side", "axis", "wheel_axis"), rotation, turned),
     }
 

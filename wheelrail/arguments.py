@@ -16,17 +16,14 @@ def keys_of(*tables: type[Table]) -> dict[str, None]:
     return {key: None for table in tables for key in table.model_fields}
 
 
-def known(caller: str, given: Iterable[str], allowed: Iterable[str], elsewhere: Mapping[str, str]) -> None:
-    """Raises SceneError for a key that is not allowed; elsewhere: where keys go that belong to another call."""
+def known(caller: str, given: Iterable[str], allowed: Iterable[str]) -> None:
+    """Raises SceneError for a key that is not allowed."""
     allowed = list(allowed)
     for key in given:
-        if key in allowed:
-            continue
-        if key in elsewhere:
-            raise SceneError(f"{caller}: {key}: is an argument of {elsewhere[key]}")
-        close = get_close_matches(key, allowed, n=1, cutoff=0.6)
-        hint = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(allowed)}"
-        raise SceneError(f"{caller}: {key}: unknown argument; {hint}")
+        if key not in allowed:
+            close = get_close_matches(key, allowed, n=1, cutoff=0.6)
+            hint = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(allowed)}"
+            raise SceneError(f"{caller}: {key}: unknown argument; {hint}")
 
 
 def scene_of(
@@ -36,7 +33,10 @@ def scene_of(
     sections: Mapping[str, Container[str]],
     at_hand: Container[str] = (),
 ) -> Scene:
-    """The scene of flat keys, each put into the section that has it. SceneError names argument, value, what is allowed."""
+    """The scene of flat keys, each put into the section that has it.
+
+    Raises SceneError naming argument, value and what is allowed.
+    """
     data: dict[str, Any] = {"kind": kind, **{section: {} for section in sections}}
     for key, value in keys.items():
         if value is None:

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.pose import SIDES, Mounting
+from contact.pose import SIDES, Array, Mounting
 from contact.rigid_pairs import RigidWheelRail
 from meshes.profiles import Profile
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
+OUTLINE = 2e-4  # m, between points of a profile that is drawn
 FINEST = 1e-4  # m, between lateral positions from which the conicity is computed
 # Variable by side: unit, meaning.
 BY_SIDE = {
@@ -86,10 +87,8 @@ def contact_geometry(
     if amplitude.size:
         fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
         pairs = [found for _, found in seats(pair.rigid, pair.mounting, fine)]
-        difference = [np.subtract(*(_of(pair, one[side], 1.0)["rolling_radius"] for side in SIDES)) for one in pairs]
-        conicity = equivalent_conicity(
-            fine, np.array(difference), amplitude, base=base, radius=pair.mounting.radius
-        )
+        left, right = (np.array([_of(pair, one[side], 1.0)["rolling_radius"] for one in pairs]) for side in SIDES)
+        conicity = equivalent_conicity(fine, left - right, amplitude, base=base, radius=pair.mounting.radius)
     return Dataset(
         {
             **{name: (("y", "side"), values[name], means(units, text)) for name, (units, text) in BY_SIDE.items()},
@@ -134,3 +133,17 @@ def _of(pair: PlacedPair, touch: Any, hand: float) -> dict[str, float]:
         "rail_y": float(rail_y),
         "contact_x": float(touch.point[0]),
     }
+
+
+def outlines_in_contact(pair: PlacedPair, y: float, yaw: float) -> tuple[Array, Array, Array, float]:
+    """Lowest line of the left wheel and its rail (n, 2) m, contact point (2,) m, in the frame of the rail, and contact
+    angle rad, where the wheelset at y m with a yaw rad just touches both rails.
+    """
+    from contact.rigid_touch import seats
+
+    (((state, touches)),) = seats(pair.rigid, pair.mounting, np.array([y]), yaw)
+    pose, _ = pair.mounting.left_pair(state)
+    wheel, rail = (profile.point(profile.samples(OUTLINE)) for profile in (pair.rigid.wheel, pair.rigid.rail))
+    lowest = np.column_stack([np.zeros(len(wheel)), wheel[:, 0], -(pair.rigid.radius + wheel[:, 1])])
+    placed = (lowest @ pose.rotation.T + pose.origin)[:, 1:]
+    return placed, rail, touches["left"].point[1:], _of(pair, touches["left"], 1.0)["contact_angle"]

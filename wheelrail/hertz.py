@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from contact.references.hertz import Hertz as ClosedForm
     from contact.wheelset import ContactModel
 
-POSE = ("load", "approach", "speed", "creepage", "shift", "error_estimate", "stress")
 GROUPS = (("load", "approach"), ("creepage", "shift"), ("speed", "shift"))
 KEPT = 8  # models for different loads
 
@@ -46,7 +45,7 @@ class Hertz:
         surface_size: float | None = None,
         **more: Any,
     ) -> None:
-        known("Hertz", more, (key for key in keys_of(HertzScene) if key != "kind"), {})
+        known("Hertz", more, (key for key in keys_of(HertzScene) if key != "kind"))
         if surface_size is None and more.get("model") != "standard":
             surface_size = 1e-3
         bodies = {"upper": _body(upper, E, nu), "lower": _body(lower, E, nu)}

@@ -31,7 +31,8 @@ def shown(figure: Figure | None, size: tuple[float, float] | None = None) -> Fig
         return figure
     from matplotlib import pyplot
 
-    return pyplot.figure(figsize=size, layout="constrained")
+    made: Figure = pyplot.figure(figsize=size, layout="constrained")
+    return made
 
 
 def panels(figure: Figure) -> tuple[Axes, ...]:
@@ -53,13 +54,14 @@ def plot_profiles(
 
     wheel, rail: a name, a file or a profile; further arguments place them, as for `wheelrail.contact_geometry`.
     """
-    from scenes.pictures.profiles import touching_profiles
+    from scenes.pictures.profiles import draw_profiles
+    from wheelrail.geometry import outlines_in_contact, placed_pair
 
-    from wheelrail.geometry import placed_pair
-
-    pair = placed_pair(wheel, rail, **more)
+    wheel_line, rail_line, point, angle = outlines_in_contact(placed_pair(wheel, rail, **more), y, yaw)
     with styled():
-        return touching_profiles(pair, y, yaw, shown(None, (7.2, 4.0)).subplots() if ax is None else ax)
+        axes = shown(None, (7.2, 4.0)).subplots() if ax is None else ax
+        title = f"left wheel on its rail, y = {1e3 * y:.3g} mm"
+        return draw_profiles(wheel_line, rail_line, [point], [f"contact, {1e3 * angle:.3g} mrad"], title=title, ax=axes)
 
 
 def plot_convergence(

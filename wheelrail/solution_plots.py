@@ -38,7 +38,7 @@ class SolutionPlots:
             return pressure_map(self.data, side, patch, _axes(ax))
 
     def tractions(self, side: str | None = None, patch: int = 0, ax: Axes | None = None, *, slip: bool = True) -> Axes:
-        """Where one patch sticks and slips, with arrows of traction, and of slip unless that is False; lengths in mm."""
+        """Where one patch sticks and slips; arrows of traction, and of slip unless that is False; lengths in mm."""
         from scenes.pictures.patches import traction_map
 
         with styled():
@@ -53,21 +53,23 @@ class SolutionPlots:
         hertz: bool = True,
         ax: Axes | None = None,
     ) -> Axes:
-        """Pressure and traction MPa along x or y, mm, through the middle of one patch, with Hertz's pressure of the same
-        load between bodies of the same curvature.
+        """Pressure and traction MPa along x or y, mm, through the middle of one patch.
+
+        hertz: with Hertz's pressure of the same load between bodies of the same curvature.
         """
         from scenes.pictures.sections import section
 
         with styled():
-            return section(self.data, along, side=side, patch=patch, hertz=hertz, ax=_axes(ax))
+            return section(self.data, along, side=side, patch=patch, hertz=hertz, ax=_axes(ax, (5.6, 4.0)))
 
     def profiles(self, side: str | None = None, ax: Axes | None = None) -> Axes:
         """Wheel over rail where they stand, contact points marked; mm."""
         from scenes.pictures.profiles import profiles_in_contact
 
         with styled():
-            return profiles_in_contact(self.data, side, _axes(ax, (7.2, 4.0)))
+            return profiles_in_contact(self.data, side, _axes(ax, (7.2, 4.2)))
 
 
 def _axes(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Any:
+    """The axes, or those of a new figure of a size in inches."""
     return shown(None, size).subplots() if ax is None else ax

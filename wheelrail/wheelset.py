@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from meshes.profiles import KINDS, Kind, Profile, load_profile
+from meshes.profiles import Kind, Profile, load_profile
 from scenes.contact_scene import solve_sides
 from scenes.models import mounted, wheelset_contact
 from scenes.scene import SceneError, WheelsetScene
@@ -64,15 +64,15 @@ class Wheelset:
         curvature: float = 0.0,
         **more: Any,
     ) -> None:
-        known("Wheelset", more, ALLOWED, {})
+        known("Wheelset", more, ALLOWED)
         if surface_size is None and more.get("model") != "standard":
             surface_size = 1e-3
         if laying_angle is None:
             laying_angle = INCLINED if _upright(rail) else 0.0
         self._at_hand: dict[Kind, Profile] = {}
-        names = {kind: self._named(kind, body) for kind, body in zip(KINDS, (wheel, rail), strict=True)}
         self.arguments: dict[str, Any] = {
-            **names,
+            "wheel": self._named("wheel", wheel),
+            "rail": self._named("rail", rail),
             "friction": friction,
             "E": E,
             "nu": nu,
@@ -142,10 +142,8 @@ class Wheelset:
         """Profiles of wheel and rail, the rail as laid."""
         scene = self._scene(PLACED)
         try:
-            wheel, rail = (
-                self._at_hand.get(kind) or load_profile(getattr(scene.profiles, kind), kind)
-                for kind in ("wheel", "rail")
-            )
+            wheel = self._at_hand.get("wheel") or load_profile(scene.profiles.wheel, "wheel")
+            rail = self._at_hand.get("rail") or load_profile(scene.profiles.rail, "rail")
         except ValueError as error:
             raise SceneError(f"Wheelset: {error}") from error
         return wheel, rail.laid(scene.profiles.laying_angle)

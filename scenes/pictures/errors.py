@@ -7,11 +7,14 @@ from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes.pictures.style import SERIES, axes_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
 
 
 def convergence(
@@ -57,14 +60,14 @@ def work_precision(
     return _finish(ax, xlabel, ylabel)
 
 
-def slope(size: Sequence[float], error: Sequence[float]) -> float:
+def slope(size: Array, error: Array) -> float:
     """Slope of log error over log size by least squares; NaN for fewer than two sizes."""
-    if len(set(np.asarray(size).tolist())) < 2:
+    if len(set(size.tolist())) < 2:
         return float("nan")
     return float(np.polyfit(np.log(size), np.log(error), 1)[0])
 
 
-def _known(size: Sequence[float], error: Sequence[float], label: str) -> tuple[np.ndarray, np.ndarray]:
+def _known(size: Sequence[float], error: Sequence[float], label: str) -> tuple[Array, Array]:
     """Those that a logarithmic scale can show."""
     x, y = np.asarray(size, dtype=float), np.abs(np.asarray(error, dtype=float))
     if x.shape != y.shape or x.ndim != 1:

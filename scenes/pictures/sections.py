@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes.pictures.patch_cells import Array, PatchCells, chosen, title
 from scenes.pictures.style import axes_of
@@ -63,7 +64,7 @@ def section(
     return ax
 
 
-def through(cells: PatchCells, axis: int) -> tuple[Array, np.ndarray]:
+def through(cells: PatchCells, axis: int) -> tuple[Array, NDArray[np.int64]]:
     """Places (k,) m along an axis (0 forward, 1 left) in order, and the cells (k,) next to that axis: of each line of
     cells across it the nearest one, where the line reaches the axis.
     """
