@@ -71,7 +71,10 @@ def seated(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> tu
     """
     for _ in range(MOST):
         seen = {"left": state, "right": state.mirrored()}
-        touches: dict[Side, Touch] = {side: touch(pair, mounting, seen[side]) for side in SIDES}
+        try:
+            touches: dict[Side, Touch] = {side: touch(pair, mounting, seen[side]) for side in SIDES}
+        except ValueError as error:
+            raise ValueError(f"y = {state.y:.6g} m: {error}") from None
         excess = np.array([touches[side].overlap - TOUCH for side in SIDES])
         if np.abs(excess).max() < SETTLED:
             return state, touches
@@ -82,7 +85,7 @@ def seated(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> tu
         move = np.linalg.solve(slope, -excess)
         move *= min(1.0, 5e-4 / max(abs(move[0]), mounting.wheel_y * abs(move[1])))
         state = replace(state, z=state.z + float(move[0]), roll=state.roll + float(move[1]))
-    raise ValueError(f"no height and roll at which both wheels touch at y = {state.y:.6g} m")
+    raise ValueError(f"y = {state.y:.6g} m: there is no height and roll at which both wheels touch")
 
 
 def _slope(mounting: Mounting, state: WheelsetState, found: Touch) -> tuple[float, float]:

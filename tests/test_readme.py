@@ -44,13 +44,14 @@ def test_example_in_python(capsys: pytest.CaptureFixture[str]) -> None:
     (example,) = blocks("python")
     assert len([line for line in example.splitlines() if line]) <= 12
     names: dict[str, Any] = {}
-    exec(compile(coarser(example, "2e-3"), "README.md", "exec"), names)
+    exec(compile(example, "README.md", "exec"), names)
     exact = hertz(0.5 / 0.46, 0.5 / 0.3, modulus(STEEL, STEEL), force=60e3)
     found, patch = names["found"], names["patch"]
-    assert found.results[0].force[2] == pytest.approx(60e3, rel=1e-6)
-    assert patch.max_pressure == pytest.approx(exact.peak, rel=0.06)
-    assert -0.3 * 60e3 < patch.tangential_force[0] < -0.3 * 0.3 * 60e3
-    assert re.fullmatch(r"\d+ MPa, creep force -\d+ N\n", capsys.readouterr().out)
+    assert found.data["vertical_force"].item() == pytest.approx(60e3, rel=1e-6)
+    assert patch.max_pressure == pytest.approx(exact.peak, rel=0.006)
+    said = re.search(r"prints `(\d+ MPa, creep force -\d+ N)`", README)
+    assert said is not None
+    assert capsys.readouterr().out == said[1] + "\n"
 
 
 def test_peak_pressure_quoted_beside_the_example_is_hertz() -> None:
@@ -80,7 +81,7 @@ def test_commands_and_folders_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert all(re.search(rf"^{target}:", makefile, flags=re.MULTILINE) for target in targets)
     folders = re.findall(r"^\| `(\w+)/` \|", README, flags=re.MULTILINE)
-    assert len(folders) == 8
+    assert len(folders) == 9
     assert all((ROOT / folder).is_dir() for folder in folders)
 
 

@@ -109,7 +109,7 @@ def traction_map(
         for name, colour in REGIONS.items()
         if share[name] > 0.0
     ]
-    ax.legend(handles=handles, loc="upper right", fontsize=8, frameon=True, framealpha=0.85, edgecolor="none")
+    ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, borderaxespad=0.2)
     ax.set_title(title(data, *chosen(data, side, patch)))
     _finish(ax, cells, notes)
     return ax

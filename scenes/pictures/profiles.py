@@ -58,8 +58,8 @@ def draw_profiles(
     ax.set_title(title)
     ax.set_xlabel("y from the top of the rail, to the left [mm]")
     ax.set_ylabel("z, up [mm]")
-    ax.legend(loc="lower center", ncols=2 + len(points), bbox_to_anchor=(0.5, 1.04), fontsize=8)
-    ax.set_ylim(1e3 * rail[:, 1].min() - 2.0, 1e3 * wheel[:, 1].max() + 2.0)
+    ax.legend(loc="lower center", ncols=2 + len(points), bbox_to_anchor=(0.5, 0.02), fontsize=8)
+    ax.set_ylim(1e3 * min(rail[:, 1].min(), wheel[:, 1].min()) - 9.0, 1e3 * wheel[:, 1].max() + 3.0)
     return ax
 
 
