@@ -114,7 +114,7 @@ def test_both_hands_are_mirror_images(wheelset: wr.Wheelset) -> None:
     for data, side in ((one, "left"), (other, "right")):
         own = data.sel(point=data["point_side"] == side)
         axes = own["axes"].values
-        np.testing.assert_allclose(np.cross(axes[:, 0], axes[:, 1]), axes[:, 2], atol=1e-12)
+        np.testing.assert_allclose(np.cross(axes[:, 1], axes[:, 0]), axes[:, 2], atol=1e-12)  # outward is down
         local = np.column_stack([own["traction"], -own["pressure"]]) * own["area"].values[:, None]
         force = np.einsum("nk,nkc->c", local, axes)
         total = [data[f"{axis}_force"].sel(side=side).item() for axis in ("longitudinal", "lateral", "vertical")]
