@@ -109,7 +109,7 @@ def traction_map(
         for name, colour in REGIONS.items()
         if share[name] > 0.0
     ]
-    ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, borderaxespad=0.2)
+    ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
     ax.set_title(title(data, *chosen(data, side, patch)))
     _finish(ax, cells, notes)
     return ax
@@ -133,7 +133,7 @@ def _finish(ax: Axes, cells: PatchCells, notes: list[str]) -> None:
     """Axes in true proportion, with notes below."""
     ax.set_aspect("equal")
     ax.autoscale_view()
-    ax.margins(0.06)
+    ax.margins(0.08)
     ax.grid(False)
     ax.set_xlabel("\n".join([ALONG, *notes]))
     ax.set_ylabel(ACROSS)
