@@ -45,7 +45,9 @@ def view_scene(
         raise RunFailed(result.status)
     seen = []
     right = chosen == "right"  # which is solved as its mirror image
-    for name, loaded in loaded_bodies(scene, pose.mirrored() if right else pose, names if body == "both" else (body,)).items():
+    for name, loaded in loaded_bodies(
+        scene, pose.mirrored() if right else pose, names if body == "both" else (body,)
+    ).items():
         say(f"displacement and stress in the {name}")
         inside = look_inside(loaded, result)
         main = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
