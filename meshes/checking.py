@@ -10,16 +10,16 @@ from meshes.curve import Array
 from meshes.formats import ProfileError, Raw
 from meshes.profiles import Kind
 
-LEAST_POINTS = 10
-WIDTHS = (20e-3, 400e-3)  # m
+LEAST_POINTS, MOST_POINTS = 10, 20_000
+SIZES = {"width": (20e-3, 400e-3), "height": (1e-3, 400e-3)}  # m
 CLOSE = 2e-5  # m; points nearer than this to the one before say more about their rounding than about the shape
 MINIPROF_TIP = 30e-3  # m; a flange tip nearer than this to y = 0 means that y counts from the flange's back
 
 
 def oriented(raw: Raw, kind: Kind, flange_back: float) -> Raw:
     """Signs from the shape where the format leaves them open, an error where they contradict the shape."""
-    if len(raw.points) < LEAST_POINTS:
-        raise ProfileError(raw.path, None, f"{len(raw.points)} points", f"{LEAST_POINTS} or more")
+    if not LEAST_POINTS <= len(raw.points) <= MOST_POINTS:
+        raise ProfileError(raw.path, None, f"{len(raw.points)} points", f"{LEAST_POINTS} to {MOST_POINTS}")
     z_sign, y_sign = _signs(raw.points, kind)
     line = int(raw.lines[0])
     if raw.oriented:
@@ -59,13 +59,13 @@ def _signs(points: Array, kind: Kind) -> tuple[int, int]:
 def checked(raw: Raw, kind: Kind) -> Array:
     """Points in order, thinned: width, duplicates, order and self-intersection are checked."""
     points, lines = raw.points, raw.lines
-    width = float(np.ptp(points[:, 0]))
-    if not WIDTHS[0] <= width <= WIDTHS[1]:
-        guesses = {"metres": 1e3, "inches": 25.4, "millimetres": 1e-3}
-        like = [unit for unit, factor in guesses.items() if WIDTHS[0] <= width * factor <= WIDTHS[1]]
-        hint = f", the numbers look like {like[0]}" if like else ""
-        allowed = f"{1e3 * WIDTHS[0]:g} .. {1e3 * WIDTHS[1]:g} mm"
-        raise ProfileError(raw.path, int(lines[0]), f"width {1e3 * width:.4g} mm of a {kind}{hint}", allowed)
+    for (name, (low, high)), size in zip(SIZES.items(), np.ptp(points, axis=0).tolist(), strict=True):
+        if not low <= size <= high:
+            guesses = {"metres": 1e3, "inches": 25.4, "millimetres": 1e-3}
+            like = [unit for unit, factor in guesses.items() if low <= size * factor <= high]
+            hint = f", the numbers look like {like[0]}" if like else ""
+            allowed = f"{1e3 * low:g} .. {1e3 * high:g} mm"
+            raise ProfileError(raw.path, int(lines[0]), f"{name} {1e3 * size:.4g} mm of a {kind}{hint}", allowed)
     if points[-1, 0] < points[0, 0]:
         points, lines = points[::-1], lines[::-1]
 

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from meshes.curve import Array
 from meshes.profiles import Kind
+from meshes.text_file import read_text
 
+MOST = 4.0  # MB
 UNITS = {"m": 1.0, "mm": 1e-3, "in": 25.4e-3}
 
 
@@ -45,24 +47,37 @@ class Raw:
 
 
 def read_points(path: Path, kind: Kind) -> Raw:
-    """Points of a file; the suffix tells the format. ProfileError, or OSError if the file cannot be read."""
+    """Points of a file; the suffix tells the format. ProfileError, or FileRefused if the file cannot be read."""
     formats = {".prr": simpack, ".prw": simpack, ".ban": miniprof, ".whl": miniprof}
     formats |= dict.fromkeys((".txt", ".csv", ".dat"), plain)
     suffix = path.suffix.lower()
     if suffix not in formats:
         raise ProfileError(path, None, f"suffix {path.suffix!r}", ", ".join(formats))
-    if not path.is_file():
-        raise FileNotFoundError(f"profile file {path} does not exist")
     belongs = {".prr": "rail", ".ban": "rail", ".prw": "wheel", ".whl": "wheel"}.get(suffix, kind)
     if belongs != kind:
         raise ProfileError(path, None, f"{suffix} holds a {belongs} and a {kind} is asked for", f"a file of a {kind}")
     return formats[suffix](path, kind)
 
 
-def _text(path: Path, comment: str) -> Iterator[tuple[int, str]]:
+def _lines(path: Path) -> list[str]:
+    return read_text(path, MOST, foreign=True).splitlines()
+
+
+def _text(lines: list[str], comment: str) -> Iterator[tuple[int, str]]:
     """Numbered lines without comments and outer blanks."""
-    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), start=1):
+    for number, line in enumerate(lines, start=1):
         yield number, re.split(comment, line, maxsplit=1)[0].strip()
+
+
+def _words(path: Path, number: int, line: str) -> list[str]:
+    """What stands between blanks, commas or semicolons: a comma within a number is none of them."""
+    if re.search(r"\d,\d", line) and re.search(r";|\d\s+[-+.\d]", line):
+        raise ProfileError(path, number, f"{_short(line)} has decimal commas", "a decimal point")
+    return re.split(r"[\s,;]+", line)
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
 def _floats(path: Path, number: int, words: list[str], least: int) -> list[float]:
@@ -71,7 +86,7 @@ def _floats(path: Path, number: int, words: list[str], least: int) -> list[float
     except ValueError:
         values = []
     if len(values) < least or not all(map(math.isfinite, values)):
-        raise ProfileError(path, number, f"{' '.join(words)!r}", f"{least} or more finite numbers")
+        raise ProfileError(path, number, _short(" ".join(words)), f"{least} or more finite numbers")
     return values
 
 
@@ -89,7 +104,7 @@ def simpack(path: Path, kind: Kind) -> Raw:
     header: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []
     section: list[str] = []
-    for number, line in _text(path, "[!%]"):
+    for number, line in _text(_lines(path), "[!%]"):
         if match := re.fullmatch(r"(\w+)\.(begin|end)", line):
             if match[2] == "begin":
                 section.append(match[1])
@@ -137,8 +152,9 @@ def miniprof(path: Path, kind: Kind) -> Raw:
     """
     header: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []
-    lines = list(_text(path, '["#%!]'))
-    raw_blank = [not line.strip() for line in path.read_text(encoding="utf-8", errors="replace").splitlines()]
+    whole = _lines(path)
+    lines = list(_text(whole, '["#%!]'))
+    raw_blank = [not line.strip() for line in whole]
     first = next((n for n, line in lines if re.fullmatch(r"[-+.\deE\s]+", line) and line), len(lines) + 1)
     start = raw_blank.index(True) + 1 if True in raw_blank[:first] else first - 1
     for number, line in lines[:start]:
@@ -152,7 +168,7 @@ def miniprof(path: Path, kind: Kind) -> Raw:
     x, y = columns.index("X"), columns.index("Y")
     for number, line in lines[start:]:
         if line:
-            values = _floats(path, number, re.split(r"[\s,;]+", line), max(x, y) + 1)
+            values = _floats(path, number, _words(path, number, line), max(x, y) + 1)
             rows.append((number, values[x], values[y]))
     shift = []
     for key in ("xoffset", "yoffset"):
@@ -172,7 +188,7 @@ def plain(path: Path, kind: Kind) -> Raw:
     unit = "mm"
     rows: list[tuple[int, float, float]] = []
     named = False
-    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), start=1):
+    for number, line in enumerate(_lines(path), start=1):
         if match := re.match(r"\s*#\s*units\s*[:=]\s*(\S+)", line, re.IGNORECASE):
             unit = match[1].lower()
             if unit not in UNITS or rows:
@@ -181,7 +197,7 @@ def plain(path: Path, kind: Kind) -> Raw:
                     path, number, f"units {match[1]!r} {place}", f"{', '.join(UNITS)}, before the points"
                 )
             continue
-        words = re.split(r"[\s,;]+", line.split("#", 1)[0].strip())
+        words = _words(path, number, line.split("#", 1)[0].strip())
         if words == [""]:
             continue
         if not rows and not named and not any(character.isdigit() for character in line) and "nan" not in line.lower():

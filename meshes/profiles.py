@@ -109,8 +109,10 @@ class Profile(Curve):
         z = self.point(s)[:, 1]
         below = np.flatnonzero(z <= -height)
         if not len(below):
+            field = self.point(self.samples(1e-4, start=0.0))[:, 1]
+            hint = "; its field side does: is it mirrored?" if field.min() <= -height else ""
             raise ValueError(
-                f"rail {self.name} reaches {-z.min():.4g} m below its top on the gauge side, not {height} m"
+                f"rail {self.name} reaches {-z.min():.4g} m below its top on the gauge side, not {height} m{hint}"
             )
         from scipy.optimize import brentq
 
@@ -174,7 +176,7 @@ def load_profile(name: str | Path, kind: Kind, *, noise: float = 0.0, inclinatio
             allowed = ", ".join(other for other, its in NAMES.items() if its == kind)
             raise ValueError(f"profile {name} is a {NAMES[str(name)]}, not a {kind}; allowed: {allowed}, or a file")
         return named_profile(str(name))
-    if not Path(name).is_file():
+    if not Path(name).exists():
         raise ValueError(f"profile {str(name)!r} is neither known nor a file; allowed: {', '.join(NAMES)}, or a file")
     from meshes.readers import read_profile
 

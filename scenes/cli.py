@@ -30,7 +30,7 @@ app = typer.Typer(
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
 Speeds = Annotated[
     list[float] | None,
-    typer.Option("--speed", metavar="V", min=0.1, help="Speed in m/s, may be repeated; the scene's without it."),
+    typer.Option("--speed", metavar="V", min=0.1, max=200.0, help="Speed in m/s, repeatable; the scene's without it."),
 ]
 
 
@@ -100,7 +100,7 @@ def run(
     from scenes.resume import ended
     from scenes.run import run_scene
 
-    folder = out or Path("results", scene.stem)
+    folder = _folder(out, Path("results", scene.stem))
     with _complaints(f"{scene}: ", f"{folder}: "):
         if resume and ended(given, folder):
             print(f"{folder}: this run is complete, there is nothing to go on with")
@@ -131,7 +131,7 @@ def compare(
     _load_run(scene)
     from scenes.compare import compare_scene
 
-    folder = out or Path("results", f"{scene.stem}_compare")
+    folder = _folder(out, Path("results", f"{scene.stem}_compare"))
     with _complaints("", f"{folder}: "), stdout_for_results():
         found = compare_scene(scene, scene.read_text(encoding="utf-8"), other, folder, progress_console())
     for part in found.summary():
@@ -321,6 +321,17 @@ def _check_picture(picture: Path | None) -> None:
 def _check_ending(option: str, file: Path, endings: tuple[str, ...]) -> None:
     if file.suffix.lower() not in endings:
         raise _refused(f"{option} {file}: must end in {', '.join(endings)}")
+    if file.is_dir() or not file.absolute().parent.is_dir():
+        raise _refused(f"{option} {file}: must be a file in a folder that exists")
+
+
+def _folder(out: Path | None, default: Path) -> Path:
+    """The folder of the results, or the end of the command where there cannot be one."""
+    chosen = out or default
+    there = next(place for place in (chosen, *chosen.absolute().parents) if place.exists())
+    if not there.is_dir():
+        raise _refused(f"--out {chosen}: {there} is a file, must be a folder, or one to be made in a folder")
+    return chosen
 
 
 def _refused(complaint: str) -> typer.Exit:

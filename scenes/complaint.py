@@ -79,7 +79,7 @@ def _describe(kind: Any) -> str:
         ranges = [extra for extra in arguments[1:] if isinstance(extra, Range)]
         return str(ranges[-1]) if ranges else _describe(arguments[0])
     if origin is Literal:
-        return " or ".join(f'"{choice}"' for choice in arguments)
+        return " or ".join(json.dumps(choice) for choice in arguments)
     if origin in (Union, UnionType):
         return ", or ".join(_describe(choice) for choice in arguments if choice is not type(None))
     if origin is tuple and arguments[-1] is Ellipsis:
@@ -136,7 +136,7 @@ def _in_data(location: Keys, data: Any) -> Keys:
         if inside:
             data = data[part] if isinstance(data, Mapping) or part < len(data) else None  # type: ignore[operator, index]
             kept.append(part)
-        elif place == len(location) - 1 and isinstance(data, Mapping | list):
+        elif place == len(location) - 1 and isinstance(data, Mapping | list) and "[" not in str(part):
             kept.append(part)  # the missing key itself
     return tuple(kept)
 

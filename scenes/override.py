@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, get_args, get_type_hints
 
 from scenes.quantities import refuse
+from scenes.wagon_values import REACH, WAGON
 
 
 def overridden(part: Any, values: Mapping[str, Any], prefix: str = "", also: tuple[str, ...] = ()) -> Any:
@@ -22,9 +23,23 @@ def overridden(part: Any, values: Mapping[str, Any], prefix: str = "", also: tup
             raise refuse(f"unknown key; allowed are {', '.join((*also, *kinds))}", prefix + key)
         new[key] = _read(kinds[key], getattr(part, key), value, prefix + key)
     try:
-        return replace(part, **new)
+        found = replace(part, **new)
     except Refused as error:
         raise refuse(error.allowed, prefix + error.key) from None
+    for key in values:
+        _check_plausible(key, getattr(found, key), prefix + key)
+    return found
+
+
+def _check_plausible(key: str, value: Any, name: str) -> None:
+    """Raises the error of a scene's check where a number, or a place of a law, has another unit by the look of it."""
+    from vehicle.characteristic import Characteristic
+
+    if isinstance(value, float) and key in WAGON and not WAGON[key].low <= value <= WAGON[key].high:
+        raise refuse(f"must be {WAGON[key]}", name)
+    if isinstance(value, Characteristic) and max(map(abs, value.places)) > (most := REACH[key.endswith("damping")]):
+        unit = "m/s" if key.endswith("damping") else "m"
+        raise refuse(f"must be of points at most {most:g} {unit} from 0", name)
 
 
 def _read(kind: Any, old: Any, value: Any, key: str) -> Any:
@@ -56,4 +71,5 @@ def _law(points: list[Any], key: str) -> Any:
 
 
 def _number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Whether it is one, and not beyond floats."""
+    return isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**1000)

@@ -51,10 +51,10 @@ class Principal(Range):
     """A principal radius of curvature."""
 
     def __str__(self) -> str:
-        return "a radius in m, at least 1e-4 in size: inf is straight, negative is hollow"
+        return "a radius from 1e-4 to 100 m in size: inf is straight, negative is hollow"
 
     def check(self, value: float) -> float:
-        if isnan(value) or abs(value) < 1e-4:
+        if isnan(value) or not (1e-4 <= abs(value) <= 100.0 or abs(value) == inf):
             raise refuse(f"must be {self}")
         return value
 
@@ -101,8 +101,11 @@ Shift = Annotated[Finite, Range(-1e-3, 1e-3, "m", "2 micrometres are 2e-6")]
 Creepage = Annotated[Finite, Range(-1.0, 1.0, hint="a velocity over the speed")]
 Spin = Annotated[Finite, Range(-1e3, 1e3, "rad/m")]
 Load = Annotated[Finite, Range(1e-3, 1e8, "N")]
+WheelLoad = Annotated[Finite, Range(1e3, 1e6, "N", "57 kN are 57e3")]
+AxleLoad = Annotated[Finite, Range(2e3, 2e6, "N", "114 kN are 114e3")]
 Approach = Annotated[Finite, Range(0.0, 5e-3, "m", "25 micrometres are 25e-6", open=True)]
 Speed = Annotated[Finite, Range(0.0, 200.0, "m/s", "162 km/h are 45 m/s", open=True)]
+RunSpeed = Annotated[Finite, Range(0.1, 200.0, "m/s", "162 km/h are 45 m/s")]
 Radius = Annotated[float, Strict(), AllowInfNan(True), Principal(-inf, inf)]
 WheelRadius = Annotated[Finite, Range(0.1, 1.0, "m", "a wheel of 920 mm has the radius 0.46")]
 Offset = Annotated[Finite, Range(-0.1, 0.1, "m", "2 mm are 0.002")]
@@ -127,5 +130,5 @@ Wavelength = Annotated[Finite, Range(0.1, 1e3, "m")]
 Fade = Annotated[Finite, Range(0.0, 1e3, "m", "over which irregularities grow", open=True)]
 Seed = Annotated[int, Strict(), Range(0, 2**63)]
 Time = Annotated[Finite, Range(0.0, 1e5, "s")]
-TimeAndSpeed = Annotated[tuple[Time, Speed], Strict(False)]
+TimeAndSpeed = Annotated[tuple[Time, RunSpeed], Strict(False)]
 Seconds = Annotated[Finite, Range(0.0, inf, "s", open=True)]

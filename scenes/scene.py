@@ -29,6 +29,7 @@ from scenes.sections import (
 from scenes.toml_file import parse, read_text
 from scenes.track_line import TrackLine
 
+MOST_SAMPLES = 1_000_000  # each of which takes kilobytes of memory
 ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
 
 
@@ -110,6 +111,12 @@ class Contact(Table):
         return "solid" if meshed else "waveguide"
 
 
+def _between(wheelset: Axle, gauge: float) -> None:
+    """Raises the error of a check unless the wheels' backs fit between the rails."""
+    if not wheelset.flange_back_distance < gauge:
+        raise q.refuse(f"must be less than the track's gauge of {gauge:g} m", "wheelset.flange_back_distance")
+
+
 NO_STRESS = 'only with model = "condensed" or "full"'
 
 
@@ -188,6 +195,7 @@ class WheelsetScene(Solve):
             raise q.refuse('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
         if self.model == "standard" and self.stress is not None:
             raise q.refuse(NO_STRESS, "stress")
+        _between(self.wheelset, self.track.gauge)
         for key in ("speed", "pitch_rate"):
             if self.friction > 0.0 and getattr(self.wheelset, key) is None:
                 raise q.refuse("must be given when friction is not 0", f"wheelset.{key}")
@@ -207,6 +215,19 @@ class RunScene(Contact):
     vehicle: Vehicle
     solver: Solver = Solver()
     output: Output = Output()
+
+    @model_validator(mode="after")
+    def _samples(self) -> RunScene:
+        from vehicle.drive import Drive
+
+        _between(self.wheelset, self.track.gauge)
+        if self.output.interval:
+            shortest = Drive.of(self.vehicle.drive).time_at(self.track.length) / MOST_SAMPLES
+            if self.output.interval < shortest:
+                raise q.refuse(
+                    f"must be 0, or at least {shortest:.2g} s: at most {MOST_SAMPLES} samples", "output.interval"
+                )
+        return self
 
     @model_validator(mode="after")
     def _one_radius(self) -> RunScene:

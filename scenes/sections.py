@@ -81,9 +81,15 @@ class Profiles(Table):
         if value in names or info.field_name in context.get("at_hand", ()):
             return value
         file = Path(context.get("folder", "."), value)
-        if not file.is_file():
+        if not file.exists():
             raise q.refuse(f"must be {' or '.join(names)}, or a file that exists, seen from the scene's folder")
-        return str(file.resolve())
+        from meshes.profiles import load_profile
+
+        try:
+            load_profile(file.absolute(), "wheel" if info.field_name == "wheel" else "rail")
+        except ValueError as error:
+            raise q.refuse(str(error)) from None
+        return str(file.absolute())
 
 
 class Rails(Table):
@@ -118,8 +124,8 @@ class Wheelset(Axle):
     y_rate: q.Rate = 0.0
     z_rate: q.Rate = 0.0
     roll_rate: q.Rate = 0.0
-    wheel_load: q.Load | None = None
-    axle_load: q.Load | None = None
+    wheel_load: q.WheelLoad | None = None
+    axle_load: q.AxleLoad | None = None
     z: q.Offset | None = None
 
     @model_validator(mode="after")
@@ -152,7 +158,7 @@ class Vehicle(Table):
 
     model_config = ConfigDict(extra="allow")
 
-    speed: q.Speed | Annotated[tuple[q.TimeAndSpeed, ...], Strict(False), Field(min_length=1)]
+    speed: q.RunSpeed | Annotated[tuple[q.TimeAndSpeed, ...], Strict(False), Field(min_length=1)]
     wagon: str | None = None
 
     @field_validator("wagon")

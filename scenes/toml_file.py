@@ -6,22 +6,26 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from meshes.text_file import FileRefused
+from meshes.text_file import read_text as text_of
 from scenes.complaint import SceneError
+
+MOST = 1.0  # MB
 
 
 def read_text(path: Path) -> str:
     """Raises SceneError for a file that cannot be read."""
     try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path}: not a text file in UTF-8 (byte {error.start})") from None
+        return text_of(path, MOST)
+    except FileRefused as error:
+        raise SceneError(str(error)) from None
 
 
 def parse(text: str, path: str | Path) -> dict[str, Any]:
     """Raises SceneError for a text that is not TOML; path names it."""
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # that of TOML, or of a number with thousands of digits
         raise SceneError(f"{path}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise SceneError(f"{path}: not valid TOML: brackets nested hundreds of levels deep") from None

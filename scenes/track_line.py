@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from vehicle.layout import Segment
     from vehicle.track import Track
 
+LONGEST = 1e5  # m
+MOST_WAVES = 1e5  # of the shortest wavelength along a track: takes half a minute
 SHORT = ("curvature", "cant", "tangent", "transition_length", "curve")
 Shape = Literal["quintic", "clothoid", "bloss"]
 
@@ -78,7 +80,7 @@ class IrregularityTable(Table):
         """The file, relative to the scene's folder, as its full path."""
         if value is None:
             return None
-        from vehicle.irregularity_file import IrregularityFileError, read_irregularities
+        from scenes.irregularity_file import IrregularityFileError, read_irregularities
 
         file = Path((info.context or {}).get("folder", "."), value).resolve()
         try:
@@ -100,8 +102,8 @@ class IrregularityTable(Table):
 
     def irregularities(self, length: float) -> Irregularities:
         """Along a track of a length m, to its very end where the data go on behind it."""
+        from scenes.irregularity_file import read_irregularities
         from vehicle.irregularity import Irregularities
-        from vehicle.irregularity_file import read_irregularities
         from vehicle.track_spectrum import ERRI
 
         if self.file is not None:
@@ -186,6 +188,11 @@ class TrackLine(Rails):
     def _meet(self) -> TrackLine:
         from vehicle.layout import LayoutError, courses
 
+        if self.length > LONGEST:
+            raise q.refuse(f"must be at most {LONGEST:g} m long, all in all", "segments" if self.segments else "curve")
+        if self.irregularities is not None and self.length > MOST_WAVES * self.irregularities.wavelengths[0]:
+            text = f"the shortest must be at least {self.length / MOST_WAVES:.3g} m: at most {MOST_WAVES:g} waves"
+            raise q.refuse(f"{text} along the track", "irregularities.wavelengths")
         try:
             courses(self.layout, corner=self.corner)
         except LayoutError as error:

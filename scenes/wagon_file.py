@@ -12,33 +12,10 @@ from pydantic_core import PydanticCustomError
 from scenes.complaint import SceneError, fault
 from scenes.override import overridden
 from scenes.toml_file import parse, read_text
+from scenes.wagon_values import WAGON
 
 if TYPE_CHECKING:
     from vehicle.wagon import Wagon
-
-UNITS = {
-    "mass": "kg",
-    "roll_inertia": "kg m2",
-    "pitch_inertia": "kg m2",
-    "yaw_inertia": "kg m2",
-    "height": "m above top of rail",
-    "lateral_stiffness": "N/m, or points [m, N]",
-    "vertical_stiffness": "N/m, or points [m, N]",
-    "lateral_damping": "N s/m, or points [m/s, N]",
-    "vertical_damping": "N s/m, or points [m/s, N]",
-    "bending_stiffness": "N m/rad",
-    "spring_y": "m",
-    "spring_height": "m above top of rail",
-    "damper_y": "m",
-    "damper_height": "m above top of rail",
-    "turn": "share of the upper body's roll in the axes of springs and dampers",
-    "lateral_series_stiffness": "N/m, in series with the damper; inf is none",
-    "vertical_series_stiffness": "N/m, in series with the damper; inf is none",
-    "roll_bar": "N m/rad, per bogie",
-    "bumpstop": "[m, N], the same in both directions",
-    "bumpstop_height": "m above top of rail",
-    "gravity": "m/s2",
-}
 
 
 def load_wagon(path: str | Path, base: Wagon | None = None) -> Wagon:
@@ -70,8 +47,9 @@ def _lines(part: Any, title: str = "") -> Iterator[str]:
     if title:
         yield from ("", f"[{title}]")
     values = {field.name: getattr(part, field.name) for field in fields(part)}
+    units = {name: known.unit for name, known in WAGON.items()}
     for name, value in values.items():
-        unit = "share of it in the plane model" if title == "scaling" else UNITS.get(name)
+        unit = "share of it in the plane model" if title == "scaling" else units.get(name)
         if isinstance(value, Characteristic):
             yield from (f"{name} = [  # {unit}", *(f"  [{x!r}, {f!r}]," for x, f in value.points), "]")
         elif isinstance(value, float | int):

@@ -12,10 +12,10 @@ from scipy.signal import welch
 from standin_contact import CONTACT, STIFFNESS
 
 from contact.pose import WheelsetState
+from scenes.irregularity_file import IrregularityFileError, read_irregularities
 from vehicle.control import Counts
 from vehicle.dynamics import Dynamics
 from vehicle.irregularity import Irregularities
-from vehicle.irregularity_file import IrregularityFileError, read_irregularities
 from vehicle.jacobian import Jacobian
 from vehicle.layout import Segment
 from vehicle.simulate import simulate

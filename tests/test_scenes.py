@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bad_input import WHEEL, lines
 from rich.console import Console
 
 from contact.laws import FallingFriction, Laws
@@ -349,7 +350,7 @@ def test_axle_load_needs_both_sides() -> None:
 
 
 def test_profile_file_is_found_beside_the_scene(tmp_path: Path) -> None:
-    (tmp_path / "worn.whl").write_text("0 0\n")
+    (tmp_path / "worn.whl").write_text(lines(WHEEL))
     file = tmp_path / "scene.toml"
     file.write_text(changed(WHEELSET, '"S1002" ', '"worn.whl" '))
     scene = load_scene(file)

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import re
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.text_file import FileRefused, read_text
 from vehicle.irregularity import QUANTITIES
 
 Array = NDArray[np.float64]
+Row = tuple[int, list[str]]  # its number, and its cells
 
 UNITS = {"m": 1.0, "mm": 1e-3}
+MOST = 10.0  # MB
+BLOCK = 1000  # rows
 LARGEST = 0.1  # m: beyond it a unit is wrong
 COLUMNS = f"s, {', '.join(QUANTITIES)}"
 
@@ -29,17 +34,17 @@ def read_irregularities(path: str | Path) -> tuple[Array, Array]:
     zero; lines that begin with # are comments. Raises IrregularityFileError naming file, row and value.
     """
     try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise IrregularityFileError(f"{path}: cannot be read as text: {error}") from None
-    rows = [(i, re.split(r"\s*[,;]\s*", line.strip())) for i, line in enumerate(lines, start=1) if _holds(line)]
+        lines = read_text(path, MOST, foreign=True).splitlines()
+    except FileRefused as error:
+        raise IrregularityFileError(str(error)) from None
+    rows = [(i, _cells(line)) for i, line in enumerate(lines, start=1) if _holds(line)]
     if rows and not _is_number(rows[0][1][0]):
         columns = _columns(path, *rows.pop(0))
     else:
         columns = [(name, 1.0) for name in ("s", *QUANTITIES)]
     if len(rows) < 2:
         raise IrregularityFileError(f"{path}: {len(rows)} rows of numbers: two at least are needed")
-    table = np.array([_numbers(path, number, cells, columns) for number, cells in rows])
+    table = np.vstack([_block(path, rows[i : i + BLOCK], columns) for i in range(0, len(rows), BLOCK)])
     found = {name: table[:, i] for i, (name, _) in enumerate(columns)}
     stations = found["s"]
     for i in np.flatnonzero(np.diff(stations) <= 0.0)[:1] + 1:
@@ -53,6 +58,10 @@ def _holds(line: str) -> bool:
     return bool(line.strip()) and not line.lstrip().startswith("#")
 
 
+def _cells(line: str) -> list[str]:
+    return line.split(";" if ";" in line else ",")
+
+
 def _is_number(text: str) -> bool:
     try:
         float(text)
@@ -64,7 +73,7 @@ def _is_number(text: str) -> bool:
 def _columns(path: str | Path, row: int, cells: list[str]) -> list[tuple[str, float]]:
     """Name and unit of each column."""
     columns: list[tuple[str, float]] = []
-    for cell in cells:
+    for cell in (cell.strip() for cell in cells):
         match = re.fullmatch(r"(\w+)\s*(?:[\[(](\w+)[\])])?", cell)
         name, unit = match.groups() if match else ("", None)
         if name not in ("s", *QUANTITIES) or name in dict(columns) or (unit or "m") not in UNITS:
@@ -76,18 +85,30 @@ def _columns(path: str | Path, row: int, cells: list[str]) -> list[tuple[str, fl
     return columns
 
 
-def _numbers(path: str | Path, row: int, cells: list[str], columns: list[tuple[str, float]]) -> list[float]:
+def _block(path: str | Path, rows: list[Row], columns: list[tuple[str, float]]) -> Array:
+    """Numbers by row and column, m: all at once, and only where that fails row by row."""
+    try:
+        table = np.fromiter(map(float, chain.from_iterable(cells for _, cells in rows)), float)
+        table = table.reshape(len(rows), len(columns)) * [unit for _, unit in columns]
+        most = [np.inf if name == "s" else LARGEST for name, _ in columns]
+        good = (np.isfinite(table) & (np.abs(table) <= most)).all(axis=1)
+        suspects = [rows[i] for i in np.flatnonzero(~good)]
+    except ValueError:
+        suspects = rows
+    for row, cells in suspects:
+        _check(path, row, cells, columns)
+    return table
+
+
+def _check(path: str | Path, row: int, cells: list[str], columns: list[tuple[str, float]]) -> None:
     if len(cells) != len(columns):
         names = ", ".join(name for name, _ in columns)
         raise IrregularityFileError(f"{path}: row {row}: {len(cells)} values, must be {len(columns)}: {names}")
-    numbers: list[float] = []
-    for cell, (name, unit) in zip(cells, columns, strict=True):
+    for cell, (name, unit) in zip(map(str.strip, cells), columns, strict=True):
         value = float(cell) * unit if _is_number(cell) else np.nan
         if not np.isfinite(value):
-            raise IrregularityFileError(f"{path}: row {row}, {name} = {cell!r}: must be a finite number")
+            raise IrregularityFileError(f"{path}: row {row}, {name} = {cell!r}: must be a finite number, with a point")
         if name != "s" and abs(value) > LARGEST:
             raise IrregularityFileError(
                 f"{path}: row {row}, {name} = {cell}: must be at most {LARGEST} m in size (2 mm are 0.002)"
             )
-        numbers.append(value)
-    return numbers

@@ -1,0 +1,51 @@
+"""Text files that come from elsewhere: regular files of a bounded size, in UTF-8."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+MB = 1_000_000
+KINDS = {stat.S_ISDIR: "a folder", stat.S_ISFIFO: "a pipe", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
+
+
+class FileRefused(ValueError):
+    """A file that is not read: which, where, why, and what is allowed."""
+
+
+def read_text(path: str | Path, most: float, *, foreign: bool = False) -> str:
+    """The text of a file of at most so many MB.
+
+    foreign: bytes of another encoding are replaced, as they stand in comments where all else is numbers. Raises
+    FileRefused for what is no regular file (and might never end), too large, in UTF-16, or no text.
+    """
+    content = _content(path, most)
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise FileRefused(f"{path}: a text in UTF-16; allowed: text in UTF-8")
+    if (zero := content.find(b"\0")) >= 0:
+        raise FileRefused(f"{path}, line {_line(content, zero)}: a zero byte, not a text file; allowed: text in UTF-8")
+    try:
+        return content.decode("utf-8-sig", errors="replace" if foreign else "strict")
+    except UnicodeDecodeError as error:
+        where = f"{path}, line {_line(content, error.start)}"
+        raise FileRefused(f"{where}: byte 0x{content[error.start]:02x}, not UTF-8; allowed: text in UTF-8") from None
+
+
+def _content(path: str | Path, most: float) -> bytes:
+    allowed = f"allowed: a text file of at most {most:g} MB"
+    try:
+        found = os.stat(path)
+        if not stat.S_ISREG(found.st_mode):
+            kind = next((name for test, name in KINDS.items() if test(found.st_mode)), "no regular file")
+            raise FileRefused(f"{path}: cannot be read: {kind}; {allowed}")
+        if found.st_size > most * MB:
+            raise FileRefused(f"{path}: cannot be read: {found.st_size / MB:.3g} MB; {allowed}")
+        with open(path, "rb") as file:
+            return file.read(int(most * MB))
+    except OSError as error:
+        raise FileRefused(f"{path}: cannot be read: {error.strerror or error}; {allowed}") from None
+
+
+def _line(content: bytes, place: int) -> int:
+    return content.count(b"\n", 0, place) + 1
