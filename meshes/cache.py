@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
-import tempfile
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -14,6 +12,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from meshes.whole_file import whole_file
 
 FORMAT = 3  # raise it when the meaning of stored arrays changes
 
@@ -69,19 +69,11 @@ def store(name: str, arrays: Arrays) -> None:
     run.
     """
     path = cache_folder() / f"{name}.npz"
-    temporary = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".part-", delete=False) as file:
-            temporary = Path(file.name)
+        with whole_file(path) as part, part.open("wb") as file:
             np.savez(file, **arrays)
-        os.replace(temporary, path)
     except OSError as error:
         warnings.warn(f"the cache {path.parent} cannot be written ({error}); going on without it", stacklevel=2)
-    finally:
-        if temporary is not None:  # what was not moved into place, for whatever reason
-            with contextlib.suppress(OSError):
-                temporary.unlink()
 
 
 def cached(name: str, build: Callable[[], Arrays], wanted: Sequence[str]) -> Arrays:

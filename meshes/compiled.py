@@ -3,19 +3,62 @@
 from __future__ import annotations
 
 import hashlib
+import pickle
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from numba import config, njit
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 
+SEAL = hashlib.sha256().digest_size
 F = TypeVar("F", bound=Callable[..., Any])
 
 HERE = Path(__file__).parent
 SOURCES = (HERE, HERE.parent / "contact")  # folders with compiled functions
+
+
+class Sealed(FunctionCache):  # type: ignore[misc]
+    """Machine code on disk that costs time and nothing else where it is damaged or cannot be written."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # a pickle that is damaged raises almost anything
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)
+        except Exception:
+            with suppress(OSError):  # an index that cannot be read is no longer in the way the next time
+                self.flush()
+
+
+class SealedFile(IndexDataCacheFile):  # type: ignore[misc]
+    """Behind every pickled content stands its hash: a flipped bit in machine code would be run."""
+
+    def _dump(self, obj: Any) -> bytes:
+        content = bytes(super()._dump(obj))
+        return content + hashlib.sha256(content).digest()
+
+    def _load_data(self, name: str) -> Any:
+        _check(Path(self._data_path(name)).read_bytes())
+        return super()._load_data(name)
+
+    def _load_index(self) -> Any:
+        with suppress(FileNotFoundError), open(self._index_path, "rb") as file:
+            pickle.load(file)  # Numba's version
+            _check(file.read())
+        return super()._load_index()
+
+
+def _check(content: bytes) -> None:
+    if hashlib.sha256(content[:-SEAL]).digest() != content[-SEAL:]:
+        raise ValueError("damaged")
 
 
 def compiled(function: F) -> F:
@@ -24,7 +67,10 @@ def compiled(function: F) -> F:
     Sums may be reordered, but infinities and NaN keep their meaning.
     """
     with _kept_in(str(folder())):
-        return cast(F, njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz", "arcp"})(function))
+        made = njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz", "arcp"})(function)
+    made._cache.__class__ = Sealed
+    made._cache._cache_file.__class__ = SealedFile
+    return cast(F, made)
 
 
 @cache

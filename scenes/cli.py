@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from scenes.terminal import progress_console, result_console, stdout_for_results
 
@@ -20,7 +21,27 @@ if TYPE_CHECKING:
 PICTURES = (".png", ".svg", ".pdf")
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
 
+
+class Commands(TyperGroup):
+    """All commands: Ctrl-C wherever it comes, and results that nobody takes, are a line and an exit code, too."""
+
+    def invoke(self, ctx: typer.Context) -> Any:
+        try:
+            done = super().invoke(ctx)
+            sys.stdout.flush()
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+        except OSError as error:
+            print(f"standard output: {error.strerror or error}", file=sys.stderr)
+            with suppress(OSError, ValueError):  # what is left in the buffer would be tried again at the end
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(FAILED) from None
+        return done
+
+
 app = typer.Typer(
+    cls=Commands,
     help="Detailed wheel-rail contact by finite elements, inside a vehicle simulation.",
     no_args_is_help=True,
     add_completion=False,
@@ -308,9 +329,6 @@ def _complaints(scene: str, place: str | None = None) -> Iterator[None]:
     except (OSError, RunFailed) as error:
         print(f"{scene if place is None else place}{error}", file=sys.stderr)
         raise typer.Exit(FAILED) from None
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
 
 
 def _check_picture(picture: Path | None) -> None:
@@ -363,9 +381,6 @@ def _solved(scene: HertzScene | WheelsetScene, name: Path, results: dict[str, Co
             return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
     except SceneError as error:
         raise _refused(f"{name}: {error}") from None
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
     except Exception as error:
         import traceback
 

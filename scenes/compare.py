@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from meshes.whole_file import whole_file
 from scenes.complaint import RunFailed
 from scenes.resume import ended
 from scenes.run import CHECKPOINTS, RESULTS, run_scene
@@ -73,7 +74,8 @@ def compare_scene(file: Path, text: str, other: str, folder: Path, console: Cons
         "scatter": {name: noise(data) for name, data in zip(names, (one, two), strict=True)},
         "channels": rows(found),
     }
-    table.write_text(json.dumps(report, indent=1) + "\n")
+    with whole_file(table) as part:
+        part.write_text(json.dumps(report, indent=1) + "\n")
     return Comparison(names, found, energy, (*files, table))
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from meshes.whole_file import whole_file
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -25,16 +25,11 @@ def versions() -> dict[str, str]:
 
 
 def write(data: Dataset, file: Path) -> None:
-    """Write NetCDF in one stroke: the file is the old one or the whole new one, never a part."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
-    os.close(handle)
-    try:
-        arrays = (name for name, values in data.data_vars.items() if values.ndim > 0 and values.dtype.kind not in "OU")
-        packed = {name: {"zlib": True, "complevel": 1} for name in arrays}  # texts cannot be
-        data.to_netcdf(temporary, engine="netcdf4", encoding=packed)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, file)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    """Write NetCDF, whole or not at all; raises OSError if it cannot be written."""
+    arrays = (name for name, values in data.data_vars.items() if values.ndim > 0 and values.dtype.kind not in "OU")
+    packed = {name: {"zlib": True, "complevel": 1} for name in arrays}  # texts cannot be
+    with whole_file(file) as part:
+        try:
+            data.to_netcdf(part, engine="netcdf4", encoding=packed)
+        except RuntimeError as error:  # what the library makes of a full disk
+            raise OSError(f"{file.name} cannot be written: {error}") from error

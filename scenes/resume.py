@@ -65,8 +65,11 @@ def ended(scene: RunScene, folder: Path) -> bool:
     file = folder / RESULTS
     if (folder / CHECKPOINTS).exists() or not file.exists():
         return False
-    with open_dataset(file, engine="netcdf4") as data:
-        status, before = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
+    try:
+        with open_dataset(file, engine="netcdf4") as data:
+            status, before = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
+    except (OSError, ValueError, RuntimeError):  # spoiled: as good as none
+        return False
     if status != "completed":
         return False
     same_or_refused(before, inputs(scene), file)

@@ -108,7 +108,7 @@ def test_read_only_cache_serves_and_only_warns(folder: Path, monkeypatch: pytest
     def denied(**options: Any) -> None:  # chmod would not stop root
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr(tempfile, "NamedTemporaryFile", denied)
+    monkeypatch.setattr(tempfile, "mkstemp", denied)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert same(cached("kind/old", lambda: pytest.fail("built again"), list(ARRAYS)), ARRAYS)

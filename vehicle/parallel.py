@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from types import FrameType
 from typing import Any, cast
 from weakref import finalize
 
@@ -106,7 +107,8 @@ class Parallel:
         self.asked, self.pending = self.asked + 1, None
         gone = [self.forgotten.pop() for _ in range(len(self.forgotten))]
         try:
-            self.pipe.send((self.asked, what, state, key, gone))
+            with interrupts_later():
+                self.pipe.send((self.asked, what, state, key, gone))
         except OSError as error:
             raise WorkerLost(LOST) from error
 
@@ -117,7 +119,9 @@ class Parallel:
             if number > 0:
                 self.forgotten.append(number)
             try:
-                number, answer, error = self.pipe.recv()
+                self.pipe.poll(None)  # Ctrl-C may come here, and not in the middle of an answer
+                with interrupts_later():
+                    number, answer, error = self.pipe.recv()
             except (EOFError, OSError) as lost:
                 raise WorkerLost(LOST) from lost
         if error is not None:
@@ -134,8 +138,9 @@ def in_parallel(contact: Contact) -> Iterator[Parallel]:
     context = get_context("fork")
     here, there = context.Pipe()
     process = context.Process(target=_serve, args=(contact, here, there), name="right-hand contact", daemon=True)
-    process.start()
-    there.close()
+    with interrupts_later():
+        process.start()
+        there.close()
     try:
         with _broken_pipes_told():
             yield Parallel(contact, here)
@@ -145,6 +150,23 @@ def in_parallel(contact: Contact) -> Iterator[Parallel]:
         if process.is_alive():
             process.terminate()
             process.join()
+
+
+@contextmanager
+def interrupts_later() -> Iterator[None]:
+    """Ctrl-C waits until the block is done."""
+    came: list[tuple[int, FrameType | None]] = []
+    try:
+        before = signal.signal(signal.SIGINT, lambda *given: came.append(given))
+    except ValueError:  # not in the main thread, where no Ctrl-C arrives
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if came and callable(before):
+            before(*came[-1])
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from scenes.differences import rms, scatter, settled
 from scenes.pictures.runs import along_track, named, patch_bands
-from scenes.pictures.style import STYLE
+from scenes.pictures.style import STYLE, save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,7 +35,7 @@ def draw_comparison(runs: Runs, names: Names, folder: Path) -> Iterator[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in PICTURES.items():
         with rc_context(STYLE):
-            draw(runs, names).savefig(folder / f"{name}.png")
+            save(draw(runs, names), folder / f"{name}.png")
         yield folder / f"{name}.png"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.pictures.patch_cells import PatchCells, chosen, title, touching
-from scenes.pictures.style import PRESSURE_MAP, REGIONS, STYLE, axes_of
+from scenes.pictures.style import PRESSURE_MAP, REGIONS, STYLE, axes_of, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +30,7 @@ def draw_patches(data: Dataset, file: Path) -> None:
     from matplotlib import rc_context
 
     with rc_context(STYLE):
-        patches_figure(data).savefig(file)
+        save(patches_figure(data), file)
 
 
 def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.pictures.style import PRESSURE_MAP, SIDES, STYLE
+from scenes.pictures.style import PRESSURE_MAP, SIDES, STYLE, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +28,7 @@ def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in PICTURES.items():
         with rc_context(STYLE):
-            draw(data).savefig(folder / f"{name}.png")
+            save(draw(data), folder / f"{name}.png")
         yield folder / f"{name}.png"
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from meshes.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 STYLE = {
     "font.size": 9.0,
@@ -45,3 +49,9 @@ def axes_of(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Axes:
     from matplotlib.figure import Figure
 
     return Figure(figsize=size, layout="constrained").subplots()
+
+
+def save(figure: Figure, file: Path) -> None:
+    """Write a picture, whole or not at all; the ending names its format."""
+    with whole_file(file) as part:
+        figure.savefig(part)

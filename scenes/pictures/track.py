@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.pictures.style import STYLE
+from scenes.pictures.style import STYLE, save
 from scenes.track_report import cant_deficiency
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def draw_track(scene: RunScene, file: Path) -> None:
     from matplotlib import rc_context
 
     with rc_context(STYLE):
-        _figure(scene).savefig(file)
+        save(_figure(scene), file)
 
 
 def _figure(scene: RunScene) -> Figure:
