@@ -8,23 +8,27 @@ import resource
 import signal
 import subprocess
 import sys
-import textwrap
 import time
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bad_input import CURVE, WHEELSET, changed, standard
+from standin_contact import CONTACT
+from test_resume import Stopping
 from typer.testing import CliRunner
 from xarray import Dataset, open_dataset
 
+from contact.wheelset import WheelsetContact
 from meshes.cache import load, store
 from meshes.whole_file import PART, whole_file
 from scenes.cli import app
 from scenes.netcdf import write
 
 ROOT = Path(__file__).parents[1]
+SMOOTH = WheelsetContact(Stopping(), CONTACT.mounting)  # a spring with patches, and nothing to remember
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
 
 
@@ -36,7 +40,7 @@ def quick(folder: Path, *changes: tuple[str, str]) -> Path:
         ("transition_length = 100.0", "transition_length = 10.0"),
         ("curve = 200.0", "curve = 1.0"),
         ('method = "ode23"', 'method = "rosenbrock"'),
-        ("interval = 0.0", "checkpoint = 10"),
+        ("interval = 0.0", "checkpoint = 10\nfigures = false"),
         *changes,
     ):
         text = changed(text, old, new)
@@ -45,18 +49,40 @@ def quick(folder: Path, *changes: tuple[str, str]) -> Path:
     return folder / "scene.toml"
 
 
-def command(*words: object, code: str = "", limit: int = 0, **options: object) -> subprocess.CompletedProcess[str]:
-    """`wheelrail` in a process of its own, after some code; no file of it may be longer than limit bytes."""
+@pytest.fixture(autouse=True)
+def smooth(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scenes.run.wheelset_contact", lambda scene: SMOOTH)
 
-    def bounded() -> None:
-        if limit:
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    script = f"{code}\nfrom scenes.cli import main\nmain()"
-    given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": ENVIRONMENT, **options}
-    line = [sys.executable, "-c", script, *map(str, words)]
-    return subprocess.run(line, text=True, timeout=60, check=False, preexec_fn=bounded, **given)  # type: ignore
+def stopped(folder: Path, code: str) -> tuple[int, str]:
+    """A run in a process of its own, after some code: exit status, or minus the signal's number, and what it said."""
+    process = os.fork()
+    if process == 0:
+        status = 99
+        said = os.open(folder / "said", os.O_CREAT | os.O_TRUNC | os.O_WRONLY)
+        for number in (1, 2):
+            os.dup2(said, number)
+        sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))  # noqa: SIM115
+        try:
+            exec(code, {})
+            app(["run", str(folder / "scene.toml"), "--out", str(folder)])
+        except SystemExit as end:
+            status = int(end.code or 0)
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(status)
+    status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+    said = (folder / "said").read_text()
+    (folder / "said").unlink()
+    return status, said
+
+
+def resumed(folder: Path) -> None:
+    done = CliRunner().invoke(app, ["run", str(folder / "scene.toml"), "--out", str(folder), "--resume"])
+    assert done.exit_code == 0, done.output
 
 
 def assert_same_results(one: Path, other: Path) -> None:
@@ -69,8 +95,10 @@ def assert_same_results(one: Path, other: Path) -> None:
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("undisturbed")
-    done = CliRunner().invoke(app, ["run", str(quick(folder)), "--out", str(folder)])
-    assert done.exit_code == 0, done.output
+    quick(folder)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("scenes.run.wheelset_contact", lambda scene: SMOOTH)
+        resumed(folder)
     return folder
 
 
@@ -82,7 +110,7 @@ def test_a_file_is_whole_or_the_old_one(tmp_path: Path) -> None:
         part.write_text("half of the n")
         raise KeyboardInterrupt
     assert file.read_text() == "old"
-    assert os.listdir(file.parent) == ["file.txt"]
+    assert [place.name for place in file.parent.iterdir()] == ["file.txt"]
 
 
 def test_leftovers_of_killed_writers_go_after_a_day(tmp_path: Path) -> None:
@@ -127,22 +155,16 @@ def test_full_disk_leaves_the_old_results(tmp_path: Path, small_files: object) -
 
 
 def test_run_on_a_full_disk_goes_on_from_its_checkpoints(tmp_path: Path, undisturbed: Path) -> None:
-    scene = quick(tmp_path)
-    code = "import scenes.netcdf as n\n" + textwrap.dedent(
-        """
-        def full(*given):
-            raise OSError(28, "No space left on device")
-        n.write = full
-        """
+    quick(tmp_path)
+    full = (
+        "import scenes.netcdf as n\ndef full(*given):\n    raise OSError(28, 'No space left on device')\nn.write = full"
     )
-    stopped = command("run", scene, "--out", tmp_path, code=code)
-    assert stopped.returncode == 1
-    assert "No space left on device" in stopped.stderr
-    assert "Traceback" not in stopped.stderr
-    assert not (tmp_path / "run.nc").exists()
-    assert (tmp_path / "run.checkpoints").exists()
-    done = CliRunner().invoke(app, ["run", str(scene), "--out", str(tmp_path), "--resume"])
-    assert (done.exit_code, "goes on from the checkpoint" in done.stderr) == (0, True)
+    status, said = stopped(tmp_path, full)
+    assert status == 1
+    assert "No space left on device" in said
+    assert "Traceback" not in said
+    assert sorted(os.listdir(tmp_path)) == ["run.checkpoints", "scene.toml"]
+    resumed(tmp_path)
     assert_same_results(tmp_path, undisturbed)
 
 
@@ -150,7 +172,8 @@ def test_run_on_a_full_disk_goes_on_from_its_checkpoints(tmp_path: Path, undistu
 def test_results_that_cannot_be_printed_are_an_error(tmp_path: Path, options: tuple[str, ...]) -> None:
     (tmp_path / "scene.toml").write_text(standard(WHEELSET))
     with open("/dev/full", "w") as full:
-        done = command("contact", tmp_path / "scene.toml", *options, stdout=full)
+        line = [sys.executable, "-m", "scenes.cli", "contact", str(tmp_path / "scene.toml"), *options]
+        done = subprocess.run(line, stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, timeout=60)
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == "standard output: No space left on device"
     assert "Traceback" not in done.stderr
@@ -158,17 +181,17 @@ def test_results_that_cannot_be_printed_are_an_error(tmp_path: Path, options: tu
 
 @pytest.mark.parametrize("spoiled", [b"", b"\x89HDF\r\n\x1a\n half", None])
 def test_spoiled_results_are_computed_anew(tmp_path: Path, undisturbed: Path, spoiled: bytes | None) -> None:
-    scene = quick(tmp_path)
+    quick(tmp_path)
     whole = (undisturbed / "run.nc").read_bytes()
     (tmp_path / "run.nc").write_bytes(whole[: len(whole) // 2] if spoiled is None else spoiled)
-    done = CliRunner().invoke(app, ["run", str(scene), "--out", str(tmp_path), "--resume"])
-    assert done.exit_code == 0, done.output
+    resumed(tmp_path)
     assert_same_results(tmp_path, undisturbed)
 
 
 PHASES = {
     "import": "import builtins; kept = builtins.__import__\n"
-    "def at(name, *given):\n    if name == 'scenes.run': stop()\n    return kept(name, *given)\nbuiltins.__import__ = at",
+    "def at(name, *given):\n    if name == 'scenes.run': stop()\n    return kept(name, *given)\n"
+    "builtins.__import__ = at",
     "scene": "import scenes.scene as m; m.read_text = stop",
     "head": "import scenes.resume as m; m.head = stop",
     "contact": "import scenes.run as m; m.wheelset_contact = stop",
@@ -181,7 +204,7 @@ PHASES = {
     "    return kept(to, data, at)\nos.pwrite = half",
     "results": "import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)",
     "results in place": "import os; os.replace = after(os.replace, 2)",
-    "pictures": "import matplotlib.figure as m; m.Figure.savefig = after(m.Figure.savefig, 2)",
+    "end": "import scenes.journal as m; m.Journal.remove = stop",
 }
 STOP = """
 import os, signal, time
@@ -200,27 +223,22 @@ def after(kept, count):
 """
 
 
-def stopped(how: str, phase: str, *words: object) -> subprocess.CompletedProcess[str]:
-    return command(*words, code=STOP.format(signal=how) + PHASES[phase])
-
-
 @pytest.mark.parametrize("phase", PHASES)
 @pytest.mark.parametrize("how", ["SIGINT", "SIGKILL"])
 def test_run_stopped_in_any_phase_ends_as_if_it_had_not_been(
     tmp_path: Path, undisturbed: Path, how: str, phase: str
 ) -> None:
-    scene = quick(tmp_path)
-    found = stopped(how, phase, "run", scene, "--out", tmp_path)
-    assert "Traceback" not in found.stderr
+    quick(tmp_path)
+    status, said = stopped(tmp_path, STOP.format(signal=how) + PHASES[phase])
+    assert "Traceback" not in said
     if how == "SIGKILL":
-        assert found.returncode == -signal.SIGKILL
-    elif phase not in ("results", "results in place", "pictures"):  # where Ctrl-C comes too late to spoil anything
-        assert found.returncode == 130, found.stderr
-        assert re.search("^interrupted", found.stderr + found.stdout, re.MULTILINE)
+        assert status == -signal.SIGKILL, said
+    elif phase not in ("results", "results in place"):  # where Ctrl-C comes too late to spoil anything
+        assert status == 130, said
+        assert re.search("^interrupted", said, re.MULTILINE)
     if (tmp_path / "run.nc").exists():
         open_dataset(tmp_path / "run.nc").close()
-    done = CliRunner().invoke(app, ["run", str(scene), "--out", str(tmp_path), "--resume"])
-    assert done.exit_code == 0, done.output
+    resumed(tmp_path)
     assert_same_results(tmp_path, undisturbed)
 
 
@@ -238,7 +256,7 @@ def gone(process: int) -> bool:
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_no_second_process_is_left(tmp_path: Path, how: signal.Signals) -> None:
-    scene = quick(tmp_path, ("checkpoint = 10", "checkpoint = 10\nfigures = false"), ("curve = 1.0", "curve = 900.0"))
+    scene = quick(tmp_path, ("curve = 1.0", "curve = 900.0"))
     scene.write_text(scene.read_text().replace("[solver]", "[solver]\nworkers = 2"))
     script = "import os\nfrom scenes.cli import main\nmain()"
     line = [sys.executable, "-c", script, "run", str(scene), "--out", str(tmp_path)]
