@@ -25,7 +25,7 @@ FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
 class Commands(TyperGroup):
     """All commands: Ctrl-C wherever it comes, and results that nobody takes, are a line and an exit code, too."""
 
-    def invoke(self, ctx: typer.Context) -> Any:
+    def invoke(self, ctx: Any) -> Any:
         try:
             done = super().invoke(ctx)
             sys.stdout.flush()

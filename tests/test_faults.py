@@ -1,4 +1,4 @@
-"""Full disks, damaged files, Ctrl-C and kills in every phase: nothing half-written is read, nothing computed is lost."""
+"""Full disks, damaged files, Ctrl-C and kills in every phase: nothing half-written is read, nothing is lost."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_a_file_is_whole_or_the_old_one(tmp_path: Path) -> None:
     file = tmp_path / "folder" / "file.txt"
     with whole_file(file) as part:
         part.write_text("old")
-    with pytest.raises(KeyboardInterrupt), whole_file(file) as part:
+    with pytest.raises(KeyboardInterrupt), whole_file(file) as part:  # noqa: PT012
         part.write_text("half of the n")
         raise KeyboardInterrupt
     assert file.read_text() == "old"
