@@ -1,72 +1,52 @@
-"""Scenes with some values changed, as TOML again."""
+"""Tables of a scene with some values changed."""
 
 from __future__ import annotations
 
-import copy
-import json
-import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 from scenes.complaint import SceneError
 
 
-def changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables with other values for keys that are named with dots: {"vehicle.speed": 30.0}; None removes a key.
+def changed(base: Mapping[str, Any], values: Mapping[str, Any], place: str | Path) -> dict[str, Any]:
+    """A copy of the tables with values at dotted places: {"vehicle.speed": 30.0, "creepage.0": 1e-3}.
 
-    Raises SceneError for a key inside something that is no table; whether keys are known is checked with the scene.
+    Raises SceneError, which place begins, for a key inside something that is no table or array; whether keys of tables
+    are known is checked with the scene.
     """
-    found = copy.deepcopy(dict(tables))
-    for name, value in changes.items():
-        *path, last = name.split(".")
-        inner = found
-        for part in path:
-            inner = inner.setdefault(part, {})
-            if not isinstance(inner, dict):
-                raise SceneError(f"{name}: {part} is no table")
-        if value is None:
-            inner.pop(last, None)
+    found = deepcopy(dict(base))
+    for name, value in values.items():
+        *inner, last = keys_of(name)
+        at: Any = found
+        for key in inner:
+            at = at.setdefault(key, {}) if isinstance(at, dict) else at[key] if _inside(at, key) else None
+        if isinstance(at, dict) or _inside(at, last):
+            at[last] = deepcopy(value)
         else:
-            inner[last] = value.tolist() if hasattr(value, "tolist") else value
+            raise SceneError(f"{place}: {name} = {value!r}: unknown key, the scene has no table or array for it")
     return found
 
 
-def toml_text(tables: Mapping[str, Any]) -> str:
-    """Tables of texts, numbers, truths, arrays and tables as TOML, which reads back as the same."""
-    values = {key: value for key, value in tables.items() if not isinstance(value, Mapping)}
-    lines = [f"{_key(key)} = {_value(value)}" for key, value in values.items()]
-    for key, value in tables.items():
-        if isinstance(value, Mapping):
-            lines += ["", *_table(value, (key,))]
-    return "\n".join(lines) + "\n"
+def without(base: Mapping[str, Any], names: Iterable[str], place: str | Path) -> dict[str, Any]:
+    """A copy of the tables without the values at dotted places; raises SceneError for one that is not there."""
+    found = deepcopy(dict(base))
+    for name in names:
+        *inner, last = keys_of(name)
+        at: Any = found
+        for key in inner:
+            at = at.get(key) if isinstance(at, dict) else None
+        if not isinstance(at, dict) or last not in at:
+            raise SceneError(f"{place}: {name}: must be a key that the scene has")
+        del at[last]
+    return found
 
 
-def _table(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
-    lines = [f"[{'.'.join(map(_key, path))}]"]
-    lines += [f"{_key(key)} = {_value(value)}" for key, value in table.items() if not isinstance(value, Mapping)]
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            lines += ["", *_table(value, (*path, key))]
-    return lines
+def keys_of(name: str) -> tuple[str | int, ...]:
+    """Keys and places in arrays that a dotted name goes through."""
+    return tuple(int(part) if part.isdigit() else part for part in name.split("."))
 
 
-def _key(key: str) -> str:
-    return key if key.isascii() and key.replace("_", "").replace("-", "").isalnum() else _text(key)
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return repr(value) if math.isfinite(value) else str(value)
-    if isinstance(value, int):
-        return str(value)
-    if isinstance(value, str):
-        return _text(value)
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + "}"
-    return "[" + ", ".join(map(_value, value)) + "]"
+def _inside(at: Any, key: str | int) -> bool:
+    return isinstance(at, list) and isinstance(key, int) and key < len(at)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -83,8 +84,9 @@ def test_wheel_works_in_a_clean_environment(wheel: Path, tmp_path: Path) -> None
 
 
 def _output(command: Iterable[Any], folder: Path) -> str:
+    there = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.run(
-        list(map(str, command)), cwd=folder, check=True, timeout=120, capture_output=True, text=True
+        list(map(str, command)), cwd=folder, env=there, check=True, timeout=120, capture_output=True, text=True
     ).stdout
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelrail.arguments import plain
 from wheelrail.run_plots import RunPlots
 
 if TYPE_CHECKING:
@@ -56,14 +57,14 @@ def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = Fa
 
     out: folder for results, pictures and checkpoints, as the command `wheelrail run` fills it; nothing is written
     without it. progress: a bar on standard error. changes: other values for keys of the scene, in SI units, with dots
-    between tables and keys: run("scenes/curve.toml", **{"vehicle.speed": 30.0}).
+    between tables and keys: run("scenes/curve.toml", **{"vehicle.speed": 30.0}); None takes a key away.
 
     A run that ends early is a status and no error, but one without a single step raises RuntimeError. Raises SceneError
     naming file, key, value and what is allowed, OSError for a folder that cannot be written.
     """
     from rich.console import Console
 
-    from scenes.changes import changed, toml_text
+    from scenes.changes import changed, without
     from scenes.run import RESULTS, run_scene, simulate_scene
     from scenes.scene import RunScene, SceneError, checked
     from scenes.terminal import progress_console
@@ -71,8 +72,11 @@ def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = Fa
 
     text = read_text(Path(scene))
     if changes:
-        tables = changed(parse(text, scene), changes)
-        text = toml_text(tables)
+        import tomli_w
+
+        gone = [name for name, value in changes.items() if value is None]
+        kept = {name: plain(value) for name, value in changes.items() if value is not None}
+        text = tomli_w.dumps(changed(without(parse(text, scene), gone, scene), kept, scene))
     given = checked(parse(text, scene), scene)
     if not isinstance(given, RunScene):
         raise SceneError(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail.load')

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenes.pictures.style import STYLE
+from scenes.pictures.style import STYLE, save
 from scenes.studies.convergence import ORDER, counts_of, errors_of
 from scenes.studies.plan import SAMPLE, shown
 from scenes.studies.quantities import MAIN, varying
@@ -28,22 +28,18 @@ PANELS, LINES = 6, 12  # at most
 
 def draw_study(data: Dataset, folder: Path) -> list[Path]:
     """Save what there is to see; returns the files: study.png, and convergence.png of a study of convergence."""
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    import matplotlib.pyplot as plt
+    from matplotlib import rc_context
 
     pictures: dict[str, Callable[[Dataset], Figure | None]] = {
         "study": sensitivity if SAMPLE in data.dims else lines,
         "convergence": convergence,
     }
     files = []
-    with mpl.rc_context(STYLE):
+    with rc_context(STYLE):
         for name, draw in pictures.items():
             figure = draw(data)
             if figure is not None:
-                figure.savefig(folder / f"{name}.png")
-                plt.close(figure)
+                save(figure, folder / f"{name}.png")
                 files.append(folder / f"{name}.png")
     return files
 
@@ -156,13 +152,12 @@ def convergence(data: Dataset) -> Figure | None:
 
 
 def _panels(count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]:
-    import matplotlib.pyplot as plt
+    from matplotlib.figure import Figure
 
     columns = columns or min(count, 3 if count > 4 else 2)
     rows = -(-count // columns)
-    figure, panels = plt.subplots(
-        rows, columns, figsize=(4.0 * columns, 2.7 * rows + 0.4), squeeze=False, layout="constrained"
-    )
+    figure = Figure(figsize=(4.0 * columns, 2.7 * rows + 0.4), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False)
     for panel in panels.flat[count:]:
         panel.set_visible(False)
     return figure, list(panels.flat[:count])

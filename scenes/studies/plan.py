@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from itertools import product
 from math import floor, prod
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from scenes.changes import changed, keys_of, without
 from scenes.complaint import SceneError, unit_of, whole
 from scenes.scene import KINDS, HertzScene, Scene, checked
 from scenes.studies.study import Convergence, LatinHypercube, Study
@@ -73,12 +73,12 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
     Raises SceneError for too many cases, and for those that are no scene: file, case, key, value and what is allowed.
     """
     base, file = study.base(Path(path).parent)
-    base = _with(_without(base, study.without, path), study.set, path)
+    base = changed(without(base, study.without, f"{path}: without"), study.set, path)
     kind = base.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         checked(base, file)  # which says what is allowed
     model = KINDS[str(kind)]
-    axes = _axes(study, lambda name: whole(model, _keys(name)))
+    axes = _axes(study, lambda name: whole(model, keys_of(name)))
     over = None if study.convergence is None else _over(study.convergence, axes, model, path)
     axes = [over if over and axis.name == over.name else axis for axis in axes]
     if (count := prod(map(len, axes))) > MOST:
@@ -87,7 +87,7 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
     cases = _cases(axes, base, file, path)
     if study.histories:
         _check_histories(cases, path)
-    units = {name: unit_of(model, _keys(name)) for axis in axes for name in axis.values}
+    units = {name: unit_of(model, keys_of(name)) for axis in axes for name in axis.values}
     return Plan(study, tuple(axes), tuple(cases), units, base, str(kind), over)
 
 
@@ -105,7 +105,7 @@ def _cases(axes: Sequence[Axis], base: Mapping[str, Any], file: Path, path: str 
     for place, points in zip(np.ndindex(*map(len, axes)), product(*(axis.points() for axis in axes)), strict=True):
         parameters = {name: value for point in points for name, value in point.items()}
         try:
-            table = _with(base, parameters, path)
+            table = changed(base, parameters, path)
             cases.append(Case(place, parameters, table, checked(table, file)))
         except SceneError as error:
             said = ", ".join(f"{name} = {shown(value)}" for name, value in parameters.items())
@@ -179,43 +179,6 @@ def _check_histories(cases: Sequence[Case], path: str | Path) -> None:
         raise SceneError(f'{path}: histories = true: only for scenes of kind = "run"')
     if len(intervals) > 1 or 0.0 in intervals:
         raise SceneError(f"{path}: histories = true: needs one output.interval for all runs, and not 0")
-
-
-def _with(base: Mapping[str, Any], values: Mapping[str, Any], path: str | Path) -> dict[str, Any]:
-    """A copy of the table with the values at dotted places."""
-    found = deepcopy(dict(base))
-    for name, value in values.items():
-        *inner, last = _keys(name)
-        at: Any = found
-        for key in inner:
-            at = at.setdefault(key, {}) if isinstance(at, dict) else at[key] if _inside(at, key) else None
-        if isinstance(at, dict) or _inside(at, last):
-            at[last] = deepcopy(value)
-        else:
-            raise SceneError(f"{path}: {name} = {shown(value)}: unknown key, the scene has no table or array for it")
-    return found
-
-
-def _without(base: Mapping[str, Any], names: Sequence[str], path: str | Path) -> dict[str, Any]:
-    """A copy of the table without the values at dotted places."""
-    found = deepcopy(dict(base))
-    for name in names:
-        *inner, last = _keys(name)
-        at: Any = found
-        for key in inner:
-            at = at.get(key) if isinstance(at, dict) else None
-        if not isinstance(at, dict) or last not in at:
-            raise SceneError(f"{path}: without: {name}: must be a key that the scene has")
-        del at[last]
-    return found
-
-
-def _inside(at: Any, key: str | int) -> bool:
-    return isinstance(at, list) and isinstance(key, int) and key < len(at)
-
-
-def _keys(name: str) -> tuple[str | int, ...]:
-    return tuple(int(part) if part.isdigit() else part for part in name.split("."))
 
 
 def numbers(values: Sequence[Any]) -> bool:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from meshes.whole_file import whole_file
 from scenes.studies.solve import Found
 
 
@@ -30,18 +30,11 @@ class Store:
 
     def keep(self, key: str, found: Found) -> None:
         """On disk when this returns, in one stroke. Raises OSError."""
-        self.folder.mkdir(parents=True, exist_ok=True)
         text = found.text()
-        handle, temporary = tempfile.mkstemp(prefix=".part-", dir=self.folder)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as stream:
-                stream.write(f"{_seal(key, text)}\n{text}")
-                stream.flush()
-                os.fsync(stream.fileno())
-            os.replace(temporary, self._file(key))
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with whole_file(self._file(key)) as part, part.open("w", encoding="utf-8") as stream:
+            stream.write(f"{_seal(key, text)}\n{text}")
+            stream.flush()
+            os.fsync(stream.fileno())
 
     def forget(self, key: str) -> None:
         self._file(key).unlink(missing_ok=True)
