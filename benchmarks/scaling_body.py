@@ -10,7 +10,6 @@ from contact.full import Full
 from contact.grid import ContactGrid
 from contact.laws import Laws
 from contact.newton import FullOptions
-from contact.pose import Array
 from contact.quadrics import Quadrics
 from meshes.bodies import block
 from meshes.solids import Solid
@@ -38,14 +37,3 @@ def pair(across: int, laws: Laws, options: FullOptions) -> Full:
     solid = body(across)
     geometry = Quadrics(ContactGrid.on(solid, 1), PAIR.upper, PAIR.lower)
     return Full(geometry, ElasticBody(solid, STEEL), ElasticBody(solid, STEEL), laws, options=options)
-
-
-def rigid(points: Array) -> Array:
-    """Rigid motions (3 n, 6) of points (n, 3), orthonormal: what GAMG needs of elasticity near its null space."""
-    x = points - points.mean(axis=0)
-    modes = np.zeros((len(x), 3, 6))
-    for axis in range(3):
-        modes[:, axis, axis] = 1.0
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        modes[:, j, 3 + axis], modes[:, i, 3 + axis] = x[:, i], -x[:, j]
-    return modes.reshape(-1, 6)

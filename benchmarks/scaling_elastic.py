@@ -1,7 +1,4 @@
-"""The elastic solve behind `full`, K u = f, on one and two ranks: one block under Hertz's pressure.
-
-`full` itself runs on one rank; here the same mesh and form are spread over the ranks by dolfinx.
-"""
+"""The elastic solve behind `full`, K u = f, on one and two ranks: one block under Hertz's pressure."""
 
 from __future__ import annotations
 
@@ -19,8 +16,9 @@ from petsc4py import PETSc
 
 from benchmarks.accuracy_hertz import lacking
 from benchmarks.hertz_pairs import STEEL
-from benchmarks.scaling_body import PAIR, body, depth, rigid
+from benchmarks.scaling_body import PAIR, body, depth
 from benchmarks.scaling_case import Row, peak
+from contact.stiffness import with_rigid_motions
 from forms import compat
 from forms.elasticity import lame, stiffness
 
@@ -45,7 +43,7 @@ def elastic(*, method: str, across: int) -> Iterator[Row]:
     assembled = perf_counter()
     matrix.setOption(PETSc.Mat.Option.SPD, True)
     owned = space.dofmap.index_map.size_local
-    matrix.setNearNullSpace(_near(matrix, space.tabulate_dof_coordinates()[:owned]))
+    with_rigid_motions(matrix, space.tabulate_dof_coordinates()[:owned])
     solver = _solver(method, matrix)
     ready = perf_counter()
     x = right.duplicate()
@@ -95,19 +93,6 @@ def _assembled(domain: Any, space: Any) -> tuple[Any, Any]:
     right.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     fem.petsc.set_bc(right, [bc])
     return matrix, right
-
-
-def _near(matrix: Any, points: Any) -> Any:
-    """Near-nullspace: the rigid motions, orthonormal over all ranks."""
-    vectors: list[Any] = []
-    for mode in rigid(points).T:
-        vector = matrix.createVecLeft()
-        vector.array[:] = mode
-        for other in vectors:
-            vector.axpy(-vector.dot(other), other)
-        vector.normalize()
-        vectors.append(vector)
-    return PETSc.NullSpace().create(vectors=vectors, comm=matrix.comm)
 
 
 def _solver(method: str, matrix: Any) -> Any:

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from contact.grid import ContactGrid
 from contact.laws import Steel
 from contact.pose import Array, Mask
+from contact.ranks import ALONE, Ranks
 from forms import compat
 from forms.elasticity import lame, stiffness
 from meshes.solids import Solid
@@ -23,22 +23,40 @@ COLUMNS = 192  # right-hand sides per batch: enough for level-3 BLAS, small in m
 
 
 class ElasticBody:
-    """Stiffness of a clamped body, eq. (3), displacements of degree 1 or 2, and where its contact grid sits in it."""
+    """Stiffness of a clamped body, eq. (3), displacements of degree 1 or 2, and where its contact grid sits in it.
 
-    def __init__(self, solid: Solid, steel: Steel, *, degree: int = 1) -> None:
-        self.solid, self.steel, self.degree = solid, steel, degree
-        self.mesh = compat.mesh_from_arrays(MPI.COMM_SELF, solid.cell, solid.cells, solid.points)
+    All ranks know the solid; mesh, displacements and stiffness are split over them. Raises ValueError for more ranks
+    than the mesh has parts for.
+    """
+
+    def __init__(self, solid: Solid, steel: Steel, *, degree: int = 1, ranks: Ranks = ALONE) -> None:
+        self.solid, self.steel, self.degree, self.ranks = solid, steel, degree, ranks
+        given = slice(None) if ranks.first else slice(0)  # dolfinx hands out what the first rank gives
+        self.mesh = compat.mesh_from_arrays(ranks.comm, solid.cell, solid.cells[given], solid.points[given])
         self.space = compat.space(self.mesh, degree)
         self.grid = ContactGrid.on(solid, degree)
+        without = ranks.total(np.array(float(self.owned == 0)))
+        if without > 0:
+            raise ValueError(f"a mesh of {len(solid.points)} points leaves {without:.0f} of {ranks.size} ranks without")
+
+    @property
+    def owned(self) -> int:
+        """Number of displacement nodes that belong to this rank: its first ones."""
+        return int(self.space.dofmap.index_map.size_local)
+
+    @property
+    def coordinates(self) -> Array:
+        """Places (owned, 3) m of this rank's displacement nodes."""
+        return np.asarray(self.space.tabulate_dof_coordinates()[: self.owned])
 
     @cached_property
     def nodes(self) -> Index:
-        """Displacement nodes (nx, ns) of the contact grid."""
-        distance, nodes = cKDTree(self.space.tabulate_dof_coordinates()).query(self.grid.position.reshape(-1, 3))
-        spacing = np.linalg.norm(self.grid.position[1, 0] - self.grid.position[0, 0])
-        if distance.max() > 1e-6 * spacing:
+        """Displacement nodes (nx, ns) of the contact grid; -1 where they belong to another rank."""
+        distance, nodes = cKDTree(self.coordinates).query(self.grid.position.reshape(-1, 3))
+        mine = distance <= 1e-6 * np.linalg.norm(self.grid.position[1, 0] - self.grid.position[0, 0])
+        if not (self.ranks.total(mine.astype(float)) == 1).all():
             raise RuntimeError("the contact grid does not lie on nodes of the displacement space")
-        return np.asarray(nodes, dtype=np.int64).reshape(self.grid.shape)
+        return np.where(mine, nodes, -1).astype(np.int64).reshape(self.grid.shape)
 
     @cached_property
     def fixed(self) -> Index:

@@ -14,8 +14,6 @@ from functools import cached_property
 from time import perf_counter
 
 import numpy as np
-import scipy.sparse as sp
-from petsc4py import PETSc
 
 from contact.augmented import LOOPS, offset, softened
 from contact.body import ElasticBody
@@ -27,12 +25,17 @@ from contact.patches import connected, outcome
 from contact.points import Geometry, OutsideGrid
 from contact.pose import Array, Motion, Pose
 from contact.result import ContactResult, Statistics
+from contact.stiffness import both, with_rigid_motions
 from contact.surface_law import SurfaceLaw
 
 
 @dataclass
 class Full:
-    """Contact model on the complete 3D meshes: pose and velocities in, `ContactResult` out."""
+    """Contact model on the complete 3D meshes: pose and velocities in, `ContactResult` out.
+
+    Under `mpirun` all ranks call it alike, with bodies that are split over them, and get the same result, but for its
+    displacements: each has its own unknowns', the wheel's before the rail's, and starts from them again as a guess.
+    """
 
     geometry: Geometry
     wheel: ElasticBody
@@ -50,25 +53,22 @@ class Full:
     @cached_property
     def law(self) -> SurfaceLaw:
         gained = 0.0 if self.laws.regularisation else self.soft.regularisation
-        return SurfaceLaw(self.wheel.solid, self.wheel.grid, self.wheel.degree, self.soft, gained=gained)
+        wheel = self.wheel
+        return wheel.ranks.ahead(lambda: SurfaceLaw(wheel.solid, wheel.grid, wheel.degree, self.soft, gained=gained))
 
     @cached_property
     def solver(self) -> Newton:
-        """Solver with the stiffness of both bodies and its factorisation (19), made once."""
-        parts = []
-        for body in (self.wheel, self.rail):
-            pointer, columns, data = body.stiffness.getValuesCSR()
-            parts.append(sp.csr_matrix((data, columns, pointer)))
-        both = sp.block_diag(parts, format="csr")
-        matrix = PETSc.Mat().createAIJ(both.shape, csr=(both.indptr, both.indices, both.data), comm=PETSc.COMM_SELF)
-        matrix.setOption(PETSc.Mat.Option.SPD, True)
-        return Newton(matrix, self.options)
+        """Solver with the stiffness of both bodies and its preconditioner (19), made once."""
+        matrix = both(self.wheel, self.rail)
+        if self.options.preconditioner == "gamg":
+            with_rigid_motions(matrix, np.concatenate([self.wheel.coordinates, self.rail.coordinates]))
+        return Newton(matrix, self.options, self.wheel.ranks)
 
     def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
         start = perf_counter()
-        order = self.order if self.laws.friction > 0 else 0
+        order, ranks = self.order if self.laws.friction > 0 else 0, self.wheel.ranks
         try:
-            points, approach = self.geometry.contact_points(pose, order)
+            points, approach = ranks.shared(lambda: self.geometry.contact_points(pose, order))
         except OutsideGrid as error:
             return ContactResult.failed(str(error))
         if points is None:
@@ -88,7 +88,7 @@ class Full:
         traction = forces / points.area[:, None]
         n = len(points.node)
         moved = np.zeros((n, 3))
-        local = (problem.displacement @ u).reshape(-1, n).T
+        local = ranks.total(problem.displacement @ u).reshape(-1, n).T
         moved[:, 3 - local.shape[1] :] = local
         result = outcome(
             points,

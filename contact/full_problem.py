@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from contact.body import ElasticBody
 from contact.points import ContactPoints, Coupling, couple_both
 from contact.pose import Array, Nodes
+from contact.ranks import Ranks
 from contact.surface_law import SurfaceLaw
 
 if TYPE_CHECKING:
@@ -18,23 +19,28 @@ if TYPE_CHECKING:
 
 
 def spread(coupling: Coupling, body: ElasticBody) -> tuple[sp.csr_array, sp.csr_array | None]:
-    """Operators of one body on all its unknowns."""
+    """Operators of one body on its unknowns: the columns of this rank's."""
     nodes = body.nodes.ravel()[coupling.nodes]
     columns = (3 * nodes[:, None] + np.asarray(coupling.directions)).ravel()
-    size = body.stiffness.getSize()[0]
+    mine = np.repeat(nodes >= 0, len(coupling.directions))
 
     def widen(operator: sp.csr_array) -> sp.csr_array:
-        return sp.csr_array(
-            (operator.data, columns[operator.indices], operator.indptr), shape=(operator.shape[0], size)
-        )
+        kept = mine[operator.indices]
+        pointer = np.concatenate([[0], np.cumsum(kept)])[operator.indptr]
+        shape = (operator.shape[0], 3 * body.owned)
+        return sp.csr_array((operator.data[kept], columns[operator.indices[kept]], pointer), shape=shape)
 
     return widen(coupling.displacement), None if coupling.slip is None else widen(coupling.slip)
 
 
 @dataclass
 class Problem:
-    """Contact forces and their tangent for one pose."""
+    """Contact forces and their tangent for one pose.
 
+    Every rank has all rows (columns of B^T) for its own unknowns, the wheel's before the rail's.
+    """
+
+    ranks: Ranks
     law: SurfaceLaw
     nodes: Nodes
     displacement: sp.csr_array  # B, components (t1, t2, n) or (n)
@@ -45,31 +51,35 @@ class Problem:
     @classmethod
     def of(cls, points: ContactPoints, model: Full, rigid: Array | None) -> Problem:
         wheel, rail = couple_both(points, model.order if rigid is not None else 0)
+        ranks = model.wheel.ranks
         (bw, sw), (br, sr) = spread(wheel, model.wheel), spread(rail, model.rail)
         displacement = sp.csr_array(sp.hstack([bw, -br], format="csr"))
         n = len(points.node)
         normal = displacement[-n:]
         if rigid is None or sw is None or sr is None:
-            return cls(model.law, points.node, displacement, normal.T.tocsr(), normal, points.overlap)
+            return cls(ranks, model.law, points.node, displacement, normal.T.tocsr(), normal, points.overlap)
         gradient = sp.csr_array(sp.vstack([normal, sp.hstack([sw, -sr])], format="csr"))
         ordered = sp.csr_array(sp.vstack([normal, displacement[: 2 * n]], format="csr"))
-        return cls(
-            model.law, points.node, displacement, ordered.T.tocsr(), gradient, np.concatenate([points.overlap, rigid])
-        )
+        constant = np.concatenate([points.overlap, rigid])
+        return cls(ranks, model.law, points.node, displacement, ordered.T.tocsr(), gradient, constant)
 
     def state(self, u: Array) -> tuple[Array, Array]:
-        """z (n, c) and nodal forces T (n, c) at displacements u."""
-        z = (self.constant + self.gradient @ u).reshape(self.law.components, -1).T
-        return z, self.law.force(self.nodes, z)
+        """z (n, c) and nodal forces T (n, c) at displacements u, this rank's."""
+        z = self._at(u)
+        return z, self.ranks.shared(lambda: self.law.force(self.nodes, z))
 
     def contact_forces(self, u: Array) -> Array:
-        """B^T T, forces of the contact on all unknowns [N]."""
+        """B^T T, forces of the contact on this rank's unknowns [N]."""
         return np.asarray(self.forces @ self.state(u)[1].T.ravel())
 
     def tangent(self, u: Array) -> sp.csr_array:
         """D G: change of the nodal contact forces with the displacements."""
-        z = (self.constant + self.gradient @ u).reshape(self.law.components, -1).T
-        blocks = self.law.tangent(self.nodes, z)
+        z = self._at(u)
+        blocks = self.ranks.shared(lambda: self.law.tangent(self.nodes, z))
         c = self.law.components
         rows = [sp.hstack([sp.diags(blocks[:, i, j]) for j in range(c)]) for i in range(c)]
         return sp.csr_array(sp.vstack(rows, format="csr") @ self.gradient)
+
+    def _at(self, u: Array) -> Array:
+        """z (n, c)."""
+        return (self.constant + self.ranks.total(self.gradient @ u)).reshape(self.law.components, -1).T

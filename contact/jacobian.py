@@ -11,6 +11,8 @@ from petsc4py import PETSc
 
 from contact.full_problem import Problem
 from contact.pose import Array
+from contact.preconditioner import choose
+from contact.ranks import Ranks
 
 Jacobian = Literal["exact", "difference"]
 
@@ -35,14 +37,14 @@ class Product:
         """y = J v, called by PETSc."""
         assert self._problem is not None
         self._stiffness.mult(v, y)
-        direction = v.array_r
+        direction, ranks = v.array_r, self._problem.ranks
         if self._tangent is not None:
-            y.array[:] -= self._problem.forces @ (self._tangent @ direction)
+            y.array[:] -= self._problem.forces @ ranks.total(self._tangent @ direction)
             return
-        length = float(np.linalg.norm(direction))
+        length = ranks.norm(direction)
         if length > 0:
             # the elastic part is linear: only the contact forces need the difference
-            eps = 1e-7 * max(float(np.linalg.norm(self._u)), 1e-9) / length
+            eps = 1e-7 * max(ranks.norm(self._u), 1e-9) / length
             y.array[:] -= (self._problem.contact_forces(self._u + eps * direction) - self._base) / eps
 
 
@@ -51,18 +53,17 @@ class Corrected:
 
     (K - B^T T)^-1 = (1 + Z (1 - T Z)^-1 T) K^-1 with T = D G and Z = K^-1 B^T, the response to unit forces at the
     contact points: found once a pose, all right-hand sides together, while BiCGStab's come one by one and are bound by
-    memory. Beyond `MOST` numbers in Z only K^-1 is left.
+    memory. Beyond `MOST` numbers in Z on a rank only K^-1 is left.
     """
 
     MOST = 1.5e8
 
-    def __init__(self, stiffness: Any) -> None:
-        pc = PETSc.PC().create(PETSc.COMM_SELF)
+    def __init__(self, stiffness: Any, ranks: Ranks) -> None:
+        pc = PETSc.PC().create(ranks.comm)
         pc.setOperators(stiffness)
-        pc.setType("cholesky")
-        pc.setFactorSolverType("cholmod")
+        choose(pc, "cholesky", ranks)
         pc.setUp()
-        self._pc, self._size = pc, stiffness.getSize()[0]
+        self._pc, self._ranks, self._rows = pc, ranks, stiffness.getSizes()[0]
         self._forces: sp.csr_array | None = None
         self._response: Array | None = None
         self._tangent: sp.csr_array | None = None
@@ -74,10 +75,11 @@ class Corrected:
         if problem.forces is self._forces:
             return
         self._forces = problem.forces
-        if problem.forces.shape[0] * problem.forces.shape[1] > self.MOST:
+        loads = problem.forces.shape[1]
+        if self._rows[1] * loads > self.MOST * self._ranks.size:
             self._response = None
             return
-        right = PETSc.Mat().createDense(list(problem.forces.shape), comm=PETSc.COMM_SELF)
+        right = PETSc.Mat().createDense([self._rows, [None, loads]], comm=self._ranks.comm)
         right.setUp()
         right.getDenseArray()[:] = problem.forces.toarray()
         right.assemble()
@@ -89,10 +91,10 @@ class Corrected:
         """Take over the tangent T = D G of a Newton step."""
         if self._response is not None:
             self._tangent = tangent
-            self._small = la.lu_factor(np.eye(tangent.shape[0]) - tangent @ self._response)
+            self._small = la.lu_factor(np.eye(tangent.shape[0]) - self._ranks.total(tangent @ self._response))
 
     def apply(self, _: Any, x: Any, y: Any) -> None:
         """y = P^-1 x, called by PETSc."""
         self._pc.apply(x, y)
         if self._tangent is not None and self._response is not None:
-            y.array[:] += self._response @ la.lu_solve(self._small, self._tangent @ y.array_r)
+            y.array[:] += self._response @ la.lu_solve(self._small, self._ranks.total(self._tangent @ y.array_r))

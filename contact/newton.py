@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from petsc4py import PETSc
 
 from contact.full_problem import Problem
 from contact.jacobian import Corrected, Jacobian, Product
 from contact.pose import Array
+from contact.preconditioner import Preconditioner, choose
+from contact.ranks import ALONE, Ranks
 from forms import compat
 
-Preconditioner = Literal["corrected", "cholesky", "icc"]
 LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
 ROUGH = 1e-2  # relative residual that is enough on the way
 
@@ -22,8 +22,7 @@ ROUGH = 1e-2  # relative residual that is enough on the way
 @dataclass(frozen=True)
 class FullOptions:
     """tolerance: residual force over contact force; forcing: eq. (18); jacobian: exact product or finite difference
-    (20); preconditioner from the elastic stiffness (19): its complete or incomplete Cholesky factor, or the complete
-    one corrected for the contact's tangent, see `contact.jacobian.Corrected`; armijo: halvings of a step.
+    (20); preconditioner from the elastic stiffness (19), see `contact.preconditioner`; armijo: halvings of a step.
     """
 
     tolerance: float = 1e-9
@@ -56,16 +55,15 @@ class Count:
 class Newton(compat.newton_base()):  # type: ignore[misc]
     """dolfinx's NewtonSolver for a changing `Problem`, with Armijo backtracking and a check of every linear solve."""
 
-    def __init__(self, stiffness: Any, options: FullOptions) -> None:
-        super().__init__(MPI.COMM_SELF)
-        self.options, self.stiffness = options, stiffness
+    def __init__(self, stiffness: Any, options: FullOptions, ranks: Ranks = ALONE) -> None:
+        super().__init__(ranks.comm)
+        self.options, self.stiffness, self.ranks = options, stiffness, ranks
         self.problem: Problem | None = None
         self.count = Count()
-        size = stiffness.getSize()[0]
-        self._b, self._work = PETSc.Vec().createSeq(size), PETSc.Vec().createSeq(size)
+        self._b, self._work = stiffness.createVecs()
         self._contact = 0.0  # norm of the contact forces: what a residual is measured by
         self._product = Product(stiffness)
-        jacobian = PETSc.Mat().createPython([size, size], self._product, comm=PETSc.COMM_SELF)
+        jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
         jacobian.setUp()
         self.setF(self._residual, self._b)
         self.setJ(self._linearise, jacobian)
@@ -77,14 +75,12 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         krylov.setType("bcgs")
         krylov.setTolerances(rtol=options.forcing, atol=1e-300, max_it=500)
         pc = krylov.getPC()
-        self._corrected = Corrected(stiffness) if options.preconditioner == "corrected" else None
+        self._corrected = Corrected(stiffness, ranks) if options.preconditioner == "corrected" else None
         if self._corrected is not None:
             pc.setType("python")
             pc.setPythonContext(self._corrected)
         else:
-            pc.setType(options.preconditioner)
-            if options.preconditioner == "cholesky":
-                pc.setFactorSolverType("cholmod")
+            choose(pc, options.preconditioner, ranks)
         pc.setReusePreconditioner(True)
         self.convergence_criterion = "residual"
         self.rtol = 0.0
@@ -93,7 +89,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.report = False
 
     def run(self, problem: Problem, start: Array | None = None) -> tuple[Array, str, Count]:
-        """Displacements, status and cost; from displacements to start from, or from afar where these lead nowhere.
+        """This rank's displacements, status and cost; from displacements to start from, or from afar where these lead
+        nowhere.
 
         From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
         wanders, from the blunter law's answer it does not.
@@ -104,7 +101,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         law = problem.law
         sharp = law.laws.regularisation
         blunt = [sharp * k for k in LEVELS] if law.components == 3 else []
-        x = PETSc.Vec().createSeq(self.stiffness.getSize()[0])
+        x = self.stiffness.createVecRight()
         relative = np.inf
         if start is not None:
             x.array[:] = start
@@ -128,7 +125,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
             self.problem.law.regularisation = level
             tolerance = self.options.tolerance if level == sharp else ROUGH
             for _ in range(4):  # the norm of the contact forces, unknown at first, sets the absolute tolerance
-                relative = float(np.linalg.norm(self._evaluate(x))) / max(self._contact, 1e-300)
+                relative = self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
                 if relative <= tolerance:
                     break
                 self.atol = 0.5 * tolerance * self._contact
@@ -140,7 +137,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         assert self.problem is not None
         self.stiffness.mult(x, self._work)
         force = self.problem.contact_forces(x.array_r)
-        self._contact = float(np.linalg.norm(force))
+        self._contact = self.ranks.norm(force)
         return np.asarray(self._work.array_r - force)
 
     def _residual(self, x: Any, b: Any) -> None:
@@ -157,11 +154,11 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count.linear += self.krylov_solver.getIterationNumber()
         # dolfinx goes on after a failed linear solve: count it, let Armijo judge the step
         self.count.failed_linear += self.krylov_solver.getConvergedReason() < 0
-        old, before = x.array_r.copy(), float(np.linalg.norm(self._b.array_r))
+        old, before = x.array_r.copy(), self.ranks.norm(self._b.array_r)
         damping = 1.0
         for _ in range(self.options.armijo):
             x.array[:] = old - damping * step.array_r
-            if np.linalg.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * before:
+            if self.ranks.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * before:
                 break
             damping /= 2
             self.count.backtracks += 1

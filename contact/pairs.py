@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 Model = Literal["condensed", "full"]
 Bodies = Literal["solid", "waveguide", "half-space"]
 Points = Literal["fitted", "grid"]
+Made = TypeVar("Made")
 REACH = 0.2  # m along the rolling direction, between the ends of what fitted cells can cover
 
 
@@ -43,6 +45,23 @@ def elastic_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:
     from contact.body import ElasticBody
 
     return ElasticBody(solid, steel, degree=degree)
+
+
+def spread_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:
+    """The same, split over all processes that `mpirun` started."""
+    from contact.body import ElasticBody
+    from contact.ranks import everyone
+
+    return ElasticBody(solid, steel, degree=degree, ranks=everyone())
+
+
+def _meshed(model: Model, make: Callable[[], Made]) -> Made:
+    """A mesh from the cache or gmsh; of the full model by the first process alone, and sent to the others."""
+    if model != "full":
+        return make()
+    from contact.ranks import everyone
+
+    return everyone().shared(make)
 
 
 def compliance(solid: Solid, key: str, steel: Steel, degree: int, *, scale: float = 1.0) -> SurfaceCompliance:
@@ -76,8 +95,8 @@ def hertz_pair(
     meshed solids, of displacements of degree 1 unless said otherwise, endless blocks by wavenumbers (degree 2), or
     half-spaces. points: cells "fitted" to the patch, the default for endless blocks and the exact normal law, with 12
     strips of 16 cells whatever the surface size (see `FittedContact`); or a regular "grid". Raises ValueError for radii
-    that do not
-    touch in a point, and for a full model of endless blocks.
+    that do not touch in a point, and for a full model of endless blocks. The full model is split over the ranks of
+    `mpirun`.
     """
     fitted = _fitted(model, bodies, points, laws, order)
     A, B = curvature(upper_radii) + curvature(lower_radii)
@@ -113,7 +132,7 @@ def hertz_pair(
             return FittedContact(operators, laws, **options)
         return Condensed(Quadrics(shared, upper_radii, lower_radii), above, below, laws, order=order, **options)
     degree = degree or 1
-    solid, key = block(half_cells, half_width=float(width), cell=cell)
+    solid, key = _meshed(model, partial(block, half_cells, half_width=float(width), cell=cell))
     grid = ContactGrid.on(solid, degree)
     scaled = ContactGrid(grid.position * surface_size, grid.weight * surface_size**2, grid.stride)
     geometry = Quadrics(scaled, upper_radii, lower_radii)
@@ -121,8 +140,7 @@ def hertz_pair(
         from contact.full import Full
 
         upper_body, lower_body = (
-            elastic_body(solid.mapped(partial(np.multiply, surface_size)), s, degree)
-            for s in (upper_steel, lower_steel)
+            spread_body(solid.mapped(partial(np.multiply, surface_size)), s, degree) for s in (upper_steel, lower_steel)
         )
         return Full(geometry, upper_body, lower_body, laws, order=order, **options)
 
@@ -156,6 +174,7 @@ def wheel_rail_pair(
     bodies: meshed solids, of displacements of degree 1 unless said otherwise; an endless rail and a whole wheel by
     wavenumbers (degree 2); or half-spaces, to compare with codes that know no others. points as for `hertz_pair`.
     Raises ValueError for profiles that do not fit a wheel's or rail's section, and for a full model of endless bodies.
+    The full model is split over the ranks of `mpirun`.
     """
     fitted = _fitted(model, bodies, points, laws, order)
     if bodies == "half-space":
@@ -186,9 +205,10 @@ def wheel_rail_pair(
         surfaces = WheelRail(wheel_profile, rail_profile, radius, wheel_strip, rail_strip, wheel_grid, rail_grid)
         return Condensed(surfaces, above, below, laws, order=order, **options)
     degree = degree or 1
-    wheel_solid, wheel_strip, wheel_key = wheel(rim_outline(wheel_profile, radius), size=surface_size, cell=cell)
+    rim = rim_outline(wheel_profile, radius)
+    wheel_solid, wheel_strip, wheel_key = _meshed(model, partial(wheel, rim, size=surface_size, cell=cell))
     outline = rail_outline(rail_profile, chord_error=min(0.5 * surface_size, 5e-4))
-    rail_solid, rail_strip, rail_key = rail(outline, size=surface_size, cell=cell)
+    rail_solid, rail_strip, rail_key = _meshed(model, partial(rail, outline, size=surface_size, cell=cell))
     geometry = WheelRail(
         wheel_profile,
         rail_profile,
@@ -203,7 +223,7 @@ def wheel_rail_pair(
         from contact.full import Full
 
         wheel_body, rail_body = (
-            elastic_body(s, steel, degree) for s, steel in ((wheel_solid, wheel_steel), (rail_solid, rail_steel))
+            spread_body(s, steel, degree) for s, steel in ((wheel_solid, wheel_steel), (rail_solid, rail_steel))
         )
         return Full(geometry, wheel_body, rail_body, laws, order=order, **options)
     return Condensed(

@@ -9,12 +9,12 @@ import pytest
 
 from benchmarks import scaling_plan
 from benchmarks.scaling import measured
-from benchmarks.scaling_body import rigid
 from benchmarks.scaling_case import Row, rows
 from benchmarks.scaling_figure import draw
 from benchmarks.scaling_fit import crossover, power
 from benchmarks.scaling_floor import AlongX, OverPlane
 from benchmarks.scaling_tables import POINT_COLUMNS, exponents, table
+from contact.stiffness import rigid
 
 
 def test_a_power_law_is_found_where_it_holds() -> None:
