@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from scenes.launcher import as_one, first, several
 from scenes.terminal import progress_console, result_console, stdout_for_results
 
 if TYPE_CHECKING:
@@ -68,6 +69,8 @@ def contact(
     given = _load(scene)
     if given.kind == "run":
         raise _refused(f'{scene}: kind = "run": this is a vehicle run, use wheelrail run')
+    if given.model != "full":
+        _refuse_several(f'{scene}: model = "{given.model}"')
     _check_picture(picture)
     results: dict[str, ContactResult] = {}
     report = {"scene": str(scene), **_solved(given, scene, results)}
@@ -77,7 +80,7 @@ def contact(
         print(json_text(report))
     elif "model" in report:
         result_console().print(table(report))
-    if picture is not None and results:
+    if picture is not None and results and first():
         _draw(given, results, picture)
     if report["status"].startswith("failed"):
         print(report["status"], file=sys.stderr)
@@ -312,7 +315,14 @@ def _load_run(scene: Path) -> RunScene:
         raise _refused(
             f'{scene}: kind = "{given.kind}": this is one contact solve and no vehicle run, use wheelrail contact'
         )
+    _refuse_several(f'{scene}: kind = "run"')
     return given
+
+
+def _refuse_several(what: str) -> None:
+    """Several processes would all do the same."""
+    if several():
+        raise _refused(f'{what}: of all models only model = "full" of single contacts runs under mpirun, start it without')
 
 
 @contextmanager
@@ -395,7 +405,8 @@ def main() -> None:
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    app()
+    with as_one():
+        app()
 
 
 if __name__ == "__main__":
