@@ -80,8 +80,7 @@ class Full:
         problem = Problem.of(points, self, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
-        before = None if guess is None else guess.displacements
-        u, z, forces, status, count = self._solve(problem, points.area, speed, before)
+        u, z, forces, status, count = self._solve(problem, points.area, speed, self._start(guess))
         solved = perf_counter()
         if status != "converged":
             return ContactResult.failed(status, approach)
@@ -111,6 +110,13 @@ class Full:
             ),
         )
         return replace(result, displacements=u)
+
+    def _start(self, guess: ContactResult | None) -> Array | None:
+        """Displacements of an earlier result, unless they are those of other meshes or of another split."""
+        before = None if guess is None else guess.displacements
+        own = 3 * (self.wheel.owned + self.rail.owned)
+        strange = self.wheel.ranks.total(np.array(float(before is None or len(before) != own)))
+        return None if strange else before
 
     def _solve(
         self, problem: Problem, area: Array, speed: float, start: Array | None

@@ -322,7 +322,9 @@ def _load_run(scene: Path) -> RunScene:
 def _refuse_several(what: str) -> None:
     """Several processes would all do the same."""
     if several():
-        raise _refused(f'{what}: of all models only model = "full" of single contacts runs under mpirun, start it without')
+        raise _refused(
+            f'{what}: of all models only model = "full" of single contacts runs under mpirun, start it without'
+        )
 
 
 @contextmanager
