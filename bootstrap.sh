@@ -13,7 +13,7 @@ case $state in
 esac
 
 # OpenBLAS: with the reference BLAS sparse factorisations take 4 to 8 times longer.
-wanted="python3-dolfinx python3-dolfinx-real python3-venv python3-dev gcc libopenblas0-pthread
+wanted="python3-dolfinx python3-dolfinx-real python3-venv python3-dev gcc libopenblas0-pthread openmpi-bin
         python3-scipy python3-h5py python3-netcdf4
         libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 $more"
 missing=""

@@ -142,7 +142,8 @@ class ContactResult:
     the track's axes and the wheelset's centre. approach m: largest undeformed overlap along the normal. status is
     "converged", "separated" (no overlap) or "failed: ..." with the reason; a failed result carries no force to be
     used. error_estimate: when the model was asked for it. linearised: what `tangent` is computed from, where the model
-    keeps it. What solves start from next time: cells, fitted ones; displacements of all unknowns, m, of the full model.
+    keeps it. What solves start from next time: cells, fitted ones; displacements of all unknowns, m, of the full model
+    (under `mpirun` this rank's).
     """
 
     force: Array
