@@ -10,13 +10,15 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-SIGNS = ("OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_SIZE")  # in the environment: Open MPI, PMIx, MPICH and Slurm
+# Number of processes in the environment, by Open MPI, MPICH, Slurm. Other signs of MPI tell nothing: what a process starts
+# that has loaded MPI by itself inherits them, too.
+SIZES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS")
 GRACE = 2.0  # s that the first rank has to end all with its own words
 
 
 def several() -> bool:
     """Whether `mpirun` started more than this process; MPI is loaded only where there are signs of it."""
-    if not any(sign in os.environ for sign in SIGNS):
+    if all(os.environ.get(size, "1") == "1" for size in SIZES):
         return False
     from contact.ranks import everyone
 
