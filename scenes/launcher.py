@@ -10,8 +10,8 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# Number of processes in the environment, by Open MPI, MPICH, Slurm. Other signs of MPI tell nothing: what a process starts
-# that has loaded MPI by itself inherits them, too.
+# Number of processes in the environment, by Open MPI, MPICH, Slurm. Other signs of MPI tell nothing: they pass to
+# whatever is started by a process that has loaded MPI by itself.
 SIZES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS")
 GRACE = 2.0  # s that the first rank has to end all with its own words
 
