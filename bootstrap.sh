@@ -8,7 +8,7 @@ venv=${VENV:-.venv}
 state=${1:-ready}
 case $state in
   ready) extras=view; more="" ;;
-  ready-to-test) extras=view,cluster,notebook,docs,dev; more="chromium openmpi-bin" ;;
+  ready-to-test) extras=view,cluster,notebook,docs,dev; more="chromium" ;;
   *) echo "bootstrap.sh $state: must be ready or ready-to-test" >&2; exit 2 ;;
 esac
 
