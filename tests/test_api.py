@@ -187,7 +187,7 @@ def test_other_files_are_refused(tmp_path: Path, text: bytes) -> None:
         (lambda w: wr.Wheelset(radius=460.0), "radius = 460.0: must be a number from 0.1 to 1 m"),
         (
             lambda w: wr.Hertz(upper=(0.3, 0.0)),
-            "Hertz: upper.radii[1] = 0.0: must be a radius from 1e-4 to 100 m in size",
+            "Hertz: upper.radii[1] = 0.0: must be a radius from 1e-4",
         ),
         (lambda w: wr.Hertz(upper=(-0.3, 0.3)), "must touch in one point"),
         (lambda w: wr.Hertz().solve(), "Hertz: load: missing: exactly one of load and approach"),
@@ -197,7 +197,7 @@ def test_other_files_are_refused(tmp_path: Path, text: bytes) -> None:
         (lambda w: wr.run(SCENES / "curve.toml", **{"vehicle.speed": -1.0}), "vehicle.speed = -1.0: must be"),
         (
             lambda w: wr.run(SCENES / "curve.toml", **{"friction.mu": 0.3}),
-            "friction.mu = 0.3: unknown key, the scene has no table",
+            "friction.mu = 0.3: unknown key",
         ),
         (lambda w: wr.contact_geometry(y=[2.0]), "y must be numbers from -0.1 to 0.1 m"),
         (lambda w: wr.contact_geometry(y=[4e-2]), "y = "),
