@@ -2,52 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from scenes.complaint import RunFailed
-from scenes.contact_scene import solve_sides
+from scenes.contact_scene import Say, solve_sides
 from scenes.models import laid_profiles, loaded_bodies, mounted
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
 
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from meshes.profiles import Profile
+    from scenes.contact_scene import Solved
+
+NO_BODIES = 'model = "standard": knows no bodies to look at, only with "condensed" or "full"'
+
 
 def view_scene(
-    scene: HertzScene | WheelsetScene,
-    *,
-    title: str,
-    body: str = "both",
-    side: str | None = None,
-    scale: float | None = None,
-    say: Callable[[str], None] = lambda _: None,
+    scene: HertzScene | WheelsetScene, *, title: str, side: str | None = None, say: Say = lambda _: None, **options: Any
 ) -> Any:
-    """Solve a scene and draw one of its contacts, see `scenes.pictures.contact_view`; the plotter, off screen.
+    """Solve a scene and draw one of its contacts; the plotter, off screen.
 
-    body: "both", or one of them; side of a wheelset, its first without it; scale of the displacements, a round one
-    without it. Stress and displacement are those of waveguide bodies under the tractions found, whatever the bodies
-    that these were found with. Raises SceneError for what the scene has not, RunFailed when there is nothing to draw.
+    side of a wheelset, its first without it; options as for `view_side`. Raises SceneError for what the scene has not,
+    RunFailed when there is nothing to draw.
     """
-    from contact.inside import look_inside
-    from scenes.pictures.contact_view import SeenBody, contact_scene
-
-    names = ("upper", "lower") if isinstance(scene, HertzScene) else ("wheel", "rail")
-    if body not in (*names, "both"):
-        raise SceneError(f"--body {body}: must be {', '.join(names)} or both")
     sides = ("contact",) if isinstance(scene, HertzScene) else scene.sides
     chosen = side or sides[0]
     if chosen not in sides:
         raise SceneError(f"--side {chosen}: must be {' or '.join(sides)}")
     if scene.model == "standard":
-        raise SceneError('model = "standard": knows no bodies to look at, only with "condensed" or "full"')
+        raise SceneError(NO_BODIES)
+    bodies_of(scene, options.get("body", "both"))
     solved = dict(solve_sides(scene, say=say))[chosen]
+    return view_side(scene, chosen, solved, title=title, say=say, off_screen=True, **options)
+
+
+def view_side(
+    scene: HertzScene | WheelsetScene,
+    side: str,
+    solved: Solved,
+    *,
+    title: str,
+    profiles: Sequence[Profile] | None = None,
+    body: str = "both",
+    scale: float | None = None,
+    off_screen: bool | None = None,
+    say: Say = lambda _: None,
+) -> Any:
+    """Draw the contact of one side, see `scenes.pictures.contact_view`; the plotter.
+
+    profiles of wheel and rail as laid, where they are not the scene's own; body: "both", or one of them; scale of the
+    displacements, a round one without it. Stress and displacement are those of waveguide bodies under the tractions
+    found, whatever the bodies that these were found with. Raises SceneError and RunFailed as `view_scene`.
+    """
+    from contact.inside import look_inside
+    from scenes.pictures.contact_view import SeenBody, contact_scene
+
+    names = bodies_of(scene, body)
+    if scene.model == "standard":
+        raise SceneError(NO_BODIES)
     result, pose = solved.result, solved.pose
     if result.status != "converged" or pose is None:
         raise RunFailed(result.status)
     seen = []
-    right = chosen == "right"  # which is solved as its mirror image
-    for name, loaded in loaded_bodies(
-        scene, pose.mirrored() if right else pose, names if body == "both" else (body,)
-    ).items():
+    right = side == "right"  # which is solved as its mirror image
+    for name, loaded in loaded_bodies(scene, pose.mirrored() if right else pose, names, profiles).items():
         say(f"displacement and stress in the {name}")
         inside = look_inside(loaded, result)
         main = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
@@ -56,10 +77,18 @@ def view_scene(
         seen.append(SeenBody(name, loaded.upper, whole, tuple(cuts)))
     say("drawing")
     load = 1e-3 * sum(patch.normal_force for patch in result.patches)
-    where = title if chosen == "contact" else f"{title}, {chosen} wheel"
+    where = title if side == "contact" else f"{title}, {side} wheel"
     return contact_scene(
-        result, tuple(seen), title=f"{where}, {load:.4g} kN", scale=scale, mirrored=right, off_screen=True
+        result, tuple(seen), title=f"{where}, {load:.4g} kN", scale=scale, mirrored=right, off_screen=off_screen
     )
+
+
+def bodies_of(scene: HertzScene | WheelsetScene, body: str) -> tuple[str, ...]:
+    """Names of the bodies to be seen. Raises SceneError for one that the scene has not."""
+    names = ("upper", "lower") if isinstance(scene, HertzScene) else ("wheel", "rail")
+    if body not in (*names, "both"):
+        raise SceneError(f"--body {body}: must be {', '.join(names)} or both")
+    return names if body == "both" else (body,)
 
 
 def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | None = None, **options: Any) -> None:
@@ -69,9 +98,6 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
     """
     import xarray
 
-    from scenes.pictures.animation import animate_run
-    from scenes.scene import parse_scene
-
     found = file / "run.nc" if file.is_dir() else file
     if not found.is_file():
         raise SceneError(f"{found}: no such file; a run keeps its results in run.nc")
@@ -79,9 +105,24 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
         data = xarray.load_dataset(found)
     except (ValueError, OSError) as error:
         raise SceneError(f"{found}: cannot be read as results of a run: {error}") from None
+    animate(data, out, progress, place=str(found), **options)
+
+
+def animate(
+    data: Dataset,
+    out: Path,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    place: str = "data",
+    **options: Any,
+) -> None:
+    """Write the film of a run's results; place names them in errors, options as for `animate_file`."""
+    from scenes.pictures.animation import animate_run
+    from scenes.scene import parse_scene
+
     if "scene" not in data.attrs or "wheelset_y" not in data:
-        raise SceneError(f"{found}: holds no results of a run")
-    scene = parse_scene(data.attrs["scene"], found)
+        raise SceneError(f"{place}: holds no results of a run")
+    scene = parse_scene(data.attrs["scene"], place)
     assert isinstance(scene, RunScene)
     wheel, rail = laid_profiles(scene)
     animate_run(data, out, wheel=wheel, rail=rail, mounting=mounted(scene, rail), progress=progress, **options)

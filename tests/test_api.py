@@ -164,7 +164,7 @@ def test_other_files_are_refused(tmp_path: Path, text: bytes) -> None:
     with pytest.raises(SceneError, match=r"other\.nc: not a NetCDF file"):
         wr.open(tmp_path / "other.nc")
     xarray.Dataset({"a": ("time", [1.0])}).to_netcdf(tmp_path / "foreign.nc")
-    with pytest.raises(SceneError, match=r"foreign\.nc: neither a contact solution nor a vehicle run"):
+    with pytest.raises(SceneError, match=r"foreign\.nc: no contact solution, vehicle run or study"):
         wr.open(tmp_path / "foreign.nc")
     with pytest.raises(FileNotFoundError, match=r"none\.nc"):
         wr.open(tmp_path / "none.nc")
@@ -314,3 +314,47 @@ def test_values_of_scenes_are_changed_by_dotted_names() -> None:
         changed(tables, {"a.b.x": 1}, "scene")
     with pytest.raises(wr.SceneError, match=r"scene: a\.x: must be a key that the scene has"):
         without(tables, ["a.x"], "scene")
+
+
+def test_a_study_at_hand(tmp_path: Path) -> None:
+    table = {
+        "scene": {
+            "kind": "hertz",
+            "model": "standard",
+            "normal": "hertz",
+            "friction": 0.0,
+            "load": 1e4,
+            "upper": {"radii": [0.3, 0.3], "E": 2.1e11, "nu": 0.3},
+            "lower": {"radii": [float("inf"), float("inf")], "E": 2.1e11, "nu": 0.3},
+        },
+        "workers": 1,
+        "grid": {"load": [1e3, 8e3, 6.4e4]},
+    }
+    found = wr.study(table)
+    # Hertz: the peak grows with the cube root of the load
+    np.testing.assert_allclose(np.diff(np.log2(found.data["max_pressure"])), 1.0, rtol=1e-3)
+    assert "3 cases" in repr(found)
+    assert "<details>" in found._repr_html_()
+    back = wr.open(found.to_netcdf(tmp_path / "study.nc"))
+    assert isinstance(back, wr.Study)
+    assert set(back.plot()) == {"study"}
+    with pytest.raises(ValueError, match="no picture of its convergence"):
+        back.plot.convergence()
+    matplotlib.pyplot.close("all")
+
+
+def test_what_has_no_bodies_cannot_be_looked_at(pressed: wr.Solution, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="from a file has no bodies"):
+        wr.open(pressed.to_netcdf(tmp_path / "patch.nc")).view()  # type: ignore[union-attr]
+    with pytest.raises(wr.SceneError, match="side = 'left': must be 'contact'"):
+        pressed.view("left")
+    with pytest.raises(wr.SceneError, match="must be upper, lower or both"):
+        pressed.view(body="wheel")
+
+
+def test_a_solution_in_three_dimensions(pressed: wr.Solution) -> None:
+    pytest.importorskip("pyvista")
+    view = pressed.view(body="lower")
+    assert "Hertz pair" in view.title
+    assert "von Mises stress [MPa]" in dict(view.scalar_bars.items())
+    view.close()

@@ -454,12 +454,12 @@ def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_
     file, out = tmp_path / "slow.toml", tmp_path / "out"
     file.write_text(SLOW.replace("SCENE", str(SCENES / "hertz.toml")))
     process = started(file, out)
-    assert waited_for(lambda: len(list((out / "cases").glob("*.json"))) >= 3)
+    assert waited_for(lambda: len(list((out / "cases").glob("[!.]*.json"))) >= 3)
     os.kill(process.pid, how)
     code = process.wait(timeout=60)
     assert waited_for(lambda: not alive(process.pid), 30.0)
     assert code == (130 if how == signal.SIGINT else -signal.SIGKILL)
-    kept = {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("*.json")}
+    kept = {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("[!.]*.json")}
     assert 3 <= len(kept) < 16
     if how == signal.SIGINT:
         with open_dataset(out / "study.nc") as data:
@@ -469,7 +469,7 @@ def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_
     data = run_study(file, out, pictures=False)
     assert len(here.jobs) == 16 - len(kept)
     assert set(data["status"].values) == {"converged"}
-    assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("*.json")}.items()
+    assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("[!.]*.json")}.items()
     for case in plan(load_study(file), file).cases:
         job = Job.of(case)
         if f"{job.key}.json" in kept:  # computed by the process that was killed

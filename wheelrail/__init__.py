@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from wheelrail.pictures import plot_convergence, plot_profiles, plot_work_precision
     from wheelrail.runs import Run, run
     from wheelrail.solution import Solution
+    from wheelrail.studies import Study, study
     from wheelrail.wheelset import Wheelset
 
 # Name: the module that it is taken from when it is first asked for, so that importing the package costs nothing.
@@ -27,6 +28,7 @@ _HOMES = {
     "Run": "wheelrail.runs",
     "SceneError": "scenes.complaint",
     "Solution": "wheelrail.solution",
+    "Study": "wheelrail.studies",
     "Wheelset": "wheelrail.wheelset",
     "contact_geometry": "wheelrail.geometry",
     "load": "wheelrail.files",
@@ -36,12 +38,14 @@ _HOMES = {
     "plot_work_precision": "wheelrail.pictures",
     "profile": "wheelrail.files",
     "run": "wheelrail.runs",
+    "study": "wheelrail.studies",
 }
 __all__ = [
     "Hertz",
     "Run",
     "SceneError",
     "Solution",
+    "Study",
     "Wheelset",
     "contact_geometry",
     "load",
@@ -51,6 +55,7 @@ __all__ = [
     "plot_work_precision",
     "profile",
     "run",
+    "study",
 ]
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from wheelrail.hertz import Hertz
     from wheelrail.runs import Run
     from wheelrail.solution import Solution
+    from wheelrail.studies import Study
     from wheelrail.wheelset import Wheelset
 
 ENDINGS: dict[str, Kind] = {".prr": "rail", ".ban": "rail", ".prw": "wheel", ".whl": "wheel"}
@@ -38,8 +39,8 @@ def load(scene: str | Path) -> Hertz | Wheelset:
     return Wheelset(**keys)
 
 
-def open(file: str | Path) -> Solution | Run:
-    """What `Solution.to_netcdf` or `Run.to_netcdf` wrote, or the run.nc of a vehicle run from the command line.
+def open(file: str | Path) -> Solution | Run | Study:
+    """What a `to_netcdf` wrote, or the run.nc or study.nc of the command line.
 
     Raises SceneError for a file that is none of these, OSError for one that cannot be read.
     """
@@ -47,6 +48,7 @@ def open(file: str | Path) -> Solution | Run:
 
     from wheelrail.runs import Run
     from wheelrail.solution import Solution
+    from wheelrail.studies import Study
 
     if not Path(file).is_file():
         raise FileNotFoundError(f"{file}: there is no such file")
@@ -59,9 +61,11 @@ def open(file: str | Path) -> Solution | Run:
         ) from None
     if "point" in data.dims and "patches" in data:
         return Solution(data)
+    if data.attrs.get("kind") == "study":
+        return Study(data)
     if "time" in data.dims and "patches" in data:
         return Run(data)
-    raise SceneError(f"{file}: neither a contact solution nor a vehicle run; allowed: results of wheelrail")
+    raise SceneError(f"{file}: no contact solution, vehicle run or study; allowed: results of wheelrail")
 
 
 def profile(name: str | Path, kind: Kind | None = None, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:

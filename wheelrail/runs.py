@@ -31,6 +31,29 @@ class Run:
         """
         return RunPlots(self.data)
 
+    def animate(
+        self, file: str | Path, *, frames: int = 120, fps: float = 20.0, scale: float = 20.0, progress: bool = False
+    ) -> Path:
+        """Make a film (.mp4, .gif) of the run: the wheelset on its rails, its displacements so many times; forces, and
+        both contacts close up, true to scale. Seconds a frame. Raises OSError, SceneError for another ending.
+        """
+        from scenes.scene import SceneError
+        from scenes.terminal import progress_console
+        from scenes.view import animate
+
+        if Path(file).suffix.lower() not in (".mp4", ".gif"):
+            raise SceneError(f"file = {str(file)!r}: must end in .mp4 or .gif")
+        if not progress:
+            animate(self.data, Path(file), frames=frames, fps=fps, scale=scale)
+            return Path(file)
+        with progress_console().status("drawing") as status:
+
+            def told(done: int, count: int) -> None:
+                status.update(f"frame {done} of {count}")
+
+            animate(self.data, Path(file), told, frames=frames, fps=fps, scale=scale)
+        return Path(file)
+
     def to_netcdf(self, file: str | Path) -> Path:
         """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
 

@@ -21,15 +21,26 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
+class Origin:
+    """What a solution was solved from, and the poses found."""
+
+    scene: HertzScene | WheelsetScene
+    sides: Mapping[str, Solved]
+    profiles: Sequence[Profile]
+
+
+@dataclass(frozen=True, repr=False)
 class Solution:
     """The contact of both wheels of a wheelset, or of a Hertz pair.
 
     data: a Dataset with units in SI over side (left and right, or "contact"), patch (by falling load, padded with NaN)
-    and point (found by point_side and point_patch). results: the same as computed, by side; empty for one from a file.
+    and point (found by point_side and point_patch). results: the same as computed, by side; empty for one from a file,
+    which has no origin either: the scene, poses and profiles behind it.
     """
 
     data: Dataset
     results: Mapping[str, ContactResult] = field(default_factory=dict)
+    origin: Origin | None = None
 
     @property
     def status(self) -> str:
@@ -50,6 +61,29 @@ class Solution:
     def plot(self) -> SolutionPlots:
         """Pictures: `plot()`, `plot.pressure()`, `plot.tractions()`, `plot.section()`, `plot.profiles()`."""
         return SolutionPlots(self.data)
+
+    def view(self, side: str | None = None, *, body: str = "both", scale: float | None = None) -> Any:
+        """A pyvista plotter of one contact in three dimensions: bodies deformed, pressure, von Mises stress on cuts.
+
+        `.show()` it, in a notebook as a scene to turn. side: "left", "right" or "contact", the first that touches
+        unless given; body: "wheel", "rail", "upper", "lower" or "both"; scale of displacements, a round one unless
+        given. Seconds of computing. Raises ValueError for a solution from a file, which has no bodies any more, and
+        where nothing touches; SceneError for a side or a body that is not there, and for the standard model.
+        """
+        from scenes.scene import SceneError
+        from scenes.view import view_side
+
+        if self.origin is None:
+            raise ValueError("a solution from a file has no bodies to look at: solve it anew")
+        touching = [name for name, found in self.results.items() if found.status == "converged"]
+        if not touching:
+            raise ValueError("nothing touches: there is nothing to look at")
+        chosen = touching[0] if side is None else side
+        if chosen not in touching:
+            raise SceneError(f"side = {chosen!r}: must be {' or '.join(map(repr, touching))}")
+        scene, sides, profiles = self.origin.scene, self.origin.sides, self.origin.profiles
+        title = "Hertz pair" if chosen == "contact" else " on ".join(profile.name for profile in profiles)
+        return view_side(scene, chosen, sides[chosen], title=title, profiles=profiles or None, body=body, scale=scale)
 
     def to_netcdf(self, file: str | Path) -> Path:
         """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
@@ -78,4 +112,4 @@ def solved(
     from scenes.solution import solution_dataset
 
     data = solution_dataset(scene, sides, profiles, arguments)
-    return Solution(data, {side: found.result for side, found in sides.items()})
+    return Solution(data, {side: found.result for side, found in sides.items()}, Origin(scene, sides, profiles))

@@ -30,21 +30,25 @@ def draw_study(data: Dataset, folder: Path) -> list[Path]:
     """Save what there is to see; returns the files: study.png, and convergence.png of a study of convergence."""
     from matplotlib import rc_context
 
-    pictures: dict[str, Callable[[Dataset], Figure | None]] = {
-        "study": sensitivity if SAMPLE in data.dims else lines,
-        "convergence": convergence,
-    }
     files = []
     with rc_context(STYLE):
-        for name, draw in pictures.items():
-            figure = draw(data)
+        for name, draw in drawings(data).items():
+            figure = draw(data, None)
             if figure is not None:
                 save(figure, folder / f"{name}.png")
                 files.append(folder / f"{name}.png")
     return files
 
 
-def lines(data: Dataset) -> Figure | None:
+def drawings(data: Dataset) -> dict[str, Callable[[Dataset, Figure | None], Figure | None]]:
+    """What can be drawn of a study, by name."""
+    found: dict[str, Callable[[Dataset, Figure | None], Figure | None]] = {
+        "study": sensitivity if SAMPLE in data.dims else lines
+    }
+    return found | ({"convergence": convergence} if errors_of(data) else {})
+
+
+def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
     """The main quantities over the longest dimension of numbers, a colour for every case of the others."""
     from matplotlib.lines import Line2D
 
@@ -54,7 +58,7 @@ def lines(data: Dataset) -> Figure | None:
     over = max([dim for dim in dims if data[dim].dtype.kind in "if"] or dims, key=lambda dim: data.sizes[dim])
     others = [dim for dim in dims if dim != over]
     chosen = list(np.ndindex(*(data.sizes[dim] for dim in others)))[:LINES]
-    figure, panels = _panels(len(names))
+    figure, panels = _panels(figure, len(names))
     for panel, name in zip(panels, names, strict=True):
         label, scale, unit = MAIN[name]
         for index, place in enumerate(chosen):
@@ -75,7 +79,7 @@ def lines(data: Dataset) -> Figure | None:
     return figure
 
 
-def sensitivity(data: Dataset) -> Figure | None:
+def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
     """Rank correlation (Spearman) of the main quantities with every parameter of the hypercube, and scatter over the
     one that matters most.
     """
@@ -85,7 +89,7 @@ def sensitivity(data: Dataset) -> Figure | None:
     drawn = [p for p in parameters(data) if data[p].dims == (SAMPLE,) and data[p].dtype.kind in "if"]
     if not names or not drawn:
         return None
-    figure, panels = _panels(2 * len(names), columns=2)
+    figure, panels = _panels(figure, 2 * len(names), columns=2)
     for row, name in enumerate(names):
         label, scale, unit = MAIN[name]
         columns = (
@@ -117,7 +121,7 @@ def sensitivity(data: Dataset) -> Figure | None:
     return figure
 
 
-def convergence(data: Dataset) -> Figure | None:
+def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
     """Relative errors over the size, and over the time that they cost (work and precision), largest of all sides."""
     errors = errors_of(data)
     if not errors:
@@ -128,7 +132,7 @@ def convergence(data: Dataset) -> Figure | None:
     seconds = seconds.sum("side") if "side" in seconds.dims else seconds
     from matplotlib.ticker import NullLocator
 
-    figure, (left, right) = _panels(2)
+    figure, (left, right) = _panels(figure, 2)
     for index, (name, error) in enumerate(errors.items()):
         worst = error.max([dim for dim in error.dims if dim != over])
         order, look = float(data[ORDER + name].median()), _look(index)
@@ -151,12 +155,14 @@ def convergence(data: Dataset) -> Figure | None:
     return figure
 
 
-def _panels(count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]:
+def _panels(figure: Figure | None, count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]:
+    """A grid of panels, in a new figure unless one is given, which takes on the size that they need."""
     from matplotlib.figure import Figure
 
     columns = columns or min(count, 3 if count > 4 else 2)
     rows = -(-count // columns)
-    figure = Figure(figsize=(4.0 * columns, 2.7 * rows + 0.4), layout="constrained")
+    figure = figure or Figure(layout="constrained")
+    figure.set_size_inches(4.0 * columns, 2.7 * rows + 0.4)
     panels = figure.subplots(rows, columns, squeeze=False)
     for panel in panels.flat[count:]:
         panel.set_visible(False)
