@@ -1,0 +1,101 @@
+"""Notebooks 01 to 04 at a reduced size, and that Jupyter takes all of them as they are."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+import pytest
+from notebook_runner import ALL, NOTEBOOKS, executed, with_parameters
+
+REDUCED: dict[str, dict[str, Any]] = {
+    "01_profiles_and_contact_geometry.py": {"POSITIONS": 161, "CELLS": {"strips": 8, "cells": 10}},
+    "02_hertz_and_mesh_convergence.py": {
+        "FITTED": (4, 8, 16),
+        "GRIDS": (1.6e-3, 0.8e-3),
+        "LOADS": (10e3, 20e3),
+        "DEPTHS": (0.24, 0.48, 0.8),
+    },
+    "03_full_condensed_waveguide.py": {
+        "FRICTIONS": (0.0,),
+        "SIZE": 2e-3,
+        "SOLIDS": (2e-3,),
+        "GRIDS": (1.6e-3, 0.8e-3),
+        "FITTED": ((4, 6), (8, 12)),
+        "FINEST": (16, 24),
+    },
+    "04_rolling_creepage_stick_slip.py": {"EVERY": 4, "CELLS": {"strips": 8, "cells": 12}},
+}
+
+
+def check_geometry(names: dict[str, Any]) -> None:
+    """The wave that was integrated is Klingel's; both wheels mirror each other."""
+    assert 2 * names["half"] == pytest.approx(names["klingel"], rel=0.01)
+    assert names["conicity"] == pytest.approx(0.177, abs=0.002)
+    left, right = (names["touch"].sel(side=side).rolling_radius.values for side in ("left", "right"))
+    np.testing.assert_allclose(left, right[::-1], atol=1e-9)
+
+
+def check_hertz(names: dict[str, Any]) -> None:
+    """Hertz's circle of 10 kN, and what is below it."""
+    assert names["exact"].peak == pytest.approx(659.0e6, rel=1e-3)
+    assert abs(names["peak"]) < 0.005
+    assert names["order"] == pytest.approx(1.0, abs=0.1)
+    assert np.mean(names["kappa"]) == pytest.approx(0.40, abs=0.01)
+    assert names["mises"].max() == pytest.approx(0.62, abs=0.005)
+
+
+def check_ways(names: dict[str, Any]) -> None:
+    """All ways to the force are within what a coarse mesh allows of Hertz's load."""
+    force = names["same"]["normal force [N]"].astype(float)
+    assert np.abs(force / 10e3 - 1).max() < 0.15
+    assert force["full", 0.0] == pytest.approx(force["condensed", 0.0], rel=1e-9)
+
+
+def check_rolling(names: dict[str, Any]) -> None:
+    """CONTACT's creep forces on the circle, Kalker's coefficients on three ellipses."""
+    assert np.abs(names["error"]["finite elements"]).max() < 0.012
+    assert np.abs(names["beside"]).max() < 0.02
+    assert [round(ratio, 2) for ratio in names["measured"]] == [0.5, 1.0, 2.0]
+
+
+CHECKS = (check_geometry, check_hertz, check_ways, check_rolling)
+
+
+@pytest.mark.parametrize(("name", "check"), list(zip(REDUCED, CHECKS, strict=True)), ids=[name[:2] for name in REDUCED])
+def test_notebook_reduced(name: str, check: Any) -> None:
+    check(executed(name, **REDUCED[name]))
+
+
+@pytest.mark.parametrize("notebook", ALL, ids=lambda path: path.stem[:2])
+def test_notebook_pairs(notebook: Any) -> None:
+    """As .ipynb and back nothing changes; it says how it is paired, and which of its cells has the parameters."""
+    jupytext, nbformat = pytest.importorskip("jupytext"), pytest.importorskip("nbformat")
+    read = jupytext.read(notebook)
+    text = nbformat.writes(read)
+    again = nbformat.reads(text, as_version=4)
+    nbformat.validate(again)
+    assert again.metadata.jupytext.formats == "ipynb,py:percent"
+    assert sum("parameters" in cell.metadata.get("tags", []) for cell in again.cells) == 1
+
+    def body(script: str) -> str:
+        return script.split("# ---\n", 2)[2]
+
+    assert body(jupytext.writes(again, "py:percent")) == body(notebook.read_text(encoding="utf-8"))
+
+
+def test_notebook_in_jupyter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kernel runs a notebook: tables in HTML and pictures come back."""
+    nbclient = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    root = str(NOTEBOOKS.parent)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([root, os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep))
+    name = "01_profiles_and_contact_geometry.py"
+    notebook = with_parameters(name, **REDUCED[name])
+    nbclient.NotebookClient(
+        notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(NOTEBOOKS)}}
+    ).execute()
+    shown = [output.data for cell in notebook.cells for output in cell.get("outputs", []) if "data" in output]
+    assert sum("image/png" in data for data in shown) >= 5
+    assert any("<table>" in data.get("text/html", "") for data in shown)
