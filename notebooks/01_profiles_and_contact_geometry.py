@@ -33,7 +33,7 @@ plt.rcParams.update(STYLE)
 
 # %% tags=["parameters"]
 POSITIONS = 321  # of the wheelset, from 8 mm on the right to 8 mm on the left
-CELLS = {"strips": 12, "cells": 16}  # of the elastic contact at the end
+ELASTIC = {"surface_size": 1e-3, "strips": 12, "cells": 16}  # of the contact at the end
 
 # %% [markdown]
 # ## Two curves
@@ -77,7 +77,7 @@ y = np.linspace(-8e-3, 8e-3, POSITIONS)
 touch = wr.contact_geometry(wheel, rail, y)
 left = touch.sel(side="left")
 
-pair_figure, panels = plt.subplots(1, 2, figsize=(11, 2.9), layout="constrained")
+pair_figure, panels = plt.subplots(1, 2, figsize=(11, 2.4), layout="constrained")
 for ax, place in zip(panels, (0.0, 6e-3), strict=True):
     wr.plot_profiles(wheel, rail, y=place, ax=ax)
     ax.set_title(f"left wheel, wheelset {1e3 * place:g} mm to the left")
@@ -96,7 +96,7 @@ for ax in panels:
     ax.legend()
 jumps = np.abs(np.diff(left.wheel_y))
 centre = jumps[np.abs(y[:-1]) < 1e-3].max()
-print(f"the left contact jumps by {1e3 * centre:.1f} mm on the wheel next to y = 0, by {1e3 * jumps.max():.1f} mm at most")
+print(f"on the wheel the left contact jumps by {1e3 * centre:.1f} mm next to y = 0, {1e3 * jumps.max():.1f} mm at most")
 assert centre > 8e-3
 
 # %% [markdown]
@@ -153,13 +153,13 @@ assert np.allclose(touch.rolling_radius_difference, -touch.rolling_radius_differ
 # ## Two contacts at once
 #
 # Where the rigid contact jumps, both places touch at once. For rigid bodies that is a single position and a table of
-# $\Delta r$ steps there. Elastic bodies give way: under load the second place closes before the first one opens, and over
-# a stretch of $y$ both carry. S1002 on 60E1 does so with the wheelset centred, where it spends most of its life: at $y =
-# 0$ one patch, 18 mm wide, has two summits. Dashed is what Hertz would make of the curvatures in its middle: 505 MPa, where
-# 780 MPa act. At 3 mm the contact is nearly an ellipse, and he is right.
+# $\Delta r$ steps there. Elastic bodies give way: under load the second place closes before the first one opens, and
+# over a stretch of $y$ both carry. S1002 on 60E1 does so with the wheelset centred, where it spends most of its life:
+# at $y = 0$ one patch, 18 mm wide, has two summits. Dashed is what Hertz would make of the curvatures in its middle:
+# 505 MPa, where 780 MPa act. At 3 mm the contact is nearly an ellipse, and he is right.
 
 # %%
-elastic = wr.Wheelset(wheel, rail, friction=0.0, **CELLS)
+elastic = wr.Wheelset(wheel, rail, friction=0.0, **ELASTIC)
 near_figure, panels = plt.subplots(1, 3, figsize=(11.5, 4.2), layout="constrained")
 for ax, place in zip(panels, (0.0, 1e-3, 3e-3), strict=True):
     found = elastic.solve(y=place, wheel_load=57e3, sides=("left",))

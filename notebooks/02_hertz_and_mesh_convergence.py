@@ -69,10 +69,13 @@ assert abs(peak) < 0.01
 # %% [markdown]
 # ## Order of convergence
 #
-# One number for the whole field: the error of the pressure in the mean square, over that of Hertz,
-# $e = \lVert p - p_H \rVert_2 / \lVert p_H \rVert_2$. Hertz's pressure has an infinite slope at the edge. Cells that end
-# there keep first order all the same; peak and area are better than that, for errors of the edge spoil them little. A
-# regular grid sees the edge as a staircase: its error is similar, but it scatters, and the area is off by whole cells.
+# One number for the whole field: the error of the pressure in the mean square over the patch,
+#
+# $$ e = \lVert p - p_H \rVert_2 / \lVert p_H \rVert_2 . $$
+#
+# Hertz's pressure has an infinite slope at the edge. Cells that end there keep first order all the same; peak and area
+# do better, for errors at the edge spoil them little. A regular grid sees the edge as a staircase: similar errors, but
+# they scatter, and the area is off by whole cells.
 
 
 # %%
@@ -125,8 +128,9 @@ assert all(abs(float(own.vertical_force) - finest) < float(own.force_error) for 
 # The pressure does not care, but the **approach** does: it is the path between far ends, and a block of half width and
 # depth $D$, held at its bottom, lacks what lies below. Saint-Venant: far from the load that is the same for every
 # contact of the same force, so each of the two blocks moves $\kappa F/(ED)$ less than a half-space, with one constant
-# $\kappa$ for all loads. That is about one per cent of $\delta$: no reason to make blocks larger, but one to know what a code's
-# "penetration" means before it becomes a spring in a multibody model. Here wheel and rail have their true size.
+# $\kappa$ for all loads. That is about one per cent of $\delta$: no reason to make blocks larger, but one to know what
+# a code's "penetration" means before it becomes a spring in a multibody model. Here wheel and rail have their true
+# size.
 
 # %%
 missing, kappa = [], []
@@ -149,8 +153,9 @@ assert np.ptp(kappa) < 0.05 * np.mean(kappa)
 # $$ \frac{\sigma_r}{p_0} = -(1+\nu)\left(1 - \zeta\arctan\frac1\zeta\right) + \frac{1}{2(1+\zeta^2)}, \qquad
 #    \frac{\sigma_z}{p_0} = -\frac{1}{1+\zeta^2} . $$
 #
-# Largest shear is $\tau = |\sigma_z-\sigma_r|/2 = 0.31\,p_0$ at $0.48\,a$ below the surface, and von Mises' stress is twice
-# that: yield, and the cracks of rolling contact fatigue, start inside (a line contact has $0.30\,p_0$ at $0.79\,a$).
+# Largest shear is $\tau = |\sigma_z-\sigma_r|/2 = 0.31\,p_0$ at $0.48\,a$ below the surface, and von Mises' stress is
+# twice that: yield, and the cracks of rolling contact fatigue, start inside (a line contact has $0.30\,p_0$ at
+# $0.79\,a$).
 
 # %%
 zeta = np.array(DEPTHS)

@@ -19,8 +19,8 @@
 #
 # 1. **Full**: Newton's method for everything at once, $K u = B^{\mathsf T} t(B u)$. Nothing is assumed, and every
 #    step solves with all unknowns of both meshes.
-# 2. **Condensed**: bodies are linear; only the contact is not. So solve with $K$ once for each surface node in reach and
-#    keep the compliance $C = B K^{-1} B^{\mathsf T}$: what is left is $w = C\,t$ with the laws of contact, in some
+# 2. **Condensed**: bodies are linear; only the contact is not. So solve with $K$ once for each surface node in reach
+#    and keep the compliance $C = B K^{-1} B^{\mathsf T}$: what is left is $w = C\,t$ with the laws of contact, in some
 #    hundred unknowns. It is the *same* discrete problem, and $C$ is kept on disk for all loads and positions.
 # 3. **Condensed, 2.5D** (`bodies="waveguide"`): rail and block are the same in every section, so along $x$ the exact
 #    solution is a sum of waves $\hat u(y, z)\,e^{\mathrm i k x}$. One mesh of the *section* serves all of them,
@@ -112,13 +112,11 @@ for mu in FRICTIONS:
 section_figure, ax = plt.subplots(figsize=(5.6, 3.8), layout="constrained")
 line = np.linspace(-1, 1, 201) * exact.semi_axes[0]
 ax.plot(1e3 * line, exact.pressure(line, 0 * line) / 1e6, color="0.4", lw=1.0, label="Hertz, half-spaces")
-for (name, mu), (solution, _) in found.items():
-    if mu == 0.0:
-        own = solution.data
-        x, off = own.position.values[:, 0], abs(own.position.values[:, 1])
-        middle = (off < off.min() + 1e-9) & (own.position.values[:, 1] > -1e-9 if name == "2.5D, fitted" else True)
-        mark = {"full": "s", "condensed": "+", "2.5D, grid": "o", "2.5D, fitted": "."}[name]
-        ax.plot(1e3 * x[middle], own.pressure.values[middle] / 1e6, mark, mfc="none", ms=7, label=name)
+for name, mark, color in zip(WAYS, "s+o.", ("#0072B2", "0.1", "#009E73", "#D55E00"), strict=True):
+    own = found[name, FRICTIONS[0]][0].data
+    (x, off), pressure = own.position.values[:, :2].T, own.pressure.values
+    middle = (off - off[off > -1e-9].min() < 1e-9) & (off > -1e-9) & (pressure > 0)  # the line next to y = 0
+    ax.plot(1e3 * x[middle], pressure[middle] / 1e6, mark, color=color, mfc="none", ms=9, label=name)
 ax.set(xlabel="x, forward [mm]", ylabel="pressure in the middle [MPa]", title=f"surface size {1e3 * SIZE:g} mm")
 ax.legend()
 
@@ -127,24 +125,27 @@ ax.legend()
 #
 # Errors of normal and creep force at the given approach, rolling, beside the finest solution at hand. The first call of
 # solids grows with the number of surface nodes, a solve with the whole mesh each; later ones cost what their number of
-# points costs. Cells that end with the contact reach an error with a fraction of the points of a grid, whose staircase
-# scatters.
+# points costs. Their elements are of first degree, which shows at these sizes. Cells that end with the contact reach an
+# error with a fraction of the points of a grid, whose staircase scatters.
 
 # %%
 truth = row(*clocked(0.3, strips=FINEST[0], cells=FINEST[1]))
 FORCES = ("normal force [N]", "creep force [N]")
 families = {
-    "condensed solids": [{"bodies": "solid", "surface_size": size} for size in SOLIDS],
-    "2.5D, grid": [{"points": "grid", "surface_size": size} for size in GRIDS],
-    "2.5D, fitted": [{"strips": strips, "cells": cells} for strips, cells in FITTED],
+    "condensed solids": {f"{1e3 * size:g} mm": {"bodies": "solid", "surface_size": size} for size in SOLIDS},
+    "2.5D, grid": {f"{1e3 * size:g} mm": {"points": "grid", "surface_size": size} for size in GRIDS},
+    "2.5D, fitted": {f"{n} x {m}": {"strips": n, "cells": m} for n, m in FITTED},
 }
-costs = {name: pd.DataFrame([row(*clocked(0.3, **one)) for one in ways]) for name, ways in families.items()}
+costs = {
+    name: pd.DataFrame({label: row(*clocked(0.3, **one)) for label, one in ways.items()}).T
+    for name, ways in families.items()
+}
 if 0.3 in FRICTIONS:
-    costs = {"full": pd.DataFrame([row(*found["full", 0.3])]), **costs}
+    costs = {"full": pd.DataFrame({f"{1e3 * SIZE:g} mm": row(*found["full", 0.3])}).T, **costs}
 for table in costs.values():
     for force in FORCES:
         table[force.replace("[N]", "error [%]")] = 100 * abs(table[force] / truth[force] - 1)
-print(pd.concat(costs).to_string(float_format="{:.3g}".format))
+print(pd.concat(costs).to_string(float_format="{:.5g}".format))
 
 cost_figure, panels = plt.subplots(1, 2, figsize=(10, 4), layout="constrained", sharey=True)
 for ax, force in zip(panels, FORCES, strict=True):
@@ -160,9 +161,11 @@ assert abs(costs["2.5D, grid"]["normal force error [%]"]).max() < 10
 # %% [markdown]
 # ## Which one when
 #
-# - **2.5D with fitted cells**, the default: rails, wheels (waves around the axle instead of along $x$) and anything else
-#   that is the same in every section. Milliseconds a solve, so it can stand inside a vehicle simulation.
-# - **Condensed solids**, where bodies are not invariant, or to have the paper's model: some minutes once for a mesh,
-#   then nearly as quick.
-# - **Full**, to check the others, and where bodies stop being linear. It is the only one that MPI spreads over machines.
+# - **2.5D with fitted cells**, the default: rails, wheels (waves around the axle instead of along $x$) and anything
+#   else that is the same in every section. Some ten milliseconds a solve, a few once it follows a contact from step to
+#   step, so it can stand inside a vehicle simulation.
+# - **Condensed solids**, where bodies are not invariant, or to have the paper's model: seconds to minutes once for each
+#   mesh, then as quick.
+# - **Full**, to check the others, and where bodies stop being linear. It is the only one that MPI spreads over
+#   machines.
 # - **Regular grid**: with the paper's penalty law, whose pressure fades out and has no edge to fit cells to.

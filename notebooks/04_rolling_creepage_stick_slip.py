@@ -92,9 +92,9 @@ for kind in ("long", "lat", "spin"):
     }
 
 # %% [markdown]
-# Kalker's linear theory, $F_x = -abG\,C_{11}\,\xi$ and $F_y = -abG\,(C_{22}\,\eta + \sqrt{ab}\,C_{23}\,\varphi)$, is the
-# tangent at the origin. Spin is the odd one: at first it pushes the wheel sideways, but once the patch turns as a whole
-# the shears of its two halves cancel, so the force has a largest value and falls again.
+# Kalker's linear theory, $F_x = -abG\,C_{11}\,\xi$ and $F_y = -abG\,(C_{22}\,\eta + \sqrt{ab}\,C_{23}\,\varphi)$, is
+# the tangent at the origin. Spin is the odd one: at first it pushes the wheel sideways, but once the patch turns as a
+# whole the shears of its two halves cancel, so the force has a largest value and falls again.
 
 # %%
 LOOK = {  # column of the creepage, factor, label; column of the force; force of the linear theory over creepage

@@ -10,7 +10,10 @@ import pytest
 from notebook_runner import ALL, NOTEBOOKS, executed, with_parameters
 
 REDUCED: dict[str, dict[str, Any]] = {
-    "01_profiles_and_contact_geometry.py": {"POSITIONS": 161, "CELLS": {"strips": 8, "cells": 10}},
+    "01_profiles_and_contact_geometry.py": {
+        "POSITIONS": 161,
+        "ELASTIC": {"surface_size": 3e-3, "strips": 8, "cells": 10},
+    },
     "02_hertz_and_mesh_convergence.py": {
         "FITTED": (4, 8, 16),
         "GRIDS": (1.6e-3, 0.8e-3),
@@ -19,8 +22,8 @@ REDUCED: dict[str, dict[str, Any]] = {
     },
     "03_full_condensed_waveguide.py": {
         "FRICTIONS": (0.0,),
-        "SIZE": 2e-3,
-        "SOLIDS": (2e-3,),
+        "SIZE": 2.4e-3,
+        "SOLIDS": (2.4e-3,),
         "GRIDS": (1.6e-3, 0.8e-3),
         "FITTED": ((4, 6), (8, 12)),
         "FINEST": (16, 24),
