@@ -45,8 +45,8 @@ plt.rcParams.update(STYLE)
 # %% tags=["parameters"]
 FRICTIONS = (0.0, 0.3)  # of the comparison with the full model
 SIZE = 1.6e-3  # m, edge of the surface cells there: coarse, for the full model's sake
-SOLIDS = (1.6e-3, 1.2e-3, 0.8e-3)  # m, of the condensed solids
-GRIDS = (1.6e-3, 1.2e-3, 0.8e-3, 0.6e-3, 0.4e-3)  # m, of the waveguides' regular grids
+HALVED_SOLIDS = 1  # times that the size is halved, of the condensed solids
+HALVED_GRIDS = 3  # and of the waveguides' regular grids
 FITTED = ((4, 6), (6, 8), (8, 12), (12, 16), (16, 24))  # strips and cells of fitted ones
 FINEST = (24, 32)
 
@@ -91,7 +91,7 @@ WAYS = {
     "full": {"model": "full", "surface_size": SIZE},
     "condensed": {"bodies": "solid", "surface_size": SIZE},
     "2.5D, grid": {"points": "grid", "surface_size": SIZE},
-    "2.5D, fitted": {},
+    "2.5D, fitted": {"surface_size": SIZE / 2},
 }
 found = {(name, mu): clocked(mu, **options) for mu in FRICTIONS for name, options in WAYS.items()}
 same = pd.DataFrame({key: row(*one) for key, one in found.items()}).T.rename_axis(["model", "friction"])
@@ -123,18 +123,26 @@ ax.legend()
 # %% [markdown]
 # ## What an error costs
 #
-# Errors of normal and creep force at the given approach, rolling, beside the finest solution at hand. The first call of
-# solids grows with the number of surface nodes, a solve with the whole mesh each; later ones cost what their number of
-# points costs. Their elements are of first degree, which shows at these sizes. Cells that end with the contact reach an
-# error with a fraction of the points of a grid, whose staircase scatters.
+# Errors of normal and creep force at the given approach, rolling, beside the finest solution at hand. Sizes are halves
+# of one another, for then all blocks are equally deep: at a given approach that alone makes some tenths of a per cent
+# (notebook 02). The first call of solids grows with the number of surface nodes, a solve with the whole mesh each;
+# later ones cost what their number of points costs. Their elements are of first degree, which shows at these sizes.
+# Cells that end with the contact reach an error with a fraction of the points of a grid.
 
 # %%
-truth = row(*clocked(0.3, strips=FINEST[0], cells=FINEST[1]))
+truth = row(*clocked(0.3, surface_size=SIZE / 2, strips=FINEST[0], cells=FINEST[1]))
 FORCES = ("normal force [N]", "creep force [N]")
+
+
+def sizes(halved, **options):
+    """Pairs of the size and of its halves."""
+    return {f"{1e3 * size:g} mm": {**options, "surface_size": size} for size in SIZE * 0.5 ** np.arange(halved + 1)}
+
+
 families = {
-    "condensed solids": {f"{1e3 * size:g} mm": {"bodies": "solid", "surface_size": size} for size in SOLIDS},
-    "2.5D, grid": {f"{1e3 * size:g} mm": {"points": "grid", "surface_size": size} for size in GRIDS},
-    "2.5D, fitted": {f"{n} x {m}": {"strips": n, "cells": m} for n, m in FITTED},
+    "condensed solids": sizes(HALVED_SOLIDS, bodies="solid"),
+    "2.5D, grid": sizes(HALVED_GRIDS, points="grid"),
+    "2.5D, fitted": {f"{n} x {m}": {"surface_size": SIZE / 2, "strips": n, "cells": m} for n, m in FITTED},
 }
 costs = {
     name: pd.DataFrame({label: row(*clocked(0.3, **one)) for label, one in ways.items()}).T

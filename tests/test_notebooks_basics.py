@@ -23,8 +23,8 @@ REDUCED: dict[str, dict[str, Any]] = {
     "03_full_condensed_waveguide.py": {
         "FRICTIONS": (0.0,),
         "SIZE": 2.4e-3,
-        "SOLIDS": (2.4e-3,),
-        "GRIDS": (1.6e-3, 0.8e-3),
+        "HALVED_SOLIDS": 0,
+        "HALVED_GRIDS": 1,
         "FITTED": ((4, 6), (8, 12)),
         "FINEST": (16, 24),
     },
