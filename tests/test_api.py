@@ -348,6 +348,8 @@ def test_what_has_no_bodies_cannot_be_looked_at(pressed: wr.Solution, tmp_path: 
         wr.open(pressed.to_netcdf(tmp_path / "patch.nc")).view()  # type: ignore[union-attr]
     with pytest.raises(wr.SceneError, match="side = 'left': must be 'contact'"):
         pressed.view("left")
+    with pytest.raises(wr.SceneError, match=r"view\.pdf': must end in \.png or \.html"):
+        pressed.view(file="view.pdf")
     with pytest.raises(wr.SceneError, match="must be upper, lower or both"):
         pressed.view(body="wheel")
 

@@ -62,13 +62,22 @@ class Solution:
         """Pictures: `plot()`, `plot.pressure()`, `plot.tractions()`, `plot.section()`, `plot.profiles()`."""
         return SolutionPlots(self.data)
 
-    def view(self, side: str | None = None, *, body: str = "both", scale: float | None = None) -> Any:
+    def view(
+        self,
+        side: str | None = None,
+        *,
+        body: str = "both",
+        scale: float | None = None,
+        file: str | Path | None = None,
+    ) -> Any:
         """A pyvista plotter of one contact in three dimensions: bodies deformed, pressure, von Mises stress on cuts.
 
-        `.show()` it, in a notebook as a scene to turn. side: "left", "right" or "contact", the first that touches
-        unless given; body: "wheel", "rail", "upper", "lower" or "both"; scale of displacements, a round one unless
-        given. Seconds of computing. Raises ValueError for a solution from a file, which has no bodies any more, and
-        where nothing touches; SceneError for a side or a body that is not there, and for the standard model.
+        `.show()` it, in a notebook as a scene to turn; or give a file, a picture (.png) or a page to turn (.html): that
+        needs no screen. side: "left", "right" or "contact", the first that touches unless given; body: "wheel", "rail",
+        "upper", "lower" or "both"; scale of displacements, a round one unless given. Seconds of computing.
+
+        Raises ValueError for a solution from a file, which has no bodies any more, and where nothing touches;
+        SceneError for a side or a body that is not there, and for the standard model; OSError.
         """
         from scenes.scene import SceneError
         from scenes.view import view_side
@@ -81,9 +90,25 @@ class Solution:
         chosen = touching[0] if side is None else side
         if chosen not in touching:
             raise SceneError(f"side = {chosen!r}: must be {' or '.join(map(repr, touching))}")
+        if file is not None and Path(file).suffix.lower() not in (".png", ".html"):
+            raise SceneError(f"file = {str(file)!r}: must end in .png or .html")
         scene, sides, profiles = self.origin.scene, self.origin.sides, self.origin.profiles
         title = "Hertz pair" if chosen == "contact" else " on ".join(profile.name for profile in profiles)
-        return view_side(scene, chosen, sides[chosen], title=title, profiles=profiles or None, body=body, scale=scale)
+        drawn = view_side(
+            scene,
+            chosen,
+            sides[chosen],
+            title=title,
+            profiles=profiles or None,
+            body=body,
+            scale=scale,
+            off_screen=None if file is None else True,
+        )
+        if file is not None:
+            from scenes.pictures.html import save_view
+
+            save_view(drawn, Path(file))
+        return drawn
 
     def to_netcdf(self, file: str | Path) -> Path:
         """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
