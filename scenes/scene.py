@@ -39,10 +39,11 @@ class Contact(Table):
     laws: "exact", no penetration and Coulomb's law itself, takes no constants; "paper", the default of runs, is penalty
     pressure and regularised Coulomb friction with the constants given. One of the two alone is exact in "paper" with
     stiffness_per_area = inf or regularisation = 0. falling makes friction fall with the slip velocity. bodies: "solid",
-    meshes in 3D, the default for the paper's laws and model = "full"; or "waveguide", endless bodies by wavenumbers,
-    the default for the exact ones. degree of the displacements, 1 for solids unless given. points: "fitted", strips of
-    cells that end where the contact ends, the default for waveguides and the exact normal law, which alone have them;
-    or "grid". strips over a patch's width and cells along each are those of fitted points, 12 and 16 unless given.
+    meshes in 3D, the default for the paper's laws and model = "full"; "waveguide", endless bodies by wavenumbers, the
+    default for the exact ones; or "half-space", to compare with codes that know no others. degree of the displacements,
+    1 for solids unless given. points: "fitted", strips of cells that end where the contact ends, the default for the
+    exact normal law unless bodies are solid; or "grid", which half-spaces do not have. strips over a patch's width and
+    cells along each are those of fitted points, 12 and 16 unless given.
     model = "standard" is the contact of multibody codes, without elements: it takes friction and falling of the laws,
     ignores surface_size, and has normal and tangential of its own.
     """
@@ -56,7 +57,7 @@ class Contact(Table):
     tangential: Literal["fastsim", "polach"] | None = None
     merge_distance: q.MergeDistance | None = None
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
-    bodies: Literal["solid", "waveguide"] | None = None
+    bodies: Literal["solid", "waveguide", "half-space"] | None = None
     degree: Literal[1, 2] | None = None
     points: Literal["fitted", "grid"] | None = None
     strips: q.Fineness | None = None
@@ -81,8 +82,10 @@ class Contact(Table):
             for key in ("stiffness_per_area", "regularisation"):
                 if key in self.model_fields_set:
                     raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
-        if self.bodies == "waveguide" and (self.model == "full" or self.cell == "hexahedron"):
+        if self.bodies in ("waveguide", "half-space") and (self.model == "full" or self.cell == "hexahedron"):
             raise q.refuse('"solid" with model = "full" or hexahedra, which need meshes in 3D', "bodies")
+        if self.bodies == "half-space" and self.placing == "grid":
+            raise q.refuse('"half-space" needs points = "fitted" and the exact normal law', "bodies")
         if self.points == "fitted" and not self._fittable:
             needs = 'bodies = "waveguide" and laws = "exact", or stiffness_per_area = inf'
             raise q.refuse(f'"fitted" needs {needs}', "points")
@@ -95,7 +98,7 @@ class Contact(Table):
 
     @property
     def _fittable(self) -> bool:
-        return self.meshes == "waveguide" and (self.laws == "exact" or isinf(self.stiffness_per_area))
+        return self.meshes != "solid" and (self.laws == "exact" or isinf(self.stiffness_per_area))
 
     @property
     def placing(self) -> Literal["fitted", "grid"]:
@@ -103,7 +106,7 @@ class Contact(Table):
         return "fitted" if self._fittable and self.points != "grid" else "grid"
 
     @property
-    def meshes(self) -> Literal["solid", "waveguide"]:
+    def meshes(self) -> Literal["solid", "waveguide", "half-space"]:
         """How the bodies are discretised: as given, or as suits the laws."""
         if self.bodies is not None:
             return self.bodies
