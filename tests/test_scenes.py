@@ -149,6 +149,7 @@ def test_points_are_fitted_where_they_can_be() -> None:
         (changed(EXACT, 'model = "condensed"', 'model = "full"'), "grid"),
         (changed(HERTZ, 'laws = "paper"', half), "grid"),
         (changed(HERTZ, 'laws = "paper"', half + '\nbodies = "waveguide"'), "fitted"),
+        (changed(EXACT, 'laws = "exact"', 'laws = "exact"\nbodies = "half-space"'), "fitted"),
         (CURVE, "grid"),
         (changed(CURVE, 'laws = "paper"', 'laws = "exact"'), "fitted"),
     ):
@@ -209,6 +210,8 @@ MALFORMED = [
     (HERTZ, 'laws = "paper"', 'points = "regular"', ('points = "regular"', '"fitted" or "grid"')),
     (HERTZ, 'laws = "paper"', 'laws = "paper"\npoints = "fitted"', ('points = "fitted"', "waveguide", '"exact"')),
     (EXACT, 'model = "condensed"', 'model = "full"\npoints = "fitted"', ('points = "fitted"', "waveguide")),
+    (HERTZ, 'laws = "paper"', 'laws = "paper"\nbodies = "half-space"', ('bodies = "half-space"', "exact normal law")),
+    (EXACT, 'model = "condensed"', 'model = "full"\nbodies = "half-space"', ('bodies = "half-space"', '"solid"')),
     (HERTZ, 'laws = "paper"', 'laws = "paper"\nstrips = 8', ("strips = 8", 'points = "fitted"')),
     (EXACT, 'laws = "exact"', "cells = 3", ("cells = 3", "from 4 to 64")),
     (EXACT, 'laws = "exact"', "cells = 12.5", ("cells = 12.5", "from 4 to 64")),

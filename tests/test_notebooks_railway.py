@@ -1,0 +1,27 @@
+"""Notebooks on railways run from top to bottom at a reduced size, and their numbers hold."""
+
+from __future__ import annotations
+
+import pytest
+from notebook_runner import executed
+
+
+def test_manchester_contact_benchmark() -> None:
+    """Against CONTACT, which the notebook itself holds to; what finite bodies do to the flange is not a small thing."""
+    names = executed("05_manchester_contact_benchmark.py", PLACES=(0.0, 3.0, 5.0), SURFACE_SIZE=4e-3, STRIPS=6, CELLS=8)
+    assert names["errors"].loc["half-spaces", "peak"] < 2.0
+    assert names["flange"]["CONTACT"] == pytest.approx(33.62, abs=0.01)  # kN
+
+
+def test_the_papers_curve() -> None:
+    changes = {"strips": 4, "cells": 4, "surface_size": 3e-3, "track.tangent": 10.0, "track.curve": 60.0}
+    changes |= {"solver.rtol": 1e-2, "solver.atol": 1e-5}
+    names = executed("06_the_papers_curve.py", CHANGES=changes, SIZES={"exact laws": 3e-3, "paper's laws": 3e-3})
+    for expected, found in names["by_hand"].values():
+        assert found == pytest.approx(expected, rel=0.02)
+
+
+def test_your_own_measured_profile() -> None:
+    names = executed("07_your_own_measured_profile.py", PLACES=25, SURFACE_SIZE=3e-3, STRIPS=6, CELLS=8)
+    assert names["conicity"]["new"] == pytest.approx(0.177, abs=0.01)
+    assert len(names["refused"]) == 6
