@@ -43,8 +43,10 @@ SURFACE_SIZE, STRIPS, CELLS = 1e-3, 12, 16  # m; of the contact
 # Wear takes depth off the new S1002 along its normal, $\mathbf x_\mathrm{worn} = \mathbf x - w(y)\,\mathbf n$, most
 # where the wheel runs and some at the flange root:
 #
-# $$w(y) = 1.2\,\mathrm{mm}\; e^{-((y - 2\,\mathrm{mm}) / 30\,\mathrm{mm})^2}
-# + 0.6\,\mathrm{mm}\; e^{-((y + 36\,\mathrm{mm}) / 6\,\mathrm{mm})^2} .$$
+# $$
+# w(y) = 1.2\,\mathrm{mm}\; e^{-((y - 2\,\mathrm{mm}) / 30\,\mathrm{mm})^2} +
+# 0.6\,\mathrm{mm}\; e^{-((y + 36\,\mathrm{mm}) / 6\,\mathrm{mm})^2}
+# $$
 #
 # The instrument adds 5 µm of noise to both coordinates of points 0.2 mm apart: a good one. What it writes is a MiniProf
 # file: a header, an empty line, and columns of lengths in mm counted from the back of the flange.
