@@ -69,11 +69,11 @@ def contact_scene(
     _left(view, meshes, patch, middle, scale, largest)
     peak = float(patch[PRESSURE].max())
     view.title = (
-        f"{title}\nleft: bodies moved apart, displacements x {scale:g}; patch: pressure up to {peak:.0f} MPa (yellow)\n"
+        f"{title}\nleft: bodies moved apart, displacements x {scale:g}; patch: pressure of its cells up to {peak:.0f} MPa (yellow)\n"
         "right: von Mises stress on cuts along and across, below the patch"
     )
     view.add_text(
-        f"{title}\ndisplacements x {scale:g}, bodies apart\npressure of the patch up to {peak:.0f} MPa (yellow)",
+        f"{title}\ndisplacements x {scale:g}, bodies apart\npressure of the cells up to {peak:.0f} MPa (yellow)",
         font_size=10,
         color="black",
     )
