@@ -69,7 +69,7 @@ def contact_scene(
     _left(view, meshes, patch, middle, scale, largest)
     peak = float(patch[PRESSURE].max())
     view.title = (
-        f"{title}\nleft: bodies moved apart, displacements x {scale:g}; patch: pressure of its cells up to {peak:.0f} MPa (yellow)\n"
+        f"{title}\nleft: bodies moved apart, displacements x {scale:g}; cells: pressure up to {peak:.0f} MPa (yellow)\n"
         "right: von Mises stress on cuts along and across, below the patch"
     )
     view.add_text(
