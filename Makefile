@@ -25,7 +25,7 @@ suite: $(VENV)/ready-to-test
 	$(PY) -m pytest
 
 docs: $(VENV)/ready-to-test
-	$(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs
+	DOCS_NOTEBOOKS=cache $(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs
 	@echo build/docs/index.html
 
 test-debian:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import tomllib
 from pathlib import Path
@@ -25,7 +26,13 @@ suppress_warnings = ["config.cache", "ref.python"]  # a name may be public in tw
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
-nb_execution_mode = "off"  # the tests execute them
+# `make docs` executes the notebooks, which are then kept until their text changes; tests of the site leave that to the
+# tests of the notebooks.
+nb_execution_mode = os.environ.get("DOCS_NOTEBOOKS", "off")
+nb_execution_cache_path = str(ROOT / "build/notebooks")
+nb_execution_timeout = 900  # s
+nb_execution_raise_on_error = True
+nb_merge_streams = True
 
 smartquotes = False  # "--resume" is no dash
 

@@ -23,7 +23,7 @@
 # 0.2 mm), the yardstick of the field:
 #
 # - **half-spaces**: what CONTACT assumes too. A pressure $p$ moves the surface by Boussinesq's
-#   $u(\mathbf x) = \frac{1-\nu^2}{\pi E} \int \frac{p(\boldsymbol\xi)}{|\mathbf x-\boldsymbol\xi|}\,dA$, whatever the
+#   $u(\mathbf x) = \frac{1-\nu^2}{\pi E} \int \frac{p(\mathbf y)}{|\mathbf x-\mathbf y|}\,dA$, whatever the
 #   body looks like further away. The only differences left are those of two discretisations.
 # - **finite bodies**: the kernel is computed, by finite elements, for a rail with web and foot and a wheel with web and
 #   hub. It falls back to Boussinesq's close to the load; far from it, heads tilt and rims bend.

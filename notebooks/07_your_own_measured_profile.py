@@ -151,7 +151,7 @@ print({name: round(value, 3) for name, value in conicity.items()}, "at 3 mm")
 # ## The patch
 #
 # 57 kN on each wheel, centred, elastic bodies. Conformity spreads the pressure of the new wheel over 20 mm. The hollow
-# of the worn one is more curved than the crown of a new rail, 5 m$^{-1}$ against 3.3: it cannot rest in its middle and
+# of the worn one is more curved than the crown of a new rail, 5 per metre against 3.3: it cannot rest in its middle and
 # rides on both edges, with two patches and more pressure on less area. On a rail that has worn along with it this
 # would be otherwise: read one, and see.
 

@@ -355,7 +355,6 @@ def test_what_has_no_bodies_cannot_be_looked_at(pressed: wr.Solution, tmp_path: 
 
 
 def test_a_solution_in_three_dimensions(pressed: wr.Solution) -> None:
-    pytest.importorskip("pyvista")
     view = pressed.view(body="lower")
     assert "Hertz pair" in view.title
     assert "von Mises stress [MPa]" in dict(view.scalar_bars.items())

@@ -74,7 +74,9 @@ def test_notebook_reduced(name: str, check: Any) -> None:
 @pytest.mark.parametrize("notebook", ALL, ids=lambda path: path.stem[:2])
 def test_notebook_pairs(notebook: Any) -> None:
     """As .ipynb and back nothing changes; it says how it is paired, and which of its cells has the parameters."""
-    jupytext, nbformat = pytest.importorskip("jupytext"), pytest.importorskip("nbformat")
+    import jupytext
+    import nbformat
+
     read = jupytext.read(notebook)
     text = nbformat.writes(read)
     again = nbformat.reads(text, as_version=4)
@@ -90,8 +92,8 @@ def test_notebook_pairs(notebook: Any) -> None:
 
 def test_notebook_in_jupyter(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel runs a notebook: tables in HTML and pictures come back."""
-    nbclient = pytest.importorskip("nbclient")
-    pytest.importorskip("ipykernel")
+    import nbclient
+
     root = str(NOTEBOOKS.parent)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([root, os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep))
     name = "01_profiles_and_contact_geometry.py"

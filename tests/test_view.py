@@ -23,7 +23,6 @@ from scenes.pictures.contact_view import SeenBody, contact_scene, round_scale
 from scenes.pictures.html import save_view, view_html
 from scenes.pictures.whole_bodies import rail_body, wheel_body
 
-pytest.importorskip("pyvista")
 WHEEL, RAIL = named_profile("S1002"), named_profile("60E1")
 MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
 

@@ -31,7 +31,7 @@ def translated(node: nodes.Element, *, block: bool) -> str:
         if BARE.search(tex):
             raise MathError("write \\dot{\\omega}, not \\dot\\omega")
         return BAR.sub('<mo lspace="0" rspace="0" stretchy="false">|</mo>', tex2mathml(tex, as_block=block))
-    except MathError as error:
+    except (MathError, IndexError) as error:  # docutils trips over a script without a base
         log.warning("equation not understood: %s: %s", error, tex, location=node)
         return f"<code>{escape(tex)}</code>"
 
