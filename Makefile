@@ -1,8 +1,9 @@
 # make run: the paper's curve, end to end (SCENE= another one).  make test: ruff, mypy and pytest.  Both set everything up first.
-# make docs: the documentation, as pages.  make test-debian RELEASE=trixie|sid: the tests on another Debian, as root.
+# Tests run in JOBS=2 processes.  make docs: the documentation, as pages.  make test-debian RELEASE=trixie|sid: the tests on another Debian, as root.
 VENV ?= .venv
 SCENE ?= scenes/curve.toml
 RELEASE ?= trixie
+JOBS ?= 2
 PY = $(VENV)/bin/python
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
 export OMP_NUM_THREADS ?= 1
@@ -22,7 +23,7 @@ lint: $(VENV)/ready-to-test
 	$(PY) -m mypy
 
 suite: $(VENV)/ready-to-test
-	$(PY) -m pytest
+	$(PY) -m pytest -n $(JOBS) --dist loadfile
 
 docs: $(VENV)/ready-to-test
 	DOCS_NOTEBOOKS=cache $(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs

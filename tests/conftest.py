@@ -12,7 +12,7 @@ import logging
 import shutil
 import signal
 import tempfile
-from collections.abc import Iterator
+from functools import partial
 
 import pytest
 
@@ -25,19 +25,13 @@ for _logger in ("", "FFCX", "UFL"):
     logging.getLogger(_logger).addFilter(lambda record: record.levelno >= logging.ERROR)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def cache() -> Iterator[str]:
-    """A cache that starts empty and goes with the session, for this process and those that it starts.
-
-    $WHEELRAIL_TEST_CACHE keeps one from run to run instead.
+def pytest_configure(config: pytest.Config) -> None:
+    """A cache that starts empty and goes with the session, for this process and all that it starts, those that run
+    tests side by side included. $WHEELRAIL_TEST_CACHE keeps one from run to run instead.
     """
-    before, kept = os.environ.get("WHEELRAIL_CACHE"), os.environ.get("WHEELRAIL_TEST_CACHE")
-    folder = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
-    os.environ["WHEELRAIL_CACHE"] = folder
-    yield folder
-    if before is None:
-        del os.environ["WHEELRAIL_CACHE"]
-    else:
-        os.environ["WHEELRAIL_CACHE"] = before
+    if hasattr(config, "workerinput"):
+        return  # started by one that has made it
+    kept = os.environ.get("WHEELRAIL_TEST_CACHE")
+    folder = os.environ["WHEELRAIL_CACHE"] = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
     if not kept:
-        shutil.rmtree(folder, ignore_errors=True)
+        config.add_cleanup(partial(shutil.rmtree, folder, ignore_errors=True))
