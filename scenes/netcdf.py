@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import platform
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from meshes.whole_file import whole_file
+from scenes.complaint import SceneError
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -22,6 +25,23 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             continue
     return found
+
+
+def machine() -> str:
+    """The machine that this runs on, in a few words."""
+    return f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
+
+
+def read(file: Path) -> Dataset:
+    """All of a file, closed again; times stay numbers. Raises SceneError where it is missing or cannot be read."""
+    from xarray import load_dataset
+
+    if not file.is_file():
+        raise SceneError(f"{file}: no such file")
+    try:
+        return load_dataset(file, engine="netcdf4", decode_times=False)
+    except (OSError, ValueError, RuntimeError, KeyError, AttributeError) as error:  # whatever a spoiled one brings up
+        raise SceneError(f"{file}: cannot be read as NetCDF, it may be damaged: {error}") from None
 
 
 def write(data: Dataset, file: Path) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.pose import SIDES
-from scenes.netcdf import versions
+from scenes.netcdf import machine, versions
 from scenes.patch_variables import means, patch_variables
 from vehicle.irregularity import QUANTITIES
 from vehicle.state import COORDINATES, COUNT
@@ -70,6 +70,7 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
         "evaluations": steps.evaluations,
         "scene": scene,
         "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
+        "machine": machine(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     return Dataset(every, coords=coordinates, attrs=attributes)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from scenes.complaint import RunFailed
 from scenes.contact_scene import Say, solve_sides
 from scenes.models import laid_profiles, loaded_bodies, mounted
-from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
+from scenes.netcdf import read
+from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene, parse_scene
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -94,35 +95,31 @@ def bodies_of(scene: HertzScene | WheelsetScene, body: str) -> tuple[str, ...]:
 def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | None = None, **options: Any) -> None:
     """Write the film of a run's results, run.nc or its folder; options as for `scenes.pictures.animation.animate_run`.
 
-    Raises OSError for files that cannot be read or written, SceneError for one that holds no run.
+    Raises OSError for files that cannot be written, SceneError for one that holds no run.
     """
-    import xarray
+    from scenes.pictures.animation import animate_run
 
     found = file / "run.nc" if file.is_dir() else file
     if not found.is_file():
         raise SceneError(f"{found}: no such file; a run keeps its results in run.nc")
-    try:
-        data = xarray.load_dataset(found)
-    except (ValueError, OSError) as error:
-        raise SceneError(f"{found}: cannot be read as results of a run: {error}") from None
-    animate(data, out, progress, place=str(found), **options)
+    data = read_run(found)
+    animate_run(data, out, progress=progress, **bodies_of_run(data, found), **options)
 
 
-def animate(
-    data: Dataset,
-    out: Path,
-    progress: Callable[[int, int], None] | None = None,
-    *,
-    place: str = "data",
-    **options: Any,
-) -> None:
-    """Write the film of a run's results; place names them in errors, options as for `animate_file`."""
-    from scenes.pictures.animation import animate_run
-    from scenes.scene import parse_scene
+def read_run(file: Path) -> Dataset:
+    """Raises SceneError for a file that holds no run."""
+    data = read(file)
+    if "scene" not in data.attrs or "wheelset_y" not in data or data.sizes.get("time", 0) == 0:
+        raise SceneError(f"{file}: holds no results of a run; allowed: run.nc as wheelrail run writes it")
+    return data
 
-    if "scene" not in data.attrs or "wheelset_y" not in data:
-        raise SceneError(f"{place}: holds no results of a run")
-    scene = parse_scene(data.attrs["scene"], place)
+
+def bodies_of_run(data: Dataset, file: Path) -> dict[str, Any]:
+    """What to draw beside the data: profiles of wheel and rail, as laid, and the mounting, by the scene of the run.
+
+    Raises SceneError where the scene's files are gone; file: the results, beside which they are looked for.
+    """
+    scene = parse_scene(data.attrs["scene"], file)
     assert isinstance(scene, RunScene)
     wheel, rail = laid_profiles(scene)
-    animate_run(data, out, wheel=wheel, rail=rail, mounting=mounted(scene, rail), progress=progress, **options)
+    return {"wheel": wheel, "rail": rail, "mounting": mounted(scene, rail)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,21 +38,22 @@ class Run:
         """Make a film (.mp4, .gif) of the run: the wheelset on its rails, its displacements so many times; forces, and
         both contacts close up, true to scale. Seconds a frame. Raises OSError, SceneError for another ending.
         """
+        from scenes.pictures.animation import animate_run
         from scenes.scene import SceneError
         from scenes.terminal import progress_console
-        from scenes.view import animate
+        from scenes.view import bodies_of_run
 
         if Path(file).suffix.lower() not in (".mp4", ".gif"):
             raise SceneError(f"file = {str(file)!r}: must end in .mp4 or .gif")
-        if not progress:
-            animate(self.data, Path(file), frames=frames, fps=fps, scale=scale)
-            return Path(file)
-        with progress_console().status("drawing") as status:
+        told = None
+        with progress_console().status("drawing") if progress else nullcontext() as status:
+            if status is not None:
 
-            def told(done: int, count: int) -> None:
-                status.update(f"frame {done} of {count}")
+                def told(done: int, count: int) -> None:
+                    status.update(f"frame {done} of {count}")
 
-            animate(self.data, Path(file), told, frames=frames, fps=fps, scale=scale)
+            bodies = bodies_of_run(self.data, Path("run.nc"))
+            animate_run(self.data, Path(file), **bodies, frames=frames, fps=fps, scale=scale, progress=told)
         return Path(file)
 
     def to_netcdf(self, file: str | Path) -> Path:

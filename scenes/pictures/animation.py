@@ -30,6 +30,7 @@ ARROW = 0.55  # m that the largest force is drawn as
 TRACK = 1.6  # m of rail that is shown
 STEEL, RAIL = "#b8bec6", "#8d867c"
 NEAR = 0.055  # m, half the height of a close-up
+BELOW, ABOVE = 0.06, 0.075  # m below and above the top of the rail that bodies are drawn to close up
 
 
 def animate_run(
@@ -142,9 +143,9 @@ class Film:
         sign = 1.0 if side == "left" else -1.0
         view.subplot(pane)
         rail = rail_body(self.rail, length=0.2, right=side == "right").translate((0.0, sign * m.rail_y, 0.0))
-        view.add_mesh(rail, color=RAIL)
+        view.add_mesh(rail.clip_closed_surface("z", origin=(0.0, 0.0, -BELOW)), color=RAIL)
         body = wheel_body(self.wheel, m.radius, right=side == "right", sector=0.35)
-        body = body.translate((0.0, sign * m.wheel_y, 0.0))
+        body = body.clip("z", origin=(0.0, 0.0, ABOVE - m.radius)).translate((0.0, sign * m.wheel_y, 0.0))
         self._wheels[side] = view.add_mesh(body, color=STEEL, opacity=0.45, smooth_shading=True)
         middle = np.array([0.0, sign * m.rail_y, 0.0])
         view.camera_position = [middle + np.array([-1.0, 0.0, 0.12]), middle, (0.0, 0.0, 1.0)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 Array = NDArray[np.float64]
-Runs = tuple["Dataset", "Dataset"]
-Names = tuple[str, str]
+Runs = Sequence["Dataset"]  # two, or one where a picture makes sense of it
+Names = Sequence[str]
 
 LOOKS: tuple[dict[str, Any], dict[str, Any]] = (
     {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4},
@@ -109,7 +109,7 @@ def shakedown_map(runs: Runs, names: Names) -> Figure:
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     most = 0.1
     for ax, side in zip(axes, runs[0]["side"].values, strict=True):
-        for data, label, look, marker in zip(runs, names, LOOKS, ("o", "x"), strict=True):
+        for data, label, look, marker in zip(runs, names, LOOKS, ("o", "x"), strict=False):
             used = data["patch_utilisation"].sel(side=side).values.ravel()
             loaded = data["patch_load_factor"].sel(side=side).values.ravel()
             most = max(most, float(np.nanmax(used, initial=0.0)))
@@ -141,7 +141,7 @@ PICTURES: dict[str, Callable[[Runs, Names], Figure]] = {
 def _by_side(runs: Runs, names: Names, variable: str, scale: float, title: str, label: str) -> Figure:
     figure, axes = along_track(runs[0], 2)
     for ax, side in zip(axes, runs[0]["side"].values, strict=True):
-        for data, name, look in zip(runs, names, LOOKS, strict=True):
+        for data, name, look in zip(runs, names, LOOKS, strict=False):
             ax.plot(data["distance"], scale * data[variable].sel(side=side), label=name, **look)
         ax.set_title(f"{title}, {named(str(side), runs[0])} wheel")
         ax.set_ylabel(label)

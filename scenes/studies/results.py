@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -13,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scenes.netcdf import machine
 from scenes.studies.plan import Plan, numbers, shown
 from scenes.studies.quantities import MEANINGS
 from scenes.studies.solve import Found
@@ -121,7 +120,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         "study": json.dumps(study.model_dump(mode="json"), default=list),
         "scene": json.dumps(plan.scene, default=list),
         "versions": ", ".join(f"{name} {number}" for name, number in computer().items()),
-        "machine": f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}",
+        "machine": machine(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
