@@ -301,6 +301,28 @@ def animate(
         animate_file(results, out, told, frames=frames, fps=fps, scale=scale)
 
 
+@app.command()
+def report(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="DIR", help="Results of a run, a study or a comparison.", show_default=False),
+    ],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="The page (.html); DIR/report.html without it.")
+    ] = None,
+    no_view: Annotated[bool, typer.Option("--no-view", help="Leave the view in three dimensions out.")] = False,
+) -> None:
+    """Make one HTML page of results: what was run, tables, pictures, a view to turn; it needs nothing besides."""
+    if out is not None:
+        _check_ending("--out", out, (".html",))
+    from scenes.report_page import write_report
+
+    place = folder / "report.html" if out is None else out
+    with _complaints("", f"{place}: "), stdout_for_results(), progress_console().status("reading and drawing"):
+        write_report(folder, place, view=not no_view)
+    print(place)
+
+
 def _load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
     """The scene, or the end of the command with the complaint on standard error."""
     from scenes.scene import load_scene
