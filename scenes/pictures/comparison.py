@@ -141,7 +141,7 @@ PICTURES: dict[str, Callable[[Runs, Names], Figure]] = {
 def _by_side(runs: Runs, names: Names, variable: str, scale: float, title: str, label: str) -> Figure:
     figure, axes = along_track(runs[0], 2)
     for ax, side in zip(axes, runs[0]["side"].values, strict=True):
-        for data, name, look in zip(runs, names, LOOKS, strict=False):
+        for data, name, look in zip(runs, names, LOOKS, strict=True):
             ax.plot(data["distance"], scale * data[variable].sel(side=side), label=name, **look)
         ax.set_title(f"{title}, {named(str(side), runs[0])} wheel")
         ax.set_ylabel(label)

@@ -44,12 +44,17 @@ def displacements(data: Dataset, figure: Figure | None = None) -> Figure:
 
 def lateral_forces(data: Dataset, figure: Figure | None = None) -> Figure:
     """Lateral contact forces on both wheels, Figs. 13 and 15."""
-    return _forces(data, "lateral_force", "Lateral contact force on the wheels", "Y, to the left [kN]", figure)
+    return _by_side(data, "lateral_force", 1e-3, "Lateral contact force on the wheels", "Y, to the left [kN]", figure)
 
 
 def vertical_forces(data: Dataset, figure: Figure | None = None) -> Figure:
     """Vertical contact forces on both wheels, Figs. 14 and 16."""
-    return _forces(data, "vertical_force", "Vertical contact force on the wheels", "Q, upwards [kN]", figure)
+    return _by_side(data, "vertical_force", 1e-3, "Vertical contact force on the wheels", "Q, upwards [kN]", figure)
+
+
+def t_gamma(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Heat of friction per metre of track, both wheels."""
+    return _by_side(data, "t_gamma", 1.0, "T-gamma of the wheels", "heat of friction per metre [N]", figure)
 
 
 def wheel_sections(data: Dataset, figure: Figure | None = None) -> Figure:
@@ -115,11 +120,11 @@ def _shade(ax: Axes, distance: Array, curvature: Array) -> None:
         )
 
 
-def _forces(data: Dataset, name: str, title: str, label: str, figure: Figure | None) -> Figure:
+def _by_side(data: Dataset, name: str, scale: float, title: str, label: str, figure: Figure | None) -> Figure:
     figure, (ax,) = along_track(data, 1, figure=figure)
     figure.set_size_inches(7.2, 3.6)
     for side, style in SIDES.items():
-        ax.plot(data["distance"], 1e-3 * data[name].sel(side=side), label=named(side, data), **style)
+        ax.plot(data["distance"], scale * data[name].sel(side=side), label=named(side, data), **style)
     ax.set_title(title)
     ax.set_ylabel(label)
     ax.legend(loc="best", ncols=2)

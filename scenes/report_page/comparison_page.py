@@ -11,8 +11,8 @@ from scenes.pictures.comparison import PICTURES
 from scenes.report_page.common import opening, origin, pictures, seconds
 from scenes.report_page.drawing import picture
 from scenes.report_page.extremes import vehicle_table, wheel_table
-from scenes.report_page.parts import Page, Section, Table
-from scenes.report_page.run_page import SIGNS, key_table
+from scenes.report_page.parts import Page, Part, Section, Table
+from scenes.report_page.run_page import SIGNS, key_tables
 from scenes.report_page.views import moment
 
 if TYPE_CHECKING:
@@ -31,6 +31,9 @@ CAPTIONS = {
 }
 
 
+HOW = "At the samples of the first run; nothing shifted, nothing filtered."
+
+
 def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folder: Path, *, view: bool = True) -> Page:
     """Of both runs, in folders of their names within the folder. view: with one of the first run to turn."""
     one, other = runs
@@ -38,8 +41,12 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
     apart = table(differences(one, other), names)
     caption = f"{names[1]} less {names[0]}: RMS, worst and where, range of {names[0]}"
     sections = [
-        Section("Differences", [Table.of_rich(apart, caption)], "At the samples of the first run, nothing filtered."),
-        Section("Key figures", [key_table(dict(zip(names, runs, strict=True)))]),
+        Section(
+            "Differences",
+            [Table.of_rich(apart, caption)],
+            HOW,
+        ),
+        Section("Key figures", key_tables(dict(zip(names, runs, strict=True)))),
         *(
             Section(f"Extremes of {name}", [wheel_table(data), vehicle_table(data)], SIGNS)
             for data, name in zip(runs, names, strict=True)
@@ -57,8 +64,8 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
     if origin(one.attrs)["versions"] != facts["versions"]:
         facts["versions"] = f"{names[0]}: {one.attrs['versions']}; {names[1]}: {other.attrs['versions']}"
     return Page(
-        title=f"Comparison: {folder.resolve().name}",
-        what=f"contact models {both}",
+        title=folder.resolve().name,
+        what=f"Comparison of the contact models {both}",
         status=done[0] if done[0] == done[1] else "; ".join(f"{n}: {s}" for n, s in zip(names, done, strict=True)),
         well=set(done) == {"completed"},
         lead=opening(str(one.attrs["scene"])),
@@ -68,7 +75,7 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
     )
 
 
-def _pictures(runs: tuple[Dataset, Dataset], names: tuple[str, str], both: str) -> list:  # type: ignore[type-arg]
+def _pictures(runs: tuple[Dataset, Dataset], names: tuple[str, str], both: str) -> list[Part]:
     if min(data.sizes["time"] for data in runs) < 2:
         return pictures([], "Fewer than two samples: there is nothing to draw.")
     return pictures(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import trapezoid
 
 from scenes.pictures.runs import named
 from scenes.report_page.parts import Table, number
@@ -99,7 +100,7 @@ def _shares(data: Dataset, sides: list[str]) -> Iterator[list[str]]:
     yield ["samples without contact [%]", *(cell for share in away for cell in (number(share, 3), ""))]
     if "t_gamma" in data and distance[-1] > distance[0]:
         mean = [
-            float(np.trapz(data["t_gamma"].sel(side=side).values, distance) / (distance[-1] - distance[0]))
+            float(trapezoid(data["t_gamma"].sel(side=side).values, distance) / (distance[-1] - distance[0]))
             for side in sides
         ]
         yield ["T-gamma, mean over the way [N]", *(cell for value in mean for cell in (number(value), ""))]

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+KINDS = {"hertz": "pairs of bodies", "wheelset": "wheelsets on rails", "run": "vehicle runs"}
+
+
 def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     """Of a study's data; file: the results. view: with one of a case to turn, which is solved once more."""
     counts = {str(s): int((data["status"] == s).sum()) for s in np.unique(data["status"].values)}
@@ -38,8 +41,8 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     if not counts.get("failed"):
         del sections[1]
     return Page(
-        title=f"Study: {file.parent.resolve().name}",
-        what=f"study of {data['status'].size} cases, {str(data.attrs.get('scene_kind', 'scene'))} scenes",
+        title=file.parent.resolve().name,
+        what=f"Study of {data['status'].size} cases, {KINDS.get(str(data.attrs.get('scene_kind')), 'scenes')}",
         status=", ".join(f"{count} {status}" for status, count in counts.items()),
         well=not counts.keys() & {"failed", "not computed"},
         lead="",
@@ -60,7 +63,9 @@ def parameter_table(data: Dataset) -> Table:
         texts = [shown(value.item() if hasattr(value, "item") else value) for value in values]
         numbers = values.dtype.kind in "if" and len(values)
         drawn = numbers and SAMPLE in data[name].dims
-        said = f"{len(values)} values from {shown(values.min())} to {shown(values.max())}" if drawn else ", ".join(texts)
+        said = (
+            f"{len(values)} values from {shown(values.min())} to {shown(values.max())}" if drawn else ", ".join(texts)
+        )
         dims = " x ".join(map(str, data[name].dims))
         rows.append([str(data[name].attrs.get("long_name", name)), unit if unit != "1" else "–", dims, said])
     return Table("Parameters", ["parameter", "unit", "dimension", "values"], rows, frozenset())

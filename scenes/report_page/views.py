@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,9 +32,9 @@ def moment(data: Dataset, file: Path, name: str = "") -> View | Note:
         said = _said(data, index, name)
         plotter = moment_view(data, index, **bodies_of_run(data, file), title=said.split(":")[0])
         caption = (
-            f"{said}. Above: the wheelset on its rails, seen from behind; arrows: vertical and lateral force on each "
-            "wheel. Below: both contacts, patches as ellipses coloured by their load. Everything true to scale, "
-            "displacements included."
+            f"{said}. Above: the wheelset on its rails, seen from behind; arrows: vertical and lateral force on the left "
+            "wheel (blue) and on the right one (orange). Below: both contacts, patches as ellipses coloured by their "
+            "load. Everything true to scale, displacements included."
         )
         return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {said}.")
 
@@ -83,9 +83,9 @@ def _said(data: Dataset, index: int, name: str) -> str:
         for side in data["side"].values
     )
     return (
-        f"{name + ', ' if name else ''}largest lateral force, at {float(now['distance']):.1f} m: wheelset {y:+.2f} mm "
+        f"Largest lateral force{f', {name}' if name else ''}, at {float(now['distance']):.1f} m: wheelset {y:+.2f} mm "
         f"to the left, roll {roll:+.3f} mrad; {forces}"
-    ).capitalize()
+    )
 
 
 def _or_why_not(draw: Callable[[], View]) -> View | Note:
@@ -93,8 +93,5 @@ def _or_why_not(draw: Callable[[], View]) -> View | Note:
     try:
         return draw()
     except (ImportError, OSError, RunFailed, ValueError) as error:
-        return Note(f"{FEW}: {_line(error)}.")
-
-
-def _line(error: Any) -> str:
-    return " ".join(str(error).split()).rstrip(".")
+        said = (str(error).splitlines() or [type(error).__name__])[0]
+        return Note(f"{FEW}: {said.rstrip('.')}.")

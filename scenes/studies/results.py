@@ -117,7 +117,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         "title": f"Study of {Path(study.scene).name if isinstance(study.scene, str) else 'a scene'}",
         "kind": "study",
         "scene_kind": plan.kind,
-        "study": json.dumps(study.model_dump(mode="json"), default=list),
+        "study": json.dumps(study.model_dump(), default=list),
         "scene": json.dumps(plan.scene, default=list),
         "versions": ", ".join(f"{name} {number}" for name, number in computer().items()),
         "machine": machine(),
