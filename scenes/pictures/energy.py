@@ -22,7 +22,7 @@ def energy_figure(data: Dataset) -> Figure:
     for cause, look in zip(data["cause"].values, cycle(SERIES), strict=False):
         style = {key: value for key, value in look.items() if key != "marker"}
         ax.plot(data["distance"], 1e-3 * data["work"].sel(cause=cause), label=f"work of {cause}", **style)
-    ax.set_title("Mechanical energy and what changes it, since the first sample")
+    ax.set_title("Mechanical energy and work since the start")
     ax.set_ylabel("energy [kJ]")
     ax.legend(loc="best", fontsize=7.5)
     return figure

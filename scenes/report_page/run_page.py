@@ -63,7 +63,7 @@ def key_tables(runs: dict[str, Dataset]) -> list[Table]:
         for name, data in runs.items()
         for side in data["side"].values
     }
-    return [_columns("The run", whole), _columns("Its contact solves", sides)]
+    return [_columns("The run", whole), _columns("Contact solves", sides)]
 
 
 def _columns(caption: str, columns: dict[str, dict[str, str]]) -> Table:

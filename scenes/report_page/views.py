@@ -32,9 +32,9 @@ def moment(data: Dataset, file: Path, name: str = "") -> View | Note:
         said = _said(data, index, name)
         plotter = moment_view(data, index, **bodies_of_run(data, file), title=said.split(":")[0])
         caption = (
-            f"{said}. Above: the wheelset on its rails, seen from behind; arrows: vertical and lateral force on the left "
-            "wheel (blue) and on the right one (orange). Below: both contacts, patches as ellipses coloured by their "
-            "load. Everything true to scale, displacements included."
+            f"{said}. Above: the wheelset on its rails, seen from behind; arrows: vertical and lateral force on the "
+            "left wheel (blue) and on the right one (orange). Below: both contacts, patches as ellipses coloured by "
+            "their load. Everything true to scale, displacements included."
         )
         return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {said}.")
 
