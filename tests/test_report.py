@@ -120,8 +120,12 @@ const timer = setInterval(() => {
 </script>"""
 
 
-def opened(page: str, folder: Path) -> tuple[dict[str, Any], list[str], Any]:
-    """What the page holds once it is drawn, errors on the console, and how it looks (pixels, three or four colours)."""
+# What the viewer says of itself, what graphics in software say of theirs, and what this test says.
+HARMLESS = re.compile(r'"hashes,scene"|GL Driver Message \(OpenGL, Performance|"FOUND\{')
+
+
+def opened(page: str, folder: Path, *flags: str) -> tuple[dict[str, Any], list[str], Any]:
+    """What the page holds once it is drawn, complaints on the console, and how it looks (pixels, colours)."""
     chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     assert chromium, "this test needs Chromium: apt-get install chromium (make test does), or google-chrome"
     (folder / "watched.html").write_text(page.replace("<head>", f"<head>{WATCH}", 1), encoding="utf-8")
@@ -131,12 +135,13 @@ def opened(page: str, folder: Path) -> tuple[dict[str, Any], list[str], Any]:
         *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
         *("--window-size=1000,3600", "--virtual-time-budget=20000", "--enable-logging=stderr"),
         *(f"--user-data-dir={folder / 'browser'}", f"--screenshot={folder / 'page.png'}"),
+        *flags,
         (folder / "watched.html").as_uri(),
     ]
     said = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stderr
     found = re.search(r"FOUND(\{.*\})END", said)
     assert found, said
-    errors = [line for line in said.splitlines() if re.search(r":(ERROR|WARNING|FATAL):CONSOLE", line)]
+    errors = [line for line in said.splitlines() if ":CONSOLE:" in line and not HARMLESS.search(line)]
     return json.loads(found[1].replace('\\"', '"')), errors, imread(folder / "page.png")
 
 
@@ -156,13 +161,22 @@ def test_a_browser_shows_all_of_a_run(run_page: str, tmp_path: Path) -> None:
     assert len(np.unique(view.reshape(-1, 3), axis=0)) > 300
 
 
+def test_a_browser_without_graphics_shows_a_picture(run_page: str, tmp_path: Path) -> None:
+    found, errors, _ = opened(run_page, tmp_path, "--disable-3d-apis")
+    assert errors == []
+    assert found["canvases"] == []
+    assert found["shown"] == 1
+    assert all(width > 300 for _, width in found["images"])
+
+
 def test_a_browser_would_have_complained(tmp_path: Path) -> None:
-    """What is wrong with a page is seen: a picture that does not load, an error of a script, and no view."""
-    page = (
-        '<html><head></head><body><img alt="a" src="https://example.org/a.png"><script>missing()</script></body></html>'
-    )
+    """What is wrong with a page is seen: a picture that does not load, errors of scripts, and no view."""
+    script = "<script>console.error('this, too'); missing()</script>"
+    page = f'<html><head></head><body><img alt="a" src="https://example.org/a.png">{script}</body></html>'
     found, errors, _ = opened(page, tmp_path)
-    assert any("missing is not defined" in line for line in errors) or any("missing" in c for c in found["complaints"])
+    assert any("missing is not defined" in line for line in errors)
+    assert any("this, too" in line for line in errors)
+    assert "IMG" in found["complaints"]
     assert found["images"] == [["a", 0]]
     assert found["canvases"] == []
 
@@ -183,7 +197,6 @@ def test_a_run_says_what_it_was(run_page: str) -> None:
     assert rows["contact problems solved"] == ["300", "301"]
     assert rows["lateral force Y, largest either way [kN]"] == ["0", "0.0", "-20", "90.0"]
     assert rows["vertical force Q, least [kN]"][:2] == ["37", "90.0"]
-    assert rows["quantity"][-1] == "at [m]" or "left" in rows["quantity"]
 
 
 def test_a_page_is_one_file_and_can_be_read_by_ear(run_page: str) -> None:
@@ -326,20 +339,22 @@ def test_other_folders_are_refused(files: dict[str, Any] | None, complaint: str,
     assert not (folder / "report.html").exists()
 
 
-def test_a_page_is_written_whole_or_not_at_all(run_folder: Path, tmp_path: Path, monkeypatch: Any) -> None:
-    before = (run_folder / "report.html").read_bytes()
+def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "run"
+    write(run_data().isel(time=[0]), folder / "run.nc")
+    (folder / "report.html").write_text("an older one")
 
     def full(self: Path, text: str, **_: Any) -> None:
         self.write_bytes(text.encode()[:100])
         raise OSError("no space left on device")
 
     monkeypatch.setattr(Path, "write_text", full)
-    outcome = CliRunner().invoke(app, ["report", str(run_folder), "--no-view"])
+    outcome = CliRunner().invoke(app, ["report", str(folder), "--no-view"])
     assert outcome.exit_code == 1
     assert "no space left on device" in outcome.stderr
-    assert (run_folder / "report.html").read_bytes() == before
-    assert {file.name for file in run_folder.iterdir()} == {"run.nc", "report.html"}
-    refused = CliRunner().invoke(app, ["report", str(run_folder), "--out", str(tmp_path / "page.pdf")])
+    assert (folder / "report.html").read_bytes() == b"an older one"
+    assert {file.name for file in folder.iterdir()} == {"run.nc", "report.html"}
+    refused = CliRunner().invoke(app, ["report", str(folder), "--out", str(tmp_path / "page.pdf")])
     assert refused.exit_code == 2
     assert "page.pdf: must end in .html" in refused.stderr
 
