@@ -297,6 +297,11 @@ def test_a_run_from_a_changed_scene(tmp_path: Path) -> None:
     assert "<table>" in found._repr_html_()
     kept = wr.run(SCENES / "curve.toml", tmp_path / "kept", **changes, **{"output.figures": False})
     np.testing.assert_array_equal(kept.data["lateral_force"], found.data["lateral_force"])
+    page = wr.report(tmp_path / "kept", tmp_path / "page.html", view=False)
+    assert "speed = 30.0" in page.read_text(encoding="utf-8")
+    drawn = found.view(10.0)
+    assert drawn.title.startswith("9.9 m, ")
+    drawn.close()
     back = wr.open(found.to_netcdf(tmp_path / "run.nc"))
     assert isinstance(back, wr.Run)
     assert len(back.plot.displacements()) == len(back.plot.bands("rail")) == 2

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from scenes.complaint import SceneError
-    from wheelrail.files import load, open, profile
+    from wheelrail.files import load, open, profile, report
     from wheelrail.geometry import contact_geometry
     from wheelrail.hertz import Hertz
     from wheelrail.pictures import plot_convergence, plot_profiles, plot_work_precision
@@ -37,6 +37,7 @@ _HOMES = {
     "plot_profiles": "wheelrail.pictures",
     "plot_work_precision": "wheelrail.pictures",
     "profile": "wheelrail.files",
+    "report": "wheelrail.files",
     "run": "wheelrail.runs",
     "study": "wheelrail.studies",
 }
@@ -54,6 +55,7 @@ __all__ = [
     "plot_profiles",
     "plot_work_precision",
     "profile",
+    "report",
     "run",
     "study",
 ]

@@ -68,6 +68,17 @@ def open(file: str | Path) -> Solution | Run | Study:
     raise SceneError(f"{file}: no contact solution, vehicle run or study; allowed: results of wheelrail")
 
 
+def report(folder: str | Path, file: str | Path | None = None, *, view: bool = True) -> Path:
+    """Write the page (HTML) of the run, the study or the comparison in a folder; its path.
+
+    file: report.html in the folder unless given. The page is whole in itself and needs no network. view: with a view in
+    three dimensions, some MB. Raises SceneError for a folder without results or with damaged ones, OSError.
+    """
+    from scenes.report_page.write import write_report
+
+    return write_report(folder, file, view=view)
+
+
 def profile(name: str | Path, kind: Kind | None = None, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:
     """The profile of a wheel or of a rail, lengths in m: "S1002", "60E1" or "UIC60", "UIC60-benchmark", or a file.
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from wheelrail.arguments import plain
 from wheelrail.run_plots import RunPlots
 
@@ -31,6 +33,29 @@ class Run:
         `plot.bands("wheel")` and `plot.bands("rail")`.
         """
         return RunPlots(self.data)
+
+    def view(self, distance: float | None = None, *, scale: float = 1.0, file: str | Path | None = None) -> Any:
+        """A pyvista plotter of one moment in three dimensions: the wheelset on its rails with the contact forces, and
+        both contacts close up.
+
+        distance m along the track, that of the largest lateral force unless given; scale of the wheelset's
+        displacements. `.show()` it, or give a file, a picture (.png) or a page to turn (.html). Raises SceneError where
+        the scene's profiles are gone and for another ending, OSError.
+        """
+        from scenes.pictures.moment import hardest, moment_view
+        from scenes.scene import SceneError
+        from scenes.view import bodies_of_run
+
+        if file is not None and Path(file).suffix.lower() not in (".png", ".html"):
+            raise SceneError(f"file = {str(file)!r}: must end in .png or .html")
+        at = hardest(self.data) if distance is None else int(np.argmin(np.abs(self.data["distance"].values - distance)))
+        where = f"{float(self.data['distance'][at]):.1f} m, {float(self.data['time'][at]):.2f} s"
+        drawn = moment_view(self.data, at, **bodies_of_run(self.data, Path("run.nc")), title=where, scale=scale)
+        if file is not None:
+            from scenes.pictures.html import save_view
+
+            save_view(drawn, Path(file))
+        return drawn
 
     def animate(
         self, file: str | Path, *, frames: int = 120, fps: float = 20.0, scale: float = 20.0, progress: bool = False
