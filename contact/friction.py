@@ -23,6 +23,7 @@ from contact.convergence import Count, NewtonOptions, NotConverged
 from contact.laws import Laws
 from contact.pose import Array, Mask, Nodes
 from meshes.compiled import compiled
+from meshes.interrupts import look
 
 RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # renamed in SciPy 1.12
 TINY = 1e-300
@@ -275,6 +276,7 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
     """
     stalls, chords, norms = 0, options.linear == "lu", list[float]()
     for k in range(options.iterations):
+        look()
         scale = max(float(np.linalg.norm(t.bound)), TINY)
         count.residual = t.norm / scale
         norms.append(t.norm)

@@ -14,6 +14,7 @@ from contact.pose import Array
 from contact.preconditioner import Preconditioner, choose
 from contact.ranks import ALONE, Ranks
 from forms import compat
+from meshes.interrupts import look
 
 LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
 ROUGH = 1e-2  # relative residual that is enough on the way
@@ -128,6 +129,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
                 relative = self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
                 if relative <= tolerance:
                     break
+                look()
                 self.atol = 0.5 * tolerance * self._contact
                 self.solve(x)
         return relative

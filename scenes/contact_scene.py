@@ -10,6 +10,7 @@ from math import nan
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
+from meshes.interrupts import later
 from scenes.models import hertz_model, hertz_motion, hertz_scale, laws, stressed_bodies, wheel_scale, wheelset_contact
 from scenes.report import overall, side_report
 from scenes.scene import HertzScene, SceneError, WheelsetScene
@@ -126,10 +127,12 @@ def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[
     with _clock() as seconds:
         if scene.load is None:
             depth, solves = float(scene.approach or 0.0), 1
-            result = model(hertz_pose(depth), motion, None)
+            with later():
+                result = model(hertz_pose(depth), motion, None)
         else:
             try:
-                found = hertz_under_load(model, motion, scene.load, expected=hertz_scale(scene, scene.load))
+                with later():
+                    found = hertz_under_load(model, motion, scene.load, expected=hertz_scale(scene, scene.load))
             except LoadError as error:
                 yield "contact", Solved.unfound(str(error))
                 return
@@ -155,7 +158,8 @@ def _wheelset(
         say(f"contact of the {' and '.join(sides)} wheel")
         with _clock() as seconds:
             try:
-                seat = solve()
+                with later():
+                    seat = solve()
             except LoadError as error:
                 yield from ((side, Solved.unfound(str(error))) for side in sides)
                 continue
@@ -187,7 +191,8 @@ def _estimated(result: ContactResult, rough: Callable[[], ContactResult]) -> Con
 
     if not result.patches:
         return result
-    other = rough()
+    with later():
+        other = rough()
     return replace(result, error_estimate=difference(result, other) if other.ok else ErrorEstimate.unknown())
 
 

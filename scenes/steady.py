@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from meshes.interrupts import later
 from scenes.complaint import RunFailed
 from scenes.models import wheelset_contact
 from scenes.run import track, wagon
@@ -58,7 +59,8 @@ def _failures_told() -> Iterator[None]:
     from vehicle.equilibrium import EquilibriumError
 
     try:
-        yield
+        with later():
+            yield
     except (EquilibriumError, StepFailure) as error:
         raise RunFailed(str(error)) from error
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from contact.pose import SIDES, Side, WheelsetState
 from contact.result import ContactResult
+from meshes.interrupts import look
 from vehicle.attempts import StepFailure
 from vehicle.drive import Drive
 from vehicle.frame import Frame
@@ -164,6 +165,7 @@ class Dynamics:
         return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
 
     def _solve(self, wheelset: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
+        look()
         try:
             result = self.contact(wheelset, side, guess)
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from types import FrameType
 from typing import Any, cast
 from weakref import finalize
 
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from contact.pose import Side, WheelsetState
 from contact.result import ContactResult, Patch, Summaries
+from meshes.interrupts import ignore, later
 from vehicle.dynamics import Contact, HasTangent
 
 Array = NDArray[np.float64]
@@ -107,8 +107,7 @@ class Parallel:
         self.asked, self.pending = self.asked + 1, None
         gone = [self.forgotten.pop() for _ in range(len(self.forgotten))]
         try:
-            with interrupts_later():
-                self.pipe.send((self.asked, what, state, key, gone))
+            self.pipe.send((self.asked, what, state, key, gone))
         except OSError as error:
             raise WorkerLost(LOST) from error
 
@@ -119,9 +118,7 @@ class Parallel:
             if number > 0:
                 self.forgotten.append(number)
             try:
-                self.pipe.poll(None)  # Ctrl-C may come here, and not in the middle of an answer
-                with interrupts_later():
-                    number, answer, error = self.pipe.recv()
+                number, answer, error = self.pipe.recv()
             except (EOFError, OSError) as lost:
                 raise WorkerLost(LOST) from lost
         if error is not None:
@@ -138,7 +135,7 @@ def in_parallel(contact: Contact) -> Iterator[Parallel]:
     context = get_context("fork")
     here, there = context.Pipe()
     process = context.Process(target=_serve, args=(contact, here, there), name="right-hand contact", daemon=True)
-    with interrupts_later():
+    with later():  # two processes come out of it
         process.start()
         there.close()
     try:
@@ -150,23 +147,6 @@ def in_parallel(contact: Contact) -> Iterator[Parallel]:
         if process.is_alive():
             process.terminate()
             process.join()
-
-
-@contextmanager
-def interrupts_later() -> Iterator[None]:
-    """Ctrl-C waits until the block is done."""
-    came: list[tuple[int, FrameType | None]] = []
-    try:
-        before = signal.signal(signal.SIGINT, lambda *given: came.append(given))
-    except ValueError:  # not in the main thread, where no Ctrl-C arrives
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-        if came and callable(before):
-            before(*came[-1])
 
 
 @contextmanager
@@ -185,7 +165,7 @@ def _broken_pipes_told() -> Iterator[None]:
 
 def _serve(contact: Contact, parents: Connection, pipe: Connection) -> None:
     """Answer questions (number, what, state, key of a result, keys to forget) until the other end is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to both; the parent decides
+    ignore()  # Ctrl-C goes to both; the parent decides
     parents.close()  # else the pipe would never end
     kept: dict[int, ContactResult] = {}
     while True:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.pose import SIDES
+from meshes.interrupts import later
 from vehicle.attempts import StepFailure
 from vehicle.checkpoint import Checkpoint, Checkpoints
 from vehicle.control import Control
@@ -82,44 +83,45 @@ def simulate(
         return Checkpoint(time, state, step, error, deepcopy(cost), recorder.rows)
 
     try:
-        if at is None:
-            state = equilibrium(dynamics, time=t0).state if initial is None else np.array(initial, dtype=float)
-            at = here(t0, state, None, 1.0)
-        start = dynamics(at.time, at.state)
-        while True:
-            recorder.begin(at.time, at.state, start)
-            if checkpoints is not None:
-                checkpoints.keep(at)
-            leg = integrate(
-                dynamics,
-                at.time,
-                at.state,
-                t1,
-                tableau=METHODS[method],
-                jacobian=Jacobian(dynamics, cost.steps),
-                rtol=rtol,
-                atol=tolerances(method, atol, dynamics.size),
-                control=control,
-                start=start,
-                first_step=at.step,
-                before=at.error,
-                max_step=max_step,
-                min_step=min_step,
-                counts=cost.steps,
-            )
-            for done, step in enumerate(leg, start=1):
-                recorder.add(step)
-                limits.check(dynamics, step.t, step.x)
-                if progress is not None:
-                    distance = dynamics.drive(step.t).distance
-                    progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, cost))
-                if checkpoints is not None and done >= checkpoints.every and step.t < t1:
-                    at = here(step.t, step.x, step.following, step.error)
-                    if (anew := _anew(dynamics, at)) is not None:
-                        start = anew
-                        break
-            else:
-                break
+        with later():
+            if at is None:
+                state = equilibrium(dynamics, time=t0).state if initial is None else np.array(initial, dtype=float)
+                at = here(t0, state, None, 1.0)
+            start = dynamics(at.time, at.state)
+            while True:
+                recorder.begin(at.time, at.state, start)
+                if checkpoints is not None:
+                    checkpoints.keep(at)
+                leg = integrate(
+                    dynamics,
+                    at.time,
+                    at.state,
+                    t1,
+                    tableau=METHODS[method],
+                    jacobian=Jacobian(dynamics, cost.steps),
+                    rtol=rtol,
+                    atol=tolerances(method, atol, dynamics.size),
+                    control=control,
+                    start=start,
+                    first_step=at.step,
+                    before=at.error,
+                    max_step=max_step,
+                    min_step=min_step,
+                    counts=cost.steps,
+                )
+                for done, step in enumerate(leg, start=1):
+                    recorder.add(step)
+                    limits.check(dynamics, step.t, step.x)
+                    if progress is not None:
+                        distance = dynamics.drive(step.t).distance
+                        progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, cost))
+                    if checkpoints is not None and done >= checkpoints.every and step.t < t1:
+                        at = here(step.t, step.x, step.following, step.error)
+                        if (anew := _anew(dynamics, at)) is not None:
+                            start = anew
+                            break
+                else:
+                    break
     except KeyboardInterrupt:
         status = "interrupted"
     except StepTooSmall as error:

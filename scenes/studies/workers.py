@@ -19,6 +19,7 @@ from multiprocessing.connection import wait as wait_for
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol
 
+from meshes.interrupts import ignore
 from scenes.complaint import RunFailed, SceneError
 from scenes.studies.job import Job
 from scenes.studies.solve import Found, solve
@@ -169,7 +170,7 @@ def _quiet_start() -> Iterator[None]:
 
 def _begin() -> None:
     """In a new worker: Ctrl-C is the parent's business, and when the parent is gone, so is the worker."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ignore()
     logging.disable(logging.WARNING)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
