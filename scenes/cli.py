@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # python -m scenes.cli
+    from scenes import command
+
+    command.main()
+    raise SystemExit
+
 import os
 import sys
 from collections.abc import Iterator
@@ -12,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from scenes.command import INTERRUPTED
 from scenes.launcher import as_one, first, several
 from scenes.terminal import progress_console, result_console, stdout_for_results
 
@@ -20,7 +27,7 @@ if TYPE_CHECKING:
     from scenes.scene import HertzScene, RunScene, WheelsetScene
 
 PICTURES = (".png", ".svg", ".pdf")
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
+FAILED, BAD_INPUT = 1, 2  # exit codes
 
 
 class Commands(TyperGroup):
@@ -182,7 +189,7 @@ def study(
     from scenes.studies.run import run_plan
     from scenes.studies.study import load_study
 
-    folder = out or Path("results", study.stem)
+    folder = _folder(out, Path("results", study.stem))
     with _complaints(""):
         planned = plan(load_study(study), study)
     with _complaints("", f"{folder}: "), stdout_for_results():
@@ -285,7 +292,7 @@ def animate(
     frames: Annotated[int, typer.Option("--frames", metavar="N", min=1, max=100_000)] = 120,
     fps: Annotated[float, typer.Option("--fps", metavar="N", min=0.1, max=240.0, help="Frames a second.")] = 20.0,
     scale: Annotated[
-        float, typer.Option("--scale", metavar="N", min=1e-3, help="Displacements so many times above.")
+        float, typer.Option("--scale", metavar="N", min=1e-3, max=1e6, help="Displacements so many times above.")
     ] = 20.0,
 ) -> None:
     """Make a film of a run: the wheelset on its rails, forces, and both contacts close up."""
@@ -431,7 +438,3 @@ def main() -> None:
         os.environ.setdefault(name, "1")
     with as_one():
         app()
-
-
-if __name__ == "__main__":
-    main()

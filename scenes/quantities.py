@@ -27,6 +27,7 @@ class Range:
     unit: str = ""
     hint: str = ""
     open: bool = False
+    whole: bool = False
 
     def __str__(self) -> str:
         if self.low == 0.0 and self.high == inf:
@@ -35,7 +36,8 @@ class Range:
             text = f"between {self.low:g} and {self.high:g} {self.unit}".rstrip() + ", ends excluded"
         else:
             text = f"from {self.low:g} to {self.high:g} {self.unit}"
-        return "a number " + text.rstrip() + (f" ({self.hint})" if self.hint else "")
+        kind = "a whole number " if self.whole else "a number "
+        return kind + text.rstrip() + (f" ({self.hint})" if self.hint else "")
 
     def check(self, value: float) -> float:
         if self.low < value < self.high or (not self.open and value in (self.low, self.high)):
@@ -121,14 +123,14 @@ CantBase = Annotated[Finite, Range(0.5, 2.5, "m", "1.5 for standard gauge")]
 Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille are 0.01")]
 Length = Annotated[Finite, Range(0.0, 1e5, "m")]
 Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm are 2e-3")]
-Fineness = Annotated[int, Strict(), Range(4, 64)]
-Steps = Annotated[int, Strict(), Range(0, 100_000)]
+Fineness = Annotated[int, Strict(), Range(4, 64, whole=True)]
+Steps = Annotated[int, Strict(), Range(0, 100_000, whole=True)]
 Tolerance = Annotated[Finite, Range(1e-12, 0.1)]
 CurveRadius = Annotated[Finite, CurveRadii(-inf, inf)]
 VerticalRadius = Annotated[Finite, Range(100.0, 1e6, "m")]
 Wavelength = Annotated[Finite, Range(0.1, 1e3, "m")]
 Fade = Annotated[Finite, Range(0.0, 1e3, "m", "over which irregularities grow", open=True)]
-Seed = Annotated[int, Strict(), Range(0, 2**63)]
+Seed = Annotated[int, Strict(), Range(0, 2**63, whole=True)]
 Time = Annotated[Finite, Range(0.0, 1e5, "s")]
 TimeAndSpeed = Annotated[tuple[Time, RunSpeed], Strict(False)]
 Seconds = Annotated[Finite, Range(0.0, inf, "s", open=True)]

@@ -109,8 +109,8 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
 def read_run(file: Path) -> Dataset:
     """Raises SceneError for a file that holds no run."""
     data = read(file)
-    if "scene" not in data.attrs or "wheelset_y" not in data or data.sizes.get("time", 0) == 0:
-        raise SceneError(f"{file}: holds no results of a run; allowed: run.nc as wheelrail run writes it")
+    if not isinstance(data.attrs.get("scene"), str) or not data.sizes.get("time") or "wheelset_y" not in data:
+        raise SceneError(f"{file}: holds no results of a run, which wheelrail run keeps in run.nc")
     return data
 
 
@@ -120,6 +120,7 @@ def bodies_of_run(data: Dataset, file: Path) -> dict[str, Any]:
     Raises SceneError where the scene's files are gone; file: the results, beside which they are looked for.
     """
     scene = parse_scene(data.attrs["scene"], file)
-    assert isinstance(scene, RunScene)
+    if not isinstance(scene, RunScene):
+        raise SceneError(f"{file}: holds no results of a run, which wheelrail run keeps in run.nc")
     wheel, rail = laid_profiles(scene)
     return {"wheel": wheel, "rail": rail, "mounting": mounted(scene, rail)}

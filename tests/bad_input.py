@@ -16,6 +16,7 @@ HERTZ, WHEELSET, CURVE, IRREGULAR = (
 )
 RAIL_NAME = 'rail = "UIC60-benchmark"'
 CONTACT, RUN = ("contact", "scene.toml"), ("run", "scene.toml", "--out", "out")
+STUDY = 'kind = "study"\nscene = "scene.toml"\n'
 PNG = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\x00\x00\x01\x00" + bytes(range(256))
 MB = 2**20
 
@@ -70,6 +71,14 @@ class Table:
 
     def wagon(self, name: str, content: object, *says: str) -> None:
         self.add(name, ("wagon.toml", *says), {"wagon.toml": content}, ("wagon", "wagon.toml"))
+
+    def study(
+        self, name: str, text: str, *says: str, scene: str = HERTZ, where: str = "study.toml", **files: object
+    ) -> None:
+        """A study of scene.toml."""
+        text = text if text.startswith("kind") or not text.strip() else STUDY + text
+        command = ("study", "study.toml", "--out", "out")
+        self.add(f"study: {name}", (where, *says), {"scene.toml": scene, "study.toml": text, **files}, command)
 
     def option(self, name: str, command: tuple[str, ...], says: tuple[str, ...], **files: object) -> None:
         scene = {"scene.toml": standard(CURVE if command[0] != "contact" else WHEELSET)}
@@ -350,6 +359,161 @@ def wagons(t: Table) -> None:
         t.wagon(f"wagon: {name}", content, "cannot be read", says)
 
 
+def studies(t: Table) -> None:
+    loads = "[grid]\nload = [1e4, 2e4]\n"
+    t.study("empty", "", "scene: missing")
+    t.study("truncated", "[grid]\nload = [1e4,", "not valid TOML")
+    t.study("nothing varied", "workers = 2\n", "nothing is varied", "[grid]")
+    t.study("empty grid", "[grid]\n", "grid: nothing is varied")
+    t.study("no values", "[grid]\nload = []\n", "grid.load = []", "at least one")
+    t.study("a value, no array", "[grid]\nload = 1e4\n", "grid.load = 10000.0", "an array")
+    t.study("table of no name", "[gird]\nload = [1e4]\n", "gird: unknown key; did you mean grid?")
+    t.study("wrong type", '[grid]\nload = [1e4, "2 kN", 3e4]\n', 'grid.load[1] = "2 kN"', "a number", "1e+08 N")
+    t.study("NaN", "[grid]\nfriction = [0.1, 0.2]\nload = [1e4, 2e4, nan]\n", "grid.load[2] = NaN", "1e+08 N")
+    t.study("E in GPa", "[grid]\nupper.E = [210e9, 210]\n", "grid.upper.E[1] = 210: ", "GPa")
+    t.study("radii in mm", "[grid]\nupper.radii = [[0.46, 0.3], [460, 300]]\n", "grid.upper.radii[1][0] = 460", "100 m")
+    t.study("mesh in mm", "[[together]]\nsurface_size = [1e-3, 0.5]\n", "together[0].surface_size[1] = 0.5", "0.5e-3")
+    t.study("unknown key", "[grid]\nlaod = [1e4, 2e4]\n", "grid.laod: unknown key; did you mean load?")
+    t.study("unknown inner key", "[grid]\nupper.radi = [[1, 1]]\n", "grid.upper.radi: unknown key", "upper.radii")
+    t.study("key below a number", "[grid]\nload.x = [1]\n", "grid.load.x: unknown key", "no table")
+    t.study("place beyond an array", '[grid]\n"creepage.7" = [1e-3]\n', "grid.creepage.7: unknown key")
+    t.study("key of nothing", '[grid]\n"" = [1e4]\n', 'grid: "" is no key')
+    t.study("value twice", "[grid]\nload = [1e4, 2e4, 1e4]\n", "grid", "load: 10000.0 is listed twice")
+    grid = "".join(
+        f"{name} = [{', '.join(str(k * i) for i in range(1, 201))}]\n" for name, k in (("load", 1), ("speed", 0.1))
+    )
+    t.study("too many cases", "[grid]\n" + grid, "40000 cases (200 load x 200 speed)", "10000 at most")
+    t.study("kind", "[grid]\nkind = ['hertz', 'run']\n", "grid: kind cannot be varied")
+    t.study("set in per cent", "[set]\nfriction = 30\n" + loads, "set.friction = 30", "0 to 2")
+    t.study("set unknown", "[set]\nfrictoin = 0.3\n" + loads, "set.frictoin: unknown key; did you mean friction?")
+    t.study("without what is not there", 'without = ["strips"]\n' + loads, "without: strips", "the scene has")
+    t.study(
+        "together of unequal lengths", "[[together]]\nload = [1e4, 2e4]\nspeed = [1.0]\n", "load has 2, speed has 1"
+    )
+    cube = "[latin_hypercube]\nsamples = 8\nranges."
+    for samples in ("0", "-1", "1.5", "1_000_000_000", "nan", '"8"'):
+        text = cube.replace("8", samples) + "load = {low = 1e4, high = 2e4}\n"
+        t.study(f"samples = {samples}", text, "latin_hypercube.samples = ", "a whole number from 1 to 100000")
+    between = "latin_hypercube.ranges.load."
+    t.study("no ranges", "[latin_hypercube]\nsamples = 8\n", "latin_hypercube.ranges: missing")
+    t.study("low above high", cube + "load = {low = 2e4, high = 1e4}\n", f"{between}high = 10000.0", "greater than low")
+    t.study("low NaN", cube + "load = {low = nan, high = 1e4}\n", f"{between}low = NaN", "a number")
+    t.study("log of zero", cube + 'load = {low = 0, high = 1, scale = "log"}\n', f"{between}low = 0", "greater than 0")
+    t.study(
+        "log of less", cube + 'load = {low = -1, high = 1, scale = "log"}\n', f"{between}low = -1", "greater than 0"
+    )
+    t.study("scale of no name", cube + 'load = {low = 1, high = 2, scale = "sq"}\n', f'{between}scale = "sq"', '"log"')
+    t.study("range as array", cube + "load = [1, 2]\n", "latin_hypercube.ranges.load = [1, 2]", "low, high")
+    t.study("range in GN", cube + "load = {low = 1e9, high = 2e9}\n", "latin_hypercube.ranges.load = 1", "1e+08 N")
+    t.study("twice", loads + cube + "load = {low = 1, high = 2}\n", "grid", "load is named twice")
+    errors = loads + "[convergence]\n"
+    t.study("convergence of nothing", errors + 'over = "strips"\nreference = "hertz"\n', 'over = "strips"', "load")
+    t.study("convergence without reference", errors, "convergence.reference: missing", '"hertz"')
+    t.study("reference of no name", errors + 'reference = "exact"\n', 'reference = "exact"', '"hertz"')
+    t.study("reference of another key", errors + "reference = {speed = 1}\n", "must have values for load")
+    t.study("reference of a wrong type", errors + 'reference = {load = "x"}\n', 'convergence.reference.load = "x"', "N")
+    t.study("reference among the values", errors + "reference = {load = 1e4}\n", "must not be among the values")
+    for workers in ("0", "2000", "1.5", '"2"'):
+        text = f"workers = {workers}\n" + loads
+        t.study(f"workers = {workers}", text, f"workers = {workers}", "a whole number from 1 to 1024")
+    t.study("histories of a contact", "histories = true\n" + loads, "histories = true", 'kind = "run"')
+    run = standard(CURVE)
+    t.study("histories at every step", "histories = true\n[grid]\nfriction = [0.3]\n", "output.interval", scene=run)
+    t.study(
+        "speed 1000 times", "[grid]\nvehicle.speed = [45, 45e3]\n", "grid.vehicle.speed[1] = 45000", "m/s", scene=run
+    )
+    t.study("scene missing", 'kind = "study"\n' + loads, "scene: missing")
+    t.study("scene nowhere", 'kind = "study"\nscene = "none.toml"\n' + loads, 'scene = "none.toml"', "exists")
+    t.study("scene as folder", 'kind = "study"\nscene = "."\n' + loads, 'scene = "."', "must be the file")
+    t.study("scene as number", 'kind = "study"\nscene = 3\n' + loads, "scene = 3")
+    t.study("scene is the study", 'kind = "study"\nscene = "study.toml"\n' + loads, "kind = 'study'", "'hertz'")
+    t.study("scene of no TOML", loads, "not valid TOML", scene="hertz\n", where="scene.toml")
+    t.study("scene in Latin-1", loads, "UTF-8", where="scene.toml", **{"scene.toml": "# Ü".encode("latin-1")})
+    t.study(
+        "scene at fault",
+        loads,
+        "friction = 30",
+        scene=HERTZ.replace("friction = 0.3", "friction = 30"),
+        where="scene.toml",
+    )
+    t.study("a scene", HERTZ[HERTZ.index("kind") :], "kind = 'hertz'", '"study"')
+    t.study("in Latin-1", "", "line 1", "UTF-8", **{"study.toml": "# Ü".encode("latin-1")})
+    for name, content, says in places():
+        t.study(name, "", "cannot be read", says, **{"study.toml": content})
+    for address in (
+        "",
+        "nonsense",
+        "http://host:8786",
+        "tcp://host",
+        "tcp://127.0.0.1:99999",
+        "tcp://no-such-host.invalid:8786",
+    ):
+        command = ("study", "study.toml", "--scheduler", address, "--out", "out")
+        t.option(
+            f"scheduler: {address}",
+            command,
+            (f"--scheduler {address}:".replace(" :", " :"),),
+            **{"study.toml": STUDY + "[grid]\nfriction = [0.3]\n"},
+        )
+    t.option(
+        "out: of a study",
+        ("study", "study.toml", "--out", "file"),
+        ("--out file", "folder"),
+        **{"study.toml": STUDY + "[grid]\nfriction = [0.3]\n", "file": ""},
+    )
+
+
+def views(t: Table) -> None:
+    """Options and files of view, animate and example."""
+    view, film = ("view", "scene.toml", "--out"), ("animate", "run.nc", "--out")
+    pair = {"scene.toml": HERTZ}
+    t.option("view: suffix", (*view, "a.jpg"), ("--out a.jpg", ".png, .html"), **pair)
+    t.option("view: no folder", (*view, "none/a.png"), ("--out none/a.png", "folder"), **pair)
+    t.option("view: nowhere to", ("view", "scene.toml"), ("--out",), **pair)
+    for scale in ("0", "-3", "nan", "inf"):
+        t.option(
+            f"view: scale {scale}", (*view, "a.png", "--scale", scale), (f"--scale {scale}", "greater than 0"), **pair
+        )
+    t.option("view: scale as word", (*view, "a.png", "--scale", "big"), ("--scale", "number"), **pair)
+    t.option(
+        "view: body of another kind", (*view, "a.png", "--body", "wheel"), ("--body wheel", "upper, lower"), **pair
+    )
+    t.option("view: side of a pair", (*view, "a.png", "--side", "left"), ("--side left", "contact"), **pair)
+    t.option("view: side", (*view, "a.png", "--side", "up"), ("--side up", "left or right"), **{"scene.toml": WHEELSET})
+    t.option("view: standard", (*view, "a.png"), ("standard", '"condensed"'), **{"scene.toml": standard(WHEELSET)})
+    t.option("view: a run", (*view, "a.png"), ('kind = "run"', "wheelrail animate"))
+    t.option("film: no run", (*film, "a.mp4"), ("run.nc: no such file",))
+    t.option("film: suffix", (*film, "a.avi"), ("--out a.avi", ".mp4, .gif"))
+    t.option("film: no folder", (*film, "none/a.mp4"), ("--out none/a.mp4", "folder"))
+    t.option("film: no frames", (*film, "a.mp4", "--frames", "0"), ("--frames", "1"))
+    for option, value in (("fps", "nan"), ("fps", "0"), ("scale", "nan"), ("scale", "inf"), ("scale", "-1")):
+        t.option(f"film: {option} {value}", (*film, "a.mp4", f"--{option}", value), (f"--{option}",))
+    spoiled = {
+        "empty": b"",
+        "a scene": HERTZ,
+        "truncated": b"\x89HDF\r\n\x1a\n half",
+        "a picture": PNG,
+        "a folder": folder,
+    }
+    for name, content in spoiled.items():
+        t.option(f"film: of {name}", (*film, "a.mp4"), ("run.nc: ",), **{"run.nc": content})
+    for name, scene in (("a pair", HERTZ), ("nothing", "x = ["), ("a run without times", CURVE), ("a number", 3)):
+        t.option(f"film: of results of {name}", (*film, "a.mp4"), ("run.nc: ",), **{"run.nc": results(scene)})
+    t.option("example: of no name", ("example", "herz"), ("NAME = 'herz'", "hertz"))
+    t.option("example: a path", ("example", "../pyproject"), ("NAME", "hertz"))
+
+
+def results(scene: object) -> Callable[[Path], None]:
+    """A NetCDF file with a scene, as runs keep it, and little else."""
+
+    def make(path: Path) -> None:
+        from xarray import Dataset
+
+        Dataset({"wheelset_y": ("n", np.zeros(3))}, attrs={"scene": scene}).to_netcdf(path)
+
+    return make
+
+
 def options(t: Table) -> None:
     picture = ("contact", "scene.toml", "--picture")
     t.option("picture: suffix", (*picture, "patches.jpg"), ("--picture patches.jpg", ".png"))
@@ -376,6 +540,17 @@ def options(t: Table) -> None:
 
 def every_case() -> list[Case]:
     table = Table()
-    for fill in (scene_files, hertz_scenes, wheelset_scenes, run_scenes, profiles, irregularities, wagons, options):
+    for fill in (
+        scene_files,
+        hertz_scenes,
+        wheelset_scenes,
+        run_scenes,
+        profiles,
+        irregularities,
+        wagons,
+        studies,
+        views,
+        options,
+    ):
         fill(table)
     return table.cases

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import floor, prod
 from pathlib import Path
@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from scenes.changes import changed, keys_of, without
 from scenes.complaint import SceneError, unit_of, whole
 from scenes.scene import KINDS, HertzScene, Scene, checked
+from scenes.studies.complaints import complaints
 from scenes.studies.study import Convergence, LatinHypercube, Study
 
 MOST = 10_000  # cases: a slip of the pen multiplies quickly
@@ -24,17 +25,24 @@ SAMPLE = "sample"  # the dimension of a Latin hypercube
 
 @dataclass(frozen=True)
 class Axis:
-    """A dimension: n points, each with a value for every one of its parameters."""
+    """A dimension: n points, each with a value for every one of its parameters; where these stand in the study."""
 
     name: str
     values: Mapping[str, Sequence[Any]]
     reference: bool = False  # whether the last point is the one that errors are counted from
+    where: str = "grid"
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
 
     def points(self) -> list[dict[str, Any]]:
         return [dict(zip(self.values, row, strict=True)) for row in zip(*self.values.values(), strict=True)]
+
+    def place(self, name: str, index: int) -> str:
+        """Where in the study the value of a parameter at a point stands."""
+        if self.reference and index == len(self) - 1:
+            return f"convergence.reference.{name}"
+        return f"{self.where}.{name}" + ("" if self.name == SAMPLE else f"[{index}]")
 
 
 @dataclass(frozen=True)
@@ -84,7 +92,10 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
     if (count := prod(map(len, axes))) > MOST:
         sizes = " x ".join(f"{len(axis)} {axis.name}" for axis in axes)
         raise SceneError(f"{path}: {count} cases ({sizes}): must be {MOST} at most")
-    cases = _cases(axes, base, file, path)
+    firsts = [replace(a, values={name: v[:1] for name, v in a.values.items()}, reference=False) for a in axes]
+    for i, axis in enumerate(axes[:-1]):  # a wrong value is told before thousands of cases are looked at
+        _cases([*firsts[:i], axis, *firsts[i + 1 :]], base, study.set, file, path)
+    cases = _cases(axes, base, study.set, file, path)
     if study.histories:
         _check_histories(cases, path)
     units = {name: unit_of(model, keys_of(name)) for axis in axes for name in axis.values}
@@ -93,27 +104,44 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
 
 def _axes(study: Study, whole: Callable[[str], bool]) -> list[Axis]:
     axes = [Axis(dimension(name), {name: values}) for name, values in study.grid.items()]
-    axes += [Axis(dimension(next(iter(table))), table) for table in study.together]
+    axes += [Axis(dimension(next(iter(t))), t, where=f"together[{i}]") for i, t in enumerate(study.together)]
     if study.latin_hypercube is not None:
-        axes.append(Axis(SAMPLE, draw(study.latin_hypercube, set(filter(whole, study.latin_hypercube.ranges)))))
+        drawn = draw(study.latin_hypercube, set(filter(whole, study.latin_hypercube.ranges)))
+        axes.append(Axis(SAMPLE, drawn, where="latin_hypercube.ranges"))
     return axes
 
 
-def _cases(axes: Sequence[Axis], base: Mapping[str, Any], file: Path, path: str | Path) -> list[Case]:
-    """All combinations, checked; the first complaints, where there are any."""
-    cases, complaints = list[Case](), list[str]()
+def _cases(
+    axes: Sequence[Axis], base: Mapping[str, Any], fixed: Mapping[str, Any], file: Path, path: str | Path
+) -> list[Case]:
+    """All combinations, checked; the first complaints, where there are any. fixed: what base has from the study."""
+    cases, wrong, own = list[Case](), dict[str, None](), _own(base, file)
     for place, points in zip(np.ndindex(*map(len, axes)), product(*(axis.points() for axis in axes)), strict=True):
         parameters = {name: value for point in points for name, value in point.items()}
         try:
             table = changed(base, parameters, path)
             cases.append(Case(place, parameters, table, checked(table, file)))
         except SceneError as error:
+            places = {name: f"set.{name}" for name in fixed}
+            places |= {name: axis.place(name, i) for axis, i in zip(axes, place, strict=True) for name in axis.values}
             said = ", ".join(f"{name} = {shown(value)}" for name, value in parameters.items())
-            complaints.append(f"{path}: with {said}: " + str(error).replace(f"{file}: ", "").replace(f"{path}: ", ""))
-    if complaints:
-        more = [f"{path}: and {len(complaints) - SHOWN} more cases"] if len(complaints) > SHOWN else []
-        raise SceneError("\n".join([*complaints[:SHOWN], *more]))
+            for line, placed in complaints(error, places, file=file, path=path):
+                wrong[line if placed else f"{file}: {line}" if line in own else f"{path}: with {said}: {line}"] = None
+            if len(wrong) > SHOWN:  # thousands of cases take their time
+                break
+    if wrong:
+        more = [f"{path}: and more of that kind"] if len(wrong) > SHOWN else []
+        raise SceneError("\n".join([*list(wrong)[:SHOWN], *more]))
     return cases
+
+
+def _own(base: Mapping[str, Any], file: Path) -> list[str]:
+    """Complaints about the scene as it is, without what the study varies."""
+    try:
+        checked(base, file)
+    except SceneError as error:
+        return [line.removeprefix(f"{file}: ") for line in str(error).splitlines()]
+    return []
 
 
 def dimension(parameter: str) -> str:
@@ -170,7 +198,7 @@ def _over(wanted: Convergence, axes: Sequence[Axis], model: type[BaseModel], pat
     if wanted.reference in over.points():
         raise SceneError(f"{path}: convergence.reference: must not be among the values of {over.name} itself")
     values = {name: [*values, wanted.reference[name]] for name, values in over.values.items()}
-    return Axis(over.name, values, reference=True)
+    return replace(over, values=values, reference=True)
 
 
 def _check_histories(cases: Sequence[Case], path: str | Path) -> None:

@@ -13,7 +13,7 @@ from scenes.progress import case_bar
 from scenes.studies.plan import Plan, plan
 from scenes.studies.solve import Found
 from scenes.studies.study import Study, check_study, load_study
-from scenes.studies.workers import Workers, cluster, finished, processes
+from scenes.studies.workers import Workers, check_address, cluster, finished, processes
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -93,6 +93,8 @@ def run_plan(
     from scenes.studies.job import Job
     from scenes.studies.store import Store
 
+    if scheduler is not None:
+        check_address(scheduler)
     tell = partial(console.print, highlight=False, markup=False, soft_wrap=True)
     folder.mkdir(parents=True, exist_ok=True)
     store = Store(folder / CASES)
@@ -133,7 +135,7 @@ def run_plan(
 
 
 def _workers(planned: Plan, scheduler: str | None, jobs: int) -> AbstractContextManager[Workers]:
-    return cluster(scheduler) if scheduler else processes(min(planned.study.processes, jobs))
+    return cluster(scheduler) if scheduler is not None else processes(min(planned.study.processes, jobs))
 
 
 def _keep(store: Any, key: str, one: Found, tell: Callable[[str], None]) -> None:

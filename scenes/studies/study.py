@@ -15,8 +15,8 @@ from scenes.sections import Table
 from scenes.toml_file import parse, read_text
 
 Values = Annotated[tuple[Any, ...], Strict(False), Field(min_length=1)]
-Count = Annotated[int, Strict(), q.Range(1, 100_000)]
-Processes = Annotated[int, Strict(), q.Range(1, 1024)]
+Count = Annotated[int, Strict(), q.Range(1, 100_000, whole=True)]
+Processes = Annotated[int, Strict(), q.Range(1, 1024, whole=True)]
 
 
 class Between(Table):
@@ -90,6 +90,8 @@ class Study(Table):
             raise q.refuse("nothing is varied: give values in [grid], [[together]] or [latin_hypercube]", "grid")
         named = [(name, place) for place, table in self.places for name in table]
         for name, place in named:
+            if not all(name.split(".")):
+                raise q.refuse(f'"{name}" is no key: must be one of the scene, dotted into its tables', place)
             if name == "kind":
                 raise q.refuse("kind cannot be varied: a study is of one kind of scene", place)
             others = [other for other, _ in named if other == name or other.startswith(name + ".")]

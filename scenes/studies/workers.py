@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 PATIENCE = "20s"  # for a scheduler to answer
+SCHEMES = ("", "tcp", "tls", "ws", "wss", "ucx")  # of its address
 
 
 class Workers(Protocol):
@@ -123,11 +124,25 @@ class Cluster:
         return self.executor.submit(solve, job)
 
 
+def check_address(address: str) -> None:
+    """Raises SceneError for what is no address of a Dask scheduler, or none of a host that is known."""
+    import socket
+
+    scheme, _, place = address.rpartition("://")
+    host, _, port = place.rpartition(":")
+    if scheme not in SCHEMES or not host or not port.isdecimal() or not 0 < int(port) < 2**16:
+        raise SceneError(f"--scheduler {address}: must be an address like tcp://host:8786")
+    try:
+        socket.getaddrinfo(host.strip("[]"), int(port))
+    except OSError as error:
+        raise SceneError(f"--scheduler {address}: {host} is no known host ({error.strerror})") from None
+
+
 @contextmanager
 def cluster(address: str) -> Iterator[Cluster]:
     """Workers of the Dask scheduler at an address; jobs that have not begun are taken back on leaving.
 
-    Raises SceneError for what is no address, RunFailed when nobody answers there or Dask is not installed.
+    Raises RunFailed when nobody answers there or Dask is not installed.
     """
     try:
         from distributed import Client
@@ -136,8 +151,6 @@ def cluster(address: str) -> Iterator[Cluster]:
     logging.getLogger("distributed").setLevel(logging.ERROR)
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False, name="wheelrail-study")
-    except (ValueError, TypeError) as error:
-        raise SceneError(f"--scheduler {address}: must be an address like tcp://host:8786 ({error})") from None
     except OSError:
         raise RunFailed(f"--scheduler {address}: no scheduler answers there") from None
     executor = client.get_executor(pure=False)
