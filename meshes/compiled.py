@@ -85,7 +85,8 @@ def folder() -> Path:
     place = Path(config.CACHE_DIR or HERE / "__pycache__") / f"compiled-{found.hexdigest()[:12]}"
     if not place.exists():
         for old in place.parent.glob("compiled-*"):
-            shutil.rmtree(old, ignore_errors=True)
+            if old != place:  # which another process may be filling by now
+                shutil.rmtree(old, ignore_errors=True)
     return place
 
 

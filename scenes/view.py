@@ -29,13 +29,13 @@ def view_scene(
     side of a wheelset, its first without it; options as for `view_side`. Raises SceneError for what the scene has not,
     RunFailed when there is nothing to draw.
     """
+    bodies_of(scene, options.get("body", "both"))
     sides = ("contact",) if isinstance(scene, HertzScene) else scene.sides
     chosen = side or sides[0]
     if chosen not in sides:
         raise SceneError(f"--side {chosen}: must be {' or '.join(sides)}")
     if scene.model == "standard":
         raise SceneError(NO_BODIES)
-    bodies_of(scene, options.get("body", "both"))
     solved = dict(solve_sides(scene, say=say))[chosen]
     return view_side(scene, chosen, solved, title=title, say=say, off_screen=True, **options)
 
@@ -97,13 +97,14 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
 
     Raises OSError for files that cannot be written, SceneError for one that holds no run.
     """
-    from scenes.pictures.animation import animate_run
-
     found = file / "run.nc" if file.is_dir() else file
     if not found.is_file():
         raise SceneError(f"{found}: no such file; a run keeps its results in run.nc")
     data = read_run(found)
-    animate_run(data, out, progress=progress, **bodies_of_run(data, found), **options)
+    bodies = bodies_of_run(data, found)
+    from scenes.pictures.animation import animate_run
+
+    animate_run(data, out, progress=progress, **bodies, **options)
 
 
 def read_run(file: Path) -> Dataset:

@@ -40,3 +40,46 @@ def test_a_change_in_a_called_file_is_seen(tmp_path: Path) -> None:
     assert said(tmp_path) == "10.0 0 ''"
     (kept,) = tmp_path.glob("meshes/__pycache__/compiled-*")  # of older sources nothing is left
     assert any(kept.rglob("*.nbc"))
+
+
+MANY = """
+import sys
+from meshes.compiled import compiled
+{functions}
+print("ready", flush=True)
+sys.stdin.readline()
+print(*(f(2.0) for f in ({names})), sum(sum(f.stats.cache_hits.values()) for f in ({names})))
+"""
+COUNT = 6
+
+
+def test_two_processes_compile_at_once(tmp_path: Path) -> None:
+    functions = "\n".join(f"@compiled\ndef f{i}(x):\n    return {i}.0 * x" for i in range(COUNT))
+    names = ", ".join(f"f{i}" for i in range(COUNT))
+    script = tmp_path / "script.py"
+    script.write_text(MANY.format(functions=functions, names=names))
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    def started() -> subprocess.Popen[str]:
+        line = [sys.executable, str(script)]
+        return subprocess.Popen(line, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def ended(process: subprocess.Popen[str]) -> list[float]:
+        out, _ = process.communicate("go\n", timeout=60)
+        assert process.returncode == 0
+        return [float(word) for word in out.split()]
+
+    two = [started() for _ in range(2)]
+    for process in two:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+    for process in two:
+        assert process.stdin is not None
+        process.stdin.write("go\n")
+        process.stdin.flush()
+    right = [2.0 * i for i in range(COUNT)]
+    assert [ended(process)[:COUNT] for process in two] == [right, right]
+    third = started()
+    assert third.stdout is not None
+    third.stdout.readline()
+    assert ended(third) == [*right, COUNT]
