@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -54,30 +55,34 @@ def smooth(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scenes.run.wheelset_contact", lambda scene: SMOOTH)
 
 
-def stopped(folder: Path, code: str) -> tuple[int, str]:
-    """A run in a process of its own, after some code: exit status, or minus the signal's number, and what it said."""
+def stopped(folder: Path, code: str, *line: str) -> tuple[int, str]:
+    """A run, or another command, in a process of its own, after some code: exit status, or minus the signal's number,
+    and what it said.
+    """
+    reads, writes = os.pipe()
     process = os.fork()
     if process == 0:
         status = 99
-        said = os.open(folder / "said", os.O_CREAT | os.O_TRUNC | os.O_WRONLY)
         for number in (1, 2):
-            os.dup2(said, number)
+            os.dup2(writes, number)
         sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))  # noqa: SIM115
         try:
             exec(code, {})
-            app(["run", str(folder / "scene.toml"), "--out", str(folder)])
+            app([*line] or ["run", str(folder / "scene.toml"), "--out", str(folder)])
         except SystemExit as end:
             status = int(end.code or 0)
         except BaseException:
             traceback.print_exc()
         finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
-            os._exit(status)
-    status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
-    said = (folder / "said").read_text()
-    (folder / "said").unlink()
-    return status, said
+            try:
+                sys.stdout.flush()
+                sys.stderr.flush()
+            finally:
+                os._exit(status)
+    os.close(writes)
+    with open(reads) as said:
+        text = said.read()
+    return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), text
 
 
 def resumed(folder: Path) -> None:
@@ -258,7 +263,7 @@ def gone(process: int) -> bool:
 def test_no_second_process_is_left(tmp_path: Path, how: signal.Signals) -> None:
     scene = quick(tmp_path, ("curve = 1.0", "curve = 900.0"))
     scene.write_text(scene.read_text().replace("[solver]", "[solver]\nworkers = 2"))
-    script = "import os\nfrom scenes.cli import main\nmain()"
+    script = "from scenes.command import main\nmain()"
     line = [sys.executable, "-c", script, "run", str(scene), "--out", str(tmp_path)]
     with subprocess.Popen(line, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT) as running:
         children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
@@ -276,18 +281,22 @@ def test_no_second_process_is_left(tmp_path: Path, how: signal.Signals) -> None:
 
 
 COMPILED = """
-from numba import config
 import sys
-config.CACHE_DIR = sys.argv[1]
 import numpy as np
-from meshes.compiled import compiled
-@compiled
-def total(values):
-    found = 0.0
-    for value in values:
-        found += value * value
-    return found
-print(total(np.arange(5.0)), sum(total.stats.cache_hits.values()))
+from numba import config
+from meshes.compiled import compiled, folder
+def made(place):
+    config.CACHE_DIR = place
+    folder.cache_clear()
+    @compiled
+    def total(values):
+        found = 0.0
+        for value in values:
+            found += value * value
+        return found
+    assert total(np.arange(5.0)) == 30.0
+    return sum(total.stats.cache_hits.values())
+print(*map(made, sys.argv[1:]))
 """
 
 
@@ -295,25 +304,135 @@ def test_damaged_machine_code_is_made_again(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(COMPILED)
 
-    def hits(limit: Callable[[], None] | None = None) -> str:
-        line = [sys.executable, str(script), str(tmp_path / "code")]
+    def hits(*places: Path, limit: Callable[[], None] | None = None) -> list[int]:
+        line = [sys.executable, str(script), *map(str, places)]
         done = subprocess.run(line, capture_output=True, text=True, env=ENVIRONMENT, timeout=60, preexec_fn=limit)
         assert done.returncode == 0, done.stderr
-        answer, found = done.stdout.split()
-        assert answer == "30.0"
-        return found
+        return [int(word) for word in done.stdout.split()]
 
     def full() -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 
-    assert hits(full) == "0"
-    assert (hits(), hits()) == ("0", "1")
+    good = tmp_path / "good"
+    assert hits(good, limit=full) == [0]
+    assert hits(good, good) == [0, 1]
+    spoiled = []
     for ending in ("nbi", "nbc"):
-        (file,) = (tmp_path / "code").rglob(f"*.{ending}")
-        whole = file.read_bytes()
-        for damaged in (b"", whole[: len(whole) // 2], whole[:-50] + bytes([whole[-50] ^ 4]) + whole[-49:]):
-            file.write_bytes(damaged)
-            assert hits() == "0"
-            while hits() == "0":  # an index that was in the way is emptied first, and then written
-                pass
+        for damage in ("empty", "cut", "flipped"):
+            spoiled.append(shutil.copytree(good, tmp_path / f"{ending} {damage}"))
+            (file,) = spoiled[-1].rglob(f"*.{ending}")
+            whole = file.read_bytes()
+            flipped = whole[:-50] + bytes([whole[-50] ^ 4]) + whole[-49:]
+            file.write_bytes({"empty": b"", "cut": whole[: len(whole) // 2], "flipped": flipped}[damage])
+    found = hits(*(place for place in spoiled for _ in range(3)))
+    assert found[::3] == [0] * len(spoiled)  # an index that was in the way is emptied first, and then written
+    assert found[2::3] == [1] * len(spoiled)
+
+
+LITTLE = """
+import resource, signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))
+"""
+DRAWN = "import matplotlib.figure as m; m.Figure.savefig = after(m.Figure.savefig, 1)"
+
+
+def contact_with_picture(folder: Path, code: str) -> tuple[int, str]:
+    (folder / "scene.toml").write_text(standard(WHEELSET))
+    return stopped(folder, code, "contact", str(folder / "scene.toml"), "--picture", str(folder / "patches.png"))
+
+
+@pytest.mark.parametrize(
+    "phase",
+    [
+        "import contact.standard as m; m.StandardContact.__call__ = after(m.StandardContact.__call__, 2)",
+        "import scenes.contact_scene as m; m.side_report = stop",
+        "import scenes.report as m; m.table = stop",
+        DRAWN,
+    ],
+)
+def test_ctrl_c_in_a_contact(tmp_path: Path, phase: str) -> None:
+    status, said = contact_with_picture(tmp_path, STOP.format(signal="SIGINT") + phase)
+    assert status == 130, said
+    assert said.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in said
+    assert os.listdir(tmp_path) == ["scene.toml"]
+
+
+def test_picture_on_a_full_disk(tmp_path: Path) -> None:
+    status, said = contact_with_picture(tmp_path, LITTLE.format(size=4096))
+    assert status == 1, said
+    assert "patches.png: [Errno 27] File too large" in said
+    assert "Traceback" not in said
+    assert os.listdir(tmp_path) == ["scene.toml"]
+
+
+def test_ctrl_c_in_a_comparison(tmp_path: Path) -> None:
+    scene = quick(tmp_path)
+    scene.write_text(scene.read_text().replace('model = "standard"', 'model = "condensed"'))
+    phase = "import vehicle.simulate as m; m.Recorder.add = after(m.Recorder.add, {count})"
+    line = ("compare", str(scene), "--out", str(tmp_path / "out"))
+    first = stopped(tmp_path, STOP.format(signal="SIGINT") + phase.format(count=5), *line)
+    second = stopped(tmp_path, STOP.format(signal="SIGINT") + DRAWN, *line)
+    third = stopped(tmp_path, "", *line)
+    assert [status for status, _ in (first, second, third)] == [130, 130, 0], (first, second, third)
+    assert not any("Traceback" in said for _, said in (first, second, third))
+    assert third[1].count("holds this run already") == 2
+    assert not list((tmp_path / "out").rglob(f"{PART}*"))
+
+
+STUDY = 'kind = "study"\nscene = "scene.toml"\nworkers = 1\n[grid]\nfriction = [0.1, 0.2, 0.3, 0.4]\n'
+IN_A_THREAD = "from test_study import Here; import scenes.studies.run as m; m.processes = lambda count: Here()\n"
+
+
+def study_of_four(folder: Path, code: str) -> tuple[int, str]:
+    (folder / "scene.toml").write_text(standard(WHEELSET))
+    (folder / "study.toml").write_text(STUDY)
+    line = ("study", str(folder / "study.toml"), "--out", str(folder / "out"))
+    return stopped(folder, STOP.format(signal="SIGINT") + IN_A_THREAD + code, *line)
+
+
+@pytest.mark.parametrize(
+    ("phase", "kept", "code"),
+    [
+        (
+            "import scenes.studies.plan as m; m.plan = stop",
+            0,
+            130,
+        ),
+        ("import scenes.studies.store as m; m.Store.keep = after(m.Store.keep, 2)", 1, 130),
+        ("import os; os.replace = after(os.replace, 3)", 2, 130),
+        ("import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)", 4, 0),
+        (DRAWN, 4, 130),
+    ],
+)
+def test_ctrl_c_in_a_study(tmp_path: Path, phase: str, kept: int, code: int) -> None:
+    status, said = study_of_four(tmp_path, phase)
+    assert status == code, said
+    assert "Traceback" not in said
+    assert ("interrupted" in said) == (code == 130)
+    cases = tmp_path / "out" / "cases"
+    before = {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")} if cases.exists() else {}
+    assert len(before) >= kept
+    assert not list(tmp_path.rglob(f"{PART}*"))
+    status, said = study_of_four(tmp_path, "")
+    assert status == 0, said
+    assert before.items() <= {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")}.items()
+    with open_dataset(tmp_path / "out" / "study.nc") as data:
+        assert set(data["status"].values) == {"converged"}
+
+
+@pytest.mark.parametrize("size", [100, 8000])
+def test_study_on_a_full_disk(tmp_path: Path, size: int) -> None:
+    """Cases cannot be kept; they can, and the results cannot."""
+    status, said = study_of_four(tmp_path, LITTLE.format(size=size))
+    assert status == 1, said
+    assert "Traceback" not in said
+    assert ("a case was not kept" in said) == (size == 100)
+    assert len(list((tmp_path / "out" / "cases").glob("*.json"))) == (0 if size == 100 else 4)
+    assert not (tmp_path / "out" / "study.nc").exists()
+    assert not list(tmp_path.rglob(f"{PART}*"))
+    status, said = study_of_four(tmp_path, "")
+    assert status == 0, said
+    assert ("4 of 4 cases are done already" in said) == (size != 100)

@@ -1,4 +1,4 @@
-"""Ctrl-C where it does no harm: in compiled code, in callbacks, while the command is loaded, pressed again and again."""
+"""Ctrl-C where it does no harm: in compiled code, in callbacks, while the command is loaded, hammered upon."""
 
 from __future__ import annotations
 
