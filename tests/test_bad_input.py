@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -28,3 +31,26 @@ def test_bad_input_is_refused_with_one_complaint(case: Case, tmp_path: Path, mon
     assert len(said) < 1500
     assert outcome.stdout == ""
     assert not (tmp_path / "out").exists()
+
+
+WORST = (
+    "huge",
+    "a million numbers",
+    "wheel: too many points",
+    "run: waves beyond memory",
+    "study: too many cases",
+    "film: of results of a pair",
+)
+
+
+@pytest.mark.parametrize("name", WORST)
+def test_the_command_itself_refuses_the_worst(name: str, tmp_path: Path) -> None:
+    (case,) = (case for case in CASES if case.name == name)
+    case.write(tmp_path)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    line = [sys.executable, "-m", "scenes.cli", *case.command]
+    done = subprocess.run(line, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=30)
+    assert (done.returncode, done.stdout) == (2, ""), done.stderr
+    assert "Traceback" not in done.stderr
+    for part in case.says:
+        assert part in " ".join(done.stderr.split())

@@ -212,13 +212,16 @@ BAD = {
     "duplicate": ({"grid": {"load": [1e4, 2e4, 1e4]}}, "grid: load: 10000.0 is listed twice"),
     "twice": ({"grid": {"load": [1e4]}, "set": {"load": 2e4}}, "load is named twice"),
     "inside another": ({"grid": {"upper.radii": [[1.0, 1.0]], "upper.radii.0": [1.0]}}, "named twice, also by"),
-    "unknown key": ({"grid": {"frictoin": [0.1]}}, "frictoin = 0.1: unknown key; did you mean friction?"),
+    "unknown key": ({"grid": {"frictoin": [0.1]}}, "study: grid.frictoin: unknown key; did you mean friction?"),
     "unknown in a table": ({"grid": {"upper.radius": [0.1]}}, "did you mean upper.radii?"),
-    "no table": ({"grid": {"load.x": [0.1]}}, "load.x = 0.1: unknown key"),
-    "no such place": ({"grid": {"upper.radii.2": [0.1]}}, "upper.radii.2 = 0.1: unknown key"),
-    "value": ({"grid": {"load": [1e4, -1.0]}}, "with load = -1: load = -1.0: must be a number from 0.001 to 1e+08 N"),
-    "not a number": ({"grid": {"load": ["much"]}}, 'load = "much": must be a number'),
-    "combination": ({"grid": {"friction": [0.0, 0.3]}}, "speed: missing: must be given when friction is not 0"),
+    "no table": ({"grid": {"load.x": [0.1]}}, "grid.load.x: unknown key"),
+    "no such place": ({"grid": {"upper.radii.2": [0.1]}}, "grid.upper.radii.2: unknown key"),
+    "value": ({"grid": {"load": [1e4, -1.0]}}, "study: grid.load[1] = -1.0: must be a number from 0.001 to 1e+08 N"),
+    "not a number": ({"grid": {"load": ["much"]}}, 'grid.load[0] = "much": must be a number'),
+    "combination": (
+        {"grid": {"friction": [0.0, 0.3]}},
+        "with friction = 0.3: speed: missing: must be given when friction is not 0",
+    ),
     "kind": ({"grid": {"kind": ["run"]}}, "a study is of one kind of scene"),
     "other kind": ({"kind": "run", "grid": {"load": [1e4]}}, 'must be "study"'),
     "unequal": ({"together": [{"load": [1.0, 2.0], "friction": [0.0]}]}, "load has 2, friction has 1"),
@@ -232,7 +235,7 @@ BAD = {
     ),
     "no samples": (
         {"latin_hypercube": {"samples": 0, "ranges": {"load": {"low": 1.0, "high": 2.0}}}},
-        "samples = 0: must be a number from 1",
+        "samples = 0: must be a whole number from 1",
     ),
     "a text drawn": (
         {"latin_hypercube": {"samples": 2, "ranges": {"model": {"low": 0.0, "high": 1.0}}}},
@@ -242,7 +245,7 @@ BAD = {
         {"scene": "nowhere.toml", "grid": {"load": [1e4]}},
         'scene = "nowhere.toml": must be the file of a scene',
     ),
-    "workers": ({"workers": 0, "grid": {"load": [1e4]}}, "workers = 0: must be a number from 1 to 1024"),
+    "workers": ({"workers": 0, "grid": {"load": [1e4]}}, "workers = 0: must be a whole number from 1 to 1024"),
     "key": ({"gird": {"load": [1e4]}}, "gird: unknown key; did you mean grid?"),
     "histories": ({"histories": True, "grid": {"load": [1e4]}}, 'only for scenes of kind = "run"'),
     "left out": ({"without": ["speed"], "grid": {"load": [1e4]}}, "without: speed: must be a key that the scene has"),
@@ -270,11 +273,11 @@ def test_huge_studies_are_refused_with_their_number() -> None:
         planned(grid={"load": many, "friction": [1e-3 * i for i in range(200)]})
 
 
-def test_many_bad_cases_are_counted() -> None:
+def test_of_many_bad_values_the_first_are_told() -> None:
     with pytest.raises(SceneError) as caught:
         planned(grid={"load": [-1.0 - i for i in range(50)]})
     assert str(caught.value).count("\n") == 5
-    assert "and 45 more cases" in str(caught.value)
+    assert str(caught.value).endswith("and more of that kind")
 
 
 def test_the_command_refuses_before_it_computes(tmp_path: Path) -> None:
@@ -282,7 +285,7 @@ def test_the_command_refuses_before_it_computes(tmp_path: Path) -> None:
     file.write_text(f'scene = "{SCENES / "hertz.toml"}"\n[grid]\nload = [1e4, 6e40]\n')
     found = CliRunner().invoke(app, ["study", str(file), "--out", str(tmp_path / "out")])
     assert found.exit_code == 2
-    assert f"{file}: with load = 6e+40: load = 6e+40: must be a number" in found.output
+    assert f"{file}: grid.load[1] = 6e+40: must be a number" in found.output
     assert not (tmp_path / "out").exists()
 
 
@@ -436,6 +439,7 @@ def alive(session: int) -> list[int]:
     return found
 
 
+KEPT = "[!.]*.json"  # what a killed writer left begins with a point
 SLOW = """
 kind = "study"
 scene = "SCENE"
@@ -445,7 +449,7 @@ laws = "exact"
 cells = 8
 strips = 6
 [grid]
-friction = [0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28, 0.30, 0.32, 0.34, 0.36, 0.38, 0.40]
+friction = [0.10, 0.14, 0.18, 0.22, 0.24, 0.26, 0.30, 0.34, 0.38, 0.40]
 """
 
 
@@ -454,22 +458,22 @@ def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_
     file, out = tmp_path / "slow.toml", tmp_path / "out"
     file.write_text(SLOW.replace("SCENE", str(SCENES / "hertz.toml")))
     process = started(file, out)
-    assert waited_for(lambda: len(list((out / "cases").glob("[!.]*.json"))) >= 3)
+    assert waited_for(lambda: len(list((out / "cases").glob(KEPT))) >= 2)
     os.kill(process.pid, how)
     code = process.wait(timeout=60)
     assert waited_for(lambda: not alive(process.pid), 30.0)
     assert code == (130 if how == signal.SIGINT else -signal.SIGKILL)
-    kept = {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("[!.]*.json")}
-    assert 3 <= len(kept) < 16
+    kept = {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob(KEPT)}
+    assert 2 <= len(kept) < 10
     if how == signal.SIGINT:
         with open_dataset(out / "study.nc") as data:
             assert sorted(set(data["status"].values)) == ["converged", "not computed"]
             assert int(np.isfinite(data["area"]).sum()) == len(kept)
         return
     data = run_study(file, out, pictures=False)
-    assert len(here.jobs) == 16 - len(kept)
+    assert len(here.jobs) == 10 - len(kept)
     assert set(data["status"].values) == {"converged"}
-    assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("[!.]*.json")}.items()
+    assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob(KEPT)}.items()
     for case in plan(load_study(file), file).cases:
         job = Job.of(case)
         if f"{job.key}.json" in kept:  # computed by the process that was killed
