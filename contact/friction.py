@@ -20,10 +20,10 @@ import scipy.linalg as la
 import scipy.sparse.linalg as sla
 
 from contact.convergence import Count, NewtonOptions, NotConverged
+from contact.interrupts import look
 from contact.laws import Laws
 from contact.pose import Array, Mask, Nodes
 from meshes.compiled import compiled
-from meshes.interrupts import look
 
 RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # renamed in SciPy 1.12
 TINY = 1e-300

@@ -9,12 +9,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from contact.full_problem import Problem
+from contact.interrupts import look
 from contact.jacobian import Corrected, Jacobian, Product
 from contact.pose import Array
 from contact.preconditioner import Preconditioner, choose
 from contact.ranks import ALONE, Ranks
 from forms import compat
-from meshes.interrupts import look
 
 LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
 ROUGH = 1e-2  # relative residual that is enough on the way

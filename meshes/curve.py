@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshes.closest import SPACING, Closest, Shape, closest
-from meshes.interrupts import later
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -72,8 +71,7 @@ class Curve:
         """
         p = np.asarray(points, dtype=float)
         at = np.empty(0) if guess is None else np.asarray(guess, dtype=float)
-        with later():
-            return Closest(*closest(self.shape, p[:, 0] + 1j * p[:, 1], at))
+        return Closest(*closest(self.shape, p[:, 0] + 1j * p[:, 1], at))
 
     def s_at_y(self, y: ArrayLike) -> Array:
         """Arc length m at lateral position y m, on the part around s = 0 where y increases; ValueError beyond it."""

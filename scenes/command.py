@@ -9,7 +9,7 @@ INTERRUPTED = 130  # exit code
 
 def main() -> None:
     try:
-        from meshes.interrupts import later
+        from contact.interrupts import later
 
         with later():  # libraries in C do not load by halves
             from scenes.cli import main as command

@@ -10,7 +10,7 @@ from math import nan
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
-from meshes.interrupts import later
+from contact.interrupts import later
 from scenes.models import hertz_model, hertz_motion, hertz_scale, laws, stressed_bodies, wheel_scale, wheelset_contact
 from scenes.report import overall, side_report
 from scenes.scene import HertzScene, SceneError, WheelsetScene

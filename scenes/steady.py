@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from meshes.interrupts import later
+from contact.interrupts import later
 from scenes.complaint import RunFailed
 from scenes.models import wheelset_contact
 from scenes.run import track, wagon

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numba
 import pytest
 
-from meshes import interrupts
-from meshes.interrupts import later, look
+from contact import interrupts
+from contact.interrupts import later, look
 
 ROOT = Path(__file__).parents[1]
 
@@ -142,7 +142,7 @@ builtins.__import__ = at
 """
 
 
-@pytest.mark.parametrize("name", ["meshes.interrupts", "scenes.cli", "typer", "scenes.launcher", "scenes.complaint"])
+@pytest.mark.parametrize("name", ["contact.interrupts", "scenes.cli", "typer", "scenes.launcher", "scenes.complaint"])
 @pytest.mark.parametrize("start", ["scenes.command", "scenes.cli"])
 def test_ctrl_c_while_the_command_is_loaded(name: str, start: str, tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(LOADING.format(name=name))

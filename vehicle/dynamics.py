@@ -10,9 +10,9 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.interrupts import look
 from contact.pose import SIDES, Side, WheelsetState
 from contact.result import ContactResult
-from meshes.interrupts import look
 from vehicle.attempts import StepFailure
 from vehicle.drive import Drive
 from vehicle.frame import Frame

@@ -14,9 +14,9 @@ from weakref import finalize
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.interrupts import ignore, later
 from contact.pose import Side, WheelsetState
 from contact.result import ContactResult, Patch, Summaries
-from meshes.interrupts import ignore, later
 from vehicle.dynamics import Contact, HasTangent
 
 Array = NDArray[np.float64]

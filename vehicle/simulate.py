@@ -9,8 +9,8 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.interrupts import later
 from contact.pose import SIDES
-from meshes.interrupts import later
 from vehicle.attempts import StepFailure
 from vehicle.checkpoint import Checkpoint, Checkpoints
 from vehicle.control import Control

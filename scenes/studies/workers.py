@@ -19,7 +19,7 @@ from multiprocessing.connection import wait as wait_for
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol
 
-from meshes.interrupts import ignore
+from contact.interrupts import ignore
 from scenes.complaint import RunFailed, SceneError
 from scenes.studies.job import Job
 from scenes.studies.solve import Found, solve
