@@ -263,7 +263,7 @@ def gone(process: int) -> bool:
 def test_no_second_process_is_left(tmp_path: Path, how: signal.Signals) -> None:
     scene = quick(tmp_path, ("curve = 1.0", "curve = 900.0"))
     scene.write_text(scene.read_text().replace("[solver]", "[solver]\nworkers = 2"))
-    script = "from scenes.command import main\nmain()"
+    script = "from scenes.entry import main\nmain()"
     line = [sys.executable, "-c", script, "run", str(scene), "--out", str(tmp_path)]
     with subprocess.Popen(line, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT) as running:
         children = Path(f"/proc/{running.pid}/task/{running.pid}/children")

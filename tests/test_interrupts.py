@@ -143,7 +143,7 @@ builtins.__import__ = at
 
 
 @pytest.mark.parametrize("name", ["contact.interrupts", "scenes.cli", "typer", "scenes.launcher", "scenes.complaint"])
-@pytest.mark.parametrize("start", ["scenes.command", "scenes.cli"])
+@pytest.mark.parametrize("start", ["scenes.entry", "scenes.cli"])
 def test_ctrl_c_while_the_command_is_loaded(name: str, start: str, tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(LOADING.format(name=name))
     way = ["-m", start] if start == "scenes.cli" else ["-c", f"from {start} import main; main()"]

@@ -1,0 +1,1 @@
+"""The commands of `wheelrail`, by what they are for."""
