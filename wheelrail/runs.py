@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.arguments import plain
+from wheelrail.kept import Kept
 from wheelrail.run_plots import RunPlots
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    pass
 
 
 @dataclass(frozen=True, repr=False)
-class Run:
+class Run(Kept):
     """A vehicle run: data is a Dataset with units in SI over time, side (left, right) and patch (padded with NaN)."""
-
-    data: Dataset
 
     @property
     def status(self) -> str:
@@ -79,16 +78,6 @@ class Run:
 
             bodies = bodies_of_run(self.data, Path("run.nc"))
             animate_run(self.data, Path(file), **bodies, frames=frames, fps=fps, scale=scale, progress=told)
-        return Path(file)
-
-    def to_netcdf(self, file: str | Path) -> Path:
-        """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
-
-        Raises OSError.
-        """
-        from scenes.netcdf import write
-
-        write(self.data, Path(file))
         return Path(file)
 
     def __repr__(self) -> str:

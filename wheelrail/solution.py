@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelrail.kept import Kept
 from wheelrail.solution_plots import SolutionPlots
 from wheelrail.tables import html, patch_table, text
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-    from xarray import Dataset
 
     from contact.result import ContactResult
     from meshes.profiles import Profile
@@ -30,7 +30,7 @@ class Origin:
 
 
 @dataclass(frozen=True, repr=False)
-class Solution:
+class Solution(Kept):
     """The contact of both wheels of a wheelset, or of a Hertz pair.
 
     data: a Dataset with units in SI over side (left and right, or "contact"), patch (by falling load, padded with NaN)
@@ -38,7 +38,6 @@ class Solution:
     which has no origin either: the scene, poses and profiles behind it.
     """
 
-    data: Dataset
     results: Mapping[str, ContactResult] = field(default_factory=dict)
     origin: Origin | None = None
 
@@ -109,16 +108,6 @@ class Solution:
 
             save_view(drawn, Path(file))
         return drawn
-
-    def to_netcdf(self, file: str | Path) -> Path:
-        """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
-
-        Raises OSError.
-        """
-        from scenes.netcdf import write
-
-        write(self.data, Path(file))
-        return Path(file)
 
     def __repr__(self) -> str:
         return text(self.data)

@@ -9,6 +9,7 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelrail.kept import Kept
 from wheelrail.pictures import panels, shown, styled
 
 if TYPE_CHECKING:
@@ -17,28 +18,16 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Study:
+class Study(Kept):
     """Results of a study: data is a Dataset in SI units over what was varied, or over sample for a Latin hypercube.
 
     A failed case is NaN, with its status and error.
     """
 
-    data: Dataset
-
     @property
     def plot(self) -> StudyPlots:
         """Pictures: `plot()` of all there is to see, or `plot.study()` and `plot.convergence()` alone."""
         return StudyPlots(self.data)
-
-    def to_netcdf(self, file: str | Path) -> Path:
-        """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
-
-        Raises OSError.
-        """
-        from scenes.netcdf import write
-
-        write(self.data, Path(file))
-        return Path(file)
 
     def __repr__(self) -> str:
         from rich.console import Console
