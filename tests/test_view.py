@@ -211,3 +211,21 @@ def test_scales_are_round() -> None:
 def test_pictures_end_in_png_or_html(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="must end in"):
         save_view(None, tmp_path / "a.jpg")
+
+
+def test_a_notebook_shows_a_scene_to_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a real kernel a plotter shows itself as a widget with a page of its own server in it."""
+    import nbclient
+    import nbformat
+
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]))
+    cell = nbformat.v4.new_code_cell(
+        "from scenes.pictures.off_screen import plotter, pyvista\n"
+        "view = plotter(size=(300, 200))\n"
+        "view.add_mesh(pyvista().Sphere())\n"
+        "view.show()"
+    )
+    nbclient.NotebookClient(nbformat.v4.new_notebook(cells=[cell]), timeout=120, kernel_name="python3").execute()
+    shown = [output["data"] for output in cell.outputs if "data" in output]
+    assert any("application/vnd.jupyter.widget-view+json" in data for data in shown)
+    assert any("<iframe" in data.get("text/plain", "") for data in shown)
