@@ -15,6 +15,7 @@ from meshes.closest import SPACING, Closest, Shape, closest
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 DEGREE = 7
+ROUNDING = 1e-12  # m: ends are found to the last bits, which differ from machine to machine
 
 _C = TypeVar("_C", bound="Curve")
 
@@ -81,8 +82,10 @@ class Curve:
         origin = int(s.searchsorted(0.0))
         first = int(max(back[back < origin] + 1, default=0))
         last = int(min(back[back >= origin], default=len(s) - 1))
-        if not ((y >= ys[first]) & (y <= ys[last])).all():
+        inside = np.clip(y, ys[first], ys[last])
+        if not (np.abs(y - inside) < ROUNDING).all():
             raise ValueError(f"y must lie in {ys[first]:.6g} .. {ys[last]:.6g} m, where it fixes the point: {y}")
+        y = inside
         i = np.clip(ys[first : last + 1].searchsorted(y), 1, last - first) + first
         low, high = s[i - 1], s[i]
         guess = low + (high - low) * (y - ys[i - 1]) / (ys[i] - ys[i - 1])

@@ -32,6 +32,7 @@ def executed(name: str, **parameters: Any) -> dict[str, Any]:
     notebook = NOTEBOOKS / name
     names: dict[str, Any] = {"__name__": notebook.stem}
     replaced = False
+    pyplot.close("all")  # of other tests in this process
     try:
         with matplotlib.rc_context():
             for heading, body in cells(notebook):

@@ -315,7 +315,7 @@ def test_a_study(study_folder: Path) -> None:
         ({"run.nc": b""}, "DIR/run.nc: cannot be read as NetCDF, it may be damaged"),
         ({"run.nc": "half"}, "DIR/run.nc: cannot be read as NetCDF, it may be damaged"),
         ({"study.nc": "whole"}, "DIR/study.nc: holds no results of a study"),
-        ({"run.nc": "other"}, "DIR/run.nc: holds no results of a run; allowed: run.nc"),
+        ({"run.nc": "other"}, "DIR/run.nc: holds no results of a run, which wheelrail run keeps in run.nc"),
         ({"differences.json": b"{"}, "DIR/differences.json: cannot be read as the table of a comparison"),
         ({"differences.json": b'{"first": "a", "second": "b"}'}, "DIR/a/run.nc: no such file"),
     ],
