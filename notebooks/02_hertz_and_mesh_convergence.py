@@ -115,12 +115,12 @@ assert 0.85 < order < 1.2
 
 # %%
 at = {"approach": exact.approach}
-finest = float(pair(strips=40, cells=40).solve(**at).data.vertical_force)
+finest = pair(strips=40, cells=40).solve(**at).data.vertical_force.item()
 estimated = {n: pair(strips=n, cells=n).solve(**at, error_estimate=True).data for n in FITTED if 8 <= n <= 24}
 for n, own in estimated.items():
-    force, estimate = float(own.vertical_force), float(own.force_error)
+    force, estimate = own.vertical_force.item(), own.force_error.item()
     print(f"{n} x {n} cells: {force:.1f} N, off by {abs(force - finest):.1f} N, estimate {estimate:.1f} N")
-assert all(abs(float(own.vertical_force) - finest) < float(own.force_error) for own in estimated.values())
+assert all(abs(own.vertical_force.item() - finest) < own.force_error.item() for own in estimated.values())
 
 # %% [markdown]
 # ## Bodies end, half-spaces do not
@@ -138,7 +138,7 @@ for load in LOADS:
     own, closed = pair(strips=24, cells=24).solve(load=load), pair().closed_form(load=load)
     size = own.data.attrs["surface_size"]
     D = size * 2 ** np.ceil(np.log2(40 * closed.semi_axes[0] / size))  # the block that was meshed for this load
-    gap = closed.approach - float(own.data.approach)
+    gap = closed.approach - own.data.approach.item()
     missing.append(gap / closed.approach)
     kappa.append(gap * E * D / (2 * load))
 print("missing [% of the approach]:", *np.round(100 * np.array(missing), 2))

@@ -82,8 +82,8 @@ def row(solution, times):
         "again [s]": times[1],
         "loaded points": points,
         "unknowns": points * (3 if own.traction.any() else 1) if moved is None else moved.size,
-        "normal force [N]": float(own.vertical_force),
-        "creep force [N]": float(own.longitudinal_force),
+        "normal force [N]": own.vertical_force.item(),
+        "creep force [N]": own.longitudinal_force.item(),
     }
 
 

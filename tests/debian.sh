@@ -35,5 +35,6 @@ exec unshare --mount --pid --fork sh -eu -c '
   mount --make-rprivate /
   mount -t proc proc "$0/proc"
   mount --rbind /dev "$0/dev"
+  mount --rbind /sys "$0/sys"
   exec chroot "$0" sh -c "cd /work && PATH=/usr/sbin:/usr/bin:/sbin:/bin exec make suite"
 ' "$root"

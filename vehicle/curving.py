@@ -39,7 +39,7 @@ class Steady:
         at = dynamics.track.frame(0.0, curve.speed)
         _, yaw_reaction = dynamics.accelerations(at, found.state, Wrench.of(found.contacts))
         position = found.state[:9].reshape(3, 3)
-        return cls(curve, found, dynamics.suspension.forces(position, np.zeros((3, 3))), float(yaw_reaction))
+        return cls(curve, found, dynamics.suspension.forces(position, np.zeros((3, 3))), yaw_reaction.item())
 
     @property
     def wheel_load(self) -> dict[Side, float]:

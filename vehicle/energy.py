@@ -77,7 +77,7 @@ def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalanc
         fictitious = dynamics.fictitious(frame, state)
         power[i, 2] = (dynamics.weight(frame) * rate[i, :, :2]).sum()
         power[i, 3] = (fictitious.on_bodies * rate[i]).sum() + (
-            fictitious.about_axle - axle_inertia * change[i]
+            fictitious.about_axle.item() - axle_inertia * change[i]
         ) * spin[i]
     return EnergyBalance(history.time, kinetic + suspension.stored_energy(position, series), power)
 
