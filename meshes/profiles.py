@@ -178,6 +178,13 @@ def load_profile(name: str | Path, kind: Kind, *, noise: float = 0.0, inclinatio
         return named_profile(str(name))
     if not Path(name).exists():
         raise ValueError(f"profile {str(name)!r} is neither known nor a file; allowed: {', '.join(NAMES)}, or a file")
+    stat = Path(name).stat()
+    return _from_file(name, kind, noise, inclination, (stat.st_dev, stat.st_ino, stat.st_mtime_ns, stat.st_size))
+
+
+@lru_cache(maxsize=16)
+def _from_file(name: str | Path, kind: Kind, noise: float, inclination: float, stamp: tuple[int, ...]) -> Profile:
+    """Read once as long as the file stays as it is: a scene is checked with its profiles, and then uses them."""
     from meshes.readers import read_profile
 
     return read_profile(name, kind, noise=noise, inclination=inclination)

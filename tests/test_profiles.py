@@ -414,3 +414,17 @@ def test_names(tmp_path: Path) -> None:
     (tmp_path / "a.xyz").write_text("")
     with pytest.raises(ProfileError, match="suffix"):
         load_profile(tmp_path / "a.xyz", "rail")
+
+
+def test_a_file_is_read_once_as_long_as_it_stays_as_it_is(tmp_path: Path) -> None:
+    first = named_profile("S1002")
+    y = np.linspace(-0.069, 0.06, 200)
+    points = 1e3 * first.point(first.s_at_y(y))
+    file = tmp_path / "worn.csv"
+    np.savetxt(file, points, delimiter=",")
+    read = load_profile(file, "wheel")
+    assert load_profile(file, "wheel") is read
+    assert load_profile(file, "wheel", noise=1e-5) is not read
+    points[:, 1] -= 0.1
+    np.savetxt(file, points, delimiter=",")
+    assert load_profile(file, "wheel") is not read

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenes.pictures.style import STYLE, save
+from scenes.pictures.style import SERIES, STYLE, save
 from scenes.studies.convergence import ORDER, counts_of, errors_of
 from scenes.studies.plan import SAMPLE, shown
 from scenes.studies.quantities import MAIN, varying
@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import DataArray, Dataset
 
-# Okabe and Ito's, with markers and dashes that say the same in black and white.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-MARKERS = "osD^vPX"
+COLOURS, MARKERS = zip(*((look["color"], look["marker"]) for look in SERIES), strict=True)
 SIDES: dict[Any, dict[str, Any]] = {"left": {}, "right": {"linestyle": "--", "fillstyle": "none"}}
 PANELS, LINES = 6, 12  # at most
 
