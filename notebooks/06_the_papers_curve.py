@@ -87,7 +87,7 @@ vertical = run.plot.vertical_forces()
 #
 # The car body still rolls a little after some seconds in the curve, and forces swing with it. So all of this is
 # averaged over the last second, in which the mean force also has to change the momentum: $\Delta P / \Delta t$ is read
-# off the velocities at its two ends, and so is the angular momentum $\sum_i (I_i \dot\varphi_i - m_i z_i \dot y_i)$
+# off the velocities at its two ends, and so is the angular momentum $\sum_i (I_i \dot{\varphi}_i - m_i z_i \dot{y}_i)$
 # about the track.
 
 # %%
