@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from copy import deepcopy
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -11,32 +11,41 @@ from scenes.complaint import SceneError
 
 
 def changed(base: Mapping[str, Any], values: Mapping[str, Any], place: str | Path) -> dict[str, Any]:
-    """A copy of the tables with values at dotted places: {"vehicle.speed": 30.0, "creepage.0": 1e-3}.
+    """The tables with values at dotted places: {"vehicle.speed": 30.0, "creepage.0": 1e-3}; new where they differ, else
+    those of base themselves.
 
     Raises SceneError, which place begins, for a key inside something that is no table or array; whether keys of tables
     are known is checked with the scene.
     """
-    found = deepcopy(dict(base))
+    found = dict(base)
     for name, value in values.items():
         *inner, last = keys_of(name)
         at: Any = found
         for key in inner:
-            at = at.setdefault(key, {}) if isinstance(at, dict) else at[key] if _inside(at, key) else None
+            if isinstance(at, dict) or _inside(at, key):
+                at[key] = copy(at.get(key, {}) if isinstance(at, dict) else at[key])
+                at = at[key]
+            else:
+                at = None
         if isinstance(at, dict) or _inside(at, last):
-            at[last] = deepcopy(value)
+            at[last] = value
         else:
             raise SceneError(f"{place}: {name} = {value!r}: unknown key, the scene has no table or array for it")
     return found
 
 
 def without(base: Mapping[str, Any], names: Iterable[str], place: str | Path) -> dict[str, Any]:
-    """A copy of the tables without the values at dotted places; raises SceneError for one that is not there."""
-    found = deepcopy(dict(base))
+    """The tables without the values at dotted places; raises SceneError for one that is not there."""
+    found = dict(base)
     for name in names:
         *inner, last = keys_of(name)
         at: Any = found
         for key in inner:
-            at = at.get(key) if isinstance(at, dict) else None
+            if isinstance(at, dict) and key in at:
+                at[key] = copy(at[key])
+                at = at[key]
+            else:
+                at = None
         if not isinstance(at, dict) or last not in at:
             raise SceneError(f"{place}: {name}: must be a key that the scene has")
         del at[last]

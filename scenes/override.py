@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any, get_args, get_type_hints
 
 from scenes.quantities import refuse
@@ -17,7 +18,7 @@ def overridden(part: Any, values: Mapping[str, Any], prefix: str = "", also: tup
     """
     from vehicle.parts import Refused
 
-    kinds, new = get_type_hints(type(part)), dict[str, Any]()
+    kinds, new = _kinds(type(part)), dict[str, Any]()  # type: ignore[arg-type]
     for key, value in values.items():
         if key not in kinds:
             raise refuse(f"unknown key; allowed are {', '.join((*also, *kinds))}", prefix + key)
@@ -29,6 +30,12 @@ def overridden(part: Any, values: Mapping[str, Any], prefix: str = "", also: tup
     for key in values:
         _check_plausible(key, getattr(found, key), prefix + key)
     return found
+
+
+@cache
+def _kinds(part: type) -> dict[str, Any]:
+    """Of a dataclass's values, by name."""
+    return get_type_hints(part)
 
 
 def _check_plausible(key: str, value: Any, name: str) -> None:

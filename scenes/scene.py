@@ -7,7 +7,14 @@ from math import isinf
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Strict, ValidationError, model_validator
+from pydantic import (
+    Strict,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
 
 from scenes import quantities as q
 from scenes.complaint import SceneError, complain
@@ -65,6 +72,13 @@ class Contact(Table):
     slip_order: Literal[1, 2] = 2
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
+
+    @field_validator("*", mode="wrap")
+    @classmethod
+    def _once(cls, value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        """A table of the kind that is checked already is fine."""
+        fine = isinstance(value, Table) and type(value) is cls.model_fields[str(info.field_name)].annotation
+        return value if fine else check(value)
 
     @model_validator(mode="after")
     def _lawful(self) -> Contact:

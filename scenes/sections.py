@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -212,10 +213,19 @@ class Vehicle(Table):
         from scenes.wagon_file import load_wagon
         from vehicle.wagon import Wagon
 
-        base = Wagon() if radius is None else overridden(Wagon(), {"wheelset": {"height": radius}})
+        base = Wagon() if radius is None else _on_wheels(radius)
         read = base if self.wagon is None else load_wagon(self.wagon, base)
         found: Wagon = overridden(read, self.model_extra or {}, also=("speed", "wagon"))
         return found
+
+
+@cache
+def _on_wheels(radius: float) -> Wagon:
+    """The Manchester wagon on others than its own."""
+    from vehicle.wagon import Wagon
+
+    found: Wagon = overridden(Wagon(), {"wheelset": {"height": radius}})
+    return found
 
 
 class Solver(Table):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from math import atan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -132,7 +133,7 @@ class TrackLine(Rails):
     segments: Annotated[tuple[SegmentTable, ...], Strict(False), Field(min_length=1)] | None = None
     irregularities: IrregularityTable | None = None
 
-    @property
+    @cached_property
     def layout(self) -> list[Segment]:
         """All segments in the words of `vehicle`."""
         tables = self._short if self.segments is None else self.segments
@@ -149,7 +150,7 @@ class TrackLine(Rails):
             SegmentTable(kind="arc", length=self.curve, curvature=self.curvature, cant=self.cant, slope=self.slope),
         )
 
-    @property
+    @cached_property
     def length(self) -> float:
         return float(sum(segment.length for segment in self.layout))
 

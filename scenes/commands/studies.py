@@ -34,7 +34,7 @@ def study(
     from scenes.studies.study import load_study
 
     folder = results_folder(out, Path("results", study.stem))
-    with complaints(""):
+    with complaints(""), progress_console().status("checking the cases"):
         planned = plan(load_study(study), study)
     with complaints("", f"{folder}: "), stdout_for_results():
         outcome = run_plan(planned, folder, progress_console(), scheduler=scheduler, fresh=fresh)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from math import floor, prod
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,13 @@ from pydantic import BaseModel
 from scenes.changes import changed, keys_of, without
 from scenes.complaint import SceneError, unit_of, whole
 from scenes.scene import KINDS, HertzScene, Scene, checked
+from scenes.studies.checking import Checking
 from scenes.studies.complaints import complaints
 from scenes.studies.study import Convergence, LatinHypercube, Study
 
 MOST = 10_000  # cases: a slip of the pen multiplies quickly
 SHOWN = 5  # complaints about cases
+FURTHER = 500  # cases that are looked at for more complaints
 SAMPLE = "sample"  # the dimension of a Latin hypercube
 
 
@@ -92,9 +93,6 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
     if (count := prod(map(len, axes))) > MOST:
         sizes = " x ".join(f"{len(axis)} {axis.name}" for axis in axes)
         raise SceneError(f"{path}: {count} cases ({sizes}): must be {MOST} at most")
-    firsts = [replace(a, values={name: v[:1] for name, v in a.values.items()}, reference=False) for a in axes]
-    for i, axis in enumerate(axes[:-1]):  # a wrong value is told before thousands of cases are looked at
-        _cases([*firsts[:i], axis, *firsts[i + 1 :]], base, study.set, file, path)
     cases = _cases(axes, base, study.set, file, path)
     if study.histories:
         _check_histories(cases, path)
@@ -115,24 +113,49 @@ def _cases(
     axes: Sequence[Axis], base: Mapping[str, Any], fixed: Mapping[str, Any], file: Path, path: str | Path
 ) -> list[Case]:
     """All combinations, checked; the first complaints, where there are any. fixed: what base has from the study."""
-    cases, wrong, own = list[Case](), dict[str, None](), _own(base, file)
-    for place, points in zip(np.ndindex(*map(len, axes)), product(*(axis.points() for axis in axes)), strict=True):
-        parameters = {name: value for point in points for name, value in point.items()}
+    found, check, points = dict[tuple[int, ...], Case](), Checking(file), [axis.points() for axis in axes]
+
+    def complaints_of(place: tuple[int, ...]) -> Iterator[str]:
+        parameters = {name: value for at, i in zip(points, place, strict=True) for name, value in at[i].items()}
         try:
             table = changed(base, parameters, path)
-            cases.append(Case(place, parameters, table, checked(table, file)))
+            found[place] = Case(place, parameters, table, check(table))
         except SceneError as error:
             places = {name: f"set.{name}" for name in fixed}
             places |= {name: axis.place(name, i) for axis, i in zip(axes, place, strict=True) for name in axis.values}
             said = ", ".join(f"{name} = {shown(value)}" for name, value in parameters.items())
+            own = _own(base, file)
             for line, placed in complaints(error, places, file=file, path=path):
-                wrong[line if placed else f"{file}: {line}" if line in own else f"{path}: with {said}: {line}"] = None
-            if len(wrong) > SHOWN:  # thousands of cases take their time
+                yield line if placed else f"{file}: {line}" if line in own else f"{path}: with {said}: {line}"
+
+    every = list(np.ndindex(*map(len, axes)))
+    for places in (_alone(axes), every):
+        wrong, left = dict[str, None](), FURTHER
+        for place in places:
+            if place not in found:
+                wrong |= dict.fromkeys(complaints_of(place))
+            left -= bool(wrong)
+            if len(wrong) > SHOWN or not left:
                 break
-    if wrong:
-        more = [f"{path}: and more of that kind"] if len(wrong) > SHOWN else []
-        raise SceneError("\n".join([*list(wrong)[:SHOWN], *more]))
-    return cases
+        if wrong:
+            more = [f"{path}: and more of that kind"] if len(wrong) > SHOWN else []
+            raise SceneError("\n".join([*list(wrong)[:SHOWN], *more]))
+    return [found[place] for place in every]
+
+
+def _alone(axes: Sequence[Axis]) -> Iterator[tuple[int, ...]]:
+    """Places that show nearly everything that can be wrong: the points of each dimension with the first of all others,
+    those of extreme values before the rest.
+    """
+    orders = [list(dict.fromkeys([*_extremes(axis), *range(len(axis))])) for axis in axes]
+    for i, order in enumerate(orders):
+        for k in order:
+            yield tuple(k if i == j else 0 for j in range(len(axes)))
+
+
+def _extremes(axis: Axis) -> Iterator[int]:
+    for values in filter(numbers, axis.values.values()):
+        yield from (int(np.argmin(values)), int(np.argmax(values)))
 
 
 def _own(base: Mapping[str, Any], file: Path) -> list[str]:

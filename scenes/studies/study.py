@@ -134,9 +134,20 @@ class Study(Table):
 
 
 def _differ(name: str, place: str, rows: Sequence[Any]) -> None:
-    for index, row in enumerate(rows):
-        if row in rows[:index]:
+    seen = set[Any]()
+    for row in rows:
+        if (known := _hashable(row)) in seen:
             raise q.refuse(f"{name}: {row!r} is listed twice", place)
+        seen.add(known)
+
+
+def _hashable(value: Any) -> Any:
+    """What is equal where values are."""
+    if isinstance(value, list | tuple):
+        return tuple(map(_hashable, value))
+    if isinstance(value, Mapping):
+        return frozenset((key, _hashable(inner)) for key, inner in value.items())
+    return value
 
 
 def load_study(path: str | Path) -> Study:
