@@ -50,8 +50,17 @@ class Outcome:
         return [costs(self.history), "\n".join(lines)]
 
 
-def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, resume: bool = False) -> Outcome:
-    """Run a scene and keep what it gives in a folder; text is the scene as written, kept with the results.
+def run_scene(
+    scene: RunScene,
+    text: str,
+    folder: Path,
+    console: Console,
+    *,
+    resume: bool = False,
+    checkpoints: Path | None = None,
+) -> Outcome:
+    """Run a scene and keep what it gives in a folder; text is the scene as written, kept with the results; checkpoints
+    go to a file in the folder unless another one is given.
 
     An interrupted or failed run is kept up to where it came, and its checkpoints, from the latest of which resume goes
     on; a complete one leaves none. Raises OSError when the folder cannot be written, SceneError for checkpoints of
@@ -61,7 +70,8 @@ def run_scene(scene: RunScene, text: str, folder: Path, console: Console, *, res
     from scenes.resume import head, latest
 
     folder.mkdir(parents=True, exist_ok=True)
-    journal = Journal(folder / CHECKPOINTS, head(scene), partial(console.print, highlight=False, markup=False))
+    tell = partial(console.print, highlight=False, markup=False)
+    journal = Journal(checkpoints or folder / CHECKPOINTS, head(scene), tell)
     if not resume and head_of(journal.file):
         console.print(f"{folder} holds a run that was stopped; this one starts anew, --resume would go on with it")
     start = latest(journal, journal.tell) if resume else None

@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +18,21 @@ import numpy as np
 import pytest
 from fragile_worker import DEADLY, RAISING, fragile
 from typer.testing import CliRunner
-from xarray import open_dataset
+from xarray import Dataset, open_dataset
 
 from contact.references.hertz import hertz, modulus
+from scenes import run as scene_run
+from scenes.changes import changed
 from scenes.cli import app
 from scenes.complaint import RunFailed, SceneError
+from scenes.scene import checked
+from scenes.studies import plan as plan_module
 from scenes.studies import run as run_module
 from scenes.studies.convergence import slope
 from scenes.studies.job import Job
 from scenes.studies.plan import MOST, Plan, plan
 from scenes.studies.run import run_study
-from scenes.studies.solve import Found, solve
+from scenes.studies.solve import Found, goes_on, solve
 from scenes.studies.store import Store
 from scenes.studies.study import check_study, load_study
 from scenes.studies.workers import cluster, finished, processes
@@ -280,6 +284,55 @@ def test_of_many_bad_values_the_first_are_told() -> None:
     assert str(caught.value).endswith("and more of that kind")
 
 
+RUN = {"scene": str(SCENES / "curve.toml")}
+MANY = [1e-5 * i for i in range(10_000)]
+HUNDRED = [20.0 + 0.1 * i for i in range(100)]
+LATE = {
+    "the last of 10 000 numbers": ({"friction": [*MANY[:-1], 3.0]}, "friction[9999] = 3.0: must be a number from", 600),
+    "one in the middle": ({"friction": [*MANY[:5000], 3.0, *MANY[5001:]]}, "friction[5000] = 3.0: must be a numb", 600),
+    "two dimensions": (
+        {"vehicle.speed": HUNDRED, "vehicle.roll_bar": [*(1e4 * v for v in HUNDRED[1:]), -1.0]},
+        "grid.vehicle.roll_bar[99] = -1.0: must be zero or positive",
+        600,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LATE)
+def test_a_wrong_value_is_found_before_most_cases_are_looked_at(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    grid, says, most = LATE[name]
+    looked = list[Any]()
+    monkeypatch.setattr(plan_module, "changed", lambda *what: looked.append(what) or changed(*what))
+    with pytest.raises(SceneError) as caught:
+        plan(check_study({**RUN, "grid": grid}))
+    assert says in str(caught.value)
+    assert 1 < len(looked) <= most
+
+
+def test_a_combination_is_looked_at_even_if_it_is_the_last() -> None:
+    says = r"wheelset\.flange_back_distance\[1\] = 1\.5: must be less than the track's gauge of 1\.435 m"
+    with pytest.raises(SceneError, match=says):
+        plan(check_study({**RUN, "grid": {"track.gauge": [1.6, 1.435], "wheelset.flange_back_distance": [1.36, 1.5]}}))
+
+
+def test_cases_are_checked_like_scenes_alone() -> None:
+    """A table that was fine in one case is not checked again, and comes out the same."""
+    grid = {
+        "vehicle.speed": [30.0, 40.0],
+        "vehicle.roll_bar": [1e6, 2e6],
+        "track.curve": [200.0, 300.0],
+        "wheelset.radius": [0.45, 0.46],
+    }
+    found = plan(check_study({**RUN, "grid": grid}))
+    assert len(found.cases) == 16
+    for case in found.cases:
+        alone = checked(case.table, SCENES / "curve.toml")
+        assert case.scene == alone
+        assert case.scene.model_dump() == alone.model_dump()
+        assert case.scene.model_fields_set == alone.model_fields_set
+    assert len({id(case.scene.track) for case in found.cases}) == 2  # type: ignore[union-attr]
+
+
 def test_the_command_refuses_before_it_computes(tmp_path: Path) -> None:
     file = tmp_path / "bad.toml"
     file.write_text(f'scene = "{SCENES / "hertz.toml"}"\n[grid]\nload = [1e4, 6e40]\n')
@@ -358,7 +411,7 @@ def test_a_case_that_cannot_be_kept_is_told_and_used(
 # What goes wrong on the way
 
 
-def test_a_failed_case_has_its_error_and_the_rest_goes_on(here: Here, tmp_path: Path) -> None:
+def test_a_failed_case_has_its_error_and_the_restgoes_on(here: Here, tmp_path: Path) -> None:
     scene = json.loads(json.dumps(load_study(SCENES / "study_samples.toml").base(SCENES)[0]))
     fix = {"model": "standard", "laws": "exact", "normal": "hertz", "tangential": "polach"}
     table = {"scene": scene, "set": fix, "grid": {"track.gauge_height": [0.014, 0.049], "wheelset.y": [0.0, 1e-3]}}
@@ -454,7 +507,7 @@ friction = [0.10, 0.14, 0.18, 0.22, 0.24, 0.26, 0.30, 0.34, 0.38, 0.40]
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
-def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_path: Path, here: Here) -> None:
+def test_a_stopped_studygoes_on_and_leaves_no_process(how: signal.Signals, tmp_path: Path, here: Here) -> None:
     file, out = tmp_path / "slow.toml", tmp_path / "out"
     file.write_text(SLOW.replace("SCENE", str(SCENES / "hertz.toml")))
     process = started(file, out)
@@ -481,6 +534,82 @@ def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_
             assert before is not None
             assert again.sides["contact"]["max_pressure"] == before.sides["contact"]["max_pressure"]
             break
+
+
+STEPS = 10  # from one checkpoint to the next
+CURVE = f"""
+scene = "{SCENES / "curve.toml"}"
+without = ["strips", "cells"]
+workers = 1
+histories = true
+[set]
+model = "standard"
+laws = "exact"
+normal = "hertz"
+tangential = "polach"
+output.checkpoint = {STEPS}
+output.interval = 0.1
+track = {{ tangent = 20.0, transition_length = 40.0, curve = 60.0 }}
+[grid]
+friction = [0.3]
+"""
+
+
+@dataclass
+class Counted:
+    """A contact that counts what it solves."""
+
+    contact: Any
+    solved: int = 0
+
+    def __call__(self, *what: Any) -> Any:
+        self.solved += 1
+        return self.contact(*what)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.contact, name)
+
+
+def numbers(data: Dataset) -> Dataset:
+    """All but what a clock says."""
+    return data.drop_vars([name for name in data if "seconds" in str(name)]).assign_attrs(created="")
+
+
+def test_a_run_that_was_killedgoes_on_from_its_checkpoint(
+    tmp_path: Path, here: Here, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solved, made = list[Counted](), scene_run.wheelset_contact
+    monkeypatch.setattr(scene_run, "wheelset_contact", lambda scene: solved.append(Counted(made(scene))) or solved[-1])
+    file = tmp_path / "curve.toml"
+    file.write_text(CURVE)
+    undisturbed = run_study(file, tmp_path / "whole", pictures=False)
+    assert [path.suffix for path in (tmp_path / "whole" / "cases").iterdir()] == [".json"]
+
+    process, cases = started(file, tmp_path / "killed"), tmp_path / "killed" / "cases"
+    assert waited_for(lambda: any(path.stat().st_size > 40_000 for path in cases.glob("[!.]*")))
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait(timeout=60)
+    assert waited_for(lambda: not alive(process.pid), 30.0)
+    (left,) = cases.iterdir()
+    assert left.suffix == ".checkpoints"
+    content = left.read_bytes()
+    with Job.of(plan(load_study(file), file).cases[0]).scene() as (scene, _):
+        assert goes_on(scene, left)
+        assert not goes_on(scene.model_copy(update={"friction": 0.31}), left)
+        for spoiled in (b"", content[:900], content.replace(b"S1002", b"S1003"), bytes(range(256))):
+            left.write_bytes(spoiled)
+            assert not goes_on(scene, left)
+
+    left.write_bytes(content)
+    again = run_study(file, tmp_path / "killed", pictures=False)
+    assert numbers(again).identical(numbers(undisturbed))
+    assert solved[1].solved < 0.9 * solved[0].solved
+    assert [path.suffix for path in cases.iterdir()] == [".json"]
+    next(cases.iterdir()).unlink()
+    left.write_bytes(content[:900])
+    assert numbers(run_study(file, tmp_path / "killed", pictures=False)).identical(numbers(undisturbed))
+    assert solved[2].solved == solved[0].solved
+    assert [path.suffix for path in cases.iterdir()] == [".json"]
 
 
 # A cluster

@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ class Job:
 
     key: hash of all that; the same key, the same results. timed: seconds are compared, so that a process solves its
     first case once before, which loads and compiles. A run keeps to one process: the cases fill the others.
+    checkpoints: the file of a run's, from which it goes on if it was stopped, where there is a folder for it.
     """
 
     table: Mapping[str, Any]
@@ -30,10 +31,11 @@ class Job:
     computer: Mapping[str, str]
     key: str
     timed: bool = False
+    checkpoints: str = ""
 
     @classmethod
-    def of(cls, case: Case, *, histories: bool = False, timed: bool = False) -> Job:
-        """Raises OSError for a file that has gone meanwhile."""
+    def of(cls, case: Case, *, histories: bool = False, timed: bool = False, folder: Path | None = None) -> Job:
+        """folder: of checkpoints. Raises OSError for a file that has gone meanwhile."""
         files: dict[str, bytes] = {}
         table = _packed(dict(case.table), case.scene.model_dump(), files)
         if case.scene.kind == "run":
@@ -41,7 +43,10 @@ class Job:
             table |= {"output": {**table.get("output", {}), "figures": False}}
         what = {"scene": table, "histories": histories, "computer": computer()}
         text = json.dumps(what, sort_keys=True, default=list)
-        return cls(table, files, histories, computer(), hashlib.sha256(text.encode()).hexdigest()[:24], timed)
+        key = hashlib.sha256(text.encode()).hexdigest()[:24]
+        kept = folder is not None and case.scene.kind == "run" and case.scene.output.checkpoint
+        checkpoints = str(unfinished(folder, key).absolute()) if folder and kept else ""
+        return cls(table, files, histories, computer(), key, timed, checkpoints)
 
     @contextmanager
     def scene(self) -> Iterator[tuple[Scene, Path]]:
@@ -52,6 +57,11 @@ class Job:
                 file.parent.mkdir(exist_ok=True)
                 file.write_bytes(content)
             yield checked(self.table, Path(name, "case")), Path(name)
+
+
+def unfinished(folder: Path, key: str) -> Path:
+    """The file of a case's checkpoints among finished ones."""
+    return folder / f"{key}.checkpoints"
 
 
 @cache
@@ -70,8 +80,15 @@ def _packed(value: Any, checked: Any, files: dict[str, bytes]) -> Any:
     if isinstance(value, list | tuple) and isinstance(checked, list | tuple):
         return [_packed(item, below, files) for item, below in zip(value, checked, strict=True)]
     if isinstance(value, str) and isinstance(checked, str) and Path(checked).is_absolute():
-        content = Path(checked).read_bytes()
-        name = f"{hashlib.sha256(content).hexdigest()[:16]}/{Path(checked).name}"
+        stat = Path(checked).stat()
+        name, content = _file(checked, (stat.st_dev, stat.st_ino, stat.st_mtime_ns, stat.st_size))
         files[name] = content
         return name
     return value
+
+
+@lru_cache(maxsize=64)
+def _file(path: str, stamp: tuple[int, ...]) -> tuple[str, bytes]:
+    """A name that says what is in a file, and that; once for all cases, as long as the file stays as it is."""
+    content = Path(path).read_bytes()
+    return f"{hashlib.sha256(content).hexdigest()[:16]}/{Path(path).name}", content

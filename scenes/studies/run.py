@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -101,7 +102,8 @@ def run_plan(
     jobs: dict[str, Job] = {}
     places: dict[str, list[tuple[int, ...]]] = {}
     for case in planned.cases:  # the same scene at two places is computed once
-        job = Job.of(case, histories=planned.study.histories, timed=planned.convergence is not None)
+        compared = planned.convergence is not None
+        job = Job.of(case, histories=planned.study.histories, timed=compared, folder=store.folder)
         jobs[job.key] = job
         places.setdefault(job.key, []).append(case.place)
     if fresh:
@@ -113,6 +115,8 @@ def run_plan(
     missing, computed, interrupted = [job for key, job in jobs.items() if key not in known], 0, False
     try:
         if missing:
+            with contextlib.suppress(OSError):  # whoever cannot keep anything is told for every case
+                store.folder.mkdir(exist_ok=True)
             with _workers(planned, scheduler, len(missing)) as workers, case_bar(console, len(missing)) as done:
                 for job, one in finished(workers, missing):
                     known[job.key], computed = one, computed + 1

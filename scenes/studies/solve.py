@@ -7,14 +7,12 @@ import json
 import os
 import threading
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
 from scenes.studies.job import Job, computer
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ALONE = threading.Lock()  # the libraries in C are made for one thread; workers of a cluster may have several
 WARM: set[bool] = set()  # not empty when this process has solved a case
@@ -69,7 +67,7 @@ def _solved(job: Job) -> dict[str, Any]:
         text = "the worker has another version of wheelrail's files than what started the study"
         return {"status": "failed", "error": text, "lost": True}
     with job.scene() as (scene, folder):
-        return _run(scene, folder, job.histories) if isinstance(scene, RunScene) else _contact(scene)
+        return _run(scene, folder, job) if isinstance(scene, RunScene) else _contact(scene)
 
 
 def _contact(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
@@ -81,15 +79,19 @@ def _contact(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     return _ended(report["status"]) | {"sides": {name: of_contact(report[name]) for name in names}}
 
 
-def _run(scene: RunScene, folder: Path, histories: bool) -> dict[str, Any]:
+def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
     from rich.console import Console
     from xarray import load_dataset
 
-    from scenes.run import RESULTS, run_scene
+    from scenes.run import CHECKPOINTS, RESULTS, run_scene
     from scenes.studies.quantities import histories_of, of_run
 
+    file = Path(job.checkpoints)
+    if not job.checkpoints or not file.parent.is_dir():  # on another machine
+        file = folder / CHECKPOINTS
     with open(os.devnull, "w") as nowhere:
-        outcome = run_scene(scene, "", folder, Console(file=nowhere))
+        resume = goes_on(scene, file)
+        outcome = run_scene(scene, "", folder, Console(file=nowhere), resume=resume, checkpoints=file)
     if not outcome.files:
         return _ended(f"failed: {outcome.status.removeprefix('failed: ')} before the first step")
     data = load_dataset(folder / RESULTS, engine="netcdf4")
@@ -97,8 +99,23 @@ def _run(scene: RunScene, folder: Path, histories: bool) -> dict[str, Any]:
     return _ended(outcome.status) | {
         "sides": sides,
         "whole": whole,
-        "histories": histories_of(data) if histories else {},
+        "histories": histories_of(data) if job.histories else {},
     }
+
+
+def goes_on(scene: RunScene, file: Path) -> bool:
+    """Whether there is a checkpoint of this very run; one that is spoiled, another's or in use is as good as none."""
+    from scenes.journal import Journal
+    from scenes.resume import head, latest
+
+    journal = Journal(file, head(scene), lambda _: None)
+    try:
+        return latest(journal, lambda _: None) is not None
+    except Exception:
+        return False
+    finally:
+        if journal.stream is not None:
+            journal.stream.close()
 
 
 def _ended(status: str) -> dict[str, str]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meshes.whole_file import whole_file
+from scenes.studies.job import unfinished
 from scenes.studies.solve import Found
 
 
@@ -29,15 +30,17 @@ class Store:
             return None
 
     def keep(self, key: str, found: Found) -> None:
-        """On disk when this returns, in one stroke. Raises OSError."""
+        """On disk when this returns, in one stroke; checkpoints go then. Raises OSError."""
         text = found.text()
         with whole_file(self._file(key)) as part, part.open("w", encoding="utf-8") as stream:
             stream.write(f"{_seal(key, text)}\n{text}")
             stream.flush()
             os.fsync(stream.fileno())
+        unfinished(self.folder, key).unlink(missing_ok=True)
 
     def forget(self, key: str) -> None:
-        self._file(key).unlink(missing_ok=True)
+        for file in (self._file(key), unfinished(self.folder, key)):
+            file.unlink(missing_ok=True)
 
     def _file(self, key: str) -> Path:
         return self.folder / f"{key}.json"
