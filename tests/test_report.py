@@ -29,9 +29,12 @@ from scenes.report_page import write_report
 from scenes.report_page.common import opening, seconds
 from scenes.report_page.extremes import extreme, wheel_table
 from scenes.results import dataset
+from scenes.studies import results
 from scenes.studies import run as run_module
+from scenes.studies.plan import plan
 from scenes.studies.run import run_study
 from scenes.studies.solve import Found, solve
+from scenes.studies.study import check_study
 from scenes.view import bodies_of_run
 from scenes.wear import wear
 
@@ -114,6 +117,12 @@ const timer = setInterval(() => {
     complaints, images: [...document.images].map(one => [one.alt, one.naturalWidth]),
     canvases: canvases.map(one => [one.width, one.height]), messages: document.querySelectorAll(".message").length,
     shown: document.querySelectorAll(".message:not([hidden])").length,
+    tables: [...document.querySelectorAll(".long")].map(one => {
+      const first = () => one.querySelector("tbody tr").textContent;
+      const heads = one.querySelectorAll("button"), seen = [first()];
+      for (const click of [0, 0, 1, heads.length - 1]) { heads[click].click(); seen.push(first()); }
+      return [one.querySelectorAll("tbody tr").length, one.clientHeight, one.scrollHeight, ...seen];
+    }),
     box: box && [box.left, box.top, box.right, box.bottom].map(Math.round),
   }) + "END");
 }, 100);
@@ -301,6 +310,37 @@ def test_a_study(study_folder: Path) -> None:
     kept = json.loads(read(study_folder / "study.nc").attrs["study"])
     assert kept["grid"]["upper.radii"] == [[0.46, float("inf")]]
     assert 'No three-dimensional view: model = "standard"' in page.text
+
+
+def cases_data(count: int) -> Dataset:
+    """Results of a made-up study of so many loads; a third of the cases failed, the first one among them."""
+    planned = plan(check_study(study(grid={"load": [1e3 + i for i in range(count)]})))
+    good = [{"contact": {"max_pressure": 1e6 * (1000 + i)}} for i in range(count)]
+    ended = [Found("failed", "no") if i % 3 == 0 else Found("converged", "", 1.0, good[i]) for i in range(count)]
+    found = {(i,): one for i, one in enumerate(ended)}
+    return results.dataset(planned, found)
+
+
+def test_a_browser_sorts_all_cases_of_a_study(tmp_path: Path) -> None:
+    write(cases_data(400), tmp_path / "study.nc")
+    found, errors, _ = opened(write_report(tmp_path, view=False).read_text(encoding="utf-8"), tmp_path)
+    assert errors == found["complaints"] == []
+    failed, cases = found["tables"]
+    assert (failed[0], cases[0]) == (134, 400)
+    assert all(500 < height < 700 < whole for _, height, whole, *_ in (failed, cases))
+    as_is, up, down, pressure, status = cases[3:]
+    assert as_is == up == "1000-nanfailed: no"
+    assert down == "1399-nanfailed: no"
+    assert pressure == "100110011converged"  # the least that is known
+    assert status.endswith("converged")
+
+
+def test_of_very_many_cases_the_first_are_shown(tmp_path: Path) -> None:
+    write(cases_data(6010), tmp_path / "study.nc")
+    page = Reader(write_report(tmp_path, view=False).read_text(encoding="utf-8"))
+    assert "and 4010 more, in study.nc" in page.text
+    assert "and 4 more, in study.nc" in page.text
+    assert len(page.rows) == 2 + 2001 + 2001
 
 
 # What cannot be reported

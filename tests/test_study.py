@@ -507,7 +507,7 @@ friction = [0.10, 0.14, 0.18, 0.22, 0.24, 0.26, 0.30, 0.34, 0.38, 0.40]
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
-def test_a_stopped_studygoes_on_and_leaves_no_process(how: signal.Signals, tmp_path: Path, here: Here) -> None:
+def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_path: Path, here: Here) -> None:
     file, out = tmp_path / "slow.toml", tmp_path / "out"
     file.write_text(SLOW.replace("SCENE", str(SCENES / "hertz.toml")))
     process = started(file, out)
@@ -575,7 +575,7 @@ def numbers(data: Dataset) -> Dataset:
     return data.drop_vars([name for name in data if "seconds" in str(name)]).assign_attrs(created="")
 
 
-def test_a_run_that_was_killedgoes_on_from_its_checkpoint(
+def test_a_run_that_was_killed_goes_on_from_its_checkpoint(
     tmp_path: Path, here: Here, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     solved, made = list[Counted](), scene_run.wheelset_contact

@@ -16,6 +16,27 @@ for (const view of document.querySelectorAll(".view")) {
   view.querySelector(".stage").addEventListener("click", () => view.classList.add("turning"));
   view.addEventListener("mouseleave", () => view.classList.remove("turning"));
 }
+// Long tables are sorted by a click on a head: numbers as such, those that are not known last; the other way round by
+// the next click.
+for (const table of document.querySelectorAll(".long table")) {
+  for (const [column, head] of [...table.tHead.rows[0].cells].entries()) {
+    const button = document.createElement("button");
+    button.append(...head.childNodes);
+    head.append(button);
+    button.addEventListener("click", () => {
+      const down = head.ariaSort === "ascending";
+      for (const other of table.tHead.rows[0].cells) other.ariaSort = null;
+      head.ariaSort = down ? "descending" : "ascending";
+      const text = row => row.cells[column].textContent;
+      const one = row => head.className === "number" ? parseFloat(text(row)) : text(row);
+      const order = (a, b) => a < b ? -1 : a > b ? 1 : 0;
+      const known = row => !Number.isNaN(one(row));
+      const rows = [...table.tBodies[0].rows];
+      const sorted = rows.filter(known).sort((a, b) => (down ? -1 : 1) * order(one(a), one(b)));
+      table.tBodies[0].append(...sorted, ...rows.filter(row => !known(row)));
+    });
+  }
+}
 addEventListener("beforeprint", () => {
   for (const folded of document.querySelectorAll("details")) folded.open = true;
 });

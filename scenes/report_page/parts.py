@@ -12,9 +12,14 @@ if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
 
+LONG = 30  # rows of a table
+
+
 @dataclass(frozen=True)
 class Table:
-    """Heads and rows of texts; the first column names the row. numbers: columns that stand at the right."""
+    """Heads and rows of texts; the first column names the row. numbers: columns that stand at the right. A long one
+    scrolls, and is sorted by a click on a head.
+    """
 
     kind: ClassVar[str] = "table"
     caption: str
@@ -22,6 +27,10 @@ class Table:
     rows: Sequence[Sequence[str]]
     numbers: frozenset[int]
     note: str = ""
+
+    @property
+    def long(self) -> bool:
+        return len(self.rows) > LONG
 
     @classmethod
     def of_rich(cls, table: RichTable, caption: str = "") -> Table:

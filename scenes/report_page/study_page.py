@@ -15,12 +15,12 @@ from scenes.report_page.parts import Note, Page, Section, Table
 from scenes.report_page.views import contact
 from scenes.studies.convergence import errors_of
 from scenes.studies.plan import SAMPLE, shown
-from scenes.studies.tables import case_table, dimensions, error_table, parameters
+from scenes.studies.tables import case_table, error_table, flat, parameters
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-
+ROWS = 2000  # of a table of cases
 KINDS = {"hertz": "pairs of bodies", "wheelset": "wheelsets on rails", "run": "vehicle runs"}
 
 
@@ -30,8 +30,8 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     spent = float(data["seconds"].sum())
     sections = [
         Section("What was varied", [parameter_table(data)]),
-        Section("Failed cases", [failures(data)]),
-        Section("Cases", [Table.of_rich(case_table(data))]),
+        Section("Failed cases", [failures(data, file.name)]),
+        Section("Cases", [Table.of_rich(case_table(data, ROWS, f"in {file.name}"))]),
         Section("Pictures", pictures(_pictures(data), "Nothing that is drawn varies from case to case.")),
     ]
     if errors_of(data):
@@ -71,18 +71,17 @@ def parameter_table(data: Dataset) -> Table:
     return Table("Parameters", ["parameter", "unit", "dimension", "values"], rows, frozenset())
 
 
-def failures(data: Dataset) -> Table | Note:
-    """Parameters and error of every case that failed."""
-    names, rows = parameters(data), []
-    dims = dimensions(data)
-    for place in np.ndindex(*(data.sizes[dim] for dim in dims)):
-        one = data.isel(dict(zip(dims, place, strict=True)))
-        if str(one["status"].values) == "failed":
-            rows.append([*(shown(one[name].values.item()) for name in names), str(one["error"].values)])
-    if not rows:
+def failures(data: Dataset, file: str) -> Table | Note:
+    """Parameters and error of every case that failed; file: what holds the rest of very many."""
+    names = parameters(data)
+    columns = [flat(data, name) for name in names]
+    failed, errors = np.flatnonzero(flat(data, "status") == "failed"), flat(data, "error")
+    if not failed.size:
         return Note("None.")
+    rows = [[*(shown(column[k].item()) for column in columns), str(errors[k])] for k in failed[:ROWS]]
     heads = [str(data[name].attrs.get("long_name", name)) for name in names]
-    return Table("Cases that failed, and why", [*heads, "error"], rows, frozenset(range(len(heads))))
+    note = f"and {failed.size - ROWS} more, in {file}" if failed.size > ROWS else ""
+    return Table("Cases that failed, and why", [*heads, "error"], rows, frozenset(range(len(heads))), note)
 
 
 def _pictures(data: Dataset) -> list[Any]:

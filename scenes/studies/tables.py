@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,8 +38,8 @@ def tables(data: Dataset) -> list[RenderableType]:
     return [case_table(data), *([error_table(data)] if errors_of(data) else [])]
 
 
-def case_table(data: Dataset) -> Table:
-    """A line for every case; values of the sides one after the other."""
+def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -> Table:
+    """A line for every case, up to so many; values of the sides one after the other. where: the rest is to be found."""
     from rich.table import Table
 
     names = parameters(data)
@@ -54,15 +53,16 @@ def case_table(data: Dataset) -> Table:
         view.add_column(f"{MAIN[name][0]} [{MAIN[name][2]}]", justify="right")
     view.add_column("s", justify="right", no_wrap=True)
     view.add_column("status", min_width=9)
-    for index, one in enumerate(_cases(data)):
-        if index == ROWS:
-            view.caption, view.caption_justify = f"and {data['status'].size - ROWS} more, in the results", "left"
-            break
-        cells = [_short(_plain(one[name].values)) for name in names]
+    values = {name: flat(data, name) for name in (*names, *main, "seconds", "status", "error")}
+    for index in range(min(data["status"].size, rows)):
+        one = {name: column[index] for name, column in values.items()}
+        cells = [_short(_plain(one[name])) for name in names]
         for name in main:
-            cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(one[name].values)))
-        said = f"{one['status'].values}" + (f": {one['error'].values}" if str(one["error"].values) else "")
+            cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(one[name])))
+        said = f"{one['status']}" + (f": {one['error']}" if str(one["error"]) else "")
         view.add_row(*cells, f"{float(one['seconds']):.2g}", said)
+    if (more := data["status"].size - rows) > 0:
+        view.caption, view.caption_justify = f"and {more} more, {where}", "left"
     return view
 
 
@@ -86,10 +86,12 @@ def error_table(data: Dataset) -> Table:
     return view
 
 
-def _cases(data: Dataset) -> Iterator[Dataset]:
+def flat(data: Dataset, name: str) -> Any:
+    """Values of a variable, case by case; by side, too, if it has sides: an array of one or two dimensions."""
     dims = dimensions(data)
-    for place in np.ndindex(*(data.sizes[dim] for dim in dims)):
-        yield data.isel(dict(zip(dims, place, strict=True)))
+    there = [dim for dim in dims if dim not in data[name].dims]
+    values = data[name].expand_dims({dim: data.sizes[dim] for dim in there}).transpose(*dims, ...).values
+    return values.reshape(data["status"].size, *values.shape[len(dims) :])
 
 
 def _plain(value: Any) -> Any:
