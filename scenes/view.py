@@ -123,5 +123,10 @@ def bodies_of_run(data: Dataset, file: Path) -> dict[str, Any]:
     scene = parse_scene(data.attrs["scene"], file)
     if not isinstance(scene, RunScene):
         raise SceneError(f"{file}: holds no results of a run, which wheelrail run keeps in run.nc")
+    return bodies_of_scene(scene)
+
+
+def bodies_of_scene(scene: RunScene) -> dict[str, Any]:
+    """The same by the scene itself."""
     wheel, rail = laid_profiles(scene)
     return {"wheel": wheel, "rail": rail, "mounting": mounted(scene, rail)}

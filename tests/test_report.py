@@ -29,6 +29,7 @@ from scenes.report_page import write_report
 from scenes.report_page.common import opening, seconds
 from scenes.report_page.extremes import extreme, wheel_table
 from scenes.results import dataset
+from scenes.studies import job as jobs
 from scenes.studies import results
 from scenes.studies import run as run_module
 from scenes.studies.plan import plan
@@ -309,7 +310,23 @@ def test_a_study(study_folder: Path) -> None:
     assert len(page.of("img")) == 1
     kept = json.loads(read(study_folder / "study.nc").attrs["study"])
     assert kept["grid"]["upper.radii"] == [[0.46, float("inf")]]
-    assert 'No three-dimensional view: model = "standard"' in page.text
+    assert 'No three-dimensional view: model = "standard" knows no bodies that deform' in page.text
+
+
+def test_a_study_of_runs_shows_the_hardest_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def work(job: Any) -> Found:
+        write(run_data(), jobs.run_data(Path(job.folder), job.key))
+        return Found("completed", "", 1.0, {"left": {"max_pressure": 1e9 * job.table["friction"]}})
+
+    monkeypatch.setattr(run_module, "processes", lambda count: Here(work))
+    table = {"scene": str(Path(__file__).parents[1] / "scenes" / "curve.toml"), "grid": {"friction": [0.2, 0.4, 0.3]}}
+    run_study(table, tmp_path, pictures=False)
+    (kept,) = (tmp_path / "cases").glob("*.nc")
+    page = Reader(write_report(tmp_path).read_text(encoding="utf-8"))
+    assert len([one for one in page.of("figure") if one.get("class") == "view"]) == 1
+    assert "Largest lateral force, run with the largest peak pressure, friction = 0.4, at 90.0 m" in page.text
+    kept.unlink()
+    assert "No three-dimensional view: " in Reader(write_report(tmp_path).read_text(encoding="utf-8")).text
 
 
 def cases_data(count: int) -> Dataset:

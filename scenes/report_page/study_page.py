@@ -12,7 +12,7 @@ import numpy as np
 from scenes.report_page.common import origin, pictures, seconds
 from scenes.report_page.drawing import picture
 from scenes.report_page.parts import Note, Page, Section, Table
-from scenes.report_page.views import contact
+from scenes.report_page.views import case
 from scenes.studies.convergence import errors_of
 from scenes.studies.plan import SAMPLE, shown
 from scenes.studies.tables import case_table, error_table, flat, parameters
@@ -37,7 +37,7 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     if errors_of(data):
         sections.insert(2, Section("Convergence", [Table.of_rich(error_table(data))]))
     if view:
-        sections.append(Section("In three dimensions", [contact(data)]))
+        sections.append(Section("In three dimensions", [case(data, file)]))
     if not counts.get("failed"):
         del sections[1]
     return Page(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,59 +18,87 @@ from scenes.studies.tables import dimensions
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from scenes.studies.plan import Case
+
 CHEAP = 30.0  # s that a case of a study may have taken to be solved once more for its view
 FEW = "No three-dimensional view"
 
 
 def moment(data: Dataset, file: Path, name: str = "") -> View | Note:
     """The sample of the largest lateral force; file: the results, beside which the scene's files are looked for."""
-    from scenes.pictures.moment import hardest, moment_view
     from scenes.view import bodies_of_run
 
-    def drawn() -> View:
-        index = hardest(data)
-        said = _said(data, index, name)
-        plotter = moment_view(data, index, **bodies_of_run(data, file), title=said.split(":")[0])
-        caption = (
-            f"{said}. Above: the wheelset on its rails, seen from behind; arrows: vertical and lateral force on the "
-            "left wheel (blue) and on the right one (orange). Below: both contacts, patches as ellipses coloured by "
-            "their load. Everything true to scale, displacements included."
-        )
-        return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {said}.")
-
-    return _or_why_not(drawn)
+    return _or_why_not(lambda: _moment(data, bodies_of_run(data, file), name))
 
 
-def contact(data: Dataset) -> View | Note:
-    """A case of a study of single contacts that was solved quickly, the middle one of these by its time."""
+def _moment(data: Dataset, bodies: dict[str, Any], name: str) -> View:
+    from scenes.pictures.moment import hardest, moment_view
 
-    def drawn() -> View:
-        from scenes.scene import RunScene
-        from scenes.studies.plan import plan
-        from scenes.studies.study import check_study
-        from scenes.view import view_scene
+    index = hardest(data)
+    said = _said(data, index, name)
+    plotter = moment_view(data, index, **bodies, title=said.split(":")[0])
+    caption = (
+        f"{said}. Above: the wheelset on its rails, seen from behind; arrows: vertical and lateral force on the "
+        "left wheel (blue) and on the right one (orange). Below: both contacts, patches as ellipses coloured by "
+        "their load. Everything true to scale, displacements included."
+    )
+    return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {said}.")
 
-        if data.attrs.get("scene_kind") == "run":
-            raise SceneError("its cases are vehicle runs; wheelrail report shows that of a single one")
-        again = {**json.loads(data.attrs["study"]), "scene": json.loads(data.attrs["scene"]), "set": {}, "without": []}
-        planned = plan(check_study({key: value for key, value in again.items() if value is not None}))
-        cases = {case.place: case for case in planned.cases}
-        dims = dimensions(data)
-        taken = data["seconds"].transpose(*dims).values
-        good = (data["status"].transpose(*dims).values == "converged") & (taken <= CHEAP)
-        if not good.any():
-            raise SceneError(f"no case converged within {CHEAP:g} s")
-        places = sorted(zip(*np.nonzero(good), strict=True), key=lambda place: (taken[place], place))
-        case = cases[tuple(int(k) for k in places[len(places) // 2])]
-        assert not isinstance(case.scene, RunScene)
-        plotter = view_scene(case.scene, title=str(case))
-        caption = (
-            f"The case {case}, solved once more. Left: both bodies moved apart, displacements enlarged as the view "
-            "says, pressure on the patch. Right: von Mises stress on cuts along and across, below the patch."
-        )
-        return view(plotter, caption, f"Both bodies deformed and the stress below their contact, of the case {case}.")
 
-    return _or_why_not(drawn)
+def case(data: Dataset, file: Path) -> View | Note:
+    """One of a study; file: the results. Of runs that whose data are kept, the one with the largest peak pressure; of
+    single contacts one that was solved quickly, the middle one of these by its time, which is solved once more.
+    """
+    return _or_why_not(lambda: _run(data, file) if data.attrs.get("scene_kind") == "run" else _contact(data))
+
+
+def _run(data: Dataset, file: Path) -> View:
+    from scenes.netcdf import read
+    from scenes.scene import RunScene
+    from scenes.view import bodies_of_scene
+
+    if "kept_run" not in data.attrs:
+        raise SceneError("the data of none of its runs were kept; wheelrail report shows that of a single one")
+    chosen = _cases(data)[tuple(map(int, np.atleast_1d(data.attrs["kept_case"])))]
+    assert isinstance(chosen.scene, RunScene)
+    run = read(file.parent / str(data.attrs["kept_run"]))
+    return _moment(run, bodies_of_scene(chosen.scene), f"run with the largest peak pressure, {chosen}")
+
+
+def _contact(data: Dataset) -> View:
+    from scenes.scene import RunScene
+    from scenes.view import view_scene
+
+    dims = dimensions(data)
+    taken = data["seconds"].transpose(*dims).values
+    good = (data["status"].transpose(*dims).values == "converged") & (taken <= CHEAP)
+    if not good.any():
+        raise SceneError(f"no case converged within {CHEAP:g} s")
+    cases = _cases(data)
+    places = sorted(zip(*np.nonzero(good), strict=True), key=lambda place: (taken[place], place))
+    elastic = [place for place in places if cases[place].scene.model != "standard"]
+    if not elastic:
+        raise SceneError('model = "standard" knows no bodies that deform, whose displacement and stress could be shown')
+    chosen = cases[elastic[len(elastic) // 2]]
+    assert not isinstance(chosen.scene, RunScene)
+    plotter = view_scene(chosen.scene, title=str(chosen))
+    caption = (
+        f"The case {chosen}, solved once more. Left: both bodies moved apart, displacements enlarged as the view "
+        "says, pressure on the patch. Right: von Mises stress on cuts along and across, below the patch."
+    )
+    return view(plotter, caption, f"Both bodies deformed and the stress below their contact, of the case {chosen}.")
+
+
+def _cases(data: Dataset) -> dict[tuple[int, ...], Case]:
+    """Of the study that gave these results, by their places."""
+    from scenes.studies.plan import plan
+    from scenes.studies.study import check_study
+
+    study = json.loads(data.attrs["study"])
+    given = {key: value for key, value in study.items() if value is not None and key not in ("set", "without")}
+    path = Path(study["scene"] if isinstance(study["scene"], str) else "study")  # files are looked for beside it
+    planned = plan(check_study({**given, "scene": json.loads(data.attrs["scene"])}, path), path)
+    return {case.place: case for case in planned.cases}
 
 
 def _said(data: Dataset, index: int, name: str) -> str:

@@ -22,7 +22,8 @@ class Job:
 
     key: hash of all that; the same key, the same results. timed: seconds are compared, so that a process solves its
     first case once before, which loads and compiles. A run keeps to one process: the cases fill the others.
-    checkpoints: the file of a run's, from which it goes on if it was stopped, where there is a folder for it.
+    folder: where a run keeps its checkpoints, from which it goes on if it was stopped, and its data, on machines that
+    have it.
     """
 
     table: Mapping[str, Any]
@@ -31,11 +32,11 @@ class Job:
     computer: Mapping[str, str]
     key: str
     timed: bool = False
-    checkpoints: str = ""
+    folder: str = ""
 
     @classmethod
     def of(cls, case: Case, *, histories: bool = False, timed: bool = False, folder: Path | None = None) -> Job:
-        """folder: of checkpoints. Raises OSError for a file that has gone meanwhile."""
+        """folder: of finished cases. Raises OSError for a file that has gone meanwhile."""
         files: dict[str, bytes] = {}
         table = _packed(dict(case.table), case.scene.model_dump(), files)
         if case.scene.kind == "run":
@@ -44,9 +45,8 @@ class Job:
         what = {"scene": table, "histories": histories, "computer": computer()}
         text = json.dumps(what, sort_keys=True, default=list)
         key = hashlib.sha256(text.encode()).hexdigest()[:24]
-        kept = folder is not None and case.scene.kind == "run" and case.scene.output.checkpoint
-        checkpoints = str(unfinished(folder, key).absolute()) if folder and kept else ""
-        return cls(table, files, histories, computer(), key, timed, checkpoints)
+        place = str(folder.absolute()) if folder is not None and case.scene.kind == "run" else ""
+        return cls(table, files, histories, computer(), key, timed, place)
 
     @contextmanager
     def scene(self) -> Iterator[tuple[Scene, Path]]:
@@ -60,8 +60,13 @@ class Job:
 
 
 def unfinished(folder: Path, key: str) -> Path:
-    """The file of a case's checkpoints among finished ones."""
+    """The file of a run's checkpoints among finished cases."""
     return folder / f"{key}.checkpoints"
+
+
+def run_data(folder: Path, key: str) -> Path:
+    """The file of all that a run gave."""
+    return folder / f"{key}.nc"
 
 
 @cache

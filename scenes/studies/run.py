@@ -122,6 +122,7 @@ def run_plan(
                     known[job.key], computed = one, computed + 1
                     if not one.lost:  # of a case whose worker was lost nothing is known: next time once more
                         _keep(store, job.key, one, tell)
+                        store.hardest_run(known)
                     done(one.ok)
     except KeyboardInterrupt:
         interrupted = True
@@ -130,7 +131,9 @@ def run_plan(
 
     with undisturbed():
         found = {place: one for key, one in known.items() for place in places[key]}
-        data, files = _written(planned, found, folder)
+        hardest = store.hardest_run(known)
+        kept = {"kept_run": f"{CASES}/{hardest}.nc", "kept_case": places[hardest][0]} if hardest else {}
+        data, files = _written(planned, found, folder, kept)
     if pictures and not interrupted:
         from scenes.pictures.study import draw_study
 
@@ -149,11 +152,14 @@ def _keep(store: Any, key: str, one: Found, tell: Callable[[str], None]) -> None
         tell(f"{store.folder}: a case was not kept: {error.strerror or error}; the study goes on")
 
 
-def _written(planned: Plan, found: Mapping[tuple[int, ...], Found], folder: Path) -> tuple[Dataset, list[Path]]:
+def _written(
+    planned: Plan, found: Mapping[tuple[int, ...], Found], folder: Path, kept: Mapping[str, Any]
+) -> tuple[Dataset, list[Path]]:
+    """kept: which run's data are in which file."""
     from scenes.netcdf import write
     from scenes.studies.convergence import with_errors
     from scenes.studies.results import dataset
 
-    data = with_errors(dataset(planned, found), planned)
+    data = with_errors(dataset(planned, found), planned).assign_attrs(kept)
     write(data, folder / RESULTS)
     return data, [folder / RESULTS]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import threading
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -12,7 +13,7 @@ from time import perf_counter
 from typing import Any
 
 from scenes.scene import HertzScene, RunScene, SceneError, WheelsetScene
-from scenes.studies.job import Job, computer
+from scenes.studies.job import Job, computer, run_data, unfinished
 
 ALONE = threading.Lock()  # the libraries in C are made for one thread; workers of a cluster may have several
 WARM: set[bool] = set()  # not empty when this process has solved a case
@@ -38,6 +39,11 @@ class Found:
     @property
     def ok(self) -> bool:
         return self.status in ("converged", "separated", "completed")
+
+    @property
+    def peak_pressure(self) -> float:
+        """Of all sides, Pa; zero where none is known."""
+        return max((side.get("max_pressure", 0.0) for side in self.sides.values()), default=0.0)
 
     def text(self) -> str:
         """As JSON, every bit of every number kept."""
@@ -83,12 +89,11 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
     from rich.console import Console
     from xarray import load_dataset
 
-    from scenes.run import CHECKPOINTS, RESULTS, run_scene
+    from scenes.run import RESULTS, run_scene
     from scenes.studies.quantities import histories_of, of_run
 
-    file = Path(job.checkpoints)
-    if not job.checkpoints or not file.parent.is_dir():  # on another machine
-        file = folder / CHECKPOINTS
+    place = Path(job.folder) if job.folder and Path(job.folder).is_dir() else folder  # it may be on another machine
+    file = unfinished(place, job.key)
     with open(os.devnull, "w") as nowhere:
         resume = goes_on(scene, file)
         outcome = run_scene(scene, "", folder, Console(file=nowhere), resume=resume, checkpoints=file)
@@ -96,6 +101,8 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
         return _ended(f"failed: {outcome.status.removeprefix('failed: ')} before the first step")
     data = load_dataset(folder / RESULTS, engine="netcdf4")
     sides, whole = of_run(data)
+    with contextlib.suppress(OSError):  # whoever cannot keep it has no picture of it
+        shutil.move(folder / RESULTS, run_data(place, job.key))
     return _ended(outcome.status) | {
         "sides": sides,
         "whole": whole,

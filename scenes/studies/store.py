@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from meshes.whole_file import whole_file
-from scenes.studies.job import unfinished
+from scenes.studies.job import run_data, unfinished
 from scenes.studies.solve import Found
 
 
@@ -39,8 +40,16 @@ class Store:
         unfinished(self.folder, key).unlink(missing_ok=True)
 
     def forget(self, key: str) -> None:
-        for file in (self._file(key), unfinished(self.folder, key)):
+        for file in (self._file(key), unfinished(self.folder, key), run_data(self.folder, key)):
             file.unlink(missing_ok=True)
+
+    def hardest_run(self, known: Mapping[str, Found]) -> str | None:
+        """The run with the largest peak pressure of those whose data are there; the data of the others go."""
+        keys = [path.stem for path in self.folder.glob("*.nc") if path.stem in known]
+        keys.sort(key=lambda key: (known[key].peak_pressure, key))
+        for key in keys[:-1]:
+            run_data(self.folder, key).unlink(missing_ok=True)
+        return keys[-1] if keys else None
 
     def _file(self, key: str) -> Path:
         return self.folder / f"{key}.json"
