@@ -383,6 +383,9 @@ def studies(t: Table) -> None:
         f"{name} = [{', '.join(str(k * i) for i in range(1, 201))}]\n" for name, k in (("load", 1), ("speed", 0.1))
     )
     t.study("too many cases", "[grid]\n" + grid, "40000 cases (200 load x 200 speed)", "10000 at most")
+    values = ", ".join(f"{1e-5 * i:.5f}" for i in range(9999))
+    late = f"[grid]\nfriction = [{values}, 3.0]\n"
+    t.study("the last of 10 000 values", late, "grid.friction[9999] = 3.0", "0 to 2", scene=CURVE)
     t.study("kind", "[grid]\nkind = ['hertz', 'run']\n", "grid: kind cannot be varied")
     t.study("set in per cent", "[set]\nfriction = 30\n" + loads, "set.friction = 30", "0 to 2")
     t.study("set unknown", "[set]\nfrictoin = 0.3\n" + loads, "set.frictoin: unknown key; did you mean friction?")

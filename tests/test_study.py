@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -35,7 +35,7 @@ from scenes.studies.run import run_study
 from scenes.studies.solve import Found, goes_on, solve
 from scenes.studies.store import Store
 from scenes.studies.study import check_study, load_study
-from scenes.studies.workers import cluster, finished, processes
+from scenes.studies.workers import SchedulerGone, cluster, finished, processes
 
 ROOT = Path(__file__).parents[1]
 SCENES = ROOT / "scenes"
@@ -638,6 +638,33 @@ def test_a_cluster_gives_the_same_and_survives_a_dead_worker(tmp_path: Path) -> 
             assert other != pid
     assert set(data["status"].values) == {"converged"}
     np.testing.assert_allclose(data["max_pressure"], [exact(load) for load in data["load"].values], rtol=1e-6)
+
+
+def test_a_scheduler_that_dies_ends_the_study_and_keeps_what_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Dying(Here):
+        """Gives the third job back."""
+
+        def submit(self, job: Job) -> Any:
+            if len(self.jobs) < 2:
+                return super().submit(job)
+            future = Future[Found]()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    table = study(grid={"load": [1e4, 2e4, 3e4, 4e4, 5e4]})
+    monkeypatch.setattr(run_module, "cluster", lambda address: Dying())
+    with pytest.raises(SchedulerGone, match="the same command goes on, with another --scheduler or without one"):
+        run_study(table, tmp_path, pictures=False, scheduler="tcp://127.0.0.1:8786")
+    with open_dataset(tmp_path / "study.nc") as data:
+        assert list(data["status"].values) == ["converged"] * 2 + ["not computed"] * 3
+    here = Here()
+    monkeypatch.setattr(run_module, "processes", lambda count: here)
+    data = run_study(table, tmp_path, pictures=False)
+    assert set(data["status"].values) == {"converged"}
+    assert len(here.jobs) == 3
 
 
 def test_no_cluster_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from scenes.progress import case_bar
 from scenes.studies.plan import Plan, plan
 from scenes.studies.solve import Found
 from scenes.studies.study import Study, check_study, load_study
-from scenes.studies.workers import Workers, check_address, cluster, finished, processes
+from scenes.studies.workers import SchedulerGone, Workers, check_address, cluster, finished, processes
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -89,7 +89,8 @@ def run_plan(
 ) -> Outcome:
     """Compute what is missing, then write results and pictures; Ctrl-C stops at once and writes what is there.
 
-    Raises OSError when the folder cannot be written, RunFailed and SceneError for a cluster that cannot be reached.
+    Raises OSError when the folder cannot be written, RunFailed and SceneError for a cluster that cannot be reached, or
+    no longer: then after writing the results.
     """
     from scenes.studies.job import Job
     from scenes.studies.store import Store
@@ -112,7 +113,8 @@ def run_plan(
     known = {key: one for key in jobs if (one := store.load(key)) is not None}
     if known:
         tell(f"{len(known)} of {len(jobs)} cases are done already; --fresh would compute them anew")
-    missing, computed, interrupted = [job for key, job in jobs.items() if key not in known], 0, False
+    missing, computed = [job for key, job in jobs.items() if key not in known], 0
+    interrupted, gone = False, None
     try:
         if missing:
             with contextlib.suppress(OSError):  # whoever cannot keep anything is told for every case
@@ -127,6 +129,8 @@ def run_plan(
     except KeyboardInterrupt:
         interrupted = True
         tell("interrupted; what is done is kept, the same command goes on from there")
+    except SchedulerGone as error:
+        gone = error
     from scenes.run import undisturbed
 
     with undisturbed():
@@ -134,6 +138,8 @@ def run_plan(
         hardest = store.hardest_run(known)
         kept = {"kept_run": f"{CASES}/{hardest}.nc", "kept_case": places[hardest][0]} if hardest else {}
         data, files = _written(planned, found, folder, kept)
+    if gone is not None:
+        raise gone
     if pictures and not interrupted:
         from scenes.pictures.study import draw_study
 

@@ -32,6 +32,16 @@ PATIENCE = "20s"  # for a scheduler to answer
 SCHEMES = ("", "tcp", "tls", "ws", "wss", "ucx")  # of its address
 
 
+class SchedulerGone(RunFailed):
+    """The Dask scheduler ended, or cannot be reached any more."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the Dask scheduler is gone; finished cases are kept: the same command goes on, with another --scheduler "
+            "or without one"
+        )
+
+
 class Workers(Protocol):
     """Takes so many jobs at a time, `room`, and gives their results by futures."""
 
@@ -41,23 +51,31 @@ class Workers(Protocol):
 
 
 def finished(workers: Workers, jobs: Sequence[Job]) -> Iterator[tuple[Job, Found]]:
-    """Every job with what came of it, in the order in which they end; a worker that ends is a failure of its job."""
+    """Every job with what came of it, in the order in which they end; a worker that ends is a failure of its job.
+
+    Raises SchedulerGone, after what has ended well.
+    """
     waiting, running = deque(jobs), dict[Future[Found], Job]()
     while waiting or running:
         while waiting and len(running) < workers.room:
             job = waiting.popleft()
             running[workers.submit(job)] = job
-        for future in wait(running, return_when=FIRST_COMPLETED).done:
-            yield running.pop(future), _outcome(future)
+        ended = {future: _outcome(future) for future in wait(running, return_when=FIRST_COMPLETED).done}
+        for future, found in ended.items():
+            if found is not None:
+                yield running.pop(future), found
+        if None in ended.values():
+            raise SchedulerGone
 
 
-def _outcome(future: Future[Found]) -> Found:
+def _outcome(future: Future[Found]) -> Found | None:
+    """None of a job that was given back unfinished."""
     try:
         return future.result()
     except BrokenProcessPool:
         return Found("failed", "the worker ended abruptly: out of memory, killed, or crashed in a library", lost=True)
     except CancelledError:
-        return Found("failed", "the cluster gave the case up: its scheduler is gone", lost=True)
+        return None
     except Exception as error:
         return Found("failed", f"the worker was lost: {type(error).__name__}: {error}", lost=True)
 
@@ -117,11 +135,21 @@ class Cluster:
 
     @property
     def room(self) -> int:
-        threads: dict[str, int] = self.client.nthreads()
+        with _reached():
+            threads: dict[str, int] = self.client.nthreads()
         return max(2, 2 * sum(threads.values()))
 
     def submit(self, job: Job) -> Future[Found]:
-        return self.executor.submit(solve, job)
+        with _reached():
+            return self.executor.submit(solve, job)
+
+
+@contextmanager
+def _reached() -> Iterator[None]:
+    try:
+        yield
+    except (OSError, RuntimeError, ValueError, CancelledError) as error:
+        raise SchedulerGone from error
 
 
 def check_address(address: str) -> None:
@@ -148,7 +176,8 @@ def cluster(address: str) -> Iterator[Cluster]:
         from distributed import Client
     except ImportError:
         raise RunFailed("--scheduler needs Dask: pip install 'wheelrail[cluster]'") from None
-    logging.getLogger("distributed").setLevel(logging.ERROR)
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is told in our words
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False, name="wheelrail-study")
     except OSError:
