@@ -124,7 +124,8 @@ def run_plan(
                     known[job.key], computed = one, computed + 1
                     if not one.lost:  # of a case whose worker was lost nothing is known: next time once more
                         _keep(store, job.key, one, tell)
-                        store.hardest_run(known)
+                        if job.folder:
+                            store.hardest_run(known)
                     done(one.ok)
     except KeyboardInterrupt:
         interrupted = True

@@ -44,9 +44,9 @@ class Store:
             file.unlink(missing_ok=True)
 
     def hardest_run(self, known: Mapping[str, Found]) -> str | None:
-        """The run with the largest peak pressure of those whose data are there; the data of the others go."""
+        """The run with the largest peak pressure of those whose data are there, failed ones last; the others' go."""
         keys = [path.stem for path in self.folder.glob("*.nc") if path.stem in known]
-        keys.sort(key=lambda key: (known[key].peak_pressure, key))
+        keys.sort(key=lambda key: (known[key].ok, known[key].peak_pressure, key))
         for key in keys[:-1]:
             run_data(self.folder, key).unlink(missing_ok=True)
         return keys[-1] if keys else None
