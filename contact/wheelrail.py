@@ -90,8 +90,14 @@ class WheelRail:
         nx, ns = self.wheel_grid.shape
         stride = self.wheel_grid.stride
         picture = (depth > 0).reshape(nx, ns)
-        if picture[0].any() or picture[-1 - steps * stride :].any() or picture[:, 0].any() or picture[:, -1].any():
-            raise OutsideGrid("the wheel overlaps the rail beyond the part of its surface that carries contact points")
+        last = nx - 1 - steps * stride  # beyond, slip has nothing upstream to look at
+        if picture[0].any() or picture[last:].any():
+            reach = 1e3 * self.radius * self.angle[last]
+            way = f"it passes {reach:.3g} mm along the rail, where grids of solids end before those of waveguides"
+            raise OutsideGrid(_beyond(depth, way))
+        if picture[:, 0].any() or picture[:, -1].any():
+            end = "flange's tip" if picture[:, 0].any() else "end of the tread"
+            raise OutsideGrid(_beyond(depth, f"it passes the last line towards the {end}"))
         node = np.flatnonzero((depth > 0) & (self.wheel_grid.weight.ravel() > 0))
         if not len(node):
             return None, float(depth.max())
@@ -139,6 +145,13 @@ class WheelRail:
         offset = np.arange(degree + 1)
         nodes = (i[:, None, None] + offset[:, None]) * lines + j[:, None, None] + offset
         return Interpolation(nodes.reshape(len(x), -1), (wx[:, :, None] * ws[:, None, :]).reshape(len(x), -1))
+
+
+def _beyond(depth: Array, way: str) -> str:
+    return (
+        "the wheel overlaps the rail beyond the part of its surface that carries contact points: "
+        f"{1e3 * depth.max():.3g} mm deep, {way}"
+    )
 
 
 def _cells(place: Array, count: int, degree: int) -> tuple[Nodes, Array]:
