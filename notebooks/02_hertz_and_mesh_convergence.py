@@ -29,8 +29,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import wheelrail as wr
-from scenes.pictures.errors import slope
 from scenes.pictures.style import STYLE
+from scenes.studies.convergence import slope
 
 plt.rcParams.update(STYLE)
 

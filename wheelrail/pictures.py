@@ -80,7 +80,9 @@ def plot_convergence(
 
     with styled():
         axes = shown(None, (5.2, 4.0)).subplots() if ax is None else ax
-        return convergence(size, errors, xlabel=xlabel, ylabel=ylabel, ax=axes)
+        axes = convergence(size, errors, xlabel=xlabel, ylabel=ylabel, ax=axes)
+        axes.legend()
+        return axes
 
 
 def plot_work_precision(
@@ -97,4 +99,6 @@ def plot_work_precision(
 
     with styled():
         axes = shown(None, (5.2, 4.0)).subplots() if ax is None else ax
-        return work_precision(series, xlabel=xlabel, ylabel=ylabel, ax=axes)
+        axes = work_precision(series, xlabel=xlabel, ylabel=ylabel, ax=axes)
+        axes.legend()
+        return axes

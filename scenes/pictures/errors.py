@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.pictures.style import SERIES, axes_of
+from scenes.studies.convergence import slope
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,8 +28,7 @@ def convergence(
 ) -> Axes:
     """Magnitude of errors (n,) by label over size (n,), logarithmic, with a straight line of the fitted slope each.
 
-    Zero and unknown errors are left out; two that are known make a slope. Raises ValueError for another number of
-    errors than of sizes.
+    Zero and unknown errors are left out. Raises ValueError for another number of errors than of sizes.
     """
     ax = axes_of(ax)
     for (label, values), look in zip(errors.items(), cycle(SERIES), strict=False):
@@ -60,13 +60,6 @@ def work_precision(
     return _finish(ax, xlabel, ylabel)
 
 
-def slope(size: Array, error: Array) -> float:
-    """Slope of log error over log size by least squares; NaN for fewer than two sizes."""
-    if len(set(size.tolist())) < 2:
-        return float("nan")
-    return float(np.polyfit(np.log(size), np.log(error), 1)[0])
-
-
 def _known(size: Sequence[float], error: Sequence[float], label: str) -> tuple[Array, Array]:
     """Those that a logarithmic scale can show."""
     x, y = np.asarray(size, dtype=float), np.abs(np.asarray(error, dtype=float))
@@ -82,5 +75,4 @@ def _finish(ax: Axes, xlabel: str, ylabel: str) -> Axes:
     ax.set_xlabel(xlabel)
     ax.set_ylabel(ylabel)
     ax.grid(True, which="major")
-    ax.legend(loc="best")
     return ax

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scenes.pictures import errors as panels
 from scenes.pictures.style import SERIES, STYLE, save
-from scenes.studies.convergence import ORDER, counts_of, errors_of
+from scenes.studies.convergence import counts_of, errors_of
 from scenes.studies.plan import SAMPLE, shown
 from scenes.studies.quantities import MAIN, varying
 from scenes.studies.tables import dimensions, parameters
@@ -131,23 +132,20 @@ def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
     from matplotlib.ticker import NullLocator
 
     figure, (left, right) = _panels(figure, 2)
-    for index, (name, error) in enumerate(errors.items()):
-        worst = error.max([dim for dim in error.dims if dim != over])
-        order, look = float(data[ORDER + name].median()), _look(index)
-        left.loglog(
-            *_ordered(data[over], 100.0 * worst.values), label=f"{name.replace('_', ' ')}: order {order:.2f}", **look
-        )
-        right.loglog(*_ordered(seconds.mean(others), 100.0 * worst.values), **look)
-    left.set_ylabel("relative error [%]")
-    left.set_xlabel(_label(data[over]))
+    worst = {
+        name.replace("_", " "): 100.0 * error.max([dim for dim in error.dims if dim != over])
+        for name, error in errors.items()
+    }
+    spent, label = seconds.mean(others), "relative error [%]"
+    panels.convergence(data[over].values, worst, xlabel=_label(data[over]), ylabel=label, ax=left)
+    paid = {name: (spent.sortby(spent), error.sortby(spent)) for name, error in worst.items()}
+    panels.work_precision(paid, xlabel="time for the contact solves [s]", ylabel=label, ax=right)
     if not counts_of(data):
         left.invert_xaxis()
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     left.set_xticks(data[over].values, [shown(value.item()) for value in data[over].values])
     left.xaxis.set_minor_locator(NullLocator())
-    right.set_xlabel("time for the contact solves [s]")
-    right.set_ylabel("relative error [%]")
     for panel in (left, right):
         panel.grid(visible=True, which="minor", linewidth=0.3)
     return figure

@@ -69,20 +69,25 @@ def closed_form(data: Dataset, plan: Plan) -> dict[str, DataArray]:
 
 
 def fitted(error: DataArray, size: DataArray, dim: str) -> DataArray:
-    """Slope of log error over log size along a dimension, by least squares; NaN with less than three errors."""
+    """Slope of the errors along a dimension."""
     from xarray import apply_ufunc
 
     def one(errors: Array) -> float:
         return slope(size.values, errors)
 
-    found: DataArray = apply_ufunc(one, error, input_core_dims=[[dim]], vectorize=True, output_dtypes=[float])
+    kept = error.where(error > EXACT)
+    found: DataArray = apply_ufunc(one, kept, input_core_dims=[[dim]], vectorize=True, output_dtypes=[float])
     return found
 
 
 def slope(size: Array, error: Array) -> float:
-    """Of logarithms; of errors (n,) that are known and not zero."""
-    known = np.isfinite(error) & (error > EXACT)
-    return float(np.polyfit(np.log(size[known]), np.log(error[known]), 1)[0]) if known.sum() > 2 else float("nan")
+    """Slope of log error (n,) over log size (n,) by least squares, of errors that are known and not zero; NaN for
+    fewer than two sizes.
+    """
+    known = np.isfinite(error) & (error > 0.0)
+    if len(set(size[known].tolist())) < 2:
+        return float("nan")
+    return float(np.polyfit(np.log(size[known]), np.log(error[known]), 1)[0])
 
 
 def counts(plan: Plan, axis: Axis) -> bool:
