@@ -14,11 +14,13 @@ from contact.grid import ContactGrid
 from contact.laws import Steel
 from contact.pose import Array, Mask
 from contact.ranks import ALONE, Ranks
+from contact.telling import tell
 from forms import compat
 from forms.elasticity import lame, stiffness
 from meshes.solids import Solid
 from meshes.triangulate import Index
 
+FACTOR = 330.0  # bytes over unknowns to the power 4/3 while CHOLMOD factorises, half of it afterwards; measured
 COLUMNS = 192  # right-hand sides per batch: enough for level-3 BLAS, small in memory
 
 
@@ -91,6 +93,8 @@ class ElasticBody:
     @cached_property
     def factor(self) -> Any:
         """Sparse Cholesky factorisation of the stiffness."""
+        unknowns = self.stiffness.getSize()[0]
+        tell(f"stiffness of a solid: {unknowns} unknowns, about {1e-9 * FACTOR * unknowns ** (4 / 3):.1f} GB of memory")
         pc = PETSc.PC().create(PETSc.COMM_SELF)
         pc.setOperators(self.stiffness)
         pc.setType("cholesky")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from contact.pose import Array, Mask
+from contact.telling import Countdown
 from meshes.cache import load, store
 
 if TYPE_CHECKING:
@@ -69,7 +70,8 @@ class SurfaceCompliance:
     def _fill(self, nodes: Index, direction: int) -> None:
         row, line = np.divmod(nodes, self.shape[1])
         missing = sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
-        for tile in missing:
+        countdown = Countdown(f"compliance of a solid's surface in {'xyz'[direction]}, groups of nodes", len(missing))
+        for done, tile in enumerate(missing, 1):
             if self._recall(tile, direction):
                 continue
             if self._body is None:
@@ -79,6 +81,7 @@ class SurfaceCompliance:
             self.columns_solved += len(columns)
             store(self._name(tile, direction), {"columns": columns})
             self._keep(tile, direction, columns)
+            countdown(done)
 
     def _nodes(self, tile: tuple[int, int]) -> Index:
         first = tile[0] * TILE

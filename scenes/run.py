@@ -97,6 +97,7 @@ def _simulated(
     """The history of a scene; checkpoints go to the journal, the run goes on from a start."""
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
+    from contact.telling import heard_by
     from vehicle.checkpoint import Checkpoints
     from vehicle.drive import Drive
     from vehicle.simulate import simulate
@@ -107,7 +108,11 @@ def _simulated(
     speed, length = scene.vehicle.drive, scene.track.length
     end = Drive.of(speed).time_at(length)
     gone = length * start.time / end if start else 0.0
-    with _workers(contact, scene.solver.workers) as shared, progress_bar(console, length, gone) as progress:
+    with (
+        heard_by(partial(console.print, highlight=False, markup=False)),
+        _workers(contact, scene.solver.workers) as shared,
+        progress_bar(console, length, gone) as progress,
+    ):
         return simulate(
             wagon(scene),
             track(scene),

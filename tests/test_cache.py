@@ -9,6 +9,7 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ import pytest
 from contact.compliance import SurfaceCompliance
 from contact.grid import ContactGrid
 from contact.laws import Steel
+from contact.pairs import compliance
+from contact.telling import heard_by, tell
 from meshes import bodies
 from meshes.bodies import block
 from meshes.cache import cached, digest, load, store
@@ -179,6 +182,24 @@ def test_cached_mesh_is_not_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_array_equal(first.points, second.points)
     with pytest.raises(pytest.fail.Exception):
         block((2, 2), half_width=4.5, grading=COARSE)
+
+
+def test_long_work_tells_its_memory_and_the_time_left(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    solid, key = block((2, 2), half_width=4.0, grading=COARSE)
+    found = compliance(solid, key, Steel(), 1)
+    clock = count(0, 10)  # s, ten for each group of nodes
+    monkeypatch.setattr("contact.telling.monotonic", lambda: float(next(clock)))
+    heard: list[str] = []
+    with heard_by(heard.append):
+        found.block(np.arange(found.shape[0] * found.shape[1]), (2,))
+    groups = found.shape[1]
+    assert heard[0].startswith(f"stiffness of a solid: {3 * len(solid.points)} unknowns, about ")
+    assert heard[0].endswith("GB of memory")
+    assert [text.split(": ")[1] for text in heard[1:]] == [
+        f"{done} of {groups}, {10 * (groups - done)} s left" for done in range(2, groups + 1)
+    ]
+    tell("nobody listens any more")
+    assert len(heard) == groups
 
 
 def test_damaged_compliance_is_solved_again(folder: Path) -> None:

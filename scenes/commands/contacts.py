@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -64,13 +65,16 @@ def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], 
 
 def _solved(scene: HertzScene | WheelsetScene, name: Path, results: dict[str, ContactResult]) -> dict[str, Any]:
     """The report of the contact; an error on the way is a status too, with its traceback on standard error."""
+    from contact.telling import heard_by
     from scenes.contact_scene import solve_contact
     from scenes.scene import SceneError
 
     console = progress_console()
     try:
         with stdout_for_results(), console.status("reading the scene") as status:
-            return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
+            say = status.update if console.is_terminal else partial(console.print, highlight=False)
+            with heard_by(say):
+                return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
     except SceneError as error:
         raise refused(f"{name}: {error}") from None
     except Exception as error:
