@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import monotonic
 
-PERIOD = 5.0  # s between two words about the same work
+PERIOD = 10.0  # s between two words about the same work
 
 _listener: Callable[[str], None] | None = None
 

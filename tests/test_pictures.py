@@ -40,6 +40,14 @@ def test_every_axis_has_a_unit(data: Dataset) -> None:
         assert UNIT.search(ax.get_ylabel()), ax.get_ylabel()
 
 
+def test_a_pair_of_blocks_has_no_wheel(data: Dataset) -> None:
+    pair = wr.Hertz(upper=(0.46, 0.3), lower=(0.5, 0.3), friction=0.3, model="standard")
+    blocks = pair.solve(load=10e3, speed=10.0, creepage=(1e-3, 0.0, 0.0)).data
+    for found, body in ((blocks, "upper body"), (data, "wheel")):
+        assert f"MPa on the {body}\n" in traction_map(found).get_xlabel() + "\n"
+        assert section(found, "x").get_ylabel() == f"on the {body} [MPa]"
+
+
 def test_the_map_shows_every_cell_and_its_pressure(data: Dataset) -> None:
     ax = pressure_map(data, "right")
     own = (data["point_side"] == "right") & (data["point_patch"] == 0)

@@ -133,7 +133,7 @@ def _frame(view: Any, direction: Array) -> None:
     )
     bounds = np.array(view.bounds).reshape(3, 2)
     centre, size = bounds.mean(axis=1), float(np.linalg.norm(np.ptp(bounds, axis=1)))
-    distance = 0.56 * size / np.tan(np.radians(0.5 * ANGLE))
+    distance = 0.7 * size / np.tan(np.radians(0.5 * ANGLE))
     view.camera.view_angle = ANGLE
     focus = centre - [0.0, 0.0, 0.06 * size]
     view.camera_position = [focus + distance * direction / np.linalg.norm(direction), focus, (0, 0, 1)]

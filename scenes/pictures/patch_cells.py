@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class PatchCells:
     """Loaded cells of one patch seen from above in its contact plane, forward and to the left of its resultant:
-    corners (n, 4, 2) m, pressure (n,) Pa, traction (n, 2) Pa on the wheel, slip (n, 2) over speed, sticks (n,).
+    corners (n, 4, 2) m, pressure (n,) Pa, traction (n, 2) Pa on the wheel or the upper body (on),
+    slip (n, 2) over speed, sticks (n,).
     """
 
     corners: Array
@@ -25,6 +26,7 @@ class PatchCells:
     traction: Array
     slip: Array
     sticks: NDArray[np.bool_]
+    on: str
 
     @property
     def middle(self) -> Array:
@@ -84,7 +86,12 @@ class PatchCells:
         traction, slip = (
             np.einsum("ns,nsc->nc", data[name].values[own], axes[:, :2]) @ plane for name in ("traction", "slip")
         )
-        return cls(corners, pressure, traction, slip, data["sticks"].values[own].astype(bool))
+        return cls(corners, pressure, traction, slip, data["sticks"].values[own].astype(bool), upper_body(side))
+
+
+def upper_body(side: str) -> str:
+    """The body that pressure and traction act on: that of a pair of blocks has no name of its own."""
+    return "upper body" if side == "contact" else "wheel"
 
 
 def touching(data: Dataset) -> list[tuple[str, int]]:

@@ -87,7 +87,8 @@ def pressure_map(data: Dataset, side: str | None = None, patch: int = 0, ax: Axe
 def traction_map(
     data: Dataset, side: str | None = None, patch: int = 0, ax: Axes | None = None, *, slip: bool = True
 ) -> Axes:
-    """Where one patch sticks and slips, with arrows of the traction on the wheel, and of the slip where it slips.
+    """Where one patch sticks and slips, with arrows of the traction on the wheel, or the upper body, and of the slip
+    where it slips.
 
     Raises ValueError for a patch that is not there.
     """
@@ -169,7 +170,7 @@ def _arrows(
         edgecolor="0.2",
         linewidth=0.3 if colour == "white" else 0.0,
     )
-    return [says.format(largest) if says else f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the wheel"]
+    return [says.format(largest) if says else f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the {cells.on}"]
 
 
 def _stick_line(ax: Axes, cells: PatchCells) -> list[str]:

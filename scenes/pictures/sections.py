@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.pictures.patch_cells import Array, PatchCells, chosen, title
+from scenes.pictures.patch_cells import Array, PatchCells, chosen, title, upper_body
 from scenes.pictures.style import axes_of
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def section(
     ax.set_ylim(bottom=0.0)
     ax.set_title(title(data, side, patch))
     ax.set_xlabel(WORDS[along])
-    ax.set_ylabel("on the wheel [MPa]" if side != "contact" else "on the upper body [MPa]")
+    ax.set_ylabel(f"on the {upper_body(side)} [MPa]")
     ax.legend(loc="best")
     return ax
 

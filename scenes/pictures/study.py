@@ -10,7 +10,7 @@ import numpy as np
 
 from scenes.pictures import errors as panels
 from scenes.pictures.style import SERIES, STYLE, save
-from scenes.studies.convergence import counts_of, errors_of
+from scenes.studies.convergence import counts_of, errors_of, worst_of
 from scenes.studies.plan import SAMPLE, shown
 from scenes.studies.quantities import MAIN, varying
 from scenes.studies.tables import dimensions, parameters
@@ -122,8 +122,7 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
 
 def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
     """Relative errors over the size, and over the time that they cost (work and precision), largest of all sides."""
-    errors = errors_of(data)
-    if not errors:
+    if not errors_of(data):
         return None
     over = str(data.attrs["convergence_over"])
     others = [dim for dim in data["seconds"].dims if dim != over]
@@ -132,10 +131,7 @@ def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
     from matplotlib.ticker import NullLocator
 
     figure, (left, right) = _panels(figure, 2)
-    worst = {
-        name.replace("_", " "): 100.0 * error.max([dim for dim in error.dims if dim != over])
-        for name, error in errors.items()
-    }
+    worst = {name.replace("_", " "): 100.0 * error for name, error in worst_of(data).items()}
     spent, label = seconds.mean(others), "relative error [%]"
     panels.convergence(data[over].values, worst, xlabel=_label(data[over]), ylabel=label, ax=left)
     paid = {name: (spent.sortby(spent), error.sortby(spent)) for name, error in worst.items()}

@@ -103,6 +103,12 @@ def counts_of(data: Dataset) -> bool:
     return bool(data.attrs["convergence_counts"])
 
 
+def worst_of(data: Dataset) -> dict[str, Any]:
+    """The largest relative error of all sides and other dimensions, along that of convergence, by quantity."""
+    over = str(data.attrs["convergence_over"])
+    return {name: error.max([dim for dim in error.dims if dim != over]) for name, error in errors_of(data).items()}
+
+
 def errors_of(data: Dataset) -> dict[str, Any]:
     """Relative errors by quantity."""
     return {str(name).removeprefix(ERROR): data[name] for name in data if str(name).startswith(ERROR)}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenes.studies.convergence import ERROR, ORDER, errors_of
+from scenes.studies.convergence import counts_of, errors_of, slope, worst_of
 from scenes.studies.plan import SAMPLE, shown
 from scenes.studies.quantities import MAIN, varying
 
@@ -67,22 +67,22 @@ def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -
 
 
 def error_table(data: Dataset) -> Table:
-    """Relative errors in per cent along the dimension of convergence, with the order from row to row, and the fitted
-    orders at the end; sides and other dimensions by their largest error and median order.
+    """Relative errors in per cent along the dimension of convergence, of sides and other dimensions the largest, and
+    at the end the order to which these fall.
     """
     from rich.table import Table
 
     over = str(data.attrs["convergence_over"])
-    names = list(errors_of(data))
+    worst = worst_of(data)
     view = Table(title=f"Relative errors over {data[over].attrs['long_name']}", title_justify="left")
     view.add_column(data[over].attrs["long_name"], justify="right")
-    for name in names:
+    for name in worst:
         view.add_column(f"{name.replace('_', ' ')} [%]", justify="right")
     for place, value in enumerate(data[over].values):
-        errors = [float(data[ERROR + name].isel({over: place}).max()) for name in names]
-        view.add_row(shown(_plain(value)), *(_number(100.0 * error) for error in errors))
+        view.add_row(shown(_plain(value)), *(_number(100.0 * float(error[place])) for error in worst.values()))
     view.add_section()
-    view.add_row("order", *(f"{float(data[ORDER + name].median()):.2f}" for name in names))
+    size = data[over].values ** (-1.0 if counts_of(data) else 1.0)
+    view.add_row("order", *(f"{slope(size, error.values):.2f}" for error in worst.values()))
     return view
 
 
