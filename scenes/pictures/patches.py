@@ -53,7 +53,7 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
     ]
     figure = Figure() if figure is None else figure
     figure.set_size_inches(1.2 + 4.4 * len(sides), sum(heights))
-    figure.set_layout_engine("constrained")
+    figure.set_layout_engine("constrained", h_pad=0.1)  # inch; less cuts titles at a low resolution
     axes = figure.subplots(rows, len(sides), squeeze=False, gridspec_kw={"height_ratios": heights})
     shade = Normalize(0.0, 1e-6 * float(data["patch_max_pressure"].max()))
     for column, side in zip(axes.T, sides, strict=True):

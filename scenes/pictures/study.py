@@ -133,8 +133,9 @@ def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
     figure, (left, right) = _panels(figure, 2)
     worst = {name.replace("_", " "): 100.0 * error for name, error in worst_of(data).items()}
     spent, label = seconds.mean(others), "relative error [%]"
-    panels.convergence(data[over].values, worst, xlabel=_label(data[over]), ylabel=label, ax=left)
-    paid = {name: (spent.sortby(spent), error.sortby(spent)) for name, error in worst.items()}
+    panels.convergence(data[over].values.tolist(), worst, xlabel=_label(data[over]), ylabel=label, ax=left)
+    quickest = np.argsort(spent.values)
+    paid = {name: (spent.values[quickest].tolist(), error.values[quickest].tolist()) for name, error in worst.items()}
     panels.work_precision(paid, xlabel="time for the contact solves [s]", ylabel=label, ax=right)
     if not counts_of(data):
         left.invert_xaxis()
