@@ -20,7 +20,7 @@ from forms.elasticity import lame, stiffness
 from meshes.solids import Solid
 from meshes.triangulate import Index
 
-FACTOR = 165.0  # bytes over unknowns to the power 4/3 of CHOLMOD's factors, measured from 30 000 to 124 000 unknowns
+FACTOR = 165.0  # bytes over unknowns to the power 4/3 of CHOLMOD's factors, 185 to 160 at 30 000 to 107 000 unknowns
 COLUMNS = 192  # right-hand sides per batch: enough for level-3 BLAS, small in memory
 
 
