@@ -25,7 +25,8 @@ def balance(
     number of trials. Raises LoadError when a solve fails, or when the loads are not reached.
     """
     target = np.array([compliant(load) for load in loads])
-    jacobian, depths, step = np.diag(slopes), np.array(start, dtype=float), np.zeros(len(loads))
+    jacobian, depths = np.diag(slopes), np.array(start, dtype=float)
+    step: Array = np.zeros(len(loads))
     residual, size = np.zeros(len(loads)), np.inf
     for trial in range(1, MOST + 1):
         results = contact(depths + step, guess)

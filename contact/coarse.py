@@ -46,7 +46,7 @@ def coarse(ridge: Ridge, overlap: Overlap, operator: NormalOperator, count: Coun
     starts = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
     stops = np.flatnonzero(inside & ~np.concatenate([inside[1:], [False]]))
     sides, patch = [], []
-    for number, (i, j) in enumerate(zip(starts, stops, strict=True)):
+    for number, (i, j) in enumerate(zip(starts.tolist(), stops.tolist(), strict=True)):
         low = _crossing(ridge, i, i - 1) if i > 0 else ridge.s[i]
         high = _crossing(ridge, j, j + 1) if j + 1 < len(ridge.s) else ridge.s[j]
         edge = np.linspace(low, high, COARSE_STRIPS + 1)

@@ -65,7 +65,7 @@ class Dissection:
 
     def _eliminate(self, values: Array, steps: list[tuple[Front, Array, Array]] | None) -> Array:
         """The Schur complement; every front's factor R and R^-T A12 are added to the steps when there are any."""
-        remainders: list[Array | None] = []
+        remainders: list[Array] = []
         block = np.empty((0, 0))
         for front in self.fronts:
             n = front.count
@@ -73,7 +73,7 @@ class Dissection:
             block.ravel()[front.places] = values[front.entries]
             for child, where in front.children:
                 block[where[:, None], where] += remainders[child]
-                remainders[child] = None
+                remainders[child] = np.empty(0)
             if n == 0:
                 remainders.append(block)
                 continue

@@ -65,7 +65,8 @@ def fit(
     previous: Array | None = None
     best: tuple[float, Layout, Array, Factors] | None = None  # the nearest to rest
     held = np.ones(len(start.sides), dtype=bool)
-    last, damping = np.zeros((0, 2)), np.ones((0, 2))
+    last: Array = np.zeros((0, 2))
+    damping: Array = np.ones((0, 2))
     for step in range(1, STEPS + 1):
         factors = operator(layout)
         pressure, touches = _pressed(factors, overlap(layout), held, count)

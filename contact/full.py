@@ -123,7 +123,8 @@ class Full:
     ) -> tuple[Array, Array, Array, str, Count]:
         """Displacements, z (n, c) and nodal forces (n, c) of the laws, status and cost."""
         u, status, count = self.solver.run(problem, start)
-        bare, added = problem.constant, np.zeros((len(area), self.law.components))
+        bare = problem.constant
+        added: Array = np.zeros((len(area), self.law.components))
         z, forces = problem.state(u)
         if self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance):
             return u, z, forces, status, count

@@ -57,7 +57,7 @@ class Rule:
 def _tensor(values: Array, weights: Array) -> Rule:
     """Rule on a quadrilateral from one on a line, corners in the order of dolfinx."""
     ends = np.stack([1 - values, values])
-    return Rule(np.einsum("xa,yb->abxy", ends, ends).reshape(len(values) ** 2, 4), np.outer(weights, weights).ravel())
+    return Rule(np.einsum("xa,yb->abxy", ends, ends).reshape(len(values) ** 2, 4), (weights[:, None] * weights).ravel())
 
 
 # by corners of the face and degree of the displacements; exact for the shape functions

@@ -131,7 +131,7 @@ def _fourfold(x: float, y: float) -> tuple[float, float, float]:
 
 
 def _waves(k: Array, y: Array) -> Array:
-    return np.maximum(np.outer(k, y), 1e-12)
+    return np.asarray(np.maximum(np.outer(k, y), 1e-12))
 
 
 def second_difference(

@@ -24,7 +24,8 @@ class Product:
         self._stiffness = stiffness
         self._problem: Problem | None = None
         self._tangent: sp.csr_array | None = None
-        self._u = self._base = np.empty(0)
+        self._u: Array = np.empty(0)
+        self._base: Array = self._u
 
     def at(self, problem: Problem, u: Array, kind: Jacobian) -> None:
         """Linearise about the displacements u."""

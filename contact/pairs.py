@@ -109,7 +109,7 @@ def hertz_pair(
     # in cells, and in coarse steps, so that one mesh and one compliance serve many scenes
     width = 2.0 ** np.ceil(np.log2(40 * max(expected.semi_axes) / surface_size))
     if bodies == "half-space":
-        lines = np.arange(-half_cells[1], half_cells[1] + 1) * surface_size
+        lines = np.arange(-half_cells[1], half_cells[1] + 1, dtype=np.float64) * surface_size
         flat = np.column_stack([lines, np.zeros_like(lines)])
         steels = (upper_steel,) if lower_steel == upper_steel else (upper_steel, lower_steel)
         halves = [HalfSpaceKernel.under(flat, lines, 5 * np.sqrt(depth / A), steel) for steel in steels]

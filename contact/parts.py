@@ -36,7 +36,7 @@ def patches(layout: Layout, pressure: Array, fineness: Fineness, cell_marks: Arr
     A run with several humps is divided at the necks between them, so that a patch about to part has the same strips as
     the two that it becomes.
     """
-    carries = (pressure > 0).any(axis=1)
+    carries = np.any(pressure > 0, axis=1)
     joined = np.concatenate([[False], carries[1:] & carries[:-1] & (layout.patch[1:] == layout.patch[:-1])])
     run = np.cumsum(carries & ~joined) - 1
     found: list[Part] = []

@@ -47,7 +47,7 @@ class RigidWheelRail:
     @cached_property
     def lines(self) -> Lines:
         start, stop = wheel_touches(self.wheel)
-        s = np.linspace(start, stop, int(np.ceil((stop - start) / SPACING)) + 1)
+        s = np.linspace(start, stop, int(np.ceil((stop - start) / SPACING)) + 1, dtype=np.float64)
         return Lines.of(self.wheel, self.rail, s)
 
     def zones(self, pose: Pose) -> tuple[Zones | None, float]:

@@ -25,7 +25,7 @@ def load_factor(max_pressure: Array, shear_yield: float) -> Array:
 def utilisation(normal_force: Array, tangential_force: Array) -> Array:
     """T / N of normal forces (...) N and tangential ones (..., 2) N; zero without load."""
     size = np.hypot(tangential_force[..., 0], tangential_force[..., 1])
-    return np.divide(size, normal_force, out=np.zeros_like(size), where=normal_force > 0)
+    return np.asarray(np.divide(size, normal_force, out=np.zeros_like(size), where=normal_force > 0))
 
 
 def surface_fatigue_index(utilisation: Array, load_factor: Array) -> Array:

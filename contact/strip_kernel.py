@@ -130,7 +130,7 @@ class StripKernel:
         turn = np.minimum(tangent @ tangent.T, 1.0)
         smooth = self._smooth(sides)
         if smooth is None:
-            added = np.zeros((len(pairs_of(S)), count))
+            added: Array = np.zeros((len(pairs_of(S)), count))
         else:
             share, known, lines = smooth
             added = _both(share, known.normal[lines, lines], 1) @ self.weights[0][:count].T
@@ -142,7 +142,8 @@ class StripKernel:
         S, smooth, count = len(sides), self._smooth(sides), self.nodes.up_to(reach / self.unit)
         if smooth is None:
             pairs = len(pairs_of(S))
-            even, odd = np.zeros((pairs, len(EVEN), count)), np.zeros((pairs, len(ODD), count))
+            even: Array = np.zeros((pairs, len(EVEN), count))
+            odd: Array = np.zeros((pairs, len(ODD), count))
         else:
             share, known, lines = smooth
             even, odd = (

@@ -71,7 +71,8 @@ class StripOperators:
         middle = 0.5 * (rows[:, 1:] + rows[:, :-1])
         weight = np.stack(upstream(middle * stretch))
         displacement, slip = np.zeros((3, n, 3, n)), np.zeros((2, n, 3, n))
-        bodies, table = list(self._bodies(pose, layout)), np.empty(0)
+        bodies = list(self._bodies(pose, layout))
+        table: Array = np.empty(0)
         both = (self.upper_axes(places), self.lower_axes(pose, places))
         for (kernel, sides, along), axes in zip([*bodies, *bodies][:2] if self.alike else bodies, both, strict=True):
             x = rows * along

@@ -67,7 +67,7 @@ def marks(cells: int, *, rolling: bool) -> Array:
     Equal without rolling. Traction in rolling starts like a square root at the leading end and, where all sticks, rises
     like the inverse of one at the trailing end: cells shrink quadratically towards both, more towards the first.
     """
-    t = np.linspace(0.0, 1.0, cells + 1)
+    t = np.linspace(0.0, 1.0, cells + 1, dtype=np.float64)
     if not rolling:
         return t
     return np.asarray(LEADING * (1 - (1 - t) ** 2) + (1 - LEADING) * 0.5 * (1 - np.cos(np.pi * t)))

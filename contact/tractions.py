@@ -69,7 +69,7 @@ def solve_tractions(
     options = options or NewtonOptions()
     n = len(overlap)
     body = operator if isinstance(operator, Elastic) else Elastic(operator, n, laws)
-    q = np.zeros((2, n)) if guess is None else guess[1].reshape(2, n)
+    q: Array = np.zeros((2, n)) if guess is None else guess[1].reshape(2, n)
     active = overlap > 0.4 * overlap.max() if guess is None or not (guess[0] > 0).any() else guess[0] > 0
     if rigid is None or not laws.friction:
         pressure, active = normal_contact(body.normal, overlap, active, count)

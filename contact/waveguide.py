@@ -45,7 +45,7 @@ class WaveguideCompliance:
 
     @cached_property
     def _weights(self) -> tuple[Array, Array]:
-        even, odd = self.samples.weights(np.arange(self.shape[0]) * self.step, self.step)
+        even, odd = self.samples.weights(np.arange(self.shape[0], dtype=np.float64) * self.step, self.step)
         return even * self.scale, odd * self.scale
 
     @cached_property

@@ -14,7 +14,7 @@ Values = TypeVar("Values", Array, NDArray[np.complex128])
 def cauchy(gradient: Values, λ: float, μ: float) -> Values:
     """σ = λ tr ε I + 2 μ ε of gradients (..., 3, 3), real or complex; Lamé's constants in Pa."""
     trace = np.trace(gradient, axis1=-2, axis2=-1)[..., None, None]
-    return np.add(μ * (gradient + gradient.swapaxes(-1, -2)), λ * trace * np.eye(3), dtype=gradient.dtype)
+    return np.asarray(μ * (gradient + gradient.swapaxes(-1, -2)) + λ * trace * np.eye(3), dtype=gradient.dtype)
 
 
 def von_mises(σ: Array) -> Array:

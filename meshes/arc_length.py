@@ -59,13 +59,17 @@ def line(start: complex, stop: complex) -> Section:
     length = abs(stop - start)
     direction = (stop - start) / length
     return Section(
-        lambda t: start + direction * t, lambda t: np.full(t.shape, direction, dtype=complex), np.array([0.0, length])
+        lambda t: np.asarray(start + direction * t, dtype=complex),
+        lambda t: np.full(t.shape, direction, dtype=complex),
+        np.array([0.0, length]),
     )
 
 
 def graph(height: Callable[[Array], Array], slope: Callable[[Array], Array], start: float, stop: float) -> Section:
     """The graph z = height(y) from y = start to stop, with its slope; the parameter is y."""
-    return Section(lambda y: y + 1j * height(y), lambda y: 1.0 + 1j * slope(y), np.array([start, stop]))
+    return Section(
+        lambda y: y + 1j * height(y), lambda y: np.asarray(1.0 + 1j * slope(y), dtype=complex), np.array([start, stop])
+    )
 
 
 def _step(x: Array) -> Array:

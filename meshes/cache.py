@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,8 +71,10 @@ def store(name: str, arrays: Arrays) -> None:
     """
     path = cache_folder() / f"{name}.npz"
     try:
-        with whole_file(path) as part, part.open("wb") as file:
-            np.savez(file, **arrays)
+        with whole_file(path) as part, ZipFile(part, "w") as archive:  # as np.savez, but closed in order on a full disk
+            for key, values in arrays.items():
+                with archive.open(f"{key}.npy", "w", force_zip64=True) as file:
+                    np.save(file, values, allow_pickle=False)
     except OSError as error:
         warnings.warn(f"the cache {path.parent} cannot be written ({error}); going on without it", stacklevel=2)
 

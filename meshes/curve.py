@@ -76,22 +76,21 @@ class Curve:
 
     def s_at_y(self, y: ArrayLike) -> Array:
         """Arc length m at lateral position y m, on the part around s = 0 where y increases; ValueError beyond it."""
-        y = np.asarray(y, dtype=float)
+        asked = np.asarray(y, dtype=float)
         s, ys = self._samples, self._sampled.real
         back = np.flatnonzero(np.diff(ys) <= 0.0)
         origin = int(s.searchsorted(0.0))
         first = int(max(back[back < origin] + 1, default=0))
         last = int(min(back[back >= origin], default=len(s) - 1))
-        inside = np.clip(y, ys[first], ys[last])
-        if not (np.abs(y - inside) < ROUNDING).all():
-            raise ValueError(f"y must lie in {ys[first]:.6g} .. {ys[last]:.6g} m, where it fixes the point: {y}")
-        y = inside
-        i = np.clip(ys[first : last + 1].searchsorted(y), 1, last - first) + first
+        inside: Array = np.clip(asked, ys[first], ys[last])
+        if not (np.abs(asked - inside) < ROUNDING).all():
+            raise ValueError(f"y must lie in {ys[first]:.6g} .. {ys[last]:.6g} m, where it fixes the point: {asked}")
+        i = np.clip(ys[first : last + 1].searchsorted(inside), 1, last - first) + first
         low, high = s[i - 1], s[i]
-        guess = low + (high - low) * (y - ys[i - 1]) / (ys[i] - ys[i - 1])
+        guess = low + (high - low) * (inside - ys[i - 1]) / (ys[i] - ys[i - 1])
         for _ in range(60):
             z, t, _k = self._evaluate(guess)
-            excess = z.real - y
+            excess = z.real - inside
             low, high = np.where(excess < 0.0, guess, low), np.where(excess > 0.0, guess, high)
             new = guess - excess / np.maximum(t.real, 1e-6)
             new = np.where((new > low) & (new < high), new, np.where(excess == 0.0, guess, 0.5 * (low + high)))

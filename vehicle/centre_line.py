@@ -16,7 +16,7 @@ def centre_line(track: Track, length: float, *, spacing: float = 1.0) -> tuple[A
     x along the tangent at the start in plan, y to its left, z up. Four Gauss points for each interval, whose headings
     are known beforehand: errors of an arc are of the order (spacing / radius)^8.
     """
-    stations = np.linspace(0.0, length, int(np.ceil(length / spacing)) + 1)
+    stations = np.linspace(0.0, length, int(np.ceil(length / spacing)) + 1, dtype=np.float64)
     nodes, weights = np.polynomial.legendre.leggauss(4)  # type: ignore[no-untyped-call]
     half = 0.5 * np.diff(stations)[:, None]
     inner = (0.5 * (stations[1:] + stations[:-1])[:, None] + half * nodes).ravel()

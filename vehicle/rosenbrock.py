@@ -64,7 +64,7 @@ class Rosenbrock:
     @cached_property
     def inverse(self) -> Array:
         """(s, s): with u = h gamma k as unknowns, no stage needs a product with the Jacobian."""
-        return np.linalg.inv(self.full_gamma)
+        return np.asarray(np.linalg.inv(self.full_gamma), dtype=np.float64)
 
     @cached_property
     def shifts(self) -> Array:

@@ -67,7 +67,7 @@ class Spectrum:
         wave_number = edges[:-1] + random.random(WAVES) * widths
         phase = random.uniform(0.0, 2.0 * np.pi, (WAVES, 4))
         amplitude = np.sqrt(2.0 * self(np.sqrt(edges[1:] * edges[:-1])) * widths[:, None])
-        stations = np.linspace(0.0, length, int(np.ceil(length * PER_WAVE / shortest)) + 1)
+        stations = np.linspace(0.0, length, int(np.ceil(length * PER_WAVE / shortest)) + 1, dtype=np.float64)
         waves = amplitude * np.exp(1j * phase)
         values = np.vstack(
             [

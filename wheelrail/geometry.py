@@ -70,7 +70,7 @@ def contact_geometry(
     from contact.rigid_touch import seats
     from scenes.patch_variables import means
 
-    places = np.linspace(-6e-3, 6e-3, 121) if y is None else np.atleast_1d(np.asarray(y, dtype=float))
+    places = np.atleast_1d(np.asarray(np.linspace(-6e-3, 6e-3, 121) if y is None else y, dtype=np.float64))
     if places.ndim != 1 or not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 0.1:
         raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm are 0.002), got {y!r}")
     pair = placed_pair(wheel, rail, **more)
@@ -83,7 +83,7 @@ def contact_geometry(
     radii = values["rolling_radius"]
     amplitude = np.unique(places[places > 0.0])
     base = 2.0 * pair.mounting.wheel_y
-    conicity = np.empty(0)
+    conicity: Array = np.empty(0)
     if amplitude.size:
         fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
         pairs = [found for _, found in seats(pair.rigid, pair.mounting, fine)]

@@ -30,7 +30,7 @@ def worst(*, radius: float, peak: float, nu: float) -> tuple[float, float]:
     """Depth [m] and value [Pa] of the largest von Mises stress on the axis: 0.48 radius and 0.62 peak for nu = 0.3."""
     low, high = 0.0, 2.0 * radius
     for _ in range(4):  # each look narrows the bracket 500 times
-        z = np.linspace(low, high, 1001)
+        z = np.linspace(low, high, 1001, dtype=np.float64)
         best = int(np.argmax(von_mises(z, radius=radius, peak=peak, nu=nu)))
         low, high = z[max(best - 1, 0)], z[min(best + 1, 1000)]
     depth = 0.5 * (low + high)

@@ -41,7 +41,7 @@ def _figure(scene: RunScene) -> Figure:
     line, drive = scene.track, Drive.of(scene.vehicle.drive)
     track, gravity = line.track(), wagon(scene).gravity
     uneven = track.irregularities
-    s = np.linspace(0.0, line.length, POINTS)
+    s = np.linspace(0.0, line.length, POINTS, dtype=np.float64)
     at = s.tolist()
     figure = Figure(figsize=(7.2, 8.6 if uneven is None else 11.6), layout="constrained")
     count = 4 if uneven is None else 6

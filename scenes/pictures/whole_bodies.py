@@ -34,7 +34,7 @@ def wheel_body(wheel: Profile, radius: float, *, right: bool = False, sector: fl
     from meshes.sections import wheel_outline
 
     section = wheel_outline(wheel, radius).polygon(SPACING) * ([-1.0, 1.0] if right else [1.0, 1.0])
-    return revolved(np.vstack([section, section[:1]]), np.linspace(-sector, sector, 81))
+    return revolved(np.vstack([section, section[:1]]), np.linspace(-sector, sector, 81, dtype=np.float64))
 
 
 def wheelset_body(wheel: Profile, radius: float, *, wheel_y: float) -> Any:

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 def lateral_over_vertical(one: Dataset) -> Array:
     """|Y| / Q of one wheel, NaN where nothing carries it."""
     y, q = one["lateral_force"].values, one["vertical_force"].values
-    return np.divide(np.abs(y), q, out=np.full(len(y), np.nan), where=q > 0.0)
+    return np.asarray(np.divide(np.abs(y), q, out=np.full(len(y), np.nan), where=q > 0.0))
 
 
 def _of(name: str, scale: float = 1.0) -> Callable[[Dataset], Array]:
