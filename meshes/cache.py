@@ -58,7 +58,7 @@ def load(name: str) -> dict[str, NDArray[Any]] | None:
     """Stored arrays, or None when there are none or the file is damaged (zip checks every array's CRC)."""
     path = cache_folder() / f"{name}.npz"
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:  # which leaves a damaged one open
             return {key: stored[key] for key in stored.files}
     except Exception:
         # Missing, unreadable or damaged: a flipped bit can make a zip raise almost anything. The caller builds it anew.
