@@ -88,6 +88,7 @@ class ElasticBody:
         typical = self.steel.E * float(np.cbrt(self.solid.volume() / len(self.solid.points)))
         matrix = compat.assemble_matrix(form, bc, typical)
         matrix.setOption(PETSc.Mat.Option.SPD, True)
+        compat.freed_with(self, matrix)
         return matrix
 
     @cached_property
@@ -100,8 +101,10 @@ class ElasticBody:
         pc.setType("cholesky")
         pc.setFactorSolverType("cholmod")
         pc.setUp()
+        factor = pc.getFactorMatrix()
         self._pc = pc  # owns the factor
-        return pc.getFactorMatrix()
+        compat.freed_with(self, pc, factor)
+        return factor
 
     def respond(self, loaded: Index, direction: int) -> Array:
         """Displacements (len(loaded), n, 3) [m] of all n grid nodes by a unit force along an axis on each loaded grid

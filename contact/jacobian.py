@@ -13,6 +13,7 @@ from contact.full_problem import Problem
 from contact.pose import Array
 from contact.preconditioner import choose
 from contact.ranks import Ranks
+from forms import compat
 
 Jacobian = Literal["exact", "difference"]
 
@@ -64,6 +65,7 @@ class Corrected:
         pc.setOperators(stiffness)
         choose(pc, "cholesky", ranks)
         pc.setUp()
+        compat.freed_with(self, pc)
         self._pc, self._ranks, self._rows = pc, ranks, stiffness.getSizes()[0]
         self._forces: sp.csr_array | None = None
         self._response: Array | None = None
@@ -87,6 +89,8 @@ class Corrected:
         left = right.duplicate()
         self._pc.getFactorMatrix().matSolve(right, left)
         self._response = left.getDenseArray().copy()
+        right.destroy()
+        left.destroy()
 
     def correct(self, tangent: sp.csr_array) -> None:
         """Take over the tangent T = D G of a Newton step."""

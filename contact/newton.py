@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,15 +63,18 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.problem: Problem | None = None
         self.count = Count()
         self._b, self._work = stiffness.createVecs()
+        self._x = self._work.duplicate()
         self._contact = 0.0  # norm of the contact forces: what a residual is measured by
         self._product = Product(stiffness)
         jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
         jacobian.setUp()
-        self.setF(self._residual, self._b)
-        self.setJ(self._linearise, jacobian)
+        compat.freed_with(self, stiffness, self._b, self._work, self._x, jacobian)
+        me = weakref.proxy(self)  # callbacks that hold the solver would hold it for ever: C++ breaks no cycles
+        self.setF(lambda x, b: me._residual(x, b), self._b)
+        self.setJ(lambda x, J: me._linearise(x, J), jacobian)
         self.setP(lambda x, P: None, stiffness)
         self.set_form(lambda x: None)
-        self.set_update(self._update)
+        self.set_update(lambda _, step, x: me._update(step, x))
         krylov = self.krylov_solver
         krylov.setOperators(jacobian, stiffness)
         krylov.setType("bcgs")
@@ -102,7 +106,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         law = problem.law
         sharp = law.laws.regularisation
         blunt = [sharp * k for k in LEVELS] if law.components == 3 else []
-        x = self.stiffness.createVecRight()
+        x = self._x
         relative = np.inf
         if start is not None:
             x.array[:] = start
@@ -151,7 +155,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         if self._corrected is not None:
             self._corrected.correct(self.problem.tangent(x.array_r))
 
-    def _update(self, _: Any, step: Any, x: Any) -> None:
+    def _update(self, step: Any, x: Any) -> None:
         self.count.newton += 1
         self.count.linear += self.krylov_solver.getIterationNumber()
         # dolfinx goes on after a failed linear solve: count it, let Armijo judge the step

@@ -80,7 +80,10 @@ def _solved(body: ElasticBody, coupling: Coupling, loads: Array) -> Array:
     right = PETSc.Vec().createWithArray(force, comm=PETSc.COMM_SELF)
     left = right.duplicate()
     body.factor.solve(right, left)
-    return np.array(left.getArray())
+    found = np.array(left.getArray())
+    right.destroy()
+    left.destroy()
+    return found
 
 
 def _fields(body: ElasticBody, u: Array, size: float, modulus: float) -> BodyFields:

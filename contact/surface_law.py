@@ -72,6 +72,7 @@ class SurfaceLaw:
         with compat.quiet():
             self._force, self._tangent = fem.form(work), fem.form(ufl.derivative(work, self.z))
         self._vector, self._matrix = compat.create_vector(self._force), create_matrix(self._tangent)
+        compat.freed_with(self, self._vector, self._matrix)
         distance, node = cKDTree(space.tabulate_dof_coordinates()).query(grid.position.reshape(-1, 3))
         if distance.max() > 1e-6 * np.linalg.norm(grid.position[1, 0] - grid.position[0, 0]):
             raise RuntimeError("the contact grid does not lie on nodes of the surface mesh")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -51,6 +52,17 @@ def assemble_matrix(form: Any, bc: Any, diagonal: float) -> Any:
     return matrix
 
 
+def freed_with(owner: object, *objects: Any) -> None:
+    """Free objects of PETSc as soon as their owner goes.
+
+    Before 3.20 PETSc keeps what Python lets go of for a collective clean-up. Objects of several processes still wait
+    for it: each would come to their end in its own time.
+    """
+    for one in objects:
+        if one.comm.size == 1:
+            weakref.finalize(owner, one.destroy)
+
+
 def create_vector(form: Any) -> Any:
     """Vector that a linear form is assembled into."""
     return fem.petsc.create_vector(form.function_spaces[0] if RECENT else form)
@@ -78,4 +90,5 @@ def assemble_csr(form: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArr
     matrix = fem.petsc.assemble_matrix(form)
     matrix.assemble()
     pointer, columns, values = matrix.getValuesCSR()
+    matrix.destroy()
     return pointer, columns, values
