@@ -95,7 +95,7 @@ class EdgeRule:
         return np.asarray(np.where(bottom > 0, top / np.where(bottom > 0, bottom, 1.0), np.copysign(np.inf, top)))
 
 
-@lru_cache
+@lru_cache(maxsize=32)
 def edge_rules(cells: tuple[float, ...]) -> tuple[EdgeRule, EdgeRule]:
     """Rules for the trailing and the leading end, exact for the line contact of two cylinders on such cells.
 

@@ -38,7 +38,7 @@ class SurfaceError:
         return np.asarray(CubicSpline(self.place, self.values)(inside))
 
 
-@lru_cache
+@lru_cache(maxsize=32)
 def surface_error(nu: float, degree: int) -> SurfaceError:
     """Measured on an endless block whose compliance comes from the cache, or is computed in half a second."""
     from contact.waveguides import block_waveguide

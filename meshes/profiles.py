@@ -143,7 +143,7 @@ def from_sections(sections: list[Section], *, name: str, kind: Kind, placement: 
     return placed.moved(0.0, 0.0, -float(placed.s_at_y(0.0)))
 
 
-@lru_cache
+@lru_cache(maxsize=8)
 def named_profile(name: str) -> Profile:
     """S1002 wheel, 60E1 rail (upright, to be laid; UIC60 is its older name), or UIC60-benchmark rail (inclined 1/40).
 
