@@ -140,7 +140,8 @@ def test_result_fulfils_the_equations(laws: Laws, steels: tuple[Steel, Steel]) -
     assert (length <= bound * (1 + 1e-7) + 1e-7 * bound.max()).all()
     slides = (p > 0) & (speed > laws.regularisation + 1e-7)
     assert slides.any()
-    np.testing.assert_allclose(q[slides], -(bound / speed)[slides, None] * fields.slip[slides], atol=1e-6 * bound.max())
+    opposed = -(bound[slides] / speed[slides])[:, None] * fields.slip[slides]
+    np.testing.assert_allclose(q[slides], opposed, atol=1e-6 * bound.max())
     sticks = (p > 0) & ~slides
     if laws.regularisation:
         np.testing.assert_allclose(
