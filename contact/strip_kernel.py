@@ -29,7 +29,7 @@ NODES = 128  # of the table of G over x: its error in a mean compliance stays be
 FINEST = 0.005  # spacing of the first nodes over that of the surface's lines
 NEIGHBOURS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16  # shares of a line in the mean over its neighbours
 TILE = 8  # lines: parts of the surface are made ready so many at a time, and more on both sides
-KEPT = 3.2e7  # numbers (256 MB) in these parts, a body: S1002 on UIC60 at 1 mm fill 60 MB from -8 to 5 mm
+KEPT = 3.2e7  # numbers (256 MB) in these parts, a body: S1002 on UIC60 at 1 mm fill 124 MB in both from -8 to -5.5 mm
 GAUSS, WEIGHT = roots_legendre(6)  # places and weights over the width of a strip
 
 
