@@ -166,7 +166,7 @@ def test_table_to_read(spring: SpringContact) -> None:
         assert text in outcome.stdout
 
 
-FITTED = ('# strips = 12', 'strips = 6\ncells = 8\nerror_estimate = true  # strips')
+FITTED = ("# strips = 12", "strips = 6\ncells = 8\nerror_estimate = true  # strips")
 STRESSED = ("[upper] ", '[stress]\nbody = "lower"\ndepths = [1e-3, 2e-3]\n[upper] ')
 SLOWER = ("surface_size = 0.5e-3", "surface_size = 1e-3")
 
