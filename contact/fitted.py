@@ -27,7 +27,7 @@ from contact.patches import outcome
 from contact.points import OutsideGrid, Places
 from contact.pose import Array, Motion, Pose
 from contact.pressure import Factors
-from contact.raised import Raised
+from contact.raised import Raised, settling
 from contact.result import ContactResult, Statistics
 from contact.strip_moments import sharpened
 from contact.strip_operators import StripOperators
@@ -119,6 +119,7 @@ class FittedContact:
         surfaces, approach = self.operators.surfaces, float(ridge.overlap.max())
         known, raised, settled = start, None if start is None else start.raised, True
         q = None if start is None else start.traction
+        before: tuple[Raised | None, Raised] | None = None
         for _ in range(ROUNDS):
             fitted = self._fitted(pose, ridge, known, raised, count)
             if fitted is None:
@@ -159,7 +160,9 @@ class FittedContact:
             log.debug("friction changes the overlap by %.1e of the approach", change / approach)
             if change <= RAISED * approach:
                 break
-            raised, q = after, found.tangential.T.ravel()
+            now = raised, after
+            raised, q = after if before is None else settling(layout, before, now), found.tangential.T.ravel()
+            before = now
         else:
             settled = False
         around = Linearisation(

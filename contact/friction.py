@@ -29,6 +29,7 @@ RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # 
 TINY = 1e-300
 STALLS = 3  # steps without descent that end an attempt
 PATIENCE = 8  # steps that halve the misfit, or an attempt ends
+FULL = 15  # steps without damping
 ROUNDS = 60  # bounds held in turn
 NEAR = 0.1  # of the bound: a misfit from which Newton's method is tried again
 CHORD = 0.1  # of the misfit: a step with old factors that leaves more is not worth it
@@ -100,6 +101,11 @@ class Friction:
         self._slip, self._rigid, self._shift, self._pressure = slip, rigid, shift, pressure
         self._laws, self._speed = laws, speed
         self._known = Known() if known is None else known
+
+    @property
+    def falls(self) -> bool:
+        """Whether friction falls with the slip velocity."""
+        return self._laws.falling is not None
 
     def at(self, q: Array, active: Mask, count: Count, bound: Array | None = None) -> Trial:
         """The trial at q (2, n), with bounds (n,) held if given; active points are only where to start from."""
@@ -246,14 +252,19 @@ def derivative(
 def tangential_contact(friction: Friction, q: Array, active: Mask, options: NewtonOptions, count: Count) -> Trial:
     """Tractions with F(q) = 0 from a guess q (2, n).
 
-    Newton may end in a minimum of |F| that is no zero where friction falls steeply and F folds. Then bounds are held
-    and tractions found for them in turn, starting at Coulomb's: the more slip the less friction and the less friction
-    the more slip, so these bounds fall in order towards the largest that agree with their own slip, and Newton takes
-    over once it is near. Where pressure depends on friction, the same is a contraction. Raises NotConverged.
+    Where pressure depends on friction, descent may creep along a kink of |F|, of a point that begins to slip: full steps
+    cross it. Newton may also end in a minimum of |F| that is no zero where friction falls steeply and F folds. Then
+    bounds are held and tractions found for them in turn, starting at Coulomb's: the more slip the less friction and the
+    less friction the more slip, so these bounds fall in order towards the largest that agree with their own slip, and
+    Newton takes over once it is near. Where pressure depends on friction, the same is a contraction. Raises
+    NotConverged.
     """
     try:
         return newton(friction, friction.at(q, active, count), options, count)
     except NotConverged:
+        if not friction.falls:  # else full steps might find another of several answers
+            with suppress(NotConverged):
+                return undamped(friction, friction.at(q, active, count), options, count)
         t = friction.at(np.zeros_like(q), active, count)
         bound = t.pressure * t.mu.max()
         for k in range(ROUNDS):
@@ -305,6 +316,19 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
             damping /= 2
         t = trial
     raise NotConverged(f"friction: relative residual {count.residual:.1e} after {count.newton} Newton steps")
+
+
+def undamped(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -> Trial:
+    """Newton's full steps from a trial, whether |F| falls or not. Raises NotConverged."""
+    for _ in range(FULL):
+        look()
+        count.newton += 1
+        t = friction.at(t.q + friction.step(t, options, count), t.active, count)
+        scale = max(float(np.linalg.norm(t.bound)), TINY)
+        count.residual = t.norm / scale
+        if t.norm <= options.tolerance * scale:
+            return t
+    raise NotConverged(f"friction: relative residual {count.residual:.1e} after {FULL} full steps")
 
 
 def iterated(matrix: Array, right: Array, options: NewtonOptions, count: Count) -> Array | None:

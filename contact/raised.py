@@ -9,6 +9,8 @@ import numpy as np
 from contact.pose import Array
 from contact.strips import Layout
 
+FARTHEST = 1.0  # times the last change of the overlap, that two rounds extrapolate
+
 
 @dataclass(frozen=True)
 class Raised:
@@ -51,3 +53,19 @@ class Raised:
         along = np.clip(x, self.low[near, 1:], self.high[near, 1:]) - middle[near, 1:]
         constant, across, forward = self.values[near].T
         return np.asarray((constant + across * s)[:, None] + forward[:, None] * along)
+
+
+def settling(layout: Layout, before: tuple[Raised | None, Raised], now: tuple[Raised | None, Raised]) -> Raised:
+    """Overlap that friction would leave as it is, by a secant through two rounds: Anderson's method of depth one,
+    doi:10.1145/321296.321305.
+
+    before and now: overlap added to a round, and what its tractions add then.
+    """
+
+    def at(raised: Raised | None) -> Array:
+        return np.zeros_like(layout.edges[:, 1:]) if raised is None else raised.at(layout)
+
+    misfit, answer, earlier = at(now[1]) - at(now[0]), at(now[1]), at(before[1])
+    change = misfit - (earlier - at(before[0]))
+    share = float((misfit * change).sum()) / max(float((change**2).sum()), np.finfo(float).tiny)
+    return Raised.by(layout, answer - np.clip(share, -FARTHEST, 1.0) * (answer - earlier))

@@ -19,13 +19,14 @@ from contact.laws import Laws, Steel
 from contact.loading import hertz_pose, hertz_under_load
 from contact.pairs import Bodies, hertz_pair, wheel_rail_pair
 from contact.pose import Array, Motion, Mounting, Twist, WheelsetState
+from contact.raised import Raised, settling
 from contact.references.hertz import Hertz, hertz, modulus
 from contact.result import ContactResult, Summaries
 from contact.strip_kernel import StripKernel
 from contact.strip_means import means
 from contact.strip_moments import stick_length
 from contact.strip_operators import upstream
-from contact.strips import CAUTION, TIP, edge_rules, line_contact, marks, tip
+from contact.strips import CAUTION, TIP, Layout, edge_rules, line_contact, marks, tip
 from contact.wheelset import WheelsetContact
 from meshes.profiles import named_profile
 
@@ -371,3 +372,22 @@ def test_patches_are_summed_up_when_asked_for() -> None:
     (seen,) = result.mirrored().patches
     assert seen.wheel_y == patch.wheel_y
     np.testing.assert_array_equal(seen.force, [1, -1, 1] * patch.force)
+
+
+@pytest.mark.parametrize("slope", [-1.5, -0.6, 0.4])
+def test_two_rounds_tell_where_friction_moves_the_overlap_no_more(slope: float) -> None:
+    """Of what answers in a straight line, r = c + slope r; where a round answers as before it is not followed afar."""
+    sides = np.column_stack([np.arange(4.0), np.arange(1.0, 5.0)]) * 1e-3
+    layout = Layout(sides, np.tile([-3e-3, 5e-3], (4, 1)), np.zeros(4, dtype=int), marks(6, rolling=True))
+    rest = Raised.by(layout, layout.middle[:, None] * [0.3] * 6 + 2e-3 * layout.edges[:, 1:])
+
+    def answer(raised: Raised | None) -> Raised:
+        now = np.zeros((4, 6)) if raised is None else raised.at(layout)
+        return Raised.by(layout, rest.at(layout) + slope * (now - rest.at(layout)))
+
+    first = answer(None)
+    found = settling(layout, (None, first), (first, answer(first)))
+    np.testing.assert_allclose(found.at(layout), rest.at(layout), rtol=1e-9)
+    creeping = Raised.by(layout, 1.9 * first.at(layout))
+    limited = settling(layout, (None, first), (first, creeping))
+    np.testing.assert_allclose(limited.at(layout), 2.8 * first.at(layout), rtol=1e-9)

@@ -9,14 +9,14 @@ import pytest
 from half_space import Cells, HalfSpaces, creepage, forces
 
 from contact.fitted import FittedContact
-from contact.friction import Friction
+from contact.friction import Friction, newton, tangential_contact
 from contact.laws import FallingFriction, Laws, Steel
 from contact.loading import hertz_pose
 from contact.pairs import hertz_pair
 from contact.pose import Array, Motion, Twist
 from contact.pressure import Coupled, Factors
 from contact.references.hertz import hertz, modulus
-from contact.tractions import Count, NewtonOptions, Tractions, solve_tractions
+from contact.tractions import Count, NewtonOptions, NotConverged, Tractions, solve_tractions
 
 STEEL = Steel(210e9, 0.3)
 E_STAR = modulus((210e9, 0.3), (210e9, 0.3))
@@ -202,3 +202,35 @@ def test_random_laws_never_fail() -> None:
         assert count.residual < 1e-9
         most = max(most, count.newton)
     assert most < 60
+
+
+def test_full_steps_cross_a_kink_where_descent_creeps() -> None:
+    """Three points whose pressures follow friction, as on a flange that presses hard."""
+    slip = np.array(
+        [
+            [0.8, 0.1, 0.1, 0.0, 0.1, -0.3],
+            [-0.3, 0.9, -0.1, -0.2, 0.2, -0.1],
+            [0.2, 0.2, 1.3, 0.1, -0.1, -0.4],
+            [0.2, 0.1, -0.1, 0.5, -0.1, 0.0],
+            [-0.1, 0.1, -0.2, -0.1, 0.9, 0.2],
+            [0.2, -0.4, -0.4, 0.0, 0.0, 0.9],
+        ]
+    )
+    coupling = np.array(
+        [[0.0, 1.0, -1.3, -0.4, -0.3, -0.2], [-0.6, -0.5, 0.2, -0.2, -0.1, 0.3], [0.1, 0.5, 0.0, -1.3, 0.7, -1.0]]
+    )
+    rigid, normal, mu = np.array([-1.1, 0.6, -0.4, 0.1, 0.5, 0.6]), np.eye(3) + 0.3, 0.6
+    pressures = Coupled(Factors(normal), np.ones(3), coupling)
+    friction = Friction(slip, rigid, np.zeros((6, 3)), pressures, Laws(friction=mu), SPEED)
+    q, active, options = np.zeros((2, 3)), np.ones(3, dtype=bool), NewtonOptions()
+    with pytest.raises(NotConverged):
+        newton(friction, friction.at(q, active, Count()), options, Count())
+    count = Count()
+    found = tangential_contact(friction, q, active, options, count)
+    assert count.newton < 30  # 166 where bounds are held in turn
+    p, t, s = found.pressure, found.q, (rigid + slip @ found.q.ravel()).reshape(2, 3)
+    np.testing.assert_allclose(normal @ p, np.ones(3) + coupling @ t.ravel(), rtol=1e-9)
+    fast = np.hypot(*s) > 1e-6
+    assert fast.sum() == 2
+    np.testing.assert_allclose(t[:, fast], -mu * p[fast] * s[:, fast] / np.hypot(*s)[fast], atol=1e-6)
+    assert (np.hypot(*t)[~fast] < mu * p[~fast]).all()
