@@ -252,11 +252,11 @@ def derivative(
 def tangential_contact(friction: Friction, q: Array, active: Mask, options: NewtonOptions, count: Count) -> Trial:
     """Tractions with F(q) = 0 from a guess q (2, n).
 
-    Where pressure depends on friction, descent may creep along a kink of |F|, of a point that begins to slip: full steps
-    cross it. Newton may also end in a minimum of |F| that is no zero where friction falls steeply and F folds. Then
-    bounds are held and tractions found for them in turn, starting at Coulomb's: the more slip the less friction and the
-    less friction the more slip, so these bounds fall in order towards the largest that agree with their own slip, and
-    Newton takes over once it is near. Where pressure depends on friction, the same is a contraction. Raises
+    Where pressure depends on friction, descent may creep along a kink of |F|, of a point that begins to slip: full
+    steps cross it. Newton may also end in a minimum of |F| that is no zero where friction falls steeply and F folds.
+    Then bounds are held and tractions found for them in turn, starting at Coulomb's: the more slip the less friction
+    and the less friction the more slip, so these bounds fall in order towards the largest that agree with their own
+    slip, and Newton takes over once it is near. Where pressure depends on friction, the same is a contraction. Raises
     NotConverged.
     """
     try:
