@@ -67,5 +67,6 @@ def settling(layout: Layout, before: tuple[Raised | None, Raised], now: tuple[Ra
 
     misfit, answer, earlier = at(now[1]) - at(now[0]), at(now[1]), at(before[1])
     change = misfit - (earlier - at(before[0]))
-    share = float((misfit * change).sum()) / max(float((change**2).sum()), np.finfo(float).tiny)
+    bottom = float((change**2).sum())
+    share = float((misfit * change).sum()) / bottom if bottom > 0 else 0.0
     return Raised.by(layout, answer - np.clip(share, -FARTHEST, 1.0) * (answer - earlier))
