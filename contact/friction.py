@@ -320,7 +320,7 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
 
 def undamped(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -> Trial:
     """Newton's full steps from a trial, whether |F| falls or not. Raises NotConverged."""
-    for _ in range(FULL):
+    for _ in range(min(FULL, options.iterations)):
         look()
         count.newton += 1
         t = friction.at(t.q + friction.step(t, options, count), t.active, count)

@@ -211,7 +211,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
 
 def test_what_is_not_asked_for_is_not_reported(spring: SpringContact) -> None:
     found = json.loads(contact(HERTZ, "--json").stdout)
-    assert found["points"] == "grid"
+    assert found["points"] == "fitted"
     assert not {"error_estimate", "stress"} & set(found["contact"])
 
 
