@@ -74,8 +74,10 @@ class Gathered:
 
 @dataclass(frozen=True)
 class Cells:
-    """What a solve on fitted cells leaves for the next one: cells, overlap added by friction, tractions (2 n,) Pa, and
-    compliance, gathered on cells of which the present ones are a copy, moved aside and larger by a scale.
+    """What a solve on fitted cells leaves for the next one: cells, overlap added by friction that they were fitted to,
+    tractions (2 n,) Pa, and compliance, gathered on cells of which the present ones are a copy, moved aside and larger
+    by a scale; aside, what more friction adds than that, over the approach, where no cells were found that it adds the
+    same to.
     """
 
     layout: Layout
@@ -83,6 +85,7 @@ class Cells:
     gathered: Gathered
     scale: float
     traction: Array
+    aside: Raised | None = None
 
     def covers(self, ridge: Ridge) -> bool:
         """Whether all humps of the overlap lie on the cells, or next to them."""

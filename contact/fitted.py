@@ -42,6 +42,8 @@ FOLLOWED = 5.0  # times the tolerance, for cells that follow the contact as a wh
 BEYOND = "the wheel overlaps the rail beyond the part of its surface that carries contact points"
 ROUNDS = 6  # of fitting and solving, where friction changes the overlap
 RAISED = 1e-2  # of the approach, that friction may still change it by
+ASIDE = 0.2  # of the approach, that rounds without rest may be off by for warm solves to go on from them
+FADING = 0.99  # of that, left by every warm solve
 LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
 
 
@@ -120,6 +122,8 @@ class FittedContact:
         known, raised, settled = start, None if start is None else start.raised, True
         q = None if start is None else start.traction
         before: tuple[Raised | None, Raised] | None = None
+        aside = None if start is None else start.aside
+        rounds: list[tuple[float, Cells, Linearisation]] = []
         for _ in range(ROUNDS):
             fitted = self._fitted(pose, ridge, known, raised, count)
             if fitted is None:
@@ -151,28 +155,39 @@ class FittedContact:
                 count=count,
             )
             clock.ends("solve")
+            cells = replace(cells, raised=raised, traction=found.tangential.T.ravel())
+            around = Linearisation(
+                places, pose.origin, motion, body, rigid, speed, self.laws, found, self.fineness.cells, scale
+            )
             if rigid is None:
                 break
             # friction presses the bodies together or apart, where one patch pushes another one sideways, too
             by_friction = scale * (gathered.displacement[2 * n :, : 2 * n] @ found.tangential.T.ravel())
-            after = Raised.by(layout, by_friction.reshape(len(layout.sides), -1))
-            change = float(np.abs(after.at(layout) - (0.0 if raised is None else raised.at(layout))).max())
+            by_friction = by_friction.reshape(len(layout.sides), -1)
+            after = Raised.by(layout, by_friction if aside is None else by_friction - approach * aside.at(layout))
+            held = np.zeros_like(by_friction) if raised is None else raised.at(layout)
+            change = float(np.abs(after.at(layout) - held).max())
             log.debug("friction changes the overlap by %.1e of the approach", change / approach)
             if change <= RAISED * approach:
+                if aside is not None:
+                    cells = replace(cells, aside=aside.times(FADING).between(layout, RAISED, ASIDE))
+                    settled = False
                 break
+            off = Raised.by(layout, (by_friction - held) / approach).between(layout, RAISED, ASIDE)
+            rounds.append((change, replace(cells, aside=off), around))
             now = raised, after
             raised, q = after if before is None else settling(layout, before, now), found.tangential.T.ravel()
             before = now
         else:
             settled = False
-        around = Linearisation(
-            places, pose.origin, motion, body, rigid, speed, self.laws, found, self.fineness.cells, scale
-        )
-        cells = replace(cells, raised=raised, traction=found.tangential.T.ravel())
+            if start is None:
+                cells = replace(cells, raised=raised)
+            else:  # two answers may bring about each other's cells: stay with what is nearest to rest
+                _, cells, around = min(rounds, key=lambda found: found[0])
         statistics = Statistics(
             newton=count.newton,
             linear=count.linear,
-            points=n,
+            points=len(around.places.area),
             residual=count.residual,
             settled=settled,
             seconds=clock.spent,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,6 +53,13 @@ class Raised:
         along = np.clip(x, self.low[near, 1:], self.high[near, 1:]) - middle[near, 1:]
         constant, across, forward = self.values[near].T
         return np.asarray((constant + across * s)[:, None] + forward[:, None] * along)
+
+    def times(self, factor: float) -> Raised:
+        return replace(self, values=factor * self.values)
+
+    def between(self, layout: Layout, least: float, most: float) -> Raised | None:
+        """The same if its largest on the cells of a layout lies between these, else nothing."""
+        return self if least < float(np.abs(self.at(layout)).max()) <= most else None
 
 
 def settling(layout: Layout, before: tuple[Raised | None, Raised], now: tuple[Raised | None, Raised]) -> Raised:
