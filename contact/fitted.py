@@ -42,7 +42,7 @@ FOLLOWED = 5.0  # times the tolerance, for cells that follow the contact as a wh
 BEYOND = "the wheel overlaps the rail beyond the part of its surface that carries contact points"
 ROUNDS = 6  # of fitting and solving, where friction changes the overlap
 RAISED = 1e-2  # of the approach, that friction may still change it by
-ASIDE = 0.2  # of the approach, that rounds without rest may be off by for warm solves to go on from them
+ASIDE = 0.1  # of the approach, that rounds without rest may be off by for warm solves to go on from them
 FADING = 0.99  # of that, left by every warm solve
 LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
 
