@@ -64,10 +64,11 @@ def _check(content: bytes) -> None:
 def compiled(function: F) -> F:
     """The function as machine code, made at its first call for every type of arguments.
 
-    Sums may be reordered, but infinities and NaN keep their meaning.
+    Arithmetic is that of IEEE 754 as written. Were sums reordered, functions that call others would differ in the last
+    bits between the process that compiles them and one that loads them, whose copies of the called ones are others.
     """
     with _kept_in(str(folder())):
-        made = njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz", "arcp"})(function)
+        made = njit(cache=True, nogil=True)(function)
     made._cache.__class__ = Sealed
     made._cache._cache_file.__class__ = SealedFile
     return cast(F, made)

@@ -8,6 +8,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+
+from contact.polach import polach
+from meshes.compiled import compiled
+
 ROOT = Path(__file__).parents[1]
 USES = "from meshes.compiled import compiled\n"
 OUTER = USES + "from contact.inner import inner\n@compiled\ndef outer(x):\n    return inner(x)\n"
@@ -83,3 +88,19 @@ def test_two_processes_compile_at_once(tmp_path: Path) -> None:
     assert third.stdout is not None
     third.stdout.readline()
     assert ended(third) == [*right, COUNT]
+
+
+@compiled
+def _total(values: np.ndarray) -> float:
+    total = 0.0
+    for value in values:
+        total += value
+    return total
+
+
+def test_sums_keep_their_order() -> None:
+    """Else what a process compiles and what the next one loads differ in the last bits, and so do resumed runs."""
+    values = np.random.default_rng(1).normal(size=1001)
+    assert _total(values) == np.cumsum(values)[-1]  # NumPy adds one after the other there
+    assert not _total.targetoptions.get("fastmath", False)
+    assert not polach.targetoptions.get("fastmath", False)
