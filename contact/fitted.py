@@ -27,7 +27,7 @@ from contact.patches import outcome
 from contact.points import OutsideGrid, Places
 from contact.pose import Array, Motion, Pose
 from contact.pressure import Factors
-from contact.raised import Raised, settling
+from contact.raised import Raised, added, settling
 from contact.result import ContactResult, Statistics
 from contact.strip_moments import sharpened
 from contact.strip_operators import StripOperators
@@ -165,7 +165,7 @@ class FittedContact:
             by_friction = scale * (gathered.displacement[2 * n :, : 2 * n] @ found.tangential.T.ravel())
             by_friction = by_friction.reshape(len(layout.sides), -1)
             after = Raised.by(layout, by_friction if aside is None else by_friction - approach * aside.at(layout))
-            held = np.zeros_like(by_friction) if raised is None else raised.at(layout)
+            held = added(raised, layout)
             change = float(np.abs(after.at(layout) - held).max())
             log.debug("friction changes the overlap by %.1e of the approach", change / approach)
             if change <= RAISED * approach:

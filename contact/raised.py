@@ -62,18 +62,20 @@ class Raised:
         return self if least < float(np.abs(self.at(layout)).max()) <= most else None
 
 
+def added(raised: Raised | None, layout: Layout) -> Array:
+    """Overlap (S, cells) m added on the cells of a layout; none if nothing is known of friction."""
+    return np.zeros_like(layout.edges[:, 1:]) if raised is None else raised.at(layout)
+
+
 def settling(layout: Layout, before: tuple[Raised | None, Raised], now: tuple[Raised | None, Raised]) -> Raised:
     """Overlap that friction would leave as it is, by a secant through two rounds: Anderson's method of depth one,
     doi:10.1145/321296.321305.
 
     before and now: overlap added to a round, and what its tractions add then.
     """
-
-    def at(raised: Raised | None) -> Array:
-        return np.zeros_like(layout.edges[:, 1:]) if raised is None else raised.at(layout)
-
-    misfit, answer, earlier = at(now[1]) - at(now[0]), at(now[1]), at(before[1])
-    change = misfit - (earlier - at(before[0]))
+    answer, earlier = now[1].at(layout), before[1].at(layout)
+    misfit = answer - added(now[0], layout)
+    change = misfit - (earlier - added(before[0], layout))
     bottom = float((change**2).sum())
     share = float((misfit * change).sum()) / bottom if bottom > 0 else 0.0
     return Raised.by(layout, answer - np.clip(share, -FARTHEST, 1.0) * (answer - earlier))
