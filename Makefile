@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 .PHONY: run test lint suite docs test-debian clean
 
 run: $(VENV)/ready
-	$(PY) -m scenes.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
+	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
 test: lint suite
 

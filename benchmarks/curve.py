@@ -12,17 +12,18 @@ from time import perf_counter
 import numpy as np
 from rich.console import Console
 
-from benchmarks.machine import stated
-from contact.fineness import Fineness
-from contact.fitted import FittedContact
-from contact.pose import SIDES, Array
-from contact.wheelset import WheelsetContact
-from scenes.models import wheelset_contact
-from scenes.run import track, wagon
-from scenes.scene import RunScene, load_scene
-from vehicle.history import History
-from vehicle.parallel import in_parallel
-from vehicle.simulate import simulate
+from benchmarks.common.machine import stated
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.models.fitted.model import FittedContact
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.schema.scene import RunScene, load_scene
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.simulate import simulate
 
 SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
 EVERY = 0.01  # s, between the rows that are compared

@@ -12,21 +12,11 @@ from time import perf_counter
 
 import numpy as np
 
-from benchmarks.hertz_pairs import (
-    CIRCULAR,
-    ELLIPTIC,
-    HEAVY,
-    Timed,
-    clocked,
-    creep_force,
-    errors,
-    rolling,
-    timed,
-)
-from benchmarks.machine import stated
-from contact.laws import Laws
-from contact.loading import hertz_pose
-from contact.pairs import Bodies, Model
+from benchmarks.common.hertz_pairs import CIRCULAR, ELLIPTIC, HEAVY, Timed, clocked, creep_force, errors, rolling, timed
+from benchmarks.common.machine import stated
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.builders import Bodies, Model
 
 PENALTY, EXACT = 1e15, np.inf  # N/m3
 CREEPAGE, FRICTION = 1e-3, 0.3

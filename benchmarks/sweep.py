@@ -17,12 +17,13 @@ from time import perf_counter
 
 import numpy as np
 
-from benchmarks.accuracy_bodies import STEEL, Track, wheelset_model
-from benchmarks.machine import stated
-from contact.laws import Laws
-from contact.pose import Array, WheelsetState
-from contact.result import ContactResult
-from contact.wheelset import WheelsetContact
+from benchmarks.common.machine import stated
+from benchmarks.common.models import STEEL, Track, wheelset_model
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
 
 LOAD = 57e3  # N
 NAMES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")

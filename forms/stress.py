@@ -7,7 +7,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from wheelrail.support.arrays import Array
+
 Values = TypeVar("Values", Array, NDArray[np.complex128])
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import wheelrail as wr
-from scenes.pictures.style import SERIES, SIDES, STYLE
+from wheelrail.scenes.plots.style import SERIES, SIDES, STYLE
 
 plt.rcParams.update(STYLE)
 

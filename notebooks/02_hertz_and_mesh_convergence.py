@@ -29,8 +29,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import wheelrail as wr
-from scenes.pictures.style import STYLE
-from scenes.studies.convergence import slope
+from wheelrail.scenes.plots.fits import slope
+from wheelrail.scenes.plots.style import STYLE
 
 plt.rcParams.update(STYLE)
 

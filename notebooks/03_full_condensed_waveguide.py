@@ -38,7 +38,7 @@ import numpy as np
 import pandas as pd
 
 import wheelrail as wr
-from scenes.pictures.style import STYLE
+from wheelrail.scenes.plots.style import STYLE
 
 plt.rcParams.update(STYLE)
 
@@ -75,13 +75,13 @@ def clocked(friction, **options):
 def row(solution, times):
     """What a table says of it; contact unknowns are tractions, those of the full model all displacements."""
     own = solution.data.sel(side="contact")
-    moved = solution.results["contact"].displacements
+    moved = solution.results["contact"].warm_start
     points = int((own.pressure > 0).sum())
     return {
         "first [s]": times[0],
         "again [s]": times[1],
         "loaded points": points,
-        "unknowns": points * (3 if own.traction.any() else 1) if moved is None else moved.size,
+        "unknowns": points * (3 if own.traction.any() else 1) if not isinstance(moved, np.ndarray) else moved.size,
         "normal force [N]": own.vertical_force.item(),
         "creep force [N]": own.longitudinal_force.item(),
     }

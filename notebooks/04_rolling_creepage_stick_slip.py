@@ -39,8 +39,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import wheelrail as wr
-from contact.references.kalker import kalker
-from scenes.pictures.style import SERIES, STYLE
+from wheelrail.contact.analytical.kalker import kalker
+from wheelrail.scenes.plots.style import SERIES, STYLE
 
 plt.rcParams.update(STYLE)
 

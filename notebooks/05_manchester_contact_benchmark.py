@@ -39,7 +39,7 @@ import numpy as np
 import pandas as pd
 
 import wheelrail as wr
-from scenes.pictures.style import SERIES, STYLE
+from wheelrail.scenes.plots.style import SERIES, STYLE
 
 plt.rcParams.update(STYLE)
 

@@ -30,8 +30,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import wheelrail as wr
-from scenes.pictures.style import SIDES, STYLE
-from vehicle.wagon import Wagon
+from wheelrail.scenes.plots.style import SIDES, STYLE
+from wheelrail.vehicle.wagon.wagon import Wagon
 
 plt.rcParams.update(STYLE)
 
@@ -45,7 +45,7 @@ SIZES = {"exact laws": 1e-3, "paper's laws": 2e-3, "paper's laws, finer": 1e-3} 
 # its Jacobian, because a stiffness of a million N/mm would make an explicit one crawl.
 
 # %%
-scene = files("scenes") / "curve.toml"
+scene = files("wheelrail.scenes") / "examples" / "curve.toml"
 run = wr.run(scene, **{"solver.workers": 1, **CHANGES})
 print(run)
 

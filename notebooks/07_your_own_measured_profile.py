@@ -28,7 +28,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import wheelrail as wr
-from scenes.pictures.style import SERIES, STYLE
+from wheelrail.scenes.plots.style import SERIES, STYLE
 
 plt.rcParams.update(STYLE)
 NEW, WORN, ROUGH = SERIES[0]["color"], SERIES[1]["color"], "0.75"

@@ -12,34 +12,34 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scenes.complaint import SceneError
-    from wheelrail.files import load, open, profile, report
-    from wheelrail.geometry import contact_geometry
-    from wheelrail.hertz import Hertz
-    from wheelrail.pictures import plot_convergence, plot_profiles, plot_work_precision
-    from wheelrail.runs import Run, run
-    from wheelrail.solution import Solution
-    from wheelrail.studies import Study, study
-    from wheelrail.wheelset import Wheelset
+    from wheelrail.api.contact_geometry import contact_geometry
+    from wheelrail.api.figures import plot_convergence, plot_profiles, plot_work_precision
+    from wheelrail.api.files import load, open, profile, report
+    from wheelrail.api.hertz import Hertz
+    from wheelrail.api.runs import Run, run
+    from wheelrail.api.solution import Solution
+    from wheelrail.api.studies import Study, study
+    from wheelrail.api.wheelset import Wheelset
+    from wheelrail.scenes.schema.errors import SceneError
 
 # Name: the module that it is taken from when it is first asked for, so that importing the package costs nothing.
 _HOMES = {
-    "Hertz": "wheelrail.hertz",
-    "Run": "wheelrail.runs",
-    "SceneError": "scenes.complaint",
-    "Solution": "wheelrail.solution",
-    "Study": "wheelrail.studies",
-    "Wheelset": "wheelrail.wheelset",
-    "contact_geometry": "wheelrail.geometry",
-    "load": "wheelrail.files",
-    "open": "wheelrail.files",
-    "plot_convergence": "wheelrail.pictures",
-    "plot_profiles": "wheelrail.pictures",
-    "plot_work_precision": "wheelrail.pictures",
-    "profile": "wheelrail.files",
-    "report": "wheelrail.files",
-    "run": "wheelrail.runs",
-    "study": "wheelrail.studies",
+    "Hertz": "wheelrail.api.hertz",
+    "Run": "wheelrail.api.runs",
+    "SceneError": "wheelrail.scenes.schema.messages",
+    "Solution": "wheelrail.api.solution",
+    "Study": "wheelrail.api.studies",
+    "Wheelset": "wheelrail.api.wheelset",
+    "contact_geometry": "wheelrail.api.contact_geometry",
+    "load": "wheelrail.api.files",
+    "open": "wheelrail.api.files",
+    "plot_convergence": "wheelrail.api.figures",
+    "plot_profiles": "wheelrail.api.figures",
+    "plot_work_precision": "wheelrail.api.figures",
+    "profile": "wheelrail.api.files",
+    "report": "wheelrail.api.files",
+    "run": "wheelrail.api.runs",
+    "study": "wheelrail.api.studies",
 }
 __all__ = [
     "Hertz",

@@ -12,7 +12,7 @@ def commands() -> str:
     """Markdown: a section for every command, with its arguments and options."""
     from typer.main import get_command
 
-    from scenes.cli import app
+    from wheelrail.cli.main import app
 
     group: Any = get_command(app)
     return "\n".join(line for name in group.commands for line in _command(name, group.commands[name]))

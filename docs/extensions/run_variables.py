@@ -21,14 +21,13 @@ def _listed(values: Any) -> str:
 
 
 def _example() -> Any:
-    from benchmarks.linear_contact import LinearContact
-    from scenes.energy import with_energy
-    from scenes.results import dataset
-    from scenes.wear import wear
-    from vehicle.simulate import simulate
-    from vehicle.track import Track
-    from vehicle.track_spectrum import ERRI
-    from vehicle.wagon import Wagon
+    from benchmarks.exudyn.linear_contact import LinearContact
+    from wheelrail.scenes.datasets.run import dataset
+    from wheelrail.scenes.datasets.run_derived import wear, with_energy
+    from wheelrail.vehicle.simulation.simulate import simulate
+    from wheelrail.vehicle.track.irregularity_spectrum import ERRI
+    from wheelrail.vehicle.track.track import Track
+    from wheelrail.vehicle.wagon.wagon import Wagon
 
     wagon = Wagon()
     track = Track(irregularities=ERRI["low"].irregularities(40.0, seed=1))

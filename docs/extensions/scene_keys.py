@@ -164,7 +164,7 @@ def table(model: type[BaseModel], headings: list[str]) -> Iterator[str]:
 
 def scene_keys() -> str:
     """Markdown: all tables of all kinds of scenes."""
-    from scenes.scene import KINDS
+    from wheelrail.scenes.schema.scene import KINDS
 
     return _tables_of(*KINDS.values())
 
@@ -178,7 +178,7 @@ def study_models() -> tuple[type[BaseModel], ...]:
     """What checks studies, in versions that have them."""
     if find_spec("scenes.studies") is None:
         return ()
-    return (import_module("scenes.studies.study").Study,)
+    return (import_module("wheelrail.scenes.studies.schema").Study,)
 
 
 def _tables_of(*roots: type[BaseModel]) -> str:

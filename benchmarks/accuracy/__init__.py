@@ -1,0 +1,1 @@
+"""Contact models compared with closed forms, Kalker and CONTACT."""

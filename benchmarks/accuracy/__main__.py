@@ -1,0 +1,3 @@
+from benchmarks.accuracy.report import main
+
+main()

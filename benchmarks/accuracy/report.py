@@ -1,0 +1,81 @@
+"""Accuracy of the contact models beside closed forms, Kalker's table and CONTACT, as Markdown tables and JSON."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+from benchmarks.accuracy.bulk_compression import bulk_section
+from benchmarks.accuracy.carter import carter_section
+from benchmarks.accuracy.cattaneo import cattaneo_section
+from benchmarks.accuracy.rolling import creep_section, kalker_section
+from benchmarks.accuracy.wheelset import half_space_section, manchester_section, wheelset_section
+from benchmarks.common.hertz_cases import hertz_section
+from benchmarks.common.machine import stated
+from benchmarks.common.reference_table import Section, show
+
+Say = Callable[[str], None]
+SECTIONS: dict[str, Callable[[bool, Say], Section]] = {
+    "hertz": lambda quick, _: hertz_section(quick),
+    "cattaneo": cattaneo_section,
+    "carter": carter_section,
+    "kalker": kalker_section,
+    "creep": creep_section,
+    "wheelset": wheelset_section,
+    "half-space": half_space_section,
+    "manchester": manchester_section,
+    "bulk": bulk_section,
+}
+
+
+def run(name: str, *, quick: bool = False, say: Say = lambda _: None) -> Section:
+    """One section, timed."""
+    start = perf_counter()
+    section = SECTIONS[name](quick, say)
+    section.seconds = perf_counter() - start
+    return section
+
+
+def progress(line: str) -> None:
+    """One line that is overwritten, on terminals only."""
+    if sys.stderr.isatty():
+        print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy.report", description=__doc__)
+    parser.add_argument("sections", nargs="*", metavar="SECTION", help=f"of {', '.join(SECTIONS)} (all)")
+    parser.add_argument("--quick", action="store_true", help="few cases of every section")
+    parser.add_argument("--json", type=Path, metavar="PATH", help="write everything to a file, too")
+    given = parser.parse_args()
+    unknown = set(given.sections) - set(SECTIONS)
+    if unknown:
+        parser.error(f"no section {', '.join(sorted(unknown))}; there are {', '.join(SECTIONS)}")
+    logging.disable(logging.WARNING)  # UFL's and FFCx's notes on quadrature would fall into the tables
+    machine = stated()
+    print(machine, flush=True)
+    began, done = perf_counter(), []
+    for name in given.sections or SECTIONS:
+        section = run(name, quick=given.quick, say=progress)
+        progress("")
+        print(show(section), flush=True)
+        done.append(section)
+    print("\n## Everything\n\n| section | error | unit | RMS | worst | met |\n|---|---|---|---|---|---|")
+    for section in done:
+        for one in section.measures:
+            met = {None: "", True: "yes", False: "NO"}[one.met]
+            print(f"| {section.name} | {one.name} | {one.unit} | {one.rms:.3g} | {one.worst:.3g} | {met} |")
+    print(f"\n{perf_counter() - began:.0f} s in all")
+    if given.json:
+        report = {"machine": machine, "quick": given.quick, "sections": [section.data() for section in done]}
+        given.json.write_text(json.dumps(report, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,192 @@
+"""Rolling ellipses: Kalker's coefficients, creep curves, and how the error falls with the number of points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, loads, pressed, rolling, solved
+from benchmarks.common.reference_table import Section, measure, reference
+from wheelrail.contact.analytical.kalker import Name, kalker
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.support.arrays import Array
+
+Say = Callable[[str], None]
+POINTS = 285  # of a grid as fine as the lines on the blocks
+FINENESS = Fineness()
+ROUGHER = tuple(Fineness(*n) for n in ((4, 6), (6, 8), (8, 10), (10, 13)))  # for the slope of the error
+RATIOS = (0.3, 0.5, 0.7, 1.0, 1 / 0.7, 2.0, 1 / 0.3)
+NAMES: tuple[Name, ...] = ("C11", "C22", "C23", "C33")
+STICKING = 1e3  # friction at which everything sticks
+
+
+def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
+    """C11, C22, C23 by spin and by lateral creepage, C33, and the number of points: everything sticks, so that the
+    law is linear and the size of the creepage does not matter.
+    """
+    depth, _ = pressed(pair, size)
+    a, b = pair.exact.semi_axes
+    # at most 288 points: 24 cells along, as traction is singular where the contact ends, on at most 12 strips
+    model = hertz_model(pair, frictional(STICKING), size, fineness=Fineness(max(4, int(12 * min(1, a / b / 0.75))), 24))
+    c, small = np.sqrt(a * b), 1e-4
+    found = [solved(model, depth, rolling(*creep)) for creep in np.diag([small, small, small / c])]
+    (fx, *_), (_, fy, mz, _), (_, fy_spin, mz_spin, _) = (
+        loads(one) / (pair.shear * c**2 * small) * np.array([1, 1, 1 / c, 1]) for one in found
+    )
+    return np.array([-fx, -fy, -fy_spin, mz, -mz_spin]), carrying(found[0])
+
+
+def kalker_section(quick: bool, say: Say) -> Section:
+    """Ratios from 0.3 to 1 / 0.3."""
+    contact = {(k["ratio"], k["nu"]): k for k in reference("creep_curves")["kalker"]}
+    section = Section(
+        "kalker",
+        "Kalker's coefficients, everything sticks: errors in % of Table E.3 (of CONTACT, extrapolated)",
+        (
+            "a/b",
+            "nu",
+            "points",
+            "C11",
+            "C22",
+            "C23 spin",
+            "C23 lateral",
+            "C33",
+            "C11 E.3",
+            "C22 E.3",
+            "C23 E.3",
+            "(C11)",
+            "(C22)",
+            "(C23 spin)",
+            "(C33)",
+        ),
+    )
+    errors, theirs = [], []
+    cases = [(ratio, 0.25) for ratio in (RATIOS[1::2] if quick else RATIOS)]
+    if not quick:
+        cases += [(ratio, nu) for nu in (0.0, 0.3) for ratio in (0.5, 1.0, 2.0)]
+    for ratio, nu in cases:
+        say(f"Kalker a/b {ratio:.2f}, nu {nu:g}")
+        pair = Ellipse.of_ratio(ratio, 0.46, 57e3, Steel(2.1e11, nu))
+        C, points = coefficients(pair, pair.size(points=POINTS))
+        section.count(points)
+        table = [kalker(name, ratio, nu) for name in NAMES[:3]]
+        e = 100 * (C[:4] / np.array([table[0], table[1], table[2], table[2]]) - 1)
+        errors.append(e)
+        row: list[Any] = [round(ratio, 4), nu, points, *map(float, C), *(float(value) for value in e[:3])]
+        if (ratio, nu) in contact:
+            known = contact[ratio, nu]
+            beside = 100 * (C[[0, 1, 2, 4]] / np.array([known[name] for name in NAMES]) - 1)
+            theirs.append(beside)
+            row += [float(value) for value in beside]
+        section.rows.append(row + [""] * (len(section.columns) - len(row)))
+    e = np.array(errors)
+    section.measures = [
+        measure("C11", "%", e[:, 0], worst=1.0),
+        measure("C22", "%", e[:, 1], worst=1.0),
+        measure("C23 by spin", "%", e[:, 2], worst=1.0),
+        measure("C23 by lateral creepage", "%", e[:, 3], worst=1.0),
+        measure("C11, C22, C23 against CONTACT", "%", np.array(theirs)[:, :3].ravel()),
+        measure("C33 against CONTACT", "%", np.array(theirs)[:, 3]),
+    ]
+    section.notes = ["the table is rounded to three digits; CONTACT, extrapolated, is within 1 % of it"]
+    return section
+
+
+def curve_errors(curve: dict[str, Any], fineness: Fineness, every: int = 1) -> tuple[Array, int]:
+    """Errors (cases, 3) of Fx, Fy in mu F_n and Mz in mu F_n sqrt(a b); how many points carried pressure."""
+    pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Steel(curve["E"] * 1e6, curve["nu"]))
+    size = pair.size(points=POINTS)
+    depth, _ = pressed(pair, size)
+    model = hertz_model(pair, frictional(curve["mu"]), size, fineness=fineness)
+    unit = curve["mu"] * pair.load * np.array([1, 1, np.sqrt(np.prod(pair.exact.semi_axes))])
+    errors, count = [], 0
+    for _, xi, eta, phi, *known in curve["cases"][::every]:
+        result = solved(model, depth, rolling(xi, eta, 1e3 * phi))
+        count = carrying(result)
+        errors.append(loads(result)[:3] / unit - known[:3])
+    return np.array(errors), count
+
+
+def creep_section(quick: bool, say: Say) -> Section:
+    """All curves at fewer than 300 points, and a slope from fewer ones."""
+    curves, every = reference("creep_curves")["curves"], 6 if quick else 1
+    section = Section(
+        "creep",
+        f"Creep curves, {'every sixth' if quick else 'all'} of 132 cases: errors in % of mu F_n (moment: "
+        "of the largest moment of its ratio)",
+        (
+            "a/b",
+            "points",
+            "Fx RMS",
+            "Fx worst",
+            "Fy RMS",
+            "Fy worst",
+            "Mz RMS",
+            "Mz worst",
+            "CONTACT 50 x 40 grid: forces RMS",
+            "worst",
+            "worst at",
+        ),
+    )
+    force, moment, grid, trail = [], [], [], []
+    for fineness in (*ROUGHER, FINENESS):
+        at_points, carried = [], []
+        for curve in curves:
+            say(f"creep curves a/b {curve['ratio']:g}, {fineness.strips} x {fineness.cells} cells")
+            e, count = curve_errors(curve, fineness, every if fineness == FINENESS else max(every, 3))
+            carried.append(count)
+            at_points.append(e[:, :2])
+            if fineness != FINENESS:
+                continue
+            cases = curve["cases"][::every]
+            known = np.array([case[4:7] for case in cases])
+            largest = np.abs([case[6] for case in curve["cases"]]).max()
+            theirs = np.array([case[8:11] for case in cases]) - known
+            e = 100 * e
+            e[:, 2] /= largest
+            force.append(e[:, :2])
+            moment.append(e[:, 2])
+            grid.append(100 * theirs[:, :2])
+            section.count(count)
+            case = cases[int(np.abs(e[:, :2]).max(axis=1).argmax())]
+            row: list[Any] = [curve["ratio"], count]
+            row += [float(f(e[:, k])) for k in range(3) for f in (_rms, _worst)]
+            at = f"{case[0]} {case[1]:.1e} {case[2]:.1e} {case[3]:.1e}"
+            section.rows.append([*row, _rms(100 * theirs[:, :2]), _worst(100 * theirs[:, :2]), at])
+        together = np.concatenate(at_points)
+        trail.append((float(np.mean(carried)), 100 * _rms(together), 100 * _worst(together)))
+    e, m = np.concatenate(force), np.concatenate(moment)
+    section.measures = [
+        measure("Fx", "% of mu F_n", e[:, 0], rms=0.4, worst=1.0),
+        measure("Fy", "% of mu F_n", e[:, 1], rms=0.4, worst=1.0),
+        measure("both forces", "% of mu F_n", e.ravel(), rms=0.4, worst=1.0),
+        measure("spin moment", "% of its largest", m, worst=2.0),
+        measure("CONTACT on 50 x 40", "% of mu F_n", np.concatenate(grid).ravel()),
+    ]
+    n, rms, worst = np.array(trail).T
+    slopes = [float(np.polyfit(np.log(n), np.log(err), 1)[0]) for err in (rms, worst)]
+    section.notes = [
+        "error by points (RMS / worst, both forces): "
+        + ", ".join(f"{p:.0f}: {r:.2f} / {w:.2f}" for p, r, w in trail)
+        + f" %; fitted slopes of the error over the number of points {slopes[0]:.2f} and {slopes[1]:.2f}",
+        f"mean of the error, its bias: Fx {e[:, 0].mean():+.3f}, Fy {e[:, 1].mean():+.3f} %; of |F|: "
+        f"{_magnitude(curves, every, e):+.3f} % (positive: too large)",
+    ]
+    return section
+
+
+def _magnitude(curves: list[dict[str, Any]], every: int, e: Array) -> float:
+    """Mean error along the reference's own force."""
+    known = np.array([case[4:6] for curve in curves for case in curve["cases"][::every]])
+    return float(((e * known).sum(axis=1) / np.maximum(np.hypot(*known.T), 1e-9)).mean())
+
+
+def _rms(e: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(e))))
+
+
+def _worst(e: Array) -> float:
+    return float(np.abs(e).max())

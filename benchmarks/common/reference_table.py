@@ -1,0 +1,108 @@
+"""Tables of the accuracy benchmark: rows beside a reference, errors as RMS and worst, targets, points and seconds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+REFERENCES = Path(__file__).parents[1] / "reference"
+
+
+def reference(name: str) -> dict[str, Any]:
+    """A file of reference values; sources, units and conventions are in its own keys."""
+    return dict(json.loads((REFERENCES / f"{name}.json").read_text(encoding="utf-8")))
+
+
+@dataclass(frozen=True)
+class Measure:
+    """RMS and largest magnitude of an error, in its unit; targets None where none is set."""
+
+    name: str
+    unit: str
+    rms: float
+    worst: float
+    rms_target: float | None = None
+    worst_target: float | None = None
+
+    @property
+    def met(self) -> bool | None:
+        """Whether every target is met, None without one."""
+        pairs = [(self.rms, self.rms_target), (self.worst, self.worst_target)]
+        known = [(found, target) for found, target in pairs if target is not None]
+        return all(found <= target for found, target in known) if known else None
+
+
+def measure(
+    name: str, unit: str, errors: Iterable[float], *, rms: float | None = None, worst: float | None = None
+) -> Measure:
+    """Errors in the unit, put together; rms and worst are the targets."""
+    e = np.abs(np.fromiter(errors, dtype=float))
+    if not len(e):
+        raise ValueError(f"no errors of {name}")
+    return Measure(name, unit, float(np.sqrt(np.mean(e**2))), float(e.max()), rms, worst)
+
+
+@dataclass
+class Section:
+    """One part of the benchmark; points is the smallest and largest number that carried pressure."""
+
+    name: str
+    title: str
+    columns: Sequence[str] = ()
+    rows: list[list[Any]] = field(default_factory=list)
+    measures: list[Measure] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    points: tuple[int, int] = (0, 0)
+    seconds: float = 0.0
+
+    def count(self, points: int) -> None:
+        """Take note of a solve's points."""
+        low, high = self.points
+        self.points = (min(low or points, points), max(high, points))
+
+    def named(self, name: str) -> Measure:
+        """The measure of that name; raises KeyError."""
+        found = [one for one in self.measures if one.name == name]
+        if not found:
+            raise KeyError(name)
+        return found[0]
+
+    def data(self) -> dict[str, Any]:
+        """Everything, for a file."""
+        return {**asdict(self), "measures": [{**asdict(one), "met": one.met} for one in self.measures]}
+
+
+def text(value: Any) -> str:
+    """A cell."""
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return str(value)
+
+
+def target(value: float | None) -> str:
+    return "" if value is None else f" (target {value:g})"
+
+
+def show(section: Section) -> str:
+    """The section as Markdown."""
+    lines = [f"\n## {section.title}", ""]
+    if section.rows:
+        lines += [f"| {' | '.join(section.columns)} |", "|---" * len(section.columns) + "|"]
+        lines += [f"| {' | '.join(text(value) for value in row)} |" for row in section.rows]
+        lines.append("")
+    if section.measures:
+        lines += ["| error | unit | RMS | worst | met |", "|---|---|---|---|---|"]
+        for one in section.measures:
+            met = {None: "", True: "yes", False: "NO"}[one.met]
+            rms, worst = (f"{one.rms:.3g}{target(one.rms_target)}", f"{one.worst:.3g}{target(one.worst_target)}")
+            lines.append(f"| {one.name} | {one.unit} | {rms} | {worst} | {met} |")
+        lines.append("")
+    lines += [f"- {note}" for note in section.notes]
+    low, high = section.points
+    lines.append(f"- {low} to {high} contact points, {section.seconds:.1f} s")
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""Work and precision of contact solves."""

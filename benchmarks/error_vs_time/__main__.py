@@ -1,0 +1,3 @@
+from benchmarks.error_vs_time.report import main
+
+main()

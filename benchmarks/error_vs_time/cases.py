@@ -1,0 +1,144 @@
+"""Contact models to set beside each other, and the rolling contacts to try them on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+from typing import Any
+
+import numpy as np
+
+from benchmarks.common.hertz_cases import lacking
+from benchmarks.common.models import EXACT, Ellipse, hertz_model, rolling, solved
+from benchmarks.common.reference_table import reference
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.loading.hertz import hertz_under_load
+from wheelrail.contact.models.builders import Bodies, Model
+from wheelrail.contact.models.fitted.model import FittedContact
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.wheelset import ContactModel
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
+
+LINES = 285  # points of a grid as fine as the lines that carry fitted cells
+
+
+@dataclass(frozen=True)
+class Case:
+    """A pair rolling with friction mu, creepages xi, eta and spin phi [rad/m]; known: (Fx, Fy) over mu F_n by CONTACT,
+    extrapolated.
+    """
+
+    pair: Ellipse
+    friction: float
+    creep: tuple[float, float, float]
+    known: tuple[float, float]
+
+    @property
+    def bound(self) -> float:
+        """mu F_n, N."""
+        return self.friction * self.pair.load
+
+    def forces(self, result: ContactResult) -> Array:
+        """(Fx, Fy) over mu F_n."""
+        return np.asarray(result.force[:2] / self.bound)
+
+    def solved(self, model: ContactModel, depth: float) -> ContactResult:
+        """At a depth [m]. Raises RuntimeError when it fails."""
+        return solved(model, depth, rolling(*self.creep))
+
+
+@cache
+def yardstick() -> Case:
+    """The ellipse that CONTACT's times are known for; its forces from the two finest grids, first order in dx."""
+    given = reference("timing")
+    case, rows = given["case"], sorted(given["rows"], key=lambda row: float(row["dx"]))
+    near, far = [row for row in rows if row["case"].endswith("rolling")][:2]
+    part = near["dx"] / (far["dx"] - near["dx"])
+    bound = case["mu"] * case["Fn"]
+    fx, fy = ((near[name] + part * (near[name] - far[name])) / bound for name in ("Fx", "Fy"))
+    pair = Ellipse.of_ratio(case["ratio"], 1e-3 * case["Rx"], case["Fn"], Steel(1e6 * case["E"], case["nu"]))
+    return Case(pair, case["mu"], (case["xi"], case["eta"], 1e3 * case["phi"]), (fx, fy))
+
+
+@cache
+def creep_cases(every: int) -> tuple[Case, ...]:
+    """One in so many of the 132 cases, from linear to saturated, at three ratios of the semi-axes."""
+    found = []
+    for curve in reference("creep_curves")["curves"]:
+        pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Steel(curve["E"] * 1e6, curve["nu"]))
+        for _, xi, eta, phi, fx, fy, *_ in curve["cases"][::every]:
+            found.append(Case(pair, curve["mu"], (xi, eta, 1e3 * phi), (fx, fy)))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A contact model: cells of a fineness, or a regular grid of so many points in the ellipse, on bodies.
+
+    order of the slip formula; stiffness K [N/m3] and regularisation eps of the laws; warm: from the result of a pose
+    that is a step away.
+    """
+
+    family: str
+    bodies: Bodies
+    fineness: Fineness | None = None
+    points: int = LINES
+    order: int = 2
+    stiffness: float = EXACT
+    regularisation: float = 0.0
+    model: Model = "condensed"
+    warm: bool = False
+
+    @property
+    def division(self) -> str:
+        """How the patch is divided."""
+        return f"{self.fineness.strips} x {self.fineness.cells}" if self.fineness else f"grid of {self.points}"
+
+    @property
+    def laws(self) -> str:
+        """The laws in short."""
+        normal = "exact" if np.isinf(self.stiffness) else f"K {self.stiffness:.0e}"
+        return normal + (f", eps {self.regularisation:.0e}" if self.regularisation else "")
+
+    def of(self, pair: Ellipse, friction: float) -> ContactModel:
+        """The model of a pair."""
+        laws = Laws(self.stiffness, friction, self.regularisation if friction else 0.0)
+        if self.fineness is None:
+            return _made(pair, laws, replace(self, family="", regularisation=0.0))
+        model = _made(pair, Laws(), replace(self, family="", fineness=Fineness(), warm=False))
+        assert isinstance(model, FittedContact)
+        return replace(model, laws=laws, fineness=self.fineness, warm=self.warm)
+
+    def hertz_depth(self, pair: Ellipse) -> float:
+        """Hertz's approach [m] on these bodies, that is, less what finite blocks lack to a half-space."""
+        if self.bodies == "half-space":
+            return pair.exact.approach
+        width = pair.half_width(pair.size(points=self.points))
+        return pair.exact.approach - 2 * lacking(pair.steel.nu)[0] * pair.load / (pair.steel.E * width)
+
+    def loaded_depth(self, pair: Ellipse) -> float:
+        """Depth [m] at which the pair carries its load without friction."""
+        return _loaded(replace(self, family="", warm=False, order=2, regularisation=0.0, model="condensed"), pair)
+
+
+@cache
+def _loaded(variant: Variant, pair: Ellipse) -> float:
+    expected = variant.hertz_depth(pair) + pair.exact.peak / variant.stiffness
+    return hertz_under_load(variant.of(pair, 0.0), rolling(0.0), pair.load, expected=expected, rtol=1e-7).depth
+
+
+@lru_cache(maxsize=8)  # with friction and without, of all pairs: finenesses share them, and grids are large
+def _made(pair: Ellipse, laws: Laws, variant: Variant) -> ContactModel:
+    """Meshes, spectra and tables are shared by all finenesses."""
+    options: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
+    return hertz_model(
+        pair,
+        laws,
+        pair.size(points=variant.points),
+        model=variant.model,
+        bodies=variant.bodies,
+        order=variant.order,
+        **options,
+    )

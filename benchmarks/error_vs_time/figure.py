@@ -1,0 +1,74 @@
+"""The figure of error over time: normal contact alone, and rolling."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks.common.measurement import Row
+from benchmarks.common.measurement_tables import grouped
+
+# Okabe and Ito's colours: told apart with any colour vision, and markers besides
+STYLES: dict[str, tuple[str, str]] = {
+    "fitted, half-space": ("#0072B2", "o"),
+    "fitted, half-space, warm": ("#56B4E9", "o"),
+    "fitted, waveguide": ("#D55E00", "s"),
+    "fitted, waveguide, warm": ("#E69F00", "s"),
+    "grid, order 1": ("#CC79A7", "v"),
+    "grid, order 2": ("#009E73", "^"),
+    "grid, soft laws": ("#009E73", "x"),
+    "condensed, solid": ("0.45", "D"),
+    "full, solid": ("0.45", "P"),
+    "CONTACT": ("#000000", "*"),
+}
+SMALLEST = 1e-3  # %, below which an error is drawn there
+# each panel: task, titles, and what is drawn by a full and by a dashed line
+PANELS = (
+    ("normal", "Normal contact alone, at Hertz's approach", "error, % of Hertz", "force error", "area error"),
+    ("rolling", "Rolling with xi, eta and spin", "error of creep forces, % of mu F_n", "creep RMS", "creep error"),
+)
+NAMES = {
+    "force error": "force",
+    "area error": "area",
+    "creep RMS": "RMS over the creep curves",
+    "creep error": "the timed ellipse, larger error",
+}
+
+
+def draw(path: Path, rows: Sequence[Row]) -> None:
+    """Whatever was measured."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.lines import Line2D
+
+    figure, axes = plt.subplots(1, 2, figsize=(14, 7.4), layout="constrained")
+    for axis, (task, title, label, main, other) in zip(axes, PANELS, strict=True):
+        families = grouped([row for row in rows if row["task"] == task], "family")
+        for name, found in families.items():
+            colour, marker = STYLES[name]
+            scattered, size = name == "grid, soft laws", 10 if name == "CONTACT" else 6
+            lines(axis, found, main, "" if scattered else "-", color=colour, marker=marker, ms=size)
+            # the second error of soft laws would only hide others
+            if not scattered:
+                lines(axis, found, other, "--", color=colour, marker=marker, ms=size, mfc="none", lw=0.8)
+        strokes = [Line2D([], [], color="0.3", ls=s, label=NAMES[k]) for k, s in ((main, "-"), (other, "--"))]
+        axis.legend(handles=strokes, fontsize=8, loc="best")
+        axis.set(xscale="log", yscale="log", xlabel="time of a solve, median, ms", ylabel=label, title=title)
+        axis.grid(True, which="both", lw=0.3, color="0.85")
+    known = {row["family"] for row in rows}
+    shown = {name: f"{name} (times of another machine and day)" if name == "CONTACT" else name for name in STYLES}
+    handles = [
+        Line2D([], [], color=c, marker=m, ls="none", label=shown[k]) for k, (c, m) in STYLES.items() if k in known
+    ]
+    figure.legend(handles=handles, fontsize=8.5, loc="outside lower center", ncols=4)
+    figure.savefig(path, dpi=110)
+
+
+def lines(axis: Any, rows: Sequence[Row], error: str, stroke: str, **style: Any) -> None:
+    """Errors over times, in the order of rows: from coarse to fine."""
+    known = [(1e3 * row["median"], max(abs(row[error]), SMALLEST)) for row in rows if error in row]
+    if known:
+        axis.plot(*zip(*known, strict=True), linestyle=stroke or "none", **style)

@@ -1,0 +1,109 @@
+"""One contact model's error beside the time of a solve: normal contact alone, and rolling with xi, eta and spin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+
+from benchmarks.common.measurement import Row
+from benchmarks.common.models import carrying, rolling
+from benchmarks.error_vs_time.cases import Case, Variant, yardstick
+from benchmarks.error_vs_time.reference import Reference, rms
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.results.result import ContactResult
+
+REPEATS, FEW = 7, 3  # at least; of solves longer than LONG
+ENOUGH, MOST = 0.15, 40  # s and repeats, of short solves
+LONG = 1.0  # s
+DEEPER, FASTER = 1e-3, 1e-2  # a step of a vehicle: changes of approach and of creepages, relative
+Solve = Callable[[float, ContactResult | None], ContactResult]  # steps away from the pose in question, guess
+
+
+def normal_row(variant: Variant) -> Row:
+    """Force, peak pressure and area at Hertz's approach, in % of Hertz; seconds."""
+    pair = yardstick().pair
+    model, depth = variant.of(pair, 0.0), variant.hertz_depth(pair)
+
+    def solve(steps: float, guess: ContactResult | None) -> ContactResult:
+        return model(hertz_pose(depth * (1 + DEEPER * steps)), rolling(0.0), guess)
+
+    row, result = _timed(variant, solve)
+    patch, (a, b) = result.patches[0], pair.exact.semi_axes
+    row["task"] = "normal"
+    row["force error"] = 100 * float(result.force[2] / pair.load - 1)
+    row["peak error"] = 100 * (patch.max_pressure / pair.exact.peak - 1)
+    row["area error"] = 100 * (patch.area / (np.pi * a * b) - 1)
+    return row
+
+
+def rolling_row(variant: Variant, against: Reference, cases: tuple[Case, ...], *, patience: float = np.inf) -> Row:
+    """Creep forces under the load, in % of mu F_n: of the timed case the larger error; of the other cases RMS and
+    worst, unless a solve takes longer than the patience [s]; seconds.
+    """
+    row, result = _timed(variant, _solve(variant, yardstick()))
+    row["task"] = "rolling"
+    row["creep error"] = 100 * float(np.abs(yardstick().forces(result) - against.of(yardstick())).max())
+    if cases and row["median"] <= patience:
+        errors = []
+        for case in cases:
+            solve = _solve(variant, case)
+            guess = _ok(solve(-1.0, None)) if variant.warm else None
+            errors.append(case.forces(_ok(solve(0.0, guess))) - against.of(case))
+        row["creep RMS"] = 100 * rms(np.array(errors))
+        row["creep worst"] = 100 * float(np.abs(errors).max())
+    return row
+
+
+def _solve(variant: Variant, case: Case) -> Solve:
+    model, depth = variant.of(case.pair, case.friction), variant.loaded_depth(case.pair)
+
+    def solve(steps: float, guess: ContactResult | None) -> ContactResult:
+        motion = rolling(*(c * (1 + FASTER * steps) for c in case.creep))
+        return model(hertz_pose(depth * (1 + DEEPER * steps)), motion, guess)
+
+    return solve
+
+
+def _timed(variant: Variant, solve: Solve) -> tuple[Row, ContactResult]:
+    """Least and median seconds, phases of the median solve, and the result at the pose in question.
+
+    Warm solves are the steps of a walk that ends there, each from the one before, so that none starts from what an
+    equal one has left. What all solves of a model share is made by a first solve.
+    """
+    guess = _ok(solve(-REPEATS - 2.0, None)) if variant.warm else None
+    result = _ok(solve(-REPEATS - 1.0 if variant.warm else 0.0, guess))
+    found: list[tuple[float, dict[str, float]]] = []
+    began, repeats = perf_counter(), REPEATS + 1
+    while len(found) < repeats or (not variant.warm and len(found) < MOST and perf_counter() - began < ENOUGH):
+        steps = float(len(found) - REPEATS) if variant.warm else 0.0
+        start = perf_counter()
+        result = solve(steps, result if variant.warm else None)
+        found.append((perf_counter() - start, result.statistics.seconds))
+        repeats = FEW if found[0][0] > LONG and not variant.warm else repeats
+    found.sort(key=lambda one: one[0])
+    seconds, phases = found[len(found) // 2]
+    row: Row = {
+        "family": variant.family,
+        "bodies": variant.bodies,
+        "model": variant.model,
+        "division": variant.division,
+        "laws": variant.laws,
+        "order": variant.order,
+        "start": "warm" if variant.warm else "cold",
+        "points": carrying(_ok(result)),
+        "least": found[0][0],
+        "median": seconds,
+        "phases": dict(phases),
+        "newton": result.statistics.newton,
+        "force": result.force.tolist(),
+        "settled": result.statistics.settled,
+    }
+    return row, result
+
+
+def _ok(result: ContactResult) -> ContactResult:
+    if result.status != "converged":
+        raise RuntimeError(f"contact {result.status}")
+    return result

@@ -1,0 +1,80 @@
+"""Which contact models are set beside each other, in parts, each with the cases that its creep forces are tried on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from benchmarks.common.measurement import Row
+from benchmarks.common.models import EXACT
+from benchmarks.error_vs_time.cases import Case, Variant
+from benchmarks.error_vs_time.measure import normal_row, rolling_row
+from benchmarks.error_vs_time.reference import Reference, Say
+from wheelrail.contact.models.builders import Bodies, Model
+from wheelrail.contact.models.fitted.resolution import Fineness
+
+FINENESSES = ((4, 6), (6, 8), (6, 12), (8, 12), (12, 16), (20, 24))
+QUICK_FINENESSES = ((4, 6), (6, 12), (12, 16))
+SIZES, QUICK_SIZES = (50, 100, 200, 400, 800), (50, 200)
+SOFT = 200  # points, where laws are compared
+FULL = 25  # points
+STIFFNESSES, REGULARISATIONS = (1e14, 1e15, 1e16), (1e-4, 1e-5, 1e-6)  # N/m3, creepage
+PAPER = (1e15, 1e-5)
+BODIES: tuple[Bodies, Bodies] = ("half-space", "waveguide")
+MODELS: tuple[Model, Model] = ("condensed", "full")
+PATIENCE = 1.0  # s that a solve may take to be tried on all cases
+
+
+def fitted(quick: bool) -> Iterator[Variant]:
+    """Cells fitted to the patch, cold and warm."""
+    for bodies in BODIES:
+        for warm in (False, True):
+            for n in QUICK_FINENESSES if quick else FINENESSES:
+                name = f"fitted, {bodies}" + (", warm" if warm else "")
+                yield Variant(name, bodies, Fineness(*n), warm=warm)
+
+
+def grids(quick: bool) -> Iterator[Variant]:
+    """Exact laws by size of the surface and order of the slip formula."""
+    for order in (1, 2):
+        for points in QUICK_SIZES if quick else SIZES:
+            yield Variant(f"grid, order {order}", "waveguide", points=points, order=order)
+
+
+def laws(quick: bool) -> Iterator[Variant]:
+    """The exact laws softened, one and then both."""
+    exact = Variant("grid, soft laws", "waveguide", points=SOFT)
+    pairs = [(K, 0.0) for K in STIFFNESSES] + [(EXACT, eps) for eps in REGULARISATIONS] + [PAPER]
+    for K, eps in pairs[1::2] if quick else pairs:
+        yield replace(exact, stiffness=K, regularisation=eps)
+
+
+def solids() -> Iterator[Variant]:
+    """All displacements beside what is condensed to the surface: the same mesh of tetrahedra, the paper's laws."""
+    for model in MODELS:
+        K, eps = PAPER
+        yield Variant(f"{model}, solid", "solid", points=FULL, stiffness=K, regularisation=eps, model=model)
+
+
+def measured(quick: bool, against: Reference, say: Say) -> Iterator[Row]:
+    """Rows of all models; one that fails holds `failed` with the reason."""
+    every = against.cases[1:]
+    plan = [(fitted(quick), every), (grids(quick), every), (laws(quick), every)]
+    if not quick:
+        plan.append((solids(), ()))
+    for variants, cases in plan:
+        for variant in variants:
+            say(f"{variant.family}, {variant.division}, {variant.laws}")
+            yield from rows(variant, against, cases)
+
+
+def rows(variant: Variant, against: Reference, cases: tuple[Case, ...]) -> Iterator[Row]:
+    """Normal contact alone, and rolling."""
+    given: Row = {"family": variant.family, "division": variant.division, "laws": variant.laws, "order": variant.order}
+    try:
+        # neither the order of the slip nor a regularisation is seen without friction
+        if variant.order == 2 and not (variant.regularisation and variant.stiffness == EXACT):
+            yield normal_row(variant)
+        yield rolling_row(variant, against, cases, patience=PATIENCE)
+    except RuntimeError as error:
+        yield {**given, "task": "rolling", "failed": str(error)}

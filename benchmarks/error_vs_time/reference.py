@@ -1,0 +1,109 @@
+"""Creep forces of our own finest solution, extrapolated, and how far CONTACT's extrapolated ones are from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.common.measurement import Row
+from benchmarks.common.reference_table import reference
+from benchmarks.error_vs_time.cases import Case, Variant, yardstick
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.support.arrays import Array
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Forces (cases, 2) over mu F_n, extrapolated at an order from the two finest; left: RMS of what that added."""
+
+    finest: Fineness
+    cases: tuple[Case, ...]
+    forces: Array
+    order: float
+    left: float
+
+    def of(self, case: Case) -> Array:
+        """Forces (2,) of a case."""
+        return np.asarray(self.forces[self.cases.index(case)])
+
+    @property
+    def beside(self) -> Array:
+        """CONTACT's forces less ours (cases, 2), over mu F_n."""
+        return np.array([case.known for case in self.cases]) - self.forces
+
+    def stated(self) -> str:
+        """Where it comes from, and what it agrees with."""
+        beside, own = 100 * self.beside, self.cases.index(yardstick())
+        others = np.delete(beside, own, axis=0)
+        cells = f"{self.finest.strips} x {self.finest.cells}"
+        return (
+            f"Reference of the creep forces: fitted cells on half-spaces, {cells} and half as many, extrapolated at "
+            f"the order {self.order:.2f} of their differences, which adds {100 * self.left:.3f} % RMS of mu F_n. "
+            f"CONTACT's extrapolated forces differ from it by {rms(others):.3f} % RMS, {np.abs(others).max():.3f} % at "
+            f"most, over {len(others)} cases (its own uncertainty: up to {100 * _uncertainty():.2f} %), and by "
+            f"{np.abs(beside[own]).max():.3f} % on the ellipse that is timed."
+        )
+
+
+def extrapolated(finest: Fineness, cases: Sequence[Case], say: Say) -> Reference:
+    """The order is that by which the RMS of differences falls as cells are halved, of three solutions."""
+    every = (yardstick(), *cases)
+    levels = [finest.halved().halved(), finest.halved(), finest]
+    found = []
+    for fineness in levels:
+        variant = Variant("reference", "half-space", fineness)
+        forces = []
+        for k, case in enumerate(every):
+            say(f"reference, {fineness.strips} x {fineness.cells} cells, case {k + 1} of {len(every)}")
+            model = variant.of(case.pair, case.friction)
+            forces.append(case.forces(case.solved(model, variant.loaded_depth(case.pair))))
+        found.append(np.array(forces))
+    before, last = found[1] - found[0], found[2] - found[1]
+    order = float(np.log2(rms(before) / rms(last)))
+    if not order > 0.5:
+        raise RuntimeError(f"the creep forces do not converge: order {order:.2f}")
+    added = last / (2**order - 1)
+    return Reference(finest, every, found[2] + added, order, rms(added))
+
+
+def contact_rows(forces: Array) -> list[Row]:
+    """CONTACT's own times and errors; forces (2,) over mu F_n that its own are measured by.
+
+    Its load is given and its approach found: an error of the approach is 1.5 times one of the force, which goes with
+    its power 1.5. Its area is that of its elements.
+    """
+    case, found = yardstick(), []
+    a, b = case.pair.exact.semi_axes
+    for row in reference("timing")["rows"]:
+        task = row["case"].split("_")[-1]
+        one: Row = {
+            "family": "CONTACT",
+            "division": f"dx {row['dx']:g} mm",
+            "laws": "exact",
+            "task": task,
+            "points": row["ncon"],
+            "least": row["min_s"],
+            "median": row["median_s"],
+        }
+        if task == "normal":
+            one["force error"] = -150 * (1e-3 * row["pen"] / case.pair.exact.approach - 1)
+            one["area error"] = 100 * (row["ncon"] * (1e-3 * row["dx"]) ** 2 / (np.pi * a * b) - 1)
+        else:
+            one["order"] = 1
+            one["creep error"] = 100 * float(np.abs(np.array([row["Fx"], row["Fy"]]) / case.bound - forces).max())
+        found.append(one)
+    return found
+
+
+def rms(e: Array) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(e))))
+
+
+def _uncertainty() -> float:
+    """Largest uncertainty of CONTACT's extrapolated forces, of mu F_n, as stated with them."""
+    return float(max(case[7] for curve in reference("creep_curves")["curves"] for case in curve["cases"]))

@@ -1,0 +1,131 @@
+"""Error beside time of a contact solve: fitted cells and grids, cold and warm, soft laws and exact ones, `full` beside
+`condensed`, and CONTACT.
+
+python -m benchmarks.error_vs_time.report [--quick] [--picture FILE] [--json FILE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import math
+import os
+import sys
+from pathlib import Path
+from time import perf_counter
+
+from benchmarks.common.machine import stated
+from benchmarks.common.measurement import Row
+from benchmarks.common.measurement_tables import Column, phase, table
+from benchmarks.error_vs_time.cases import creep_cases, yardstick
+from benchmarks.error_vs_time.plan import measured
+from benchmarks.error_vs_time.reference import contact_rows, extrapolated
+from benchmarks.scaling.report import progress
+from wheelrail.contact.models.fitted.resolution import Fineness
+
+FINEST, QUICK_FINEST = Fineness(24, 32), Fineness(16, 20)
+TITLES = {"normal": "Normal contact alone", "rolling": "Rolling with xi, eta and spin"}
+EVERY, QUICK_EVERY = 6, 15  # of the 132 cases, one in so many
+
+
+def _percent(name: str, unit: str = "%", sign: str = "+") -> Column:
+    return f"{name}, {unit}", lambda row: f"{row[name]:{sign}.3f}" if name in row else ""
+
+
+def _ms(name: str) -> Column:
+    return f"{name}, ms", lambda row: 1e3 * row[name] if name in row else None
+
+
+def _rest(row: Row) -> float | None:
+    return 1e3 * (row["median"] - sum(row["phases"].values())) if "phases" in row else None
+
+
+COMMON: list[Column] = [
+    ("model", lambda row: row["family"]),
+    ("division", lambda row: row.get("division")),
+    ("laws", lambda row: row.get("laws")),
+    ("points", lambda row: row.get("points")),
+    _ms("least"),
+    _ms("median"),
+    ("projection or fit, ms", phase("points", "fit")),
+    ("compliance, ms", phase("compliance")),
+    ("solve, ms", phase("solve")),
+    ("rest, ms", _rest),
+]
+NORMAL: list[Column] = [*COMMON, *map(_percent, ("force error", "peak error", "area error"))]
+ROLLING: list[Column] = [
+    *COMMON,
+    ("Newton", lambda row: row.get("newton")),
+    *[_percent(name, "% of mu F_n", "") for name in ("creep error", "creep RMS", "creep worst")],
+]
+
+
+def full_beside_condensed(rows: list[Row]) -> str:
+    """Relative difference of the forces of both, nothing where they were not measured."""
+    told = []
+    for task in TITLES:
+        both = [row["force"] for row in rows if row["task"] == task and row.get("bodies") == "solid"]
+        if len(both) == 2:
+            told.append(f"{task} {math.dist(*both) / math.hypot(*both[0]):.0e}")
+    return f"\n- full beside condensed, on one mesh: the force differs by {', '.join(told)} of itself." if told else ""
+
+
+def notes() -> str:
+    """What the tables do not say themselves."""
+    case = yardstick()
+    xi, eta, phi = case.creep
+    a, b = case.pair.exact.semi_axes
+    return f"""
+- Timed: an ellipse of {2e3 * a:.3g} x {2e3 * b:.3g} mm under {1e-3 * case.pair.load:.4g} kN, mu {case.friction:g}; \
+rolling with xi {xi:g}, eta {eta:g}, spin {phi:g} rad/m. CONTACT's file does not state these creepages; they are the \
+round ones that give its forces.
+- Times: the whole call with projection, candidates, compliance, solve and forces, 8 repeats or more (3 where a solve \
+takes over 1 s), after one that makes what all share. Phases are those of the median solve; rest: forces and what a \
+result carries. Patches are summed up when asked for, outside these times.
+- warm: every solve starts from the one before, in a walk of steps that change approach by 0.1 % and creepages by 1 %.
+- Normal contact: errors in % of Hertz at Hertz's approach, on finite blocks less what these lack to half-spaces. With \
+a penalty the force lacks what the penalty takes of the approach.
+- Rolling: under the load, by the same laws; in % of mu F_n against our own finest solution, extrapolated. creep \
+error: the larger of Fx and Fy on the timed ellipse; RMS and worst: of Fx and Fy over {len(creep_cases(EVERY))} cases \
+of creep_curves.json (every sixth; --quick: {len(creep_cases(QUICK_EVERY))}), where a solve takes less than 1 s.
+- CONTACT: times of another machine on another day, first-order slip; its load is given, so its force error is that of \
+its approach times 1.5, and its area that of its elements.
+- Hertz and FASTSIM (`standard`) does not exist here yet."""
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.error_vs_time.report",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="few models, few cases, no `full`")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw a figure, too")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write everything to a file, too")
+    given = parser.parse_args()
+    if "OMP_NUM_THREADS" not in os.environ:
+        print("OMP_NUM_THREADS is not set: times may be those of several cores", file=sys.stderr)
+    logging.disable(logging.WARNING)  # UFL's and FFCx's notes on quadrature would fall into the tables
+    machine, began = stated(), perf_counter()
+    print(machine, flush=True)
+    finest, every = (QUICK_FINEST, QUICK_EVERY) if given.quick else (FINEST, EVERY)
+    against = extrapolated(finest, creep_cases(every), progress)
+    rows: list[Row] = [*measured(given.quick, against, progress), *contact_rows(against.of(yardstick()))]
+    progress("")
+    print(f"\n{against.stated()}")
+    for task, columns in (("normal", NORMAL), ("rolling", ROLLING)):
+        print(table(TITLES[task], columns, [row for row in rows if row["task"] == task]), flush=True)
+    print(f"{notes()}{full_beside_condensed(rows)}\n\n{perf_counter() - began:.0f} s in all")
+    if given.json:
+        told = {"machine": machine, "quick": given.quick, "reference": against.stated(), "rows": rows}
+        given.json.write_text(json.dumps(told, indent=1))
+    if given.picture:
+        from benchmarks.error_vs_time.figure import draw
+
+        draw(given.picture, rows)
+
+
+if __name__ == "__main__":
+    main()

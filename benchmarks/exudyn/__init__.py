@@ -1,0 +1,1 @@
+"""The wagon compared with Exudyn."""

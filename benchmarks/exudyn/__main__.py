@@ -1,0 +1,3 @@
+from benchmarks.exudyn.report import main
+
+main()

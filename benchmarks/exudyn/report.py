@@ -1,0 +1,95 @@
+"""The plane wagon on linear contact springs beside Exudyn: 5 s from a large displacement, differences by channel.
+
+    pip install exudyn; python -m benchmarks.exudyn.report --keep
+
+--keep writes the samples with which tests/test_other_codes.py compares.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.exudyn.linear_contact import LinearContact
+from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+REFERENCE = Path(__file__).parents[1] / "reference" / "exudyn.json"
+END, EVERY = 5.0, 0.1  # s
+# m and rad, m/s and rad/s: so far aside that the car body strikes the bumpstop on both sides while it comes to rest.
+POSITION = (0.055, -0.01, 0.01, 0.01, 0.003, -0.01, 0.002, 1e-4, 1e-3)
+RATE = (-0.4, 0.1, -0.1, 0.1, -0.05, 0.1, 0.02, 0.01, 0.02)
+
+
+def initial() -> np.ndarray:
+    """State (20,) at the start; no spin beside rolling."""
+    return np.array([*POSITION, 0.0, *RATE, 0.0])
+
+
+def ours(*, wagon: Wagon | None = None, end: float = END, rtol: float = 1e-8) -> np.ndarray:
+    """Positions (n, 9) by `simulate`."""
+    wagon = wagon or Wagon()
+    history = simulate(
+        wagon,
+        Track(),
+        LinearContact(wagon.wheel_load),
+        speed=1.0,
+        span=(0.0, end),
+        method="ode45",
+        rtol=rtol,
+        atol=1e-3 * rtol,
+        initial=initial(),
+        every=EVERY,
+    )
+    if history.status != "completed":
+        raise RuntimeError(history.status)
+    return history.state[:, : COUNT - 1]
+
+
+def theirs(step: float, *, end: float = END) -> np.ndarray:
+    """Positions (n, 9) by Exudyn at a fixed step s."""
+    from benchmarks.exudyn.model import trajectory
+
+    wagon, start = Wagon(), np.array([*POSITION, *RATE])
+    return trajectory(wagon, LinearContact(wagon.wheel_load), start, end=end, every=EVERY, step=step)
+
+
+def relative(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Largest difference of each channel (9,) over its largest value."""
+    return np.abs(one - other).max(axis=0) / np.abs(other).max(axis=0)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--step", type=float, default=5e-5, help="Exudyn's step [s]; twice that is run beside it")
+    parser.add_argument("--keep", action="store_true", help=f"write {REFERENCE.name}")
+    step, keep = (given := parser.parse_args()).step, given.keep
+    exudyn, coarse, here = theirs(step), theirs(2 * step), ours()
+    print(f"Exudyn {version('exudyn')}, RK67 at {step:g} s; {END:g} s, rows every {EVERY:g} s; relative to the largest")
+    print(f"| channel | ours against Exudyn | Exudyn at {2 * step:g} s against {step:g} s |\n|---|---|---|")
+    for name, one, two in zip(COORDINATES, relative(here, exudyn), relative(coarse, exudyn), strict=False):
+        print(f"| {name} | {one:.1e} | {two:.1e} |")
+    if keep:
+        REFERENCE.write_text(json.dumps(_kept(exudyn, step), indent=1) + "\n", encoding="utf-8")
+        print(REFERENCE)
+
+
+def _kept(positions: np.ndarray, step: float) -> dict[str, object]:
+    return {
+        "what": "plane Manchester wagon on linear contact springs, free motion from a large displacement",
+        "source": f"Exudyn {version('exudyn')} (PyPI), benchmarks/exudyn/report.py, RK67 with steps of {step:g} s",
+        "units": {"time": "s", "position": "m from the nominal position, rad"},
+        "time": np.round(EVERY * np.arange(len(positions)), 9).tolist(),
+        "channels": list(COORDINATES[: COUNT - 1]),
+        "positions": [[float(f"{value:.10g}") for value in row] for row in positions],
+    }
+
+
+if __name__ == "__main__":
+    main()

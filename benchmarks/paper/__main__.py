@@ -1,0 +1,3 @@
+from benchmarks.paper.report import main
+
+main()

@@ -1,0 +1,52 @@
+"""What a run cost and how far off it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.vehicle.simulation.history import History, RunCost
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A run: its cost and, against the reference, RMS error of the wheelset's lateral position m and of the contact
+    forces on both wheels, relative to the static wheel load; the reason where it failed, and why there is no error.
+    """
+
+    cost: RunCost
+    lateral: float = np.nan
+    force: float = np.nan
+    failure: str = ""
+    note: str = ""
+
+    @property
+    def solves(self) -> int:
+        return sum(side.solves for side in self.cost.contact.values())
+
+    @property
+    def newton(self) -> float:
+        """Newton iterations per contact problem."""
+        return sum(side.newton for side in self.cost.contact.values()) / max(self.solves, 1)
+
+    @property
+    def linear(self) -> float:
+        """Linear iterations per Newton iteration."""
+        newton = sum(side.newton for side in self.cost.contact.values())
+        return sum(side.linear for side in self.cost.contact.values()) / max(newton, 1)
+
+
+def difference(found: History, other: History) -> tuple[float, float]:
+    """RMS difference of the wheelset's lateral position m and of the six components of contact force N, at 400 times
+    common to both; forces linear between steps.
+    """
+    times = np.linspace(max(found.time[0], other.time[0]), min(found.time[-1], other.time[-1]), 400)
+    y = [np.interp(times, run.time, run.wheelset[:, 0]) for run in (found, other)]
+    rows = [run.outputs.force.reshape(-1, 6).T for run in (found, other)]
+    forces = [
+        np.array([np.interp(times, run.time, row) for row in six])
+        for run, six in zip((found, other), rows, strict=True)
+    ]
+    rms = [float(np.sqrt(np.mean((a - b) ** 2))) for a, b in (y, forces)]
+    return rms[0], rms[1]

@@ -1,0 +1,98 @@
+"""Error of the contact force against the tolerance of Newton's method, at fixed states of a run.
+
+Every state is solved from nothing and from the tight answer one step earlier, as a run does: a loose tolerance then
+takes the old answer for the new one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from benchmarks.paper.segment import TIGHT_NEWTON, Part
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.vehicle.simulation.history import History
+
+TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
+PAPER_TOL = 1e-8  # m, Tol of Eq. (15) as the scan lets one guess
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """At one tolerance, cold or warm: RMS and largest error of the tangential force over its bound mu F_n and of the
+    whole force over the load, Newton steps and seconds per solve, solves that failed.
+    """
+
+    tolerance: float
+    warm: bool
+    creep: float
+    worst: float
+    force: float
+    newton: float
+    seconds: float
+    failed: int
+
+
+@dataclass(frozen=True)
+class State:
+    """A state, the side, the tight answer there and one step earlier."""
+
+    state: WheelsetState
+    side: Side
+    exact: ContactResult
+    before: ContactResult
+
+
+def states(part: Part, run: History, count: int) -> list[State]:
+    """States at accepted steps all along a run, with the step before each. Raises RuntimeError where no contact is."""
+    contact = part.tuned({"tolerance": TIGHT_NEWTON})
+    dynamics = part.dynamics(contact)
+    found = []
+    for i in np.unique(np.linspace(1, len(run) - 1, count).astype(int)):
+        seen = [dynamics.wheelset_state(dynamics.frame(float(run.time[k])), run.state[k]) for k in (i - 1, i)]
+        for side in SIDES:
+            before, exact = (contact(one, side) for one in seen)
+            if not (before.ok and exact.ok and exact.force[2] > 0):
+                raise RuntimeError(f"no contact at {run.time[i]:.3f} s, {side}: {exact.status}")
+            found.append(State(seen[1], side, exact, before))
+    return found
+
+
+def accuracies(part: Part, chosen: list[State]) -> list[Accuracy]:
+    """All tolerances, cold and warm."""
+    return [
+        at_tolerance(part.tuned({"tolerance": tolerance}), chosen, tolerance, warm, part.scene.friction)
+        for warm in (False, True)
+        for tolerance in TOLERANCES
+    ]
+
+
+def at_tolerance(
+    contact: WheelsetContact, chosen: list[State], tolerance: float, warm: bool, friction: float
+) -> Accuracy:
+    """Errors at one tolerance."""
+    creep, force, newton, failed = [], [], 0, 0
+    began = perf_counter()
+    for one in chosen:
+        result = contact(one.state, one.side, one.before if warm else None)
+        newton += result.statistics.newton
+        if not result.ok:
+            failed += 1
+            continue
+        load, off = float(one.exact.force[2]), result.force - one.exact.force
+        creep.append(float(np.hypot(off[0], off[1])) / (friction * load))
+        force.append(float(np.linalg.norm(off)) / load)
+    seconds = (perf_counter() - began) / len(chosen)
+    rms, whole = (float(np.sqrt(np.mean(np.square(x)))) if x else np.nan for x in (creep, force))
+    return Accuracy(tolerance, warm, rms, max(creep, default=np.nan), whole, newton / len(chosen), seconds, failed)
+
+
+def equivalent(chosen: list[State], stiffness: float) -> float:
+    """The paper's tolerance of displacements [m] as a relative residual of the pressures: Tol K over their norm."""
+    norms = [float(np.linalg.norm(one.exact.fields.pressure)) for one in chosen if one.exact.fields is not None]
+    return PAPER_TOL * stiffness / float(np.mean(norms))

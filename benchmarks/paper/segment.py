@@ -1,0 +1,145 @@
+"""The part of the paper's curve that every variant runs: contact models, initial states, cost, and error.
+
+Each contact model has its own reference, a run at tight tolerances from the same initial state, which also fills the
+bodies' compliances, so that no run pays for them. Errors are RMS differences at the times of the reference's steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from benchmarks.paper.error import Ran, difference
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.schema.scene import RunScene, load_scene
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.equations import Contact, Dynamics
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
+
+SCENE = Path(__file__).parents[2] / "scenes" / "paper_curve.toml"
+TIGHT_NEWTON = 1e-11
+ACCEPTABLE = 0.05  # of the axle load, left at the start: all variants of a model begin alike, steady or not
+
+
+@dataclass(frozen=True)
+class Body:
+    """A contact model: its name in tables, and what it changes in the scene."""
+
+    name: str
+    changes: tuple[tuple[str, Any], ...] = ()
+
+    def scene(self) -> RunScene:
+        """The paper's scene with the changes."""
+        scene = load_scene(SCENE)
+        if not isinstance(scene, RunScene):
+            raise TypeError(f"{SCENE.name} is not a run")
+        data = scene.model_dump(exclude_unset=True)
+        data["profiles"] = scene.profiles
+        if dict(self.changes).get("laws") == "exact":
+            data = {key: data[key] for key in data if key not in ("stiffness_per_area", "regularisation")}
+        return RunScene.model_validate({**data, **dict(self.changes)})
+
+
+@dataclass
+class Part:
+    """A stretch of the scene's run from start s over so many seconds, on one contact model.
+
+    patience: s that its reference may take.
+    """
+
+    body: Body
+    start: float
+    seconds: float
+    patience: float = 120.0
+
+    @cached_property
+    def scene(self) -> RunScene:
+        return self.body.scene()
+
+    @cached_property
+    def contact(self) -> WheelsetContact:
+        return wheelset_contact(self.scene)
+
+    def tuned(self, options: dict[str, Any]) -> WheelsetContact:
+        """The same bodies with other options of Newton's method."""
+        model: Any = self.contact.model
+        return replace(self.contact, model=replace(model, options=replace(model.options, **options)))
+
+    def dynamics(self, contact: Contact) -> Dynamics:
+        return Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.drive)
+
+    @cached_property
+    def steady(self) -> Equilibrium:
+        """The steady state at the start, as near as the contact model allows. Raises EquilibriumError."""
+        return equilibrium(self.dynamics(self.contact), time=self.start, acceptable=ACCEPTABLE)
+
+    @property
+    def initial(self) -> Array:
+        return self.steady.state
+
+    @cached_property
+    def reference(self) -> History:
+        """The run at tight tolerances. Raises RuntimeError when it fails, EquilibriumError without a start."""
+        run = self._run(
+            self.tuned({"tolerance": TIGHT_NEWTON}), "ode45", 1e-3 * self.scene.solver.rtol, 1e-9, self.patience
+        )
+        if run.status != "completed":
+            raise RuntimeError(f"the reference run: {run.status}")
+        return run
+
+    @cached_property
+    def missing(self) -> str:
+        """Why there is no reference; empty when there is one. Tried once."""
+        try:
+            return "" if len(self.reference) else "empty"
+        except RuntimeError as error:
+            return str(error)
+
+    def run(self, method: str, options: dict[str, Any], *, contact: Contact | None = None) -> History:
+        """One run at the scene's own tolerances; contact other than this part's, for Eq. (12)."""
+        solver = self.scene.solver
+        return self._run(contact or self.tuned(options), method, solver.rtol, solver.atol)
+
+    def compared(self, found: History) -> Ran:
+        """Cost and error of a run."""
+        if found.status != "completed" or len(found) < 2:
+            return Ran(found.cost, failure=found.status)
+        if self.missing:
+            return Ran(found.cost, note=f"no error: {self.missing}")
+        y, force = difference(found, self.reference)
+        return Ran(found.cost, y, force / self.load)
+
+    @cached_property
+    def load(self) -> float:
+        """Static wheel load, N."""
+        return float(self.reference.outputs.force[:, :, 2].mean())
+
+    def _run(self, contact: Contact, method: str, rtol: float, atol: float, patience: float = np.inf) -> History:
+        began = perf_counter()
+
+        def hurry(share: float, _: Mapping[str, float]) -> None:
+            if perf_counter() - began > patience:
+                raise RuntimeError(f"the reference run is {100 * share:.0f} % done after {patience:g} s")
+
+        return simulate(
+            wagon(self.scene),
+            track(self.scene),
+            contact,
+            speed=self.scene.vehicle.drive,
+            span=(self.start, self.start + self.seconds),
+            method=method,
+            rtol=rtol,
+            atol=atol,
+            initial=self.initial,
+            progress=hurry,
+        )

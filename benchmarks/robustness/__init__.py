@@ -1,0 +1,1 @@
+"""Vehicle runs at the edge of what the models can do."""

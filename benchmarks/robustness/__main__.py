@@ -1,0 +1,3 @@
+from benchmarks.robustness.report import main
+
+main()

@@ -1,0 +1,138 @@
+"""Runs that a simulation of a wagon must survive, or end with a word on why it cannot go on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.schema.scene import RunScene, parse_scene
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.equations import Contact, Dynamics
+from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
+from wheelrail.vehicle.steady.equilibrium import equilibrium
+from wheelrail.vehicle.track.irregularity_spectrum import ERRI
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+SCENE = Path(__file__).parents[2] / "scenes" / "curve.toml"
+ELASTIC, STANDARD = "elastic", "standard"
+OF_ELEMENTS = ("laws", "surface_size", "strips", "cells")  # keys that the standard contact has no use for
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run: radius m and cant m of the curve after `tangent` and `transition` m, seed of irregularities of the class
+    high or None, rates m/s or rad/s by coordinate that the wagon starts with beside its equilibrium; whether a run at a
+    tenth of the tolerances is set beside it; s of wall time that it gets, if more than others.
+    """
+
+    name: str
+    model: str
+    speed: float
+    friction: float = 0.3
+    radius: float = 1200.0
+    cant: float = 0.06
+    tangent: float = 50.0
+    transition: float = 100.0
+    seconds: float | None = None
+    seed: int | None = None
+    kick: dict[str, float] = field(default_factory=dict)
+    again: bool = False
+    quick: bool = False
+    patience: float | None = None
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """s; without other word up to 120 m into the curve."""
+        return 0.0, self.seconds or (self.tangent + self.transition + 120.0) / self.speed
+
+    def track(self) -> Track:
+        smooth = Track.curve(
+            curvature=1.0 / self.radius,
+            cant=self.cant,
+            tangent=self.tangent,
+            transition=self.transition,
+            length=1000.0,
+        )
+        if self.seed is None:
+            return smooth
+        uneven = ERRI["high"].irregularities(self.speed * self.span[1] + 50.0, seed=self.seed)
+        return Track(smooth.curvature, smooth.lift, smooth.gradient, smooth.base, uneven)
+
+    def start(self, wagon: Wagon, contact: Contact) -> Array | None:
+        """The state after the kick, if there is one."""
+        if not self.kick:
+            return None
+        state = equilibrium(Dynamics(wagon, self.track(), contact, self.speed)).state
+        for name, rate in self.kick.items():
+            state[COUNT + COORDINATES.index(name)] += rate
+        return np.asarray(state)
+
+
+@cache
+def scene(model: str, friction: float) -> RunScene:
+    """scenes/curve.toml with another contact and friction."""
+    lines = [line for line in SCENE.read_text(encoding="utf-8").splitlines() if not line.startswith("friction")]
+    if model == STANDARD:
+        lines = [line for line in lines if line.split(" ")[0] not in OF_ELEMENTS]
+        lines = [line.replace('"condensed"', '"standard"') for line in lines]
+    found = parse_scene("\n".join([f"friction = {friction}", *lines]))
+    assert isinstance(found, RunScene)
+    return found
+
+
+@cache
+def contact_of(model: str, friction: float) -> WheelsetContact:
+    return wheelset_contact(scene(model, friction))
+
+
+def cases() -> list[Case]:
+    """All of them, cheap ones first."""
+    found: list[Case] = []
+    for model in (STANDARD, ELASTIC):
+        cheap = model == STANDARD
+        found += [
+            Case(
+                "curve",
+                model,
+                speed,
+                friction,
+                again=cheap,
+                quick=cheap or (speed, friction) == (60.0, 0.05),
+            )
+            for speed, friction in product((40.0, 50.0, 60.0), (0.05, 0.3, 0.6))
+        ]
+        found += [
+            Case("irregular", model, speed, seconds=1.5, seed=seed, quick=cheap and (speed, seed) == (40.0, 1))
+            for speed, seed in product((40.0, 60.0), (1, 2) if cheap else (1,))
+        ]
+        found += [
+            Case("blow on a wheel", model, 45.0, seconds=0.2, kick={"wheelset_roll": 0.3}, quick=cheap),
+            Case(
+                "wheel lifted, landed", model, 45.0, seconds=0.7, kick={"car_body_roll": 1.1}, again=cheap, quick=False
+            ),
+            Case("body pushed aside", model, 45.0, seconds=2.0, kick={"car_body_y": -1.2}, again=cheap, quick=False),
+            Case("curve too fast", model, 45.0, radius=430.0, cant=0.0, tangent=20.0, seconds=5.0, quick=cheap),
+            Case(
+                "overturning",
+                model,
+                45.0,
+                radius=300.0,
+                cant=0.0,
+                tangent=20.0,
+                seconds=5.0,
+                again=cheap,
+                quick=cheap,
+                patience=None if cheap else 80.0,
+            ),
+            Case("overturning, low friction", model, 60.0, 0.05, 500.0, 0.0, 20.0, seconds=5.0, quick=cheap),
+            Case("blow aside", model, 45.0, 0.6, seconds=0.2, kick={"wheelset_y": -2.0}, quick=cheap),
+            Case("thrown off", model, 45.0, 0.3, seconds=0.5, kick={"wheelset_y": -4.0}, quick=cheap),
+        ]
+    return found

@@ -1,0 +1,107 @@
+"""What a run came to: extremes, time in the air, energy, and whether anything of it went astray unnoticed."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.state import Y
+from wheelrail.vehicle.simulation.energy_balance import energy_balance
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.limits import LIMITS
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+LOADED = 0.1  # of the static wheel load, from which Y/Q counts
+MEAN_LOAD = 0.1  # that the mean vertical force may be off what the track's motion asks for; runs are short
+# What a run at a tenth of the tolerances may differ by, RMS over the run: wheelset's y m, car body's roll rad; and the
+# share of the time until a run ends early.
+APART = {"y": 2e-4, "roll": 1e-3, "end": 0.01}
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Of one run: metres, smallest wheel load N, largest Y/Q, seconds with a wheel off its rail, largest |y| of the
+    wheelset m and roll of the car body rad, mean of the vertical forces over what the track asks for, error of the
+    energy balance; sane: nothing, or what is wrong.
+    """
+
+    metres: float
+    load: float
+    ratio: float
+    off: float
+    aside: float
+    roll: float
+    mean: float
+    energy: float
+    wrong: str
+
+    @classmethod
+    def of(cls, history: History, wagon: Wagon, track: Track) -> Findings:
+        t, force = history.time, history.outputs.force
+        loaded = force[:, :, 2] > LOADED * wagon.wheel_load
+        ratio = np.abs(force[:, :, 1]) / np.where(loaded, force[:, :, 2], np.inf)
+        off = np.array([any(s == "separated" for s in pair) for pair in history.contact_status], dtype=float)
+        mean = _mean_load(history, wagon, track)
+        aside, roll = float(np.abs(history.state[:, Y]).max()), float(np.abs(history.state[:, 2]).max())
+        stopped = history.status != "completed"
+        numbers = np.isfinite(history.state).all() and np.isfinite(force).all()
+        wrong = [
+            *([] if numbers else ["not finite"]),
+            *([] if abs(mean - 1.0) < MEAN_LOAD or stopped else [f"mean load {mean:.2f}"]),
+            *([] if stopped or roll <= LIMITS.roll else [f"rolls {roll:.2f} rad"]),
+            *([] if stopped or aside <= LIMITS.shift + 0.02 else [f"{1e3 * aside:.0f} mm aside"]),
+            *([] if not stopped or said(history.status) else ["no clear word"]),
+        ]
+        return cls(
+            metres=float(history.distance[-1]),
+            load=float(force[:, :, 2].min()),
+            ratio=float(ratio.max()),
+            off=_integral(off, t),
+            aside=aside,
+            roll=roll,
+            mean=mean,
+            energy=energy_balance(history, wagon, track).error,
+            wrong=", ".join(wrong),
+        )
+
+    def numbers(self) -> dict[str, float | str]:
+        return asdict(self)
+
+
+def _integral(values: Array | list[float], time: Array) -> float:
+    """By trapezoids."""
+    both = np.asarray(values)
+    return float(0.5 * (both[1:] + both[:-1]) @ np.diff(time))
+
+
+def said(status: str) -> bool:
+    """Whether a run that stopped tells what happened to the wagon."""
+    return "overturns" in status or "left the rails" in status
+
+
+def _mean_load(history: History, wagon: Wagon, track: Track) -> float:
+    """Mean vertical force of both wheels over the mean of weight and centrifugal force across the rails."""
+    t, plane = history.time, wagon.plane
+    mass = wagon.axle_load / plane.gravity
+    frames = [track.frame(s, v) for s, v in zip(history.distance, history.speeds, strict=True)]
+    asked = [mass * (-plane.gravity * f.down[2] - f.speed * f.rate[1]) for f in frames]
+    if len(t) < 2:
+        return 1.0
+    return _integral(history.outputs.force[:, :, 2].sum(axis=1), t) / _integral(asked, t)
+
+
+def apart(one: History, other: History) -> dict[str, float]:
+    """RMS difference of the wheelset's y m and the car body's roll rad over the time that both have come through, and
+    of their ends as a share.
+    """
+    end = min(one.time[-1], other.time[-1])
+    even: Array = np.linspace(one.time[0], end, 2001)
+    difference = {
+        name: np.interp(even, one.time, one.state[:, i]) - np.interp(even, other.time, other.state[:, i])
+        for name, i in (("y", Y), ("roll", 2))
+    }
+    rms = {name: float(np.sqrt((d**2).mean())) for name, d in difference.items()}
+    return {**rms, "end": float(abs(one.time[-1] - other.time[-1]) / other.time[-1])}

@@ -1,0 +1,108 @@
+"""Condensed contact by number of contact points: seconds by phase, memory, and error of the forces."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from benchmarks.common.hertz_cases import lacking
+from benchmarks.common.measurement import Row
+from benchmarks.common.models import Ellipse, carrying, frictional, frictionless, hertz_model, rolling
+from benchmarks.common.reference_table import reference
+from wheelrail.contact.kinematics.frames import Motion
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.builders import Bodies, Points
+from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.fitted.model import FittedContact
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.solvers.options import LinearSolver, NewtonOptions
+
+CURVE, CASE = 1, 2  # of creep_curves.json: a round patch, the third mixed case, at 0.59 of mu F_n
+ALONG = 4 / 3  # cells of a strip by number of strips
+LINES = 285  # points of a grid as fine as the lines that carry fitted cells
+ENOUGH, MOST = 0.6, 5  # seconds and repeats
+AGAIN = 5.0  # s: a solve that takes longer is not repeated
+TASKS: dict[str, LinearSolver | None] = {"normal": None, "rolling, LU": "lu", "rolling, BiCGStab": "bicgstab"}
+
+
+def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> Iterator[Row]:
+    """Rows of one number of points, task by task: median seconds, by phase, MB of one solve, errors in % of the load
+    and of mu F_n.
+
+    At the approach that Hertz's load needs on these bodies. A solve of less than AGAIN seconds is repeated, and memory
+    is then traced apart from time.
+    """
+    curve = reference("creep_curves")["curves"][CURVE]
+    _, xi, eta, phi, *known = [case for case in curve["cases"] if case[0] == "mixed"][CASE]
+    pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Steel(curve["E"] * 1e6, curve["nu"]))
+    size = pair.size(points=wanted if points == "grid" else LINES)
+    depth = pair.exact.approach
+    if bodies == "waveguide":  # the blocks end somewhere
+        depth -= 2 * lacking(pair.steel.nu)[0] * pair.load / (pair.steel.E * pair.half_width(size))
+    strips = max(4, round(np.sqrt(wanted / ALONG)))
+    options: dict[str, Any] = {} if points == "grid" else {"fineness": Fineness(strips, max(4, round(wanted / strips)))}
+    laws = frictional(curve["mu"])  # with room upstream
+    model = hertz_model(pair, laws, size, bodies=bodies, points=points, **options)
+    assert isinstance(model, Condensed | FittedContact)
+    # what all solves share, spectra, tables and compiled kernels, is made by a first one
+    few = replace(model, fineness=Fineness(4, 8)) if isinstance(model, FittedContact) else model
+    if isinstance(model, FittedContact):
+        few(hertz_pose(depth), rolling(xi), None)
+    replace(few, laws=frictionless())(hertz_pose(depth), rolling(0.0), None)
+    bound = curve["mu"] * pair.load
+    for task in tasks:
+        linear = TASKS[task]
+        laws = frictional(curve["mu"]) if linear else frictionless()
+        chosen = replace(model, laws=laws, options=NewtonOptions(linear=linear or "lu"))
+        motion = rolling(xi, eta, 1e3 * phi) if linear else rolling(0.0)
+        result, seconds, phases, memory = timed(chosen, depth, motion)
+        if result.status != "converged":
+            raise RuntimeError(f"Error: contact {result.status}")
+        row: Row = {
+            "task": task,
+            "points": carrying(result),
+            "candidates": result.statistics.points,
+            "seconds": seconds,
+            "phases": phases,
+            "newton": result.statistics.newton,
+            "linear": result.statistics.linear,
+            "memory": memory,
+            "force error": 100 * float(result.force[2] / pair.load - 1),
+        }
+        if linear:
+            row["creep error"] = 100 * float(np.abs(result.force[:2] / bound - known[:2]).max())
+        yield row
+
+
+def timed(
+    model: Callable[..., ContactResult], depth: float, motion: Motion
+) -> tuple[ContactResult, float, dict[str, float], float]:
+    """Result, median seconds, those by phase, and MB allocated at most during one solve."""
+    pose = hertz_pose(depth)
+    found: list[tuple[float, dict[str, float]]] = []
+
+    def traced() -> tuple[ContactResult, float, float]:
+        tracemalloc.start()
+        start = perf_counter()
+        result = model(pose, motion, None)
+        taken, memory = perf_counter() - start, tracemalloc.get_traced_memory()[1] / 1e6
+        tracemalloc.stop()
+        return result, taken, memory
+
+    result, first, memory = traced()
+    if first < AGAIN:
+        memory = traced()[2]
+    began = perf_counter()
+    while first < AGAIN and len(found) < MOST and perf_counter() - began < ENOUGH:
+        start = perf_counter()
+        result = model(pose, motion, None)
+        found.append((perf_counter() - start, result.statistics.seconds))
+    seconds, phases = sorted(found or [(first, result.statistics.seconds)], key=lambda one: one[0])[len(found) // 2]
+    return result, seconds, dict(phases), memory

@@ -1,0 +1,49 @@
+"""From how many contact points on BiCGStab would beat LU, and products by FFT the dense ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from benchmarks.common.measurement import Row
+from benchmarks.common.measurement_tables import grouped, phase
+from benchmarks.common.power_law import crossover
+
+
+def crossovers(points: Sequence[Row], floors: Sequence[Row]) -> str:
+    """From how many points on another way is the cheaper one.
+
+    LU by the steps of the tangential Newton alone, which are what friction adds to those of the normal problem. By FFT
+    only where the cells of a patch are equal.
+    """
+    lines = ["\n## Crossovers, in contact points\n"]
+    by = grouped(points, "family", "task")
+    for family in grouped(points, "family"):
+        normal, lu, bicgstab = (
+            {row["wanted"]: row for row in by.get(f"{family}, {task}", [])}
+            for task in ("normal", "rolling, LU", "rolling, BiCGStab")
+        )
+        both = [n for n in lu if n in bicgstab and n in normal]
+        if not both:
+            continue
+        direct, krylov = ([phase("solve")(rows[n]) for n in both] for rows in (lu, bicgstab))
+        lines.append(f"- {family}: BiCGStab beats LU in the whole solve: {crossover(both, direct, krylov)}")
+        known = [row for row in floors if row.get("points") in both]
+        if not family.startswith("grid") or not known:
+            continue
+        n = [row["points"] for row in known]
+        steps = [lu[k]["newton"] - normal[k]["newton"] for k in n]
+        products = [2 * bicgstab[k]["linear"] for k in n]
+        direct = [k * row["dgesv 2n"] for k, row in zip(steps, known, strict=True)]
+        dense = [k * row["dense"] for k, row in zip(products, known, strict=True)]
+        lines.append(
+            f"- {family}, linear algebra alone: BiCGStab by dense products beats dgesv: {crossover(n, direct, dense)}; "
+            f"at {n[-1]}: {steps[-1]} dgesv {1e3 * direct[-1]:.3g} ms, {products[-1]} dense products "
+            f"{1e3 * dense[-1]:.3g} ms"
+        )
+        for name in ("FFT along x", "FFT over x and y"):
+            fast = [k * row[name] for k, row in zip(products, known, strict=True)]
+            lines.append(
+                f"- {family}, {name}: a product beats the dense one: {crossover(n, dense, fast)}; BiCGStab by it beats "
+                f"dgesv: {crossover(n, direct, fast)}; at {n[-1]}: {1e3 * fast[-1]:.3g} ms"
+            )
+    return "\n".join(lines)

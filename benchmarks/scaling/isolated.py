@@ -1,0 +1,117 @@
+"""One measurement in a process of its own, with a limit on time and memory: what fails there is a row, not the end.
+
+python -m benchmarks.scaling.isolated KIND JSON, under mpirun for several ranks; prints a line of JSON per row.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+
+from benchmarks.common.measurement import Row
+
+GIGABYTES = 8.0  # of all ranks together
+MARK = "row: "
+MPI = {  # Open MPI as root, two ranks on whatever cores there are
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+}
+
+
+def rows(kind: str, given: Row, *, seconds: float, ranks: int = 1) -> list[Row]:
+    """Rows of a case, each with what was given; the last one holds `failed` with the reason should it not end well."""
+    command = [sys.executable, "-m", "benchmarks.scaling.isolated", kind, json.dumps(given)]
+    if ranks > 1:
+        command = ["mpirun", "-n", str(ranks), *command]
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as errors:
+        process = subprocess.Popen(
+            command,
+            stdout=out,
+            stderr=errors,
+            text=True,
+            start_new_session=True,
+            env={**os.environ, **MPI, "OMP_NUM_THREADS": "1"},
+        )
+        late = False
+        try:
+            process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            late = True
+            _end(process)
+        except BaseException:  # an interrupted benchmark leaves nothing behind
+            _end(process)
+            raise
+        out.seek(0)
+        errors.seek(0)
+        found = [{**given, "ranks": ranks, **json.loads(line[len(MARK) :])} for line in out if line.startswith(MARK)]
+        if late or process.returncode:
+            reason = f"over {seconds:g} s" if late else _reason(errors.read(), process.returncode)
+            found.append({**given, "ranks": ranks, "failed": reason})
+    return found
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End a case and, under mpirun, its ranks."""
+    for sent in (signal.SIGTERM, signal.SIGKILL):
+        try:
+            os.killpg(process.pid, sent)
+            process.wait(5)
+            return
+        except ProcessLookupError:
+            return
+        except subprocess.TimeoutExpired:
+            continue
+
+
+def _reason(errors: str, code: int) -> str:
+    """Why a case ended, in few words."""
+    told = [line for line in errors.splitlines() if "Error" in line or "error" in line]
+    if "MemoryError" in errors or "Out of memory" in errors or "bad_alloc" in errors or "allocate" in errors:
+        return f"out of memory ({GIGABYTES:g} GB)"
+    return told[-1][:90] if told else f"ended with {code}"
+
+
+def cases(kind: str, given: Row) -> Iterator[Row]:
+    """What a case measures, row by row."""
+    if kind == "points":
+        from benchmarks.scaling.condensed import solves
+
+        return solves(**given)
+    if kind == "floor":
+        from benchmarks.scaling.lower_bounds import floors
+
+        return floors(**given)
+    if kind == "elastic":
+        from benchmarks.scaling.elastic_solve import elastic
+
+        return elastic(**given)
+    if kind == "newton":
+        from benchmarks.scaling.full import newton
+
+        return newton(**given)
+    raise ValueError(f"no kind of case {kind!r}")
+
+
+def main() -> None:
+    """Measure one case."""
+    kind, given = sys.argv[1], json.loads(sys.argv[2])
+    ranks = int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1")))
+    limit = int(GIGABYTES / ranks * 2**30)
+    resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
+    logging.disable(logging.WARNING)
+    for row in cases(kind, given):
+        print(MARK + json.dumps(row), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Random stress test of the contact models."""

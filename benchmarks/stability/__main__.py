@@ -1,0 +1,3 @@
+from benchmarks.stability.report import main
+
+main()

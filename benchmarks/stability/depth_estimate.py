@@ -1,0 +1,88 @@
+"""Depth at which a wheel carries about a load: virtual penetration, Piotrowski and Kik 2008,
+doi:10.1080/00423110701586444. A stress test needs a spread of loads, not the exact ones.
+
+Half-spaces carry about that load there, 0.8 to 1.5 times as much. Wheel and rail give way sideways, so that the same
+pose on a flange loads them less, down to a twentieth.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import brentq
+
+from benchmarks.stability.sample import RADIUS, Case
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.models.fitted.surfaces import ProfileStrips
+from wheelrail.meshes.bodies.solids import wheel_touches
+from wheelrail.meshes.profiles.named import named_profile
+
+PENETRATION = 0.55  # of the overlap
+FIRST, LAST = wheel_touches(named_profile("S1002"))
+LINES = np.linspace(FIRST, LAST, 400)  # m of the wheel's arc
+LOWEST, HIGHEST = -0.05, 0.02  # m, of the depth
+DEEPEST = 1e-3  # m of overlap
+
+
+class NoDepth(ValueError):
+    """The load has no depth within the profiles."""
+
+
+def depth_for(case: Case) -> float:
+    """Depth m from nominal height. Raises NoDepth with the reason."""
+    surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
+
+    def overlap(depth: float) -> float:
+        return float(surfaces.ridge(case.at(depth)[0], LINES).overlap.max())
+
+    def excess(depth: float) -> float:
+        return _load(surfaces, case, depth) - case.load
+
+    depths = np.linspace(LOWEST, HIGHEST, 71)
+    touching = [depth for depth in depths if overlap(depth) > 0]
+    if not touching or touching[0] == LOWEST:
+        raise NoDepth("the wheel does not come down on the rail within 50 mm")
+    first = float(brentq(overlap, touching[0] - (depths[1] - depths[0]), touching[0], xtol=1e-10))
+    high = 1e-5
+    while excess(first + high) < 0:
+        high *= 2
+        if overlap(first + high) > DEEPEST:
+            raise NoDepth("the load needs an overlap of more than 1 mm")
+    return float(brentq(excess, first, first + high, xtol=1e-9))
+
+
+def overlap_outside(case: Case, pose: Pose, bands: list[tuple[float, float]]) -> float:
+    """Largest undeformed overlap outside lateral bands [m] of the wheel's profile over that inside, or a line aside."""
+    surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
+    overlap = surfaces.ridge(pose, LINES).overlap
+    y = surfaces.wheel.point(LINES)[:, 0]
+    aside = float(np.diff(LINES).max())
+    inside = np.zeros(len(y), dtype=bool)
+    for low, high in bands:
+        inside |= (y >= low - aside) & (y <= high + aside)
+    within = float(overlap[inside].max(initial=0.0))
+    return float(overlap[~inside].max(initial=0.0)) / within if within > 0 else np.inf
+
+
+def _load(surfaces: ProfileStrips, case: Case, depth: float) -> float:
+    """Vertical force N."""
+    steel = Steel()
+    pose = case.at(depth)[0]
+    ridge = surfaces.ridge(pose, LINES)
+    deepest = int(np.argmax(ridge.overlap))
+    inside = ridge.overlap - (1 - PENETRATION) * ridge.overlap[deepest]
+    if ridge.overlap[deepest] <= 0:
+        return 0.0
+    # strips finer than the lines, about the deepest one
+    low, high = LINES[np.flatnonzero(inside > 0)[[0, -1]]]
+    s = np.linspace(low - 1e-4, high + 1e-4, 80)
+    at = surfaces.ridge(pose, s)
+    half2 = np.maximum(2 * (at.overlap - (1 - PENETRATION) * ridge.overlap[deepest]) / at.bend, 0.0)
+    t = (np.arange(40) + 0.5) / 20 - 1
+    root = np.sqrt(half2)[:, None] * np.sqrt(1 - t * t)
+    x, y = np.sqrt(half2)[:, None] * t, (s - LINES[deepest])[:, None]
+    weight = np.sqrt(half2)[:, None] * root
+    share = weight.sum() / max((weight / np.maximum(np.hypot(x, y), 1e-6)).sum(), 1e-300)
+    upright = np.abs(surfaces.wheel.normal(s)[:, 1])
+    cosine = float((weight.sum(axis=1) * upright).sum() / max(weight.sum(), 1e-300))
+    return float(np.pi * steel.E * ridge.overlap[deepest] / (2 * (1 - steel.nu**2)) * share * cosine)

@@ -1,0 +1,79 @@
+"""What must hold of any converged contact: laws, balance, dissipation, each as a figure that should be tiny."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks.stability.depth_estimate import overlap_outside
+from benchmarks.stability.sample import Case
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
+
+LIMITS = {
+    "residual": 1e-8,
+    "force": 1e-10,
+    "moment": 1e-10,
+    "patches": 1e-9,
+    "pull": 0.0,
+    "friction": 3e-8,  # tractions are found to 1e-9 of their norm, which may all be in one cell of a thousand
+    "law": 3e-8,
+    "work": 1e-8,
+    "penetration": 1e-7,
+    "missed": 1.0,
+}
+G = Steel().E / (2 + 2 * Steel().nu)  # Pa
+
+
+def findings(case: Case, pose: Pose, result: ContactResult) -> dict[str, float]:
+    """Figures by name, see LIMITS.
+
+    residual of the solve; force and moment (about the wheel's own origin) of the result less those of the tractions
+    on the rail, turned round, over load and load times a metre; the patches' forces less the result's; pull, the
+    largest tension over the peak pressure; friction, traction beyond mu p over mu times the peak; law, the largest
+    q max(|s|, eps) + mu p s, and work, the largest q . s > 0, over mu times the peak times the largest slip, or the
+    strain that mu times the peak makes; penetration at loaded and open points over the approach, exact law only;
+    missed, the largest undeformed overlap outside all patches over that inside: pressure lowers a surface nowhere more
+    than where it acts. All infinite without any pressure: where these bodies overlap, some of it must carry.
+    """
+    fields = result.fields
+    if fields is None or not fields.pressure.any():
+        return dict.fromkeys(LIMITS, np.inf)
+    p, q, s = fields.pressure, fields.traction, fields.slip
+    load, peak = float(np.linalg.norm(result.force)), float(np.abs(p).max())
+    on_rail = np.einsum("nk,nkc->nc", np.column_stack([-q, p]), fields.axes) * fields.area[:, None]
+    # a moment about a point that no model uses, computed by lever arms one by one
+    moment = sum((cross(a - pose.origin, f) for a, f in zip(fields.point, on_rail, strict=True)), np.zeros(3))
+    about = result.about(pose.origin)
+    bound, power = case.friction * p, (q * s).sum(axis=1)
+    slip = np.maximum(np.hypot(*s.T), case.regularisation)[:, None]
+    astray = np.hypot(*(q * slip + bound[:, None] * s).T)
+    most = max(case.friction * peak, 1e-300)
+    power_scale = max(most * max(float(np.hypot(*s.T).max()), most / G), 1e-300)
+    in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
+    # deformed overlap less the penalty's own: nothing where pressed, negative where open
+    d = fields.gap + fields.displacement[:, 2] - p * case.laws.normal_compliance
+    apart = np.where(p > 0, np.abs(d), np.maximum(d, 0.0))
+    return {
+        "residual": result.statistics.residual,
+        "force": float(np.linalg.norm(result.force + on_rail.sum(axis=0))) / load,
+        "moment": float(np.linalg.norm(about.moment + moment)) / load,
+        "patches": float(np.linalg.norm(in_patches - result.force)) / load,
+        "pull": float(max(-p.min(), 0.0)) / peak,
+        "friction": float(np.maximum(np.hypot(*q.T) - bound, 0.0).max()) / most,
+        "law": float(astray.max()) / power_scale,
+        "work": float(np.maximum(power, 0.0).max()) / power_scale,
+        "penetration": float(apart.max()) / result.approach,
+        "missed": overlap_outside(case, pose, [patch.wheel_band for patch in result.patches]),
+    }
+
+
+def cross(a: Array, b: Array) -> Array:
+    """a x b, component by component."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def broken(found: dict[str, float]) -> list[str]:
+    """Names of the figures that are beyond their limits."""
+    return [name for name, limit in LIMITS.items() if not found[name] <= limit]

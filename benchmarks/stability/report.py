@@ -1,0 +1,138 @@
+"""Random stress test of the contact models: which cases converge, how fast, and whether the results hold together."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress, TimeElapsedColumn, TimeRemainingColumn
+
+from benchmarks.common.machine import stated
+from benchmarks.stability.invariants import LIMITS
+from benchmarks.stability.sample import Case, cases
+from benchmarks.stability.solve import Outcome, legitimate, solve
+from wheelrail.support.arrays import Array
+
+TWIN = 20  # every so many cases are compared with an independent solution, and all whose cells did not settle
+OUTLIERS = {"force": 0.02, "area": 0.1}
+
+
+def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -> list[Outcome]:
+    """Solve so many cases, or only some of them by number; those of one model together, so that few are in memory."""
+    chosen = [case for case in cases(count, seed) if not only or case.number in only]
+    chosen.sort(key=lambda case: (case.rail, case.size, np.isfinite(case.stiffness_per_area), case.number))
+    found = []
+    with Progress(
+        *Progress.get_default_columns()[:2],
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        disable=not sys.stderr.isatty(),
+    ) as bar:
+        for case in bar.track(chosen, description="cases"):
+            found.append(attempt(case, twin=every > 0 and case.number % every == 0))
+    return sorted(found, key=lambda outcome: outcome.case.number)
+
+
+def attempt(case: Case, *, twin: bool) -> Outcome:
+    """The case; what no model should ever raise is a failure of that case, not the end of the test."""
+    try:
+        return solve(case, twin=twin)
+    except Exception as error:
+        return Outcome(case, "failed", f"{type(error).__name__}: {error}")
+
+
+def show(found: list[Outcome]) -> str:
+    """Tables in Markdown."""
+    lines = []
+    for name, part in (("fitted", [o for o in found if o.fitted]), ("grid", [o for o in found if not o.fitted])):
+        answered = [o for o in part if o.kind != "no answer"]
+        good = [o for o in answered if o.kind == "converged"]
+        if not good:
+            continue
+        times, newton = np.array([o.seconds for o in good]), np.array([o.newton for o in good])
+        lines += [
+            f"\n## {name}: {len(part)} cases, {len(answered)} with an answer, {len(good)} converged "
+            f"({len(good) / len(answered):.2%}), {sum(not o.broken for o in good)} keep all limits\n",
+            "| figure | median | 99 % | worst | limit | cases beyond |\n|---|---|---|---|---|---|",
+            f"| seconds | {_spread(times)} | | |",
+            f"| factorisations and Newton steps | {_spread(newton)} | | |",
+            f"| load kN | {_spread(1e-3 * np.array([o.load for o in good]))} | | |",
+        ]
+        for figure, limit in LIMITS.items():
+            values = np.array([o.figures[figure] for o in good])
+            lines.append(f"| {figure} | {_spread(values)} | {limit:g} | {int((values > limit).sum())} |")
+        for figure, bound in OUTLIERS.items():
+            values = np.array([getattr(o, f"{figure}_differs") for o in good])
+            values = values[np.isfinite(values)]
+            if len(values):
+                lines.append(
+                    f"| {figure} against twin | {_spread(values)} | {bound:g} | {int((values > bound).sum())} |"
+                )
+        twins, loose = [o for o in good if o.twin], [o for o in part if not o.settled]
+        alone, seen = sum(not np.isfinite(o.force_differs) for o in twins), sum(bool(o.twin) for o in loose)
+        lines += [
+            f"\n{len(twins)} compared with a twin, {alone} of which had no force to compare; "
+            f"{len(loose)} cases whose cells did not settle, {seen} of them compared"
+        ]
+    reasons = Counter(f"{kind(o)}: {o.reason}" for o in found if o.kind == "no answer")
+    lines += ["\n## Without an answer\n", *(f"- {number} x {reason}" for reason, number in reasons.most_common())]
+    lines += ["\n## Failed, beyond a limit, or unlike their twin\n"]
+    lines += [f"- {kind(o)}: {trouble(o)}: {o.case}" for o in found if trouble(o)] or ["- none"]
+    return "\n".join(lines)
+
+
+def kind(outcome: Outcome) -> str:
+    return "fitted" if outcome.fitted else "grid"
+
+
+def trouble(outcome: Outcome) -> str:
+    """What is wrong with an outcome, in a few words; nothing if nothing is."""
+    if outcome.kind == "failed":
+        return outcome.reason if outcome.settled else f"{outcome.reason} (cells did not settle)"
+    parts = [f"{name} {outcome.figures[name]:.1e}" for name in outcome.broken]
+    for figure, bound in OUTLIERS.items():
+        differs = getattr(outcome, f"{figure}_differs")
+        if differs > bound:
+            parts.append(f"{figure} {differs:.1%} from its twin")
+    if outcome.twin and not np.isfinite(outcome.force_differs) and not legitimate(outcome.twin):
+        parts.append(f"its twin: {outcome.twin}")
+    if not outcome.settled and not np.isfinite(outcome.force_differs) and outcome.kind == "converged":
+        parts.append("cells did not settle, and no twin to compare with")
+    if parts and not outcome.settled:
+        parts.append("cells did not settle")
+    return ", ".join(parts)
+
+
+def _spread(values: Array) -> str:
+    return f"{np.median(values):.3g} | {np.quantile(values, 0.99):.3g} | {values.max():.3g}"
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.stability.report", description=__doc__)
+    parser.add_argument("--cases", type=int, default=2000, metavar="N", help="in all (2000)")
+    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the hypercube (0)")
+    parser.add_argument("--only", type=int, nargs="*", default=[], metavar="NUMBER", help="these cases of all")
+    parser.add_argument("--twin", type=int, default=TWIN, metavar="N", help="compare every so many cases (20; 0: none)")
+    parser.add_argument("--json", type=Path, metavar="PATH", help="write everything to a file, too")
+    given = parser.parse_args()
+    logging.disable(logging.WARNING)
+    machine = stated()
+    print(machine, flush=True)
+    found = run(given.cases, given.seed, every=given.twin, only=given.only)
+    print(show(found))
+    if given.json:
+        report = {"machine": machine, "cases": given.cases, "seed": given.seed, "outcomes": [o.data() for o in found]}
+        given.json.write_text(json.dumps(report, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

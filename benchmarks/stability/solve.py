@@ -1,0 +1,135 @@
+"""Solves the cases of a stress test, each on its own, and keeps what came of it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from benchmarks.stability.depth_estimate import NoDepth, depth_for
+from benchmarks.stability.invariants import broken, findings
+from benchmarks.stability.sample import RADIUS, SIZES, Case
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.models.builders import wheel_rail_pair
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.wheelset import ContactModel
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.meshes.profiles.named import named_profile
+
+TWIN_FINENESS = Fineness(16, 24)
+LEAVES = "beyond the part of its surface"  # said by models when the contact leaves what is meshed
+LONG = "longer than what fitted cells"
+BETWEEN = "separated: the contact lies between the grid's points"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A case and what came of it: kind "converged", "no answer" (with the reason) or "failed"; seconds of the solve;
+    settled, whether the cells' ends did; load N, the vertical part of the pressure; figures of `stability_check` and
+    those beyond their limits; status of its twin, if it has one, and differences from it of force and area over
+    their size.
+    """
+
+    case: Case
+    kind: str
+    reason: str = ""
+    depth: float = np.nan
+    seconds: float = np.nan
+    newton: int = 0
+    settled: bool = True
+    load: float = np.nan
+    figures: dict[str, float] = field(default_factory=dict)
+    broken: tuple[str, ...] = ()
+    twin: str = ""
+    force_differs: float = np.nan
+    area_differs: float = np.nan
+
+    @property
+    def fitted(self) -> bool:
+        return not np.isfinite(self.case.stiffness_per_area)
+
+    def data(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def solve(case: Case, *, twin: bool = False) -> Outcome:
+    """One case, and if asked, or if its cells did not settle, an independent solution of the same: finer cells on finer
+    lines, or half the size.
+    """
+    try:
+        depth = depth_for(case)
+    except NoDepth as error:
+        return Outcome(case, "no answer", str(error))
+    model = model_of(case)
+    pose, motion = case.at(depth)
+    start = perf_counter()
+    result = model(pose, motion, None)
+    seconds = perf_counter() - start
+    statistics = result.statistics
+    settled = bool(getattr(statistics, "settled", True))
+    outcome = Outcome(case, "failed", result.status, depth, seconds, statistics.newton, settled)
+    if result.status == "separated":
+        return outcome if outcome.fitted else replace(outcome, kind="no answer", reason=BETWEEN)
+    if not result.ok:
+        return replace(outcome, kind="no answer") if legitimate(result.status) else outcome
+    found = findings(case, pose, result)
+    outcome = replace(outcome, kind="converged", load=carried(result), figures=found, broken=tuple(broken(found)))
+    if (settled and not twin) or (not outcome.fitted and case.size == SIZES[0]):
+        return outcome
+    other = twin_of(case)(pose, motion, None)
+    if not other.patches or not result.patches:
+        return replace(outcome, twin=other.status)
+    force = float(np.linalg.norm(result.force - other.force)) / float(np.linalg.norm(other.force))
+    return replace(
+        outcome, twin=other.status, force_differs=force, area_differs=abs(area(result) / max(area(other), 1e-300) - 1)
+    )
+
+
+def legitimate(status: str) -> bool:
+    """Whether a model says that a contact is beyond what it can see, and not that it failed to solve it."""
+    return LEAVES in status or LONG in status
+
+
+def carried(result: ContactResult) -> float:
+    """Vertical part N of the pressure: on a steep flange friction may carry all of the rest."""
+    fields = result.fields
+    if fields is None:
+        return 0.0
+    return float(-(fields.pressure * fields.area) @ fields.axes[:, 2, 2])
+
+
+def area(result: ContactResult) -> float:
+    """Of all patches, m2."""
+    return float(sum(patch.area for patch in result.patches))
+
+
+def model_of(case: Case) -> ContactModel:
+    model: ContactModel = replace(_pair(case.rail, case.size, np.isfinite(case.stiffness_per_area)), laws=case.laws)
+    return model
+
+
+def twin_of(case: Case) -> ContactModel:
+    if np.isfinite(case.stiffness_per_area):
+        grid: ContactModel = replace(_pair(case.rail, max(case.size / 2, SIZES[0]), True), laws=case.laws)
+        return grid
+    model: ContactModel = replace(_pair(case.rail, SIZES[0], False), laws=case.laws, fineness=TWIN_FINENESS)
+    return model
+
+
+@lru_cache(maxsize=4)
+def _pair(rail: str, size: float, grid: bool) -> Any:
+    """Model without friction, whose laws are replaced case by case."""
+    return wheel_rail_pair(
+        named_profile("S1002"),
+        named_profile(rail),
+        radius=RADIUS,
+        wheel_steel=Steel(),
+        rail_steel=Steel(),
+        surface_size=size,
+        laws=Laws(1e15 if grid else np.inf, 0.0, 0.0),
+        bodies="waveguide",
+    )

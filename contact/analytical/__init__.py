@@ -1,0 +1,5 @@
+"""Closed-form solutions of contact problems, by SciPy and the standard library alone.
+
+`hertz` for the normal contact of quadratic surfaces, `Cattaneo` for a tangential displacement, `Carter` for rolling of
+cylinders, and Kalker's linear theory of rolling contact.
+"""

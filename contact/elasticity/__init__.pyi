@@ -1,0 +1,2 @@
+from .compliance import Compliance as Compliance
+from .solid_compliance import SurfaceCompliance as SurfaceCompliance

@@ -1,0 +1,93 @@
+"""Compliance of a body at its contact grid, from the factorised 3D stiffness, eq. (15).
+
+C maps forces on grid nodes to displacements of grid nodes, in the body's own axes. It is found tile by tile (a few
+neighbours along x on one line of the profile) and direction by direction, only where a scene loads the body, and
+kept on disk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.cache import load, store
+from wheelrail.support.progress import Countdown
+
+if TYPE_CHECKING:
+    from wheelrail.contact.elasticity.solid_body import ElasticBody
+    from wheelrail.support.arrays import Nodes
+
+ALL: tuple[int, int, int] = (0, 1, 2)
+TILE = 8  # nodes along x: patches on the tread are half as long as the strip, which must hold those on the flange
+
+
+@dataclass
+class SurfaceCompliance:
+    """Compliance matrix of an (nx, ns) grid, filled on demand.
+
+    key identifies body, material and mesh in the cache; body builds the elastic body when columns are missing; scale
+    turns what the body gives into m/N (a block of unit size and modulus serves all sizes: 1 / (E h)).
+    """
+
+    key: str
+    shape: tuple[int, int]
+    body: Callable[[], ElasticBody]
+    scale: float = 1.0
+    _matrix: Array = field(init=False, repr=False)
+    _filled: Mask = field(init=False, repr=False)
+    _body: ElasticBody | None = field(init=False, default=None, repr=False)
+    columns_solved: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        n = self.shape[0] * self.shape[1]
+        # Symmetric, stored by loaded node: memory that is never touched is never taken.
+        self._matrix = np.empty((3 * n, 3 * n))
+        self._filled = np.zeros((n, 3), dtype=bool)
+
+    def block(self, nodes: Nodes, directions: Sequence[int] = ALL) -> Array:
+        """Symmetric compliance (d n, d n) [m/N] between grid nodes (n,) along the given axes, node by node."""
+        for direction in directions:
+            if not self._filled[nodes, direction].all():
+                self._fill(nodes[~self._filled[nodes, direction]], direction)
+        place = (3 * nodes[:, None] + np.asarray(directions)).ravel()
+        return np.asarray(self._matrix[place[:, None], place])
+
+    def _fill(self, nodes: Nodes, direction: int) -> None:
+        row, line = np.divmod(nodes, self.shape[1])
+        missing = sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
+        countdown = Countdown(f"compliance of a solid's surface in {'xyz'[direction]}, groups of nodes", len(missing))
+        for done, tile in enumerate(missing, 1):
+            if self._recall(tile, direction):
+                continue
+            if self._body is None:
+                self._body = self.body()
+            # tile by tile, though more at once are faster: the last bits depend on what is solved together
+            columns = self._body.respond(self._nodes(tile), direction).reshape(-1, len(self._matrix))
+            self.columns_solved += len(columns)
+            store(self._name(tile, direction), {"columns": columns})
+            self._keep(tile, direction, columns)
+            countdown(done)
+
+    def _nodes(self, tile: tuple[int, int]) -> Nodes:
+        first = tile[0] * TILE
+        return np.arange(first, min(first + TILE, self.shape[0])) * self.shape[1] + tile[1]
+
+    def _name(self, tile: tuple[int, int], direction: int) -> str:
+        return f"compliance/{self.key}/{tile[0]:03d}-{tile[1]:04d}{'xyz'[direction]}"
+
+    def _recall(self, tile: tuple[int, int], direction: int) -> bool:
+        found = load(self._name(tile, direction))
+        columns = None if found is None else found.get("columns")
+        if columns is None or columns.shape != (len(self._nodes(tile)), len(self._matrix)):
+            return False
+        self._keep(tile, direction, columns)
+        return True
+
+    def _keep(self, tile: tuple[int, int], direction: int, columns: Array) -> None:
+        nodes = self._nodes(tile)
+        self._matrix[3 * nodes + direction] = columns * self.scale
+        self._filled[nodes, direction] = True

@@ -1,0 +1,9 @@
+"""Compliance of bodies invariant along x or about an axle, by 2.5D finite elements over wavenumbers.
+
+Only the cross-section is meshed. `rail_waveguide`, `wheel_waveguide` and `block_waveguide` return the compliance, the
+grid of contact points and the strip of the surface.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,59 @@
+"""Where places lie along a body invariant along x or in angle, and in its section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from wheelrail.contact.elasticity.waveguide.section import Section
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Where places lie along a body, along (m,) m, and in its section (m, 2) m; angle (m,) rad about the axle."""
+
+    along: Array
+    section: Array
+    angle: Array | None
+
+    @classmethod
+    def of(cls, body: Section, places: Array) -> Chart:
+        x, y, z = np.asarray(places, dtype=float).T
+        if body.radius is None:
+            return cls(x, np.column_stack([y, z]), None)
+        angle = np.arctan2(x, -z)
+        return cls(angle * body.radius, np.column_stack([y, np.hypot(x, z)]), angle)
+
+    @classmethod
+    def over(cls, body: Section, stations: Array, spots: Array) -> Chart:
+        """Every spot (n, 2) m of the section at every station (m,) m along the body, station by station."""
+        along = np.repeat(stations, len(spots))
+        return cls(along, np.tile(spots, (len(stations), 1)), None if body.radius is None else along / body.radius)
+
+    @property
+    def places(self) -> Array:
+        """Places (m, 3) m in body axes."""
+        y, r = self.section.T
+        if self.angle is None:
+            return np.column_stack([self.along, y, r])
+        return np.column_stack([r * np.sin(self.angle), y, -r * np.cos(self.angle)])
+
+    def turned(self, tensor: Array) -> Array:
+        """Vectors (m, 3) or tensors (m, 3, 3) from axes (along, y, up or outward) to body axes."""
+        if self.angle is None:
+            return tensor
+        T = axes(self.angle)
+        if tensor.ndim == 2:
+            return np.asarray(np.einsum("mab,mb->ma", T, tensor))
+        return np.asarray(T @ tensor @ T.swapaxes(-1, -2))
+
+
+def axes(angle: Array) -> Array:
+    """Body axes' components (m, 3, 3) of the directions (along the circle, y, outward), a column each."""
+    c, s, none = np.cos(angle), np.sin(angle), np.zeros_like(angle)
+    return np.asarray(np.stack([c, none, s, none, none + 1, none, s, none, -c], axis=-1).reshape(-1, 3, 3))

@@ -1,0 +1,59 @@
+"""What a finite-element surface is too stiff and too smooth by near a load: closed form minus elements, half-space.
+
+A load on one line of the surface is felt within a few lines only as well as the elements resolve it; farther away the
+elements are exact. The near part does not know the rest of the body: it is the same on a large flat block, where the
+half-space's answer is known (`wheelrail.contact.elasticity.half_space`). Per unit modulus it depends on the wavenumber
+times the lines' spacing, and on Poisson's ratio.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from wheelrail.contact.elasticity.half_space import strip_flexibility
+from wheelrail.contact.elasticity.waveguide.spectrum import pair_places
+from wheelrail.contact.laws.material import Steel
+from wheelrail.support.arrays import Array
+
+FAR = 8  # lines away from the load, where elements and half-space agree but for the block's finite size
+
+
+@dataclass(frozen=True)
+class SurfaceError:
+    """Missing flexibility of loads spread over one line, by components along x, y, z, lines 0 .. 7 apart.
+
+    place (m,) of log q, q = k times the lines' spacing; values (m, 8, 3) per unit modulus.
+    """
+
+    place: Array
+    values: Array
+
+    def at(self, q: Array) -> Array:
+        """Missing flexibility (..., 8, 3) at wavenumbers times spacing (...)."""
+        inside = np.clip(np.log(np.maximum(q, 1e-300)), self.place[0], self.place[-1])
+        return np.asarray(CubicSpline(self.place, self.values)(inside))
+
+
+@lru_cache(maxsize=32)
+def surface_error(nu: float, degree: int) -> SurfaceError:
+    """Measured on an endless block whose compliance comes from the cache, or is computed in half a second."""
+    from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
+
+    compliance, _ = block_waveguide((1, 2 * FAR), Steel(1.0, nu), size=1.0, half_width=512.0, degree=degree)
+    samples = compliance.samples
+    ns = samples.lines
+    kept = samples.k > 0.02
+    q, lines = samples.k[kept], np.arange(FAR + 1)
+    place = pair_places(ns)
+    elements = np.empty((len(q), FAR + 1, 3))
+    middle = np.arange(FAR // 2, ns - FAR // 2 - FAR)
+    for d in lines:
+        own = samples.values[kept][:, place[middle, middle + d]].mean(axis=1)
+        elements[:, d] = np.diagonal(own, axis1=1, axis2=2)
+    unit = np.column_stack([lines - 0.5, lines + 0.5])
+    missing = strip_flexibility(q, unit[:1], unit, nu, 0.0)[:, 0, :, :3] - elements
+    return SurfaceError(np.log(q), missing[:, :FAR] - missing[:, FAR:])

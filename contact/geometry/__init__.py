@@ -1,0 +1,9 @@
+"""Undeformed surfaces: penetration and contact points of profiles and quadrics.
+
+`QuadricPair` and `ProfilePair` give the contact points of a pose on a grid; the rigid search finds contact points and
+interpenetration regions for the standard model.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,171 @@
+"""A wheel on a rail: candidates, contact map and gap on the exact profiles, eq. (1).
+
+The rail is its profile extruded, the wheel its profile revolved, so the normal projection of a wheel point on the
+rail is the closest point of a plane curve: no search tree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.geometry.grid_points import ContactPoints, Interpolation
+from wheelrail.contact.geometry.surface_grid import ContactGrid
+from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.kinematics.sensitivity import OnRail
+from wheelrail.meshes.bodies.solids import Strip
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.support.arrays import Array, Nodes
+
+
+@dataclass(frozen=True)
+class WheelRail:
+    """Surfaces of a left-hand pair: profiles, strips that carry contact points, grids on them; radius of the wheel, m.
+
+    degree 1 or 2 of the displacements: a grid of quadratic displacements is twice as fine as its strip.
+    """
+
+    wheel: Profile
+    rail: Profile
+    radius: float
+    wheel_strip: Strip
+    rail_strip: Strip
+    wheel_grid: ContactGrid
+    rail_grid: ContactGrid
+    degree: int = 1
+
+    @cached_property
+    def arc(self) -> Array:
+        """Arc length (ns,) of the wheel grid's lines on the profile, m."""
+        strip = self.wheel_strip
+        return np.asarray(strip.start + np.arange(self.wheel_grid.shape[1]) * strip.size / self.degree)
+
+    @cached_property
+    def lines(self) -> tuple[Array, Array]:
+        """Lateral position and radius (ns, 2), and outward normal (ns, 2), of the wheel grid's lines."""
+        return self.wheel.point(self.arc) + np.array([0.0, self.radius]), self.wheel.normal(self.arc)
+
+    @cached_property
+    def angle(self) -> Array:
+        """Angle (nx,) of the wheel grid's rows about the axle, forward from straight below, rad."""
+        count = self.wheel_grid.shape[0]
+        return np.asarray((np.arange(count) - count // 2) * self.wheel_strip.size / self.degree / self.radius)
+
+    @cached_property
+    def surface(self) -> tuple[Array, Array]:
+        """Exact points (nx ns, 3) m and local axes (nx ns, 3, 3), rows longitudinal, lateral, outward, in the wheel's
+        frame.
+        """
+        (y, r), (ny, nr) = self.lines[0].T, self.lines[1].T
+        s, c = np.sin(self.angle)[:, None], np.cos(self.angle)[:, None]
+        shape = self.wheel_grid.shape
+
+        def stack(*parts: Array) -> Array:
+            return np.stack([np.broadcast_to(p, shape) for p in parts], axis=-1).reshape(-1, 3)
+
+        point, normal = stack(r * s, y, -r * c), stack(nr * s, ny, -nr * c)
+        forward = stack(c, np.zeros(1), s)
+        return point, np.stack([forward, np.cross(forward, normal), normal], axis=1)
+
+    @cached_property
+    def _follows(self) -> OnRail:
+        return OnRail.of(self.rail)
+
+    @cached_property
+    def skyline(self) -> tuple[Array, Array]:
+        """Lateral position and height of the rail, to tell quickly what may overlap."""
+        points = self.rail.point(self.rail.samples(1e-4))
+        y, z = points.T
+        rising = np.concatenate([[True], y[1:] > np.maximum.accumulate(y)[:-1]])
+        return y[rising], z[rising]
+
+    def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
+        """Candidates where wheel points lie inside the undeformed rail; see `Geometry`."""
+        point = pose.origin + self.surface[0] @ pose.rotation.T
+        # A point below the rail's top line is inside the rail; where the rail has no top there is nothing to touch.
+        depth = np.interp(point[:, 1], *self.skyline, left=-np.inf, right=-np.inf) - point[:, 2]
+        if not (depth > 0).any():
+            return None, float(depth.max())
+        nx, ns = self.wheel_grid.shape
+        stride = self.wheel_grid.stride
+        picture = (depth > 0).reshape(nx, ns)
+        last = nx - 1 - steps * stride  # beyond, slip has nothing upstream to look at
+        if picture[0].any() or picture[last:].any():
+            reach = 1e3 * self.radius * self.angle[last]
+            way = f"it passes {reach:.3g} mm along the rail, where grids of solids end before those of waveguides"
+            raise OutsideGrid(_beyond(depth, way))
+        if picture[:, 0].any() or picture[:, -1].any():
+            end = "flange's tip" if picture[:, 0].any() else "end of the tread"
+            raise OutsideGrid(_beyond(depth, f"it passes the last line towards the {end}"))
+        node = np.flatnonzero((depth > 0) & (self.wheel_grid.weight.ravel() > 0))
+        if not len(node):
+            return None, float(depth.max())
+        upstream = node + np.arange(steps + 1)[:, None] * stride * ns
+        places, where = np.unique(upstream, return_inverse=True)
+        foot = self.rail.closest(point[places][:, 1:])
+        first = where.reshape(upstream.shape)[0]
+        rail_s = foot.s[first]
+        projected = self.rail.point(rail_s)
+        axes = self.surface[1][node] @ pose.rotation.T
+        overlap = np.einsum("nc,nc->n", point[node, 1:] - projected, axes[:, 2, 1:])
+        kept = overlap > 0  # at the very rim of the overlap the two normals may disagree
+        if not kept.all():
+            node, upstream, axes, overlap = node[kept], upstream[:, kept], axes[kept], overlap[kept]
+            rail_s, projected = rail_s[kept], projected[kept]
+            where = where.reshape(steps + 1, -1)[:, kept].ravel()
+        if not len(node):
+            return None, float(depth.max())
+        interpolation = self._on_rail(point[places, 0], foot.s)
+        where = where.ravel()
+        line = node % ns
+        return (
+            ContactPoints(
+                node=node,
+                point=point[node],
+                axes=axes,
+                area=self.wheel_grid.weight.ravel()[node],
+                overlap=overlap,
+                wheel_rotation=pose.rotation,
+                upstream=upstream,
+                rail=Interpolation(interpolation.nodes[where], interpolation.weights[where]),
+                step=self.lines[0][line, 1] * (self.angle[stride] - self.angle[0]),
+                wheel_place=np.stack([self.arc[line], self.lines[0][line, 0]], axis=1),
+                rail_place=np.stack([rail_s, projected[:, 0]], axis=1),
+                follows=self._follows,
+            ),
+            float(overlap.max()),
+        )
+
+    def _on_rail(self, x: Array, s: Array) -> Interpolation:
+        """Weights of the rail grid's nodes at x, s (m,), tensor products of linear or quadratic shape functions."""
+        (rows, lines), degree, spacing = self.rail_grid.shape, self.degree, self.rail_strip.size / self.degree
+        i, wx = _cells(x / spacing + rows // 2, rows, degree)
+        j, ws = _cells((s - self.rail_strip.start) / spacing, lines, degree)
+        offset = np.arange(degree + 1)
+        nodes = (i[:, None, None] + offset[:, None]) * lines + j[:, None, None] + offset
+        return Interpolation(nodes.reshape(len(x), -1), (wx[:, :, None] * ws[:, None, :]).reshape(len(x), -1))
+
+
+def _beyond(depth: Array, way: str) -> str:
+    return (
+        "the wheel overlaps the rail beyond the part of its surface that carries contact points: "
+        f"{1e3 * depth.max():.3g} mm deep, {way}"
+    )
+
+
+def _cells(place: Array, count: int, degree: int) -> tuple[Nodes, Array]:
+    """First node of the cells that hold places (m,) counted in nodes, and their shape functions (m, degree + 1)."""
+    if place.min() < 0 or place.max() > count - 1:
+        raise OutsideGrid("the wheel touches the rail beyond the part of its surface that carries contact points")
+    first = np.minimum((place // degree).astype(np.int64) * degree, count - 1 - degree)
+    return first, _shape(place - first, degree)
+
+
+def _shape(t: Array, degree: int) -> Array:
+    """Lagrange shape functions (m, degree + 1) at t in 0 .. degree."""
+    if degree == 1:
+        return np.stack([1 - t, t], axis=1)
+    return np.stack([(t - 1) * (t - 2) / 2, t * (2 - t), t * (t - 1) / 2], axis=1)

@@ -1,0 +1,78 @@
+"""Hertz pairs: two quadratic surfaces on large blocks, the gap from the radii."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.contact.geometry.grid_points import ContactPoints, Interpolation
+from wheelrail.contact.geometry.surface_grid import ContactGrid
+from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.kinematics.sensitivity import UnderApex
+from wheelrail.support.arrays import Array
+
+UPSIDE_DOWN = np.diag([1.0, 1.0, -1.0])  # the upper block is the lower one's reflection
+
+
+@dataclass(frozen=True)
+class Quadrics:
+    """Two bodies with principal radii [m] in x and y (inf straight, negative hollow), on one flat grid of contact
+    points.
+
+    The pose's origin is where the upper body's apex stands over the lower one's: (x, y, -approach).
+    """
+
+    grid: ContactGrid
+    upper: tuple[float, float]
+    lower: tuple[float, float]
+
+    def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
+        """Candidates of the undeformed overlap -(z_upper - z_lower), Hertz's parabolas."""
+        place = self.grid.position.reshape(-1, 3)[:, :2]
+        overlap = (
+            -pose.origin[2] - (place - pose.origin[:2]) ** 2 @ curvature(self.upper) - place**2 @ curvature(self.lower)
+        )
+        inside = overlap > 0
+        if not inside.any():
+            return None, float(overlap.max())
+        picture = inside.reshape(self.grid.shape)
+        if (
+            picture[0].any()
+            or picture[:, 0].any()
+            or picture[:, -1].any()
+            or picture[-1 - steps * self.grid.stride :].any()
+        ):
+            raise OutsideGrid(
+                "the bodies overlap beyond the meshed strip; the approach is larger than the mesh was made for"
+            )
+        node = np.flatnonzero(inside & (self.grid.weight.ravel() > 0))
+        n, (_, ns) = len(node), self.grid.shape
+        upstream = node + np.arange(steps + 1)[:, None] * self.grid.stride * ns
+        point = np.column_stack([place[node], np.zeros(n)])
+        axes = np.broadcast_to(np.diag([1.0, 1.0, -1.0]), (n, 3, 3))
+        spacing = self.grid.position[self.grid.stride, 0, 0] - self.grid.position[0, 0, 0]
+        across = np.repeat(place[node, 1:], 2, axis=1)
+        return (
+            ContactPoints(
+                node=node,
+                point=point,
+                axes=axes,
+                area=self.grid.weight.ravel()[node],
+                overlap=overlap[node],
+                wheel_rotation=UPSIDE_DOWN,
+                upstream=upstream,
+                rail=Interpolation(upstream.reshape(-1, 1), np.ones((upstream.size, 1))),
+                step=np.full(n, spacing),
+                wheel_place=across,
+                rail_place=across,
+                follows=UnderApex(self.upper),
+            ),
+            float(-pose.origin[2]),
+        )
+
+
+def curvature(radii: tuple[float, float]) -> Array:
+    """Coefficients 1 / (2 R) of the parabola, 1/m."""
+    return 0.5 / np.asarray(radii, dtype=float)

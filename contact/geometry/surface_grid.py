@@ -1,0 +1,108 @@
+"""The structured grid of contact points on a body's strip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.meshes.bodies.extrusion import Solid
+from wheelrail.support.arrays import Array
+
+
+@dataclass(frozen=True)
+class ContactGrid:
+    """Displacement nodes of a strip as a structured grid, and the quadrature rule that lives on them.
+
+    position (nx, ns, 3) m of the nodes; weight (nx, ns) m2, the exact integral of each node's shape function (zero at
+    the vertices of quadratic triangles: no contact point there); stride: nodes to the next point of the same kind
+    along x.
+    """
+
+    position: Array
+    weight: Array
+    stride: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.weight.shape  # type: ignore[return-value]
+
+    @classmethod
+    def on(cls, solid: Solid, degree: int) -> ContactGrid:
+        """Grid of the strip of a mesh for displacements of the given degree (1 or 2)."""
+        nx, ns = ((n - 1) * degree + 1 for n in solid.grid.shape)
+        # grid coordinates of the faces' corners, doubled for degree 2: the middle of two corners is half their sum
+        place = np.zeros((len(solid.points), 2), dtype=np.int64)
+        place[solid.grid] = degree * np.moveaxis(np.indices(solid.grid.shape), 0, -1)
+        corner, point = place[solid.faces], solid.points[solid.faces]
+        rule = RULES[solid.faces.shape[1], degree]
+        nodes = np.einsum("kc,fcd->fkd", rule.corners, corner).round().astype(np.int64)
+        position, weight = np.empty((nx, ns, 3)), np.zeros((nx, ns))
+        position[nodes[..., 0], nodes[..., 1]] = np.einsum("kc,fcd->fkd", rule.corners, point)
+        if degree == 2:  # corners, too, where the rule leaves them out
+            position[::2, ::2] = solid.points[solid.grid]
+        area = _area(point)
+        np.add.at(weight, (nodes[..., 0], nodes[..., 1]), area[:, None] * rule.weights)
+        return cls(position, weight, 2 if rule.weights.size == 3 and degree == 2 else 1)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Quadrature on a face whose points are displacement nodes: their shares of the corners; weights that add to 1."""
+
+    corners: Array
+    weights: Array
+
+
+def _tensor(values: Array, weights: Array) -> Rule:
+    """Rule on a quadrilateral from one on a line, corners in the order of dolfinx."""
+    ends = np.stack([1 - values, values])
+    return Rule(np.einsum("xa,yb->abxy", ends, ends).reshape(len(values) ** 2, 4), (weights[:, None] * weights).ravel())
+
+
+# by corners of the face and degree of the displacements; exact for the shape functions
+RULES: dict[tuple[int, int], Rule] = {
+    (3, 1): Rule(np.eye(3), np.full(3, 1 / 3)),
+    (3, 2): Rule(np.array([[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]]), np.full(3, 1 / 3)),
+    (4, 1): _tensor(np.array([0.0, 1.0]), np.array([0.5, 0.5])),
+    (4, 2): _tensor(np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6),
+}
+
+
+def _area(corners: Array) -> Array:
+    """Area (f,) m2 of faces with corners (f, 3 or 4, 3) m."""
+
+    def triangle(a: Array, b: Array, c: Array) -> Array:
+        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+
+    total = triangle(corners[:, 0], corners[:, 1], corners[:, 2])
+    return total if corners.shape[1] == 3 else total + triangle(corners[:, 1], corners[:, 2], corners[:, 3])
+
+
+def surface_points(corners: Array, degree: int) -> Array:
+    """Nodes (ns, 2) m of displacements of the degree (1 or 2) on the straight edges between corners (m, 2) m."""
+    if degree == 1:
+        return corners
+    out = np.empty((2 * len(corners) - 1, 2))
+    out[::2], out[1::2] = corners, 0.5 * (corners[1:] + corners[:-1])
+    return out
+
+
+def invariant_grid(points: Array, rows: int, step: float, *, radius: float | None = None) -> ContactGrid:
+    """Contact grid of cells of the length step [m] along x (on the circle of the radius [m] about y, or straight) by
+    the points (ns, 2) m of the surface, weighted by the integral of their hats.
+    """
+    x = (np.arange(rows) - rows // 2) * step
+    length = np.hypot(*np.diff(points, axis=0).T)
+    stretch = np.ones(len(points)) if radius is None else points[:, 1] / radius
+    tributary = np.zeros(len(points))
+    tributary[:-1] += length * (2 * stretch[:-1] + stretch[1:]) / 6
+    tributary[1:] += length * (stretch[:-1] + 2 * stretch[1:]) / 6
+    position = np.empty((rows, len(points), 3))
+    position[..., 1] = points[:, 0]
+    if radius is None:
+        position[..., 0], position[..., 2] = x[:, None], points[:, 1]
+    else:
+        position[..., 0] = np.sin(x / radius)[:, None] * points[:, 1]
+        position[..., 2] = -np.cos(x / radius)[:, None] * points[:, 1]
+    return ContactGrid(position, np.broadcast_to(step * tributary, (rows, len(points))), 1)

@@ -1,0 +1,41 @@
+"""Compiled: points and axes on the surface of a wheel, its profile revolved about y."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.meshes.curves.closest_point import Shape, local, piece
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
+
+
+@compiled
+def wheel_place(
+    wheel: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, points: Array, axes: Array, i: int
+) -> None:
+    """Put point and axes of a place s, x m on a wheel of a nominal radius m, posed by origin and rotation, into row i
+    of points (n, 3) m and axes (n, 3, 3), rows longitudinal, lateral and outward.
+    """
+    z, t, _ = local(wheel, s, piece(wheel, s))
+    r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
+    for c in range(3):
+        forward, axle, up = rotation[c, 0], rotation[c, 1], rotation[c, 2]
+        points[i, c] = origin[c] + forward * (r * sine) + axle * z.real - up * (r * cosine)
+        axes[i, 2, c] = forward * (t.real * sine) - axle * t.imag - up * (t.real * cosine)
+        axes[i, 0, c] = forward * cosine + up * sine
+    for c in range(3):
+        after, last = (c + 1) % 3, (c + 2) % 3
+        axes[i, 1, c] = axes[i, 0, after] * axes[i, 2, last] - axes[i, 0, last] * axes[i, 2, after]
+
+
+@compiled
+def wheel_places(
+    wheel: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
+) -> tuple[Array, Array]:
+    """Points (n, 3) and axes (n, 3, 3) of places s, x (n,), s held to the profile's ends."""
+    n = len(s)
+    points, axes = np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        at = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
+        wheel_place(wheel, radius, origin, rotation, at, x[i], points, axes, i)
+    return points, axes

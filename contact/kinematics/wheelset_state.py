@@ -1,0 +1,96 @@
+"""State of a wheelset in the track frame, and the pose and motion of its left-hand pair."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import Motion, Pose, Twist
+from wheelrail.support.arrays import Array
+
+RailShift = tuple[tuple[float, float], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class WheelsetState:
+    """Position and velocity of a wheelset in the track frame, and the motion of that frame.
+
+    y, z in m (z from the nominal height: centre one rolling radius above the plane that rests on the rails); roll and
+    yaw in rad; rates in m/s and rad/s; pitch_rate is positive when rolling forward; speed V in m/s; frame_rate (3,) is
+    the angular velocity of the track frame in its own axes, rad/s (V K on a flat curve to the left is (0, 0, V K)).
+
+    rail_shift: by how much irregularities shift the left and the right rail, (y, z) m each; none by default. They shift
+    the profile that the wheel meets, not the material, which rests in inertial space wherever the rail was laid. As the
+    vehicle goes on, the shift changes by V d, d its slope along the track: with this speed the profile nears the wheel,
+    but contacts follow overlap and slip and do not ask for it. Nor does the slip: d turns the tangent plane, and both
+    materials, which flow through it at V, gain the same component -V d there. Left out are products of d (1e-3) with
+    creepage, and the longitudinal part d N of a normal force, which the constraint along x takes.
+    """
+
+    y: float = 0.0
+    z: float = 0.0
+    roll: float = 0.0
+    yaw: float = 0.0
+    y_rate: float = 0.0
+    z_rate: float = 0.0
+    roll_rate: float = 0.0
+    pitch_rate: float = 0.0
+    speed: float = 0.0
+    frame_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rail_shift: RailShift | None = None
+
+    def mirrored(self) -> WheelsetState:
+        """The same state seen in a mirror at y = 0."""
+        (wx, wy, wz), shift = self.frame_rate, self.rail_shift
+        return replace(
+            self,
+            y=-self.y,
+            roll=-self.roll,
+            yaw=-self.yaw,
+            y_rate=-self.y_rate,
+            roll_rate=-self.roll_rate,
+            frame_rate=(-wx, wy, -wz),
+            rail_shift=shift and ((-shift[1][0], shift[1][1]), (-shift[0][0], shift[0][1])),
+        )
+
+    @property
+    def rotation(self) -> Array:
+        """Axes of the wheelset frame as columns (3, 3): yaw about z after roll about x; it does not spin."""
+        c, s, cy, sy = np.cos(self.roll), np.sin(self.roll), np.cos(self.yaw), np.sin(self.yaw)
+        turned = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+        return np.asarray(turned @ [[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """How wheels sit on the axle and rails in the track, m.
+
+    wheel_y: from the wheelset's centre to the wheel's nominal rolling plane; rail_y: from the track's centre line to
+    the rail's origin, the highest point of the rail as laid; radius: nominal rolling radius.
+    """
+
+    wheel_y: float
+    rail_y: float
+    radius: float
+
+    def centre(self, state: WheelsetState) -> Array:
+        """Wheelset centre (3,) in the track frame, m."""
+        return np.array([0.0, state.y, self.radius + state.z])
+
+    def left_pair(self, state: WheelsetState) -> tuple[Pose, Motion]:
+        """Pose and velocities of the left pair, in the left rail's frame (parallel to the track frame), eq. (5)."""
+        rail = np.array([0.0, self.rail_y, 0.0])
+        if state.rail_shift is not None:
+            rail[1:] += state.rail_shift[0]
+        centre, rotation = self.centre(state), state.rotation
+        axle = rotation[:, 1]
+        frame_rate = np.asarray(state.frame_rate, dtype=float)
+        wheel = Twist(
+            velocity=np.array([0.0, state.y_rate, state.z_rate]),
+            rotation=np.array([state.roll_rate, 0.0, 0.0]) + state.pitch_rate * axle,
+            reference=centre - rail,
+        )
+        # The rail rests in inertial space: seen from the moving frame it flows backwards and turns against the frame.
+        moving = Twist(velocity=np.array([-state.speed, 0.0, 0.0]), rotation=-frame_rate, reference=-rail)
+        return Pose(centre + self.wheel_y * axle - rail, rotation), Motion(wheel, moving)

@@ -1,0 +1,9 @@
+"""The depth, or the position of a wheelset, at which given loads are carried.
+
+`lower_until` searches the depth of one pair or of a whole wheelset; `hertz_under_load` is for quadrics,
+`wheel_under_load`, `wheels_under_load` and `axle_under_load` are for a wheelset on its rails.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

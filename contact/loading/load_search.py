@@ -1,0 +1,124 @@
+"""Depth at which a contact carries a given load: few solves, each warm-started by the one before.
+
+A smooth contact force grows like depth^1.5, so that F^(2/3) is nearly a straight line: the secant runs on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wheelrail.contact.results.result import ContactResult
+
+Results = tuple[ContactResult, ...]
+
+
+Lowered = Callable[[float, Results | None], Results]  # depth m, earlier results -> results
+
+
+RTOL = 1e-9  # of the load
+NOISE = 1e-6  # of the load: below it a trial that no longer improves is taken, as the contact's own tolerance shows
+JUMP = 2e-4  # of the load: cells that come and go make a discrete contact's force jump; smaller jumps are taken for it
+MOST = 60  # solves
+
+
+class LoadError(RuntimeError):
+    """No depth was found at which the contact carries the load."""
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """Depth m (downwards from the start of the scale), the results there, error of the load relative to it, number of
+    trials, and the slope of F^(2/3) by depth, N^(2/3)/m."""
+
+    depth: float
+    results: Results
+    error: float
+    trials: int
+    slope: float
+
+
+def vertical(results: Results) -> float:
+    """Vertical force N on all wheels, friction included."""
+    return float(sum(result.force[2] for result in results))
+
+
+def compliant(force: float) -> float:
+    """F^(2/3) with the sign of F, N^(2/3)."""
+    return float(np.sign(force) * np.abs(force) ** (2.0 / 3.0))
+
+
+def check(results: Results) -> Results:
+    """The results, all usable; raises LoadError with the reason of one that failed."""
+    for result in results:
+        if not result.ok:
+            raise LoadError(f"contact {result.status}")
+    return results
+
+
+def lower_until(
+    contact: Lowered,
+    load: float,
+    *,
+    expected: float,
+    start: float = 0.0,
+    rtol: float = RTOL,
+    deepest: float = 0.1,
+    guess: Results | None = None,
+) -> Loaded:
+    """Lower the upper body from a start depth m until the vertical force equals the load N.
+
+    expected m is the approach that the load should need; deepest m bounds the search below the start. Raises LoadError
+    when contact solves fail, or when the load is not reached.
+    """
+    target = compliant(load)
+    below, above = -np.inf, np.inf  # depths that carry less; more, or where the contact fails
+    depth, stride, slope = start, expected, target / expected
+    last: tuple[float, float] | None = None  # depth and F^(2/3) of the last solve in contact
+    best, width = Loaded(start, (), np.inf, 0, slope), np.inf
+    for trial in range(1, MOST + 1):
+        results = contact(depth, guess)
+        overlap = max(result.approach for result in results)
+        if not all(result.ok for result in results):
+            above = min(above, depth)
+            if above - below < 1e-3 * expected:
+                check(results)
+            depth = 0.5 * (below + above) if np.isfinite(below) else depth - max(overlap, stride)
+            stride = 2.0 * stride
+            continue
+        guess, force = results, vertical(results)
+        value, error = compliant(force), abs(force - load) / load
+        below, above = (depth, above) if force < load else (below, depth)
+        if value > 0.0:
+            if last is not None and value != last[1] and depth != last[0]:
+                slope = (value - last[1]) / (depth - last[0])
+            elif overlap > 0.0:
+                slope = value / overlap
+            last = depth, value
+        stalled = best.error <= NOISE and error >= 0.5 * best.error
+        if error < best.error:
+            best = Loaded(depth, results, error, trial, slope)
+        if error <= rtol or stalled:
+            return replace(best, trials=trial)
+        if above - below <= max(0.1 * rtol * expected, 8.0 * np.spacing(abs(depth))):
+            if best.error <= JUMP:
+                return replace(best, trials=trial)
+            raise LoadError(f"the force jumps over {load:g} N at a depth of {depth:.9g} m, nearest {_nearest(best)}")
+        if value > 0.0:
+            room = 3.0 * max(overlap, expected)
+            depth += float(np.clip((target - value) / slope, -room, room)) if slope > 0.0 else expected
+        else:
+            depth, stride = depth + max(-overlap, 0.0) + stride, 2.0 * stride
+        slow = trial % 4 == 0 and above - below > 0.25 * width  # a secant that creeps from one side: halve instead
+        width = above - below if trial % 4 == 0 else width
+        if np.isfinite(below + above) and (slow or not below < depth < above):
+            depth = 0.5 * (below + above)
+        if depth - start > deepest:
+            raise LoadError(f"{load:g} N not reached within {deepest:g} m, nearest {_nearest(best)}")
+    raise LoadError(f"{load:g} N not reached in {MOST} solves, nearest {_nearest(best)}")
+
+
+def _nearest(best: Loaded) -> str:
+    return f"{vertical(best.results):g} N" if best.results else "none"

@@ -1,0 +1,148 @@
+"""Contact condensed to the active points, eq. (15): tractions from the bodies' surface compliance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import Literal
+
+import numpy as np
+
+from wheelrail.contact.elasticity.compliance import Compliance
+from wheelrail.contact.geometry.contact_operators import Coupling, couple_both
+from wheelrail.contact.geometry.grid_points import Geometry
+from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
+from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.results.result import ContactResult, Statistics
+from wheelrail.contact.results.resultants import connected, outcome
+from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.tangent import Linearisation, tangent_of
+from wheelrail.contact.solvers.tractions import Elastic, solve_tractions
+from wheelrail.support.arrays import Array, Nodes
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """Contact model on surface compliances: pose and velocities in, `ContactResult` out.
+
+    order of the upstream slip: 1 or 2. tangential: steady "rolling", or a "shift": one step of tangential loading from
+    none (Cattaneo, Mindlin), where the motion is read as the rigid displacements of that step [m], slip is a distance
+    [m], and friction must be Coulomb's own. Cost of a solve with n candidates, a of them active: n^2 to gather the
+    compliance, 5 a^3 a Newton step with friction, a^3 / 3 without; the same again where pressure and friction are
+    coupled and the active points change. Raises ValueError for other friction in a shift.
+    """
+
+    geometry: Geometry
+    wheel: Compliance
+    rail: Compliance
+    laws: Laws
+    order: int = 2
+    options: NewtonOptions = field(default_factory=NewtonOptions)
+    tangential: Literal["rolling", "shift"] = "rolling"
+
+    def __post_init__(self) -> None:
+        if self.tangential == "shift" and (self.laws.regularisation > 0 or self.laws.falling is not None):
+            raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
+
+    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+        start = perf_counter()
+        shifts = self.tangential == "shift"
+        order = 0 if not self.laws.friction else 1 if shifts else self.order
+        try:
+            points, approach = self.geometry.contact_points(pose, order)
+        except OutsideGrid as error:
+            return ContactResult.failed(str(error))
+        if points is None:
+            return ContactResult.separated(approach)
+        try:
+            speed, rigid = (
+                (0.0, None) if not order else (0.0, shift(points, motion)) if shifts else creepage(points, motion)
+            )
+        except NotRolling as error:
+            return ContactResult.failed(str(error), approach)
+        found = perf_counter()
+        wheel, rail = couple_both(points, order)
+        if shifts:
+            wheel, rail = replace(wheel, slip=None), replace(rail, slip=None)
+        columns = np.tile(points.area, 3 if order else 1)
+        displacement, slip = (
+            a + b for a, b in zip(condense(wheel, self.wheel), condense(rail, self.rail), strict=True)
+        )
+        displacement *= columns
+        slip *= columns
+        if shifts and order:
+            slip = displacement[: -len(points.node)]
+        gathered = perf_counter()
+        n = len(points.node)
+        normal = displacement[-n:]
+        # a pressure pushes along the inward normal: the last columns count -p
+        operator = Elastic(np.vstack([slip, normal]), n, self.laws)
+        count = Count()
+        for attempt in (warm(guess, points.node), None):  # what a stale guess led astray may converge from nothing
+            try:
+                found_tractions = solve_tractions(
+                    operator,
+                    points.overlap,
+                    rigid,
+                    laws=self.laws,
+                    speed=speed,
+                    guess=attempt,
+                    options=self.options,
+                    count=count,
+                )
+                break
+            except (NotConverged, np.linalg.LinAlgError) as error:
+                if attempt is None:
+                    return ContactResult.failed(str(error), approach)
+        solved = perf_counter()
+        p, q = found_tractions.pressure, found_tractions.tangential
+        loads = np.concatenate([*q.T, -p]) if order else -p
+        moved = np.zeros((n, 3))
+        moved[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
+        result = outcome(
+            points,
+            node=points.node,
+            patch=connected(points.node, p > 0, self.wheel.shape),
+            pressure=p,
+            traction=q,
+            slip=found_tractions.slip,
+            motion=motion,
+            speed=speed,
+            displacement=moved,
+            approach=approach,
+            bound=self.laws.friction_at(np.hypot(*found_tractions.slip.T), speed)[0] * p,
+            statistics=Statistics(
+                newton=count.newton,
+                linear=count.linear,
+                points=n,
+                residual=count.residual,
+                seconds={"points": found - start, "compliance": gathered - found, "solve": solved - gathered},
+            ),
+        )
+        around = Linearisation(points, pose.origin, motion, operator, rigid, speed, self.laws, found_tractions)
+        return replace(result, force_tangent=tangent_of(around))
+
+
+def condense(coupling: Coupling, compliance: Compliance) -> tuple[Array, Array]:
+    """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by
+    component.
+    """
+    matrix = compliance.block(coupling.nodes, coupling.directions)
+    half = (coupling.displacement @ matrix).T  # C B^T, C symmetric
+    displacement = coupling.displacement @ half
+    if coupling.slip is None:
+        return displacement, np.empty((0, displacement.shape[1]))
+    return displacement, coupling.slip @ half
+
+
+def warm(guess: ContactResult | None, nodes: Nodes) -> tuple[Array, Array] | None:
+    """Pressure and tangential traction of an earlier result on the present candidates."""
+    if guess is None or guess.fields is None:
+        return None
+    old = guess.fields
+    _, mine, theirs = np.intersect1d(nodes, old.node, assume_unique=True, return_indices=True)
+    pressure, traction = np.zeros(len(nodes)), np.zeros((2, len(nodes)))
+    pressure[mine], traction[:, mine] = old.pressure[theirs], old.traction[theirs].T
+    return pressure, traction.ravel()

@@ -1,0 +1,2 @@
+from .model import FittedContact as FittedContact
+from .resolution import Fineness as Fineness

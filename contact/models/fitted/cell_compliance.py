@@ -1,0 +1,124 @@
+"""Compliance gathered on fitted cells, kept for copies of them that are moved and scaled as a whole.
+
+A half-space knows no length: if all lengths grow by a factor, the displacement by the same tractions does, and slip,
+its derivative, stays. Bodies of elements differ from half-spaces by what changes slowly over the surface, so that a
+copy may only be a little LARGER or ASIDE.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.models.fitted.friction_penetration import Raised
+from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.fitted.surfaces import Ridge
+from wheelrail.contact.solvers.active_set import Factors
+from wheelrail.contact.solvers.tractions import Elastic
+from wheelrail.support.arrays import Array
+
+LARGER = 1e-2  # of all lengths
+ASIDE = 0.5  # strips
+
+
+class Gathered:
+    """Compliance on the cells of a layout in a pose: along the normals, or of all components, made when asked for."""
+
+    def __init__(
+        self, operators: StripOperators, pose: Pose, layout: Layout, laws: Laws, normal: Factors | None = None
+    ) -> None:
+        self.layout = layout
+        self._operators, self._pose, self._laws, self._normal = operators, pose, laws, normal
+
+    @cached_property
+    def normal(self) -> Factors:
+        """Along the normals alone (n, n) m/Pa; as given, where fitting has left it."""
+        return self._normal or Factors(self._operators.normal(self._pose, self.layout))
+
+    @cached_property
+    def displacement(self) -> Array:
+        """Relative displacement (3 n, 3 n) m/Pa."""
+        return self._all[0]
+
+    @cached_property
+    def operator(self) -> Array:
+        """Slip and overlap (3 n, 3 n) as `wheelrail.contact.solvers.tractions.solve_tractions` wants them."""
+        return np.vstack([self._all[1], self.displacement[-self.displacement.shape[0] // 3 :]])
+
+    @cached_property
+    def frictionless(self) -> Elastic:
+        """Compliance along the normals and what solves make of it."""
+        body = Elastic(self.normal.compliance, len(self.normal.compliance), self._laws)
+        body.normal = self.normal  # with its factors: no penalty softens fitted cells
+        return body
+
+    @cached_property
+    def rolling(self) -> Elastic:
+        """The operator and what solves make of it."""
+        return Elastic(self.operator, len(self.operator) // 3, self._laws)
+
+    @cached_property
+    def shifting(self) -> Elastic:
+        """The same where displacement stands for slip: one step from none."""
+        return Elastic(self.displacement, len(self.displacement) // 3, self._laws)
+
+    @cached_property
+    def _all(self) -> tuple[Array, Array]:
+        places = self._operators.surfaces.places(self._pose, self.layout)
+        return self._operators.all(self._pose, self.layout, places)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """What a solve on fitted cells leaves for the next one: cells, overlap added by friction that they were fitted to,
+    tractions (2 n,) Pa, and compliance, gathered on cells of which the present ones are a copy, moved aside and larger
+    by a scale; aside, what more friction adds than that, over the approach, where no cells were found that it adds the
+    same to.
+    """
+
+    layout: Layout
+    raised: Raised | None
+    gathered: Gathered
+    scale: float
+    traction: Array
+    aside: Raised | None = None
+
+    def covers(self, ridge: Ridge) -> bool:
+        """Whether all humps of the overlap lie on the cells, or next to them."""
+        low, high = self.layout.sides.T
+        at = ridge.s[ridge.humps][:, None]
+        return bool(((at > low - self.layout.width) & (at < high + self.layout.width)).any(axis=1).all())
+
+    def copied(self, moves: Array, tips: Array) -> Cells:
+        """Moved and scaled as a whole, as near as that comes to steps of the ends.
+
+        moves (S, 2) of the strips' lengths and tips (parts, 2) of their widths, outwards.
+        """
+        old = self.layout
+        new_part = np.diff(old.patch, prepend=old.patch[0] - 1) != 0
+        first, part = np.flatnonzero(new_part), np.cumsum(new_part) - 1
+        count, length = np.bincount(part), np.diff(old.ends)[:, 0]
+        step = moves * length[:, None] * [-1.0, 1.0]
+        longer = np.bincount(part, step[:, 1] - step[:, 0]) / np.bincount(part, length)
+        growth = 0.5 * float(np.mean(longer + tips.sum(axis=1) / count))
+        along = np.bincount(part, step.mean(axis=1)) / count
+        across = 0.5 * (tips[:, 1] - tips[:, 0]) * old.width[first]
+
+        def moved(places: Array, aside: Array) -> Array:
+            middle = np.bincount(part, places.mean(axis=1)) / count
+            return np.asarray((middle + aside)[part, None] + (1 + growth) * (places - middle[part, None]))
+
+        new = replace(old, sides=moved(old.sides, across), ends=moved(old.ends, along))
+        return replace(self, layout=new, scale=self.scale * (1 + growth))
+
+    @property
+    def far(self) -> bool:
+        """Whether the cells are too unlike those that the compliance was gathered on."""
+        original = self.gathered.layout
+        away = np.abs(self.layout.middle - original.middle).max() / original.width.min()
+        return bool(abs(self.scale - 1) > LARGER or away > ASIDE)

@@ -1,0 +1,205 @@
+"""Cells that end where the contact ends: Newton-like steps on the ends of the strips and the tips of the patches, all
+from the pressures of the frictionless contact.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg as la
+
+from wheelrail.contact.models.fitted.cell_compliance import Cells, Gathered
+from wheelrail.contact.models.fitted.edge_rules import edge_rules, tip
+from wheelrail.contact.models.fitted.initial_layout import NormalOperator, Overlap
+from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.contact.models.fitted.patch_layout import Part, assembled
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.solvers.active_set import Factors
+from wheelrail.contact.solvers.options import Count, NotConverged
+from wheelrail.support.arrays import Array, Mask, Nodes
+
+log = logging.getLogger(__name__)
+
+STEPS = 40
+COPIES = 3  # that are tried before cells are fitted anew
+FARTHEST = 0.12  # that an end moves in a step, of the strip's length, before it is stretched
+STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a point contact
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Cells, the frictionless pressures (S, M) Pa on them, their compliance along the normals, and whether their ends
+    have settled.
+    """
+
+    layout: Layout
+    pressure: Array
+    normal: Factors
+    settled: bool
+    steps: int
+
+    @property
+    def divided(self) -> bool:
+        """Whether a strip carries less than strips on both sides of it."""
+        steps = np.diff((self.pressure * np.diff(self.layout.edges)).sum(axis=1))
+        return bool(((steps[1:] > 0) & (steps[:-1] < 0)).any())
+
+
+def fit(
+    overlap: Overlap,
+    operator: NormalOperator,
+    start: Layout,
+    fineness: Fineness,
+    *,
+    tolerance: float,
+    count: Count,
+) -> Fitted | None:
+    """Move ends and tips until their steps, as parts of the strips' length and width, are below the tolerance (RMS).
+
+    Strips inside a patch that would pull are left out until they touch again. The layout nearest to rest when
+    they do not settle; None when no pressure is left.
+    """
+    layout, stretch = start, STRETCH
+    previous: Array | None = None
+    best: tuple[float, Layout, Array, Factors] | None = None  # the nearest to rest
+    held = np.ones(len(start.sides), dtype=bool)
+    last: Array = np.zeros((0, 2))
+    damping: Array = np.ones((0, 2))
+    for step in range(1, STEPS + 1):
+        factors = operator(layout)
+        pressure, touches = _pressed(factors, overlap(layout), held, count)
+        load = (pressure * np.diff(layout.edges)).sum(axis=1)
+        moves = np.clip(np.nan_to_num(_beyond(layout, pressure)), -FARTHEST, FARTHEST) * held[:, None]
+        tips = _tips(layout, load)
+        if tips.shape != last.shape:
+            last, damping = np.zeros(tips.shape), np.ones(tips.shape)
+        # a tip that swings is moved less and less, one that creeps gets its full step back
+        damping = np.where(tips * last < 0, 0.5 * damping, np.minimum(1.0, 1.5 * damping))
+        last = tips
+        error = float(np.sqrt((moves[held] ** 2).mean()))
+        log.debug(
+            "step %d: ends move by %.1e, tips by %s widths, %d of %d strips",
+            step,
+            error,
+            tips.round(4).tolist(),
+            held.sum(),
+            len(load),
+        )
+        slip = float(np.abs(damping * tips).max())
+        holds = touches & ((load > 0) | _outermost(layout) | ~held)
+        distance = max(error / tolerance, slip / (10 * tolerance), 1.0 if (holds == held).all() else 10.0)
+        if distance <= 1.0:
+            return Fitted(layout, pressure, factors, True, step)
+        if best is None or distance < best[0]:
+            best = distance, layout, pressure, factors
+        if previous is not None and previous.shape == moves.shape:
+            change = moves - previous
+            bottom = float((change**2).sum())
+            if bottom > 0:
+                stretch = float(np.clip(-stretch * (previous * change).sum() / bottom, 0.7, 2.2))
+        previous = moves
+        ends = layout.ends + stretch * moves * np.diff(layout.ends) * [-1.0, 1.0]
+        moved = _retipped(replace(layout, ends=ends), load, damping * tips, fineness)
+        if moved is None:
+            return None
+        held = holds if len(moved.sides) == len(held) else np.ones(len(moved.sides), dtype=bool)
+        if not held.any():
+            return None
+        layout = moved
+    assert best is not None
+    return Fitted(*best[1:], False, STEPS)
+
+
+def follow(
+    overlap: Overlap, cells: Cells, gather: Callable[[Layout], Gathered], *, tolerance: float, count: Count
+) -> tuple[Cells, Array | None]:
+    """Cells moved and scaled as a whole, their compliance gathered anew where they come far; and their pressures (S, M)
+    Pa where that brings all ends near enough.
+
+    tolerance as for `fit`, here of what is left of the steps.
+    """
+    for step in range(COPIES):
+        layout = cells.layout
+        held = np.ones(len(layout.sides), dtype=bool)
+        pressure, _ = _pressed(cells.gathered.normal, overlap(layout) / cells.scale, held, count)
+        load = (pressure * np.diff(layout.edges)).sum(axis=1)
+        if not (load > 0).all():
+            break
+        moves, tips = _beyond(layout, pressure), _tips(layout, load)
+        error = max(np.sqrt((moves**2).mean()), np.abs(tips).max() / 2)
+        if error <= tolerance:
+            return cells, pressure
+        if step == COPIES - 1 or not error < FARTHEST:
+            break
+        cells = cells.copied(STRETCH * moves, tips)
+        if cells.far:
+            cells = replace(cells, gathered=gather(cells.layout), scale=1.0)
+    return cells, None
+
+
+def _pressed(factors: Factors, overlap: Array, held: Mask, count: Count) -> tuple[Array, Mask]:
+    """Pressures (S, M) Pa of the strips that are held, signed; and which strips (S,) touch, as all of these do.
+
+    Raises NotConverged when the cells cannot be told apart.
+    """
+    depth = overlap.ravel()
+    own = np.repeat(held, overlap.shape[1])
+    found = np.zeros(own.size)
+    found[own] = la.lu_solve(factors.of(own, count), depth[own], check_finite=False)
+    if not np.isfinite(found).all():
+        raise NotConverged("the cells of the contact cannot be told apart")
+    touches = held
+    if not held.all():
+        left = (depth - factors.compliance @ found).reshape(overlap.shape)
+        touches = held | (left.max(axis=1) > 0)
+    return found.reshape(overlap.shape), touches
+
+
+def _beyond(layout: Layout, pressure: Array) -> Array:
+    """How far every strip reaches beyond its trailing and its leading end (S, 2), as part of its length."""
+    trailing, leading = edge_rules(tuple(layout.marks.tolist()))
+    return np.column_stack(
+        [trailing.beyond(pressure[:, 0], pressure[:, 1]), leading.beyond(pressure[:, -1], pressure[:, -2])]
+    )
+
+
+def _outermost(layout: Layout) -> Mask:
+    """First and last strips of the patches, which the tips' steps move."""
+    found = np.zeros(len(layout.patch), dtype=bool)
+    found[np.concatenate(_bounds(layout))] = True
+    return found
+
+
+def _tips(layout: Layout, load: Array) -> Array:
+    """How far each part reaches beyond its first and its last strip (parts, 2), in widths; nothing where it meets the
+    next one as long as both press there.
+    """
+    first, last = _bounds(layout)
+    found = np.array([(tip(load[i : j + 1]), tip(load[i : j + 1][::-1])) for i, j in zip(first, last, strict=True)])
+    for k in range(len(first) - 1):
+        i, j = last[k], first[k + 1]
+        if layout.sides[i, 1] == layout.sides[j, 0] and load[i] > 0 and load[j] > 0:
+            found[k, 1] = found[k + 1, 0] = 0.0
+    return found
+
+
+def _bounds(layout: Layout) -> tuple[Nodes, Nodes]:
+    """First and last strip of every part."""
+    new = np.flatnonzero(np.diff(layout.patch)) + 1
+    return np.concatenate([[0], new]), np.concatenate([new - 1, [len(layout.patch) - 1]])
+
+
+def _retipped(layout: Layout, load: Array, tips: Array, fineness: Fineness) -> Layout | None:
+    """Strips between the moved tips; parts that lost their load vanish, those that meet share a side."""
+    found = []
+    for i, j, (before, after) in zip(*_bounds(layout), tips, strict=True):
+        own = slice(i, j + 1)
+        width = layout.width[i]
+        low, high = layout.sides[i, 0] - before * width, layout.sides[j, 1] + after * width
+        middle = layout.middle[own]
+        if (load[own] > 0).any() and ((middle > low) & (middle < high)).any():
+            found.append(Part(float(low), float(high), middle, layout.ends[own], j + 1 - i))
+    return assembled(found, fineness, layout.marks)

@@ -1,0 +1,81 @@
+"""What tangential tractions add to the overlap of two bodies, carried over to other cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.support.arrays import Array
+
+FARTHEST = 1.0  # times the last change of the overlap, that two rounds extrapolate
+
+
+@dataclass(frozen=True)
+class Raised:
+    """Overlap added by friction, linear over every part of a contact and constant beyond it.
+
+    low and high (parts, 2) m: extent of the parts across and along; values (parts, 3): constant, slopes across and
+    along from the middle.
+    """
+
+    low: Array
+    high: Array
+    values: Array
+
+    @classmethod
+    def by(cls, layout: Layout, added: Array) -> Raised:
+        """From the overlap added on the cells (S, M) m of a layout."""
+        low, high, values = [], [], []
+        for number in np.unique(layout.patch):
+            own = layout.patch == number
+            edges = layout.edges[own]
+            x = 0.5 * (edges[:, 1:] + edges[:, :-1])
+            s = np.broadcast_to(layout.middle[own, None], x.shape)
+            place = np.column_stack([s.ravel(), x.ravel()])
+            low.append(place.min(axis=0))
+            high.append(place.max(axis=0))
+            away = place - 0.5 * (low[-1] + high[-1])
+            weight = np.sqrt(np.diff(edges).ravel())
+            matrix = np.column_stack([np.ones(len(away)), away]) * weight[:, None]
+            values.append(np.linalg.lstsq(matrix, added[own].ravel() * weight, rcond=None)[0])
+        return cls(np.array(low), np.array(high), np.array(values))
+
+    def at(self, layout: Layout) -> Array:
+        """The same on the cells (S, M) of another layout, from the nearest part."""
+        edges = layout.edges
+        x = 0.5 * (edges[:, 1:] + edges[:, :-1])
+        middle = 0.5 * (self.low + self.high)
+        apart = np.maximum(self.low[:, 0] - layout.middle[:, None], layout.middle[:, None] - self.high[:, 0])
+        near = np.argmin(apart, axis=1)
+        s = np.clip(layout.middle, self.low[near, 0], self.high[near, 0]) - middle[near, 0]
+        along = np.clip(x, self.low[near, 1:], self.high[near, 1:]) - middle[near, 1:]
+        constant, across, forward = self.values[near].T
+        return np.asarray((constant + across * s)[:, None] + forward[:, None] * along)
+
+    def times(self, factor: float) -> Raised:
+        return replace(self, values=factor * self.values)
+
+    def between(self, layout: Layout, least: float, most: float) -> Raised | None:
+        """The same if its largest on the cells of a layout lies between these, else nothing."""
+        return self if least < float(np.abs(self.at(layout)).max()) <= most else None
+
+
+def added(raised: Raised | None, layout: Layout) -> Array:
+    """Overlap (S, cells) m added on the cells of a layout; none if nothing is known of friction."""
+    return np.zeros_like(layout.edges[:, 1:]) if raised is None else raised.at(layout)
+
+
+def settling(layout: Layout, before: tuple[Raised | None, Raised], now: tuple[Raised | None, Raised]) -> Raised:
+    """Overlap that friction would leave as it is, by a secant through two rounds: Anderson's method of depth one,
+    doi:10.1145/321296.321305.
+
+    before and now: overlap added to a round, and what its tractions add then.
+    """
+    answer, earlier = now[1].at(layout), before[1].at(layout)
+    misfit = answer - added(now[0], layout)
+    change = misfit - (earlier - added(before[0], layout))
+    bottom = float((change**2).sum())
+    share = float((misfit * change).sum()) / bottom if bottom > 0 else 0.0
+    return Raised.by(layout, answer - np.clip(share, -FARTHEST, 1.0) * (answer - earlier))

@@ -1,0 +1,106 @@
+"""Peak pressure, semi-axes and stick area of a patch from the means of its cells, to second order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.contact.results.result import ContactResult, Fields, Patch, Summaries
+from wheelrail.support.arrays import Array
+
+ROUND_OFF = 1e-9  # of the largest traction
+RESOLVED = 0.01
+EDGE = 2  # cells next to an end, where pressure goes like a square root, have no peak
+
+
+def sharpened(result: ContactResult, layout: Layout, bound: Array) -> ContactResult:
+    """The result with the peak between the cells' middles, semi-axes that know that pressure varies in a cell, and
+    stick that ends within cells. bound (n,) Pa, the largest possible traction.
+    """
+    assert result.fields is not None
+    return replace(result, patches=Summaries(partial(_sharpened, result.patches, result.fields, layout, bound)))
+
+
+def _sharpened(patches: Sequence[Patch], fields: Fields, layout: Layout, bound: Array) -> tuple[Patch, ...]:
+    p, area = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area))
+    left = (bound - np.hypot(*fields.traction.T)).reshape(p.shape)
+    left[left < ROUND_OFF * bound.reshape(p.shape)] = 0.0
+    labels = fields.patch.reshape(p.shape).max(axis=1)
+    found = []
+    for k, patch in enumerate(patches):
+        own = labels == k
+        edges, s, width = layout.edges[own], layout.middle[own], layout.width[own]
+        x, length = 0.5 * (edges[:, 1:] + edges[:, :-1]), np.diff(edges)
+        load = p[own] * length
+        across, wide = (np.broadcast_to(value, load.T.shape) for value in (s, width))
+        axes = (spread(p[own], x, length, load), spread(p[own].T, across, wide, load.T))
+        stick = sum(
+            stick_length(row, part) * wide[0] / part[0]
+            for row, part, wide in zip(left[own], length, area[own], strict=True)
+        )
+        highest = peak(p[own], x, length, s, width)
+        found.append(replace(patch, max_pressure=highest, semi_axes=axes, stick_area=float(stick)))
+    return tuple(found)
+
+
+def stick_length(left: Array, length: Array) -> float:
+    """Length m of a strip that sticks, from what is left to the largest traction, (M,) Pa, zero where it slips.
+
+    It starts like a square root from where slip begins (Cattaneo, Carter), so its square is extrapolated to zero.
+    """
+    sticks = np.concatenate([[False], left > 0, [False]])
+    starts, stops = np.flatnonzero(np.diff(sticks.astype(int)) > 0), np.flatnonzero(np.diff(sticks.astype(int)) < 0)
+    total = 0.0
+    for start, stop in zip(starts, stops, strict=True):
+        total += length[start:stop].sum()
+        for last, inner, outer in ((start, start + 1, start - 1), (stop - 1, stop - 2, stop)):
+            if stop - start > 1 and 0 <= outer < len(left) and left[inner] > left[last]:
+                apart = 0.5 * (length[last] + length[inner])
+                beyond = apart / ((left[inner] / left[last]) ** 2 - 1) - 0.5 * length[last]
+                total += np.clip(beyond, -0.5 * length[last], 0.5 * length[outer])
+    return float(total)
+
+
+def spread(p: Array, x: Array, length: Array, weight: Array) -> float:
+    """Semi-axis m of the ellipse whose Hertz pressure has the same second moment along the last axis.
+
+    A cell's pressure has a slope p': its second moment is p (x^2 + l^2/12) + 2 x p' l^2/12.
+    """
+    total = weight.sum()
+    centre = (weight * x).sum() / total
+    if p.shape[1] < 2:
+        return float(np.sqrt(5 * (weight * (x - centre) ** 2).sum() / total))
+    slope = np.array([np.gradient(row, at) for row, at in zip(p, x, strict=True)])
+    part = length**2 / 12
+    share = np.divide(weight, p, out=np.zeros_like(weight), where=p > 0)
+    moment = (weight * ((x - centre) ** 2 + part) + share * 2 * (x - centre) * slope * part).sum() / total
+    return float(np.sqrt(5 * max(moment, 0.0)))
+
+
+def peak(p: Array, x: Array, length: Array, s: Array, width: Array) -> float:
+    """Largest pressure Pa: a parabola through the mean pressures of the largest cell and its neighbours each way.
+
+    A hump that it would raise by more than 1 % is not resolved by three cells and left as it is.
+    """
+    inner = p.copy()
+    inner[:, :EDGE] = inner[:, -EDGE:] = 0.0
+    i, j = np.unravel_index(np.argmax(inner), p.shape)
+    best = float(p[i, j])
+    if not inner[i, j] > 0:
+        return float(p.max())
+    along = _rise(p[i, j - 1 : j + 2], x[i, j - 1 : j + 2], float(length[i, j]))
+    across = _rise(p[i - 1 : i + 2, j], s[i - 1 : i + 2], float(width[i])) if 0 < i < len(p) - 1 else 0.0
+    return best + along + across
+
+
+def _rise(p: Array, x: Array, length: float) -> float:
+    """How far the top of a parabola through three means lies above the middle one, Pa."""
+    a, b, _ = np.polyfit(x - x[1], p, 2)
+    if a >= 0 or abs(b / (2 * a)) > length:
+        return 0.0
+    rise = -a * length**2 / 12 - b * b / (4 * a)
+    return float(rise) if rise < RESOLVED * p[1] else 0.0

@@ -1,0 +1,209 @@
+"""Where the surfaces of two bodies overlap, strip by strip along the rolling direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, curvature
+from wheelrail.contact.geometry.wheel_surface import wheel_place
+from wheelrail.contact.kinematics.contact_points import Places
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.kinematics.sensitivity import OnRail, UnderApex
+from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import compiled
+
+
+@dataclass(frozen=True)
+class Ridge:
+    """Along every line s (ns,) m of the upper body: deepest overlap (ns,) m (negative: distance), its place x (ns,) m,
+    and how fast it falls to both sides, bend (ns,) 1/m: overlap - bend x^2 / 2.
+    """
+
+    s: Array
+    overlap: Array
+    x: Array
+    bend: Array
+
+    @property
+    def humps(self) -> Nodes:
+        """Lines where the overlap is positive and larger than at both neighbours."""
+        o = self.overlap
+        return np.flatnonzero((o[1:-1] > 0) & (o[1:-1] > o[:-2]) & (o[1:-1] >= o[2:])) + 1
+
+
+class StripSurfaces(Protocol):
+    """Surfaces of a pair of bodies for strips: s m across and x m along the rolling circle of the upper body."""
+
+    def ridge(self, pose: Pose, s: Array) -> Ridge: ...
+
+    def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
+        """Undeformed overlap m at s and x of one shape."""
+
+    def places(self, pose: Pose, layout: Layout) -> Places:
+        """The cells' middles, strip by strip from the trailing end."""
+
+    def lower_sides(self, pose: Pose, layout: Layout) -> Array:
+        """Sides (S, 2) m of the strips on the lower body."""
+
+    def along(self, s: Array) -> Array:
+        """Length on the surface at s over length on the rolling circle."""
+
+
+NEXT = 2e-4  # m: a place so near to the one before has its foot beside that one's
+
+
+class Seen(NamedTuple):
+    """Places of a wheel seen from a rail: undeformed overlap (n,) m, -inf beyond the rail's ends; arc length (n,) m of
+    their feet on the rail; point (n, 3) m and local axes (n, 3, 3), rows longitudinal, lateral, outward.
+    """
+
+    overlap: Array
+    foot: Array
+    point: Array
+    axes: Array
+
+
+@compiled
+def seen(
+    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
+) -> tuple[Array, Array, Array, Array]:
+    """`Seen` of places s, x (n,) on a wheel of a radius, revolved about y, from a rail, extruded along x."""
+    n = len(s)
+    overlap, feet, points, axes = np.empty(n), np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    last, sample = complex(np.inf, 0.0), 0
+    for i in range(n):
+        wheel_place(wheel, radius, origin, rotation, s[i], x[i], points, axes, i)
+        q = complex(points[i, 1], points[i, 2])
+        sample = nearer_sample(rail, q, sample) if abs(q - last) < NEXT else nearest_sample(rail, q)
+        last = q
+        feet[i], _, inside = foot(rail, q, rail.samples[sample])
+        on_rail, _, _ = local(rail, feet[i], piece(rail, feet[i]))
+        away = (q.real - on_rail.real) * axes[i, 2, 1] + (q.imag - on_rail.imag) * axes[i, 2, 2]
+        overlap[i] = away if inside else -np.inf
+    return overlap, feet, points, axes
+
+
+@compiled
+def stretched(wheel: Shape, radius: float, s: Array) -> Array:
+    """Length on the surface at s (n,) over length on the rolling circle."""
+    found = np.empty(len(s))
+    for i in range(len(s)):
+        z, _, _ = local(wheel, s[i], piece(wheel, s[i]))
+        found[i] = 1.0 + z.imag / radius
+    return found
+
+
+@dataclass(frozen=True)
+class ProfileStrips:
+    """A wheel of nominal radius m, its profile revolved about y, on a rail, its profile extruded."""
+
+    wheel: Profile
+    rail: Profile
+    radius: float
+
+    @cached_property
+    def _follows(self) -> OnRail:
+        return OnRail.of(self.rail)
+
+    def _seen(self, pose: Pose, s: Array, x: Array) -> Seen:
+        """Places of the wheel, seen from the rail."""
+        both = np.broadcast_arrays(s, x)
+        return Seen(
+            *seen(
+                self.wheel.shape,
+                self.rail.shape,
+                self.radius,
+                pose.origin,
+                np.ascontiguousarray(pose.rotation),
+                *(np.ascontiguousarray(part.ravel(), dtype=float) for part in both),
+            )
+        )
+
+    def ridge(self, pose: Pose, s: Array) -> Ridge:
+        """The wheel's circle is nearest to the rail where it runs along it: its forward direction has no part in the
+        rail's normal.
+        """
+        x = np.zeros_like(s)
+        for _ in range(2 if pose.rotation[1, 0] != 0 else 0):
+            across = np.column_stack([np.zeros_like(s), self.rail.normal(self._seen(pose, s, x).foot)]) @ pose.rotation
+            x = -self.radius * np.arctan(across[:, 0] / across[:, 2])
+        depth = self._seen(pose, s, x).overlap
+        r, nr = self.wheel.point(s)[:, 1] + self.radius, self.wheel.normal(s)[:, 1]
+        return Ridge(s, depth, x, np.maximum(r * nr, 0.05 * r) / self.radius**2)
+
+    def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
+        return self._seen(pose, s, x).overlap.reshape(x.shape)
+
+    def along(self, s: Array) -> Array:
+        return stretched(self.wheel.shape, self.radius, s)
+
+    def lower_sides(self, pose: Pose, layout: Layout) -> Array:
+        x = np.repeat(layout.ends.mean(axis=1), 2).reshape(-1, 2)
+        return self._seen(pose, layout.sides, x).foot.reshape(x.shape)
+
+    def places(self, pose: Pose, layout: Layout) -> Places:
+        edges = layout.edges
+        x = 0.5 * (edges[:, 1:] + edges[:, :-1])
+        s = np.broadcast_to(layout.middle[:, None], x.shape)
+        at = self._seen(pose, s, x)
+        length = np.diff(edges) * self.along(layout.middle)[:, None]
+        return Places(
+            point=at.point,
+            axes=at.axes,
+            area=(length * layout.width[:, None]).ravel(),
+            overlap=at.overlap,
+            wheel_rotation=pose.rotation,
+            step=length.ravel(),
+            wheel_place=np.stack([s.ravel(), self.wheel.point(s.ravel())[:, 0]], axis=1),
+            rail_place=np.stack([at.foot, self.rail.point(at.foot)[:, 0]], axis=1),
+            follows=self._follows,
+        )
+
+
+@dataclass(frozen=True)
+class QuadricStrips:
+    """Two bodies with principal radii [m] in x and y on large blocks, see `wheelrail.contact.geometry.quadric_pair`."""
+
+    upper: tuple[float, float]
+    lower: tuple[float, float]
+
+    def ridge(self, pose: Pose, s: Array) -> Ridge:
+        (ax, _), (bx, _) = curvature(self.upper), curvature(self.lower)
+        x = np.full_like(s, pose.origin[0] * ax / (ax + bx))
+        return Ridge(s, self.overlap(pose, s, x), x, np.full_like(s, 2 * (ax + bx)))
+
+    def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
+        (ax, ay), (bx, by) = curvature(self.upper), curvature(self.lower)
+        X, Y, Z = pose.origin
+        return np.asarray(-Z - ax * (x - X) ** 2 - ay * (s - Y) ** 2 - bx * x * x - by * s * s)
+
+    def along(self, s: Array) -> Array:
+        return np.ones_like(s)
+
+    def lower_sides(self, pose: Pose, layout: Layout) -> Array:
+        return layout.sides
+
+    def places(self, pose: Pose, layout: Layout) -> Places:
+        edges = layout.edges
+        x = (0.5 * (edges[:, 1:] + edges[:, :-1])).ravel()
+        s = np.repeat(layout.middle, edges.shape[1] - 1)
+        length = np.diff(edges)
+        across = np.column_stack([s, s])
+        return Places(
+            point=np.column_stack([x, s, np.zeros_like(x)]),
+            axes=np.broadcast_to(np.diag([1.0, 1.0, -1.0]), (len(x), 3, 3)),
+            area=(length * layout.width[:, None]).ravel(),
+            overlap=self.overlap(pose, s, x),
+            wheel_rotation=UPSIDE_DOWN,
+            step=length.ravel(),
+            wheel_place=across,
+            rail_place=across,
+            follows=UnderApex(self.upper),
+        )

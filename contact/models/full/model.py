@@ -1,0 +1,150 @@
+"""All displacements of both bodies in one sparse problem, eq. (12): dolfinx's NewtonSolver with PETSc's BiCGStab.
+
+Unknown U = (U_w, U_r); z = z0 + G U collects overlap and slip at the contact points, T(z) the nodal contact forces of
+the law in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. B carries forces to both
+bodies, so action equals reaction to round-off.
+
+Exact laws are reached by multipliers, see `wheelrail.contact.laws.augmented_lagrangian`: each loop is one such solve
+from the last displacements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+
+from wheelrail.contact.elasticity.solid_body import ElasticBody
+from wheelrail.contact.geometry.grid_points import Geometry
+from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.kinematics.creepage import NotRolling, creepage
+from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.laws.augmented_lagrangian import LOOPS, offset, softened
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.models.full.discrete_problem import Problem
+from wheelrail.contact.models.full.newton import Count, FullOptions, Newton
+from wheelrail.contact.models.full.surface_traction import SurfaceLaw
+from wheelrail.contact.models.full.two_body_stiffness import both, with_rigid_motions
+from wheelrail.contact.results.result import ContactResult, Statistics
+from wheelrail.contact.results.resultants import connected, outcome
+from wheelrail.support.arrays import Array
+
+
+@dataclass
+class Full:
+    """Contact model on the complete 3D meshes: pose and velocities in, `ContactResult` out.
+
+    Under `mpirun` all ranks call it alike, with bodies that are split over them, and get the same result, but for its
+    displacements: each has its own unknowns', the wheel's before the rail's, and starts from them again as a guess.
+    """
+
+    geometry: Geometry
+    wheel: ElasticBody
+    rail: ElasticBody
+    laws: Laws
+    order: int = 2
+    options: FullOptions = field(default_factory=FullOptions)
+
+    @cached_property
+    def soft(self) -> Laws:
+        """The laws that displacements are solved with."""
+        size = float(np.sqrt(self.wheel.grid.weight.max()))
+        return softened(self.laws, modulus=self.wheel.steel.E, size=size)
+
+    @cached_property
+    def law(self) -> SurfaceLaw:
+        gained = 0.0 if self.laws.regularisation else self.soft.regularisation
+        wheel = self.wheel
+        return wheel.ranks.ahead(lambda: SurfaceLaw(wheel.solid, wheel.grid, wheel.degree, self.soft, gained=gained))
+
+    @cached_property
+    def solver(self) -> Newton:
+        """Solver with the stiffness of both bodies and its preconditioner (19), made once."""
+        matrix = both(self.wheel, self.rail)
+        if self.options.preconditioner == "gamg":
+            with_rigid_motions(matrix, np.concatenate([self.wheel.coordinates, self.rail.coordinates]))
+        return Newton(matrix, self.options, self.wheel.ranks)
+
+    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+        start = perf_counter()
+        order, ranks = self.order if self.laws.friction > 0 else 0, self.wheel.ranks
+        try:
+            points, approach = ranks.shared(lambda: self.geometry.contact_points(pose, order))
+        except OutsideGrid as error:
+            return ContactResult.failed(str(error))
+        if points is None:
+            return ContactResult.separated(approach)
+        try:
+            speed, rigid = creepage(points, motion) if order else (0.0, None)
+        except NotRolling as error:
+            return ContactResult.failed(str(error), approach)
+        problem = Problem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
+        ready = perf_counter()
+        self.law.at_speed(speed)
+        u, z, forces, status, count = self._solve(problem, points.area, speed, self._start(guess))
+        solved = perf_counter()
+        if status != "converged":
+            return ContactResult.failed(status, approach)
+        traction = forces / points.area[:, None]
+        n = len(points.node)
+        moved = np.zeros((n, 3))
+        local = ranks.total(problem.displacement @ u).reshape(-1, n).T
+        moved[:, 3 - local.shape[1] :] = local
+        result = outcome(
+            points,
+            node=points.node,
+            patch=connected(points.node, traction[:, 0] < 0, self.wheel.grid.shape),
+            pressure=-traction[:, 0] + 0.0,
+            traction=traction[:, 1:] if order else np.zeros((n, 2)),
+            slip=z[:, 1:] if order else np.zeros((n, 2)),
+            motion=motion,
+            speed=speed,
+            displacement=moved,
+            approach=approach,
+            bound=-traction[:, 0] * self.laws.friction_at(np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)[0],
+            statistics=Statistics(
+                newton=count.newton,
+                linear=count.linear,
+                points=n,
+                residual=count.residual,
+                seconds={"points": ready - start, "solve": solved - ready},
+            ),
+        )
+        return replace(result, warm_start=u)
+
+    def _start(self, guess: ContactResult | None) -> Array | None:
+        """Displacements of an earlier result, unless they are those of other meshes or of another split."""
+        before = guess.warm_start if guess is not None and isinstance(guess.warm_start, np.ndarray) else None
+        own = 3 * (self.wheel.owned + self.rail.owned)
+        strange = self.wheel.ranks.total(np.array(float(before is None or len(before) != own)))
+        return None if strange else before
+
+    def _solve(
+        self, problem: Problem, area: Array, speed: float, start: Array | None
+    ) -> tuple[Array, Array, Array, str, Count]:
+        """Displacements, z (n, c) and nodal forces (n, c) of the laws, status and cost."""
+        u, status, count = self.solver.run(problem, start)
+        bare = problem.constant
+        added: Array = np.zeros((len(area), self.law.components))
+        z, forces = problem.state(u)
+        if self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance):
+            return u, z, forces, status, count
+        for _ in range(LOOPS):
+            if status != "converged":
+                break
+            count.loops += 1
+            added = offset(self.laws, self.soft, forces / area[:, None], (z - added)[:, 1:], speed)
+            problem.constant = bare + added.T.ravel()
+            u, status, more = self.solver.run(problem, u)
+            count.add(more)
+            before = forces
+            z, forces = problem.state(u)
+            change = float(np.linalg.norm(forces - before)) / max(float(np.linalg.norm(forces)), 1e-300)
+            count.residual = max(more.residual, change)
+            if change <= max(10 * self.options.tolerance, 1e-9):
+                return u, z - added, forces, status, count
+        else:
+            status = f"the multipliers still change by {change:.1e} after {LOOPS} loops"
+        return u, z - added, forces, status, count

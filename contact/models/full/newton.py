@@ -1,0 +1,171 @@
+"""dolfinx's NewtonSolver on the problem of eq. (12): BiCGStab, forcing term, Armijo, regularisation in steps."""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from wheelrail.contact.models.full.discrete_problem import Problem
+from wheelrail.contact.models.full.jacobian import Jacobian, Product
+from wheelrail.contact.models.full.preconditioner import Corrected, Preconditioner, choose
+from wheelrail.forms import compat
+from wheelrail.support.arrays import Array
+from wheelrail.support.interrupts import look
+from wheelrail.support.mpi import ALONE, Ranks
+
+LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
+ROUGH = 1e-2  # relative residual that is enough on the way
+
+
+@dataclass(frozen=True)
+class FullOptions:
+    """tolerance: residual force over contact force; forcing: eq. (18); jacobian: exact product or finite difference
+    (20); preconditioner from the elastic stiffness (19), see `wheelrail.contact.models.full.preconditioner`; armijo:
+    halvings of a step.
+    """
+
+    tolerance: float = 1e-9
+    iterations: int = 50
+    forcing: float = 0.01
+    jacobian: Jacobian = "exact"
+    preconditioner: Preconditioner = "corrected"
+    armijo: int = 12
+
+
+@dataclass
+class Count:
+    """Steps of Newton, BiCGStab, Armijo, linear solves that failed, loops of multipliers, and the relative residual."""
+
+    newton: int = 0
+    linear: int = 0
+    failed_linear: int = 0
+    backtracks: int = 0
+    loops: int = 0
+    residual: float = np.inf
+
+    def add(self, more: Count) -> None:
+        """Take over the steps of another solve."""
+        self.newton += more.newton
+        self.linear += more.linear
+        self.failed_linear += more.failed_linear
+        self.backtracks += more.backtracks
+
+
+class Newton(compat.newton_base()):  # type: ignore[misc]
+    """dolfinx's NewtonSolver for a changing `Problem`, with Armijo backtracking and a check of every linear solve."""
+
+    def __init__(self, stiffness: Any, options: FullOptions, ranks: Ranks = ALONE) -> None:
+        super().__init__(ranks.comm)
+        self.options, self.stiffness, self.ranks = options, stiffness, ranks
+        self.problem: Problem | None = None
+        self.count = Count()
+        self._b, self._work = stiffness.createVecs()
+        self._x = self._work.duplicate()
+        self._contact = 0.0  # norm of the contact forces: what a residual is measured by
+        self._product = Product(stiffness)
+        jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
+        jacobian.setUp()
+        compat.freed_with(self, stiffness, self._b, self._work, self._x, jacobian)
+        me = weakref.proxy(self)  # callbacks that hold the solver would hold it for ever: C++ breaks no cycles
+        self.setF(lambda x, b: me._residual(x, b), self._b)
+        self.setJ(lambda x, J: me._linearise(x, J), jacobian)
+        self.setP(lambda x, P: None, stiffness)
+        self.set_form(lambda x: None)
+        self.set_update(lambda _, step, x: me._update(step, x))
+        krylov = self.krylov_solver
+        krylov.setOperators(jacobian, stiffness)
+        krylov.setType("bcgs")
+        krylov.setTolerances(rtol=options.forcing, atol=1e-300, max_it=500)
+        pc = krylov.getPC()
+        self._corrected = Corrected(stiffness, ranks) if options.preconditioner == "corrected" else None
+        if self._corrected is not None:
+            pc.setType("python")
+            pc.setPythonContext(self._corrected)
+        else:
+            choose(pc, options.preconditioner, ranks)
+        pc.setReusePreconditioner(True)
+        self.convergence_criterion = "residual"
+        self.rtol = 0.0
+        self.max_it = options.iterations
+        self.error_on_nonconvergence = False
+        self.report = False
+
+    def run(self, problem: Problem, start: Array | None = None) -> tuple[Array, str, Count]:
+        """This rank's displacements, status and cost; from displacements to start from, or from afar where these lead
+        nowhere.
+
+        From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
+        wanders, from the blunter law's answer it does not.
+        """
+        self.problem, self.count = problem, Count()
+        if self._corrected is not None:
+            self._corrected.prepare(problem)
+        law = problem.law
+        sharp = law.laws.regularisation
+        blunt = [sharp * k for k in LEVELS] if law.components == 3 else []
+        x = self._x
+        relative = np.inf
+        if start is not None:
+            x.array[:] = start
+            relative = self._sharpen(x, [sharp], sharp)
+        if not relative <= self.options.tolerance:
+            x.set(0.0)
+            relative = self._sharpen(x, [*blunt, sharp], sharp)
+        status = "converged"
+        if not relative <= self.options.tolerance:
+            status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
+            if self.count.failed_linear:
+                status += f", {self.count.failed_linear} linear solves without convergence"
+        self.count.residual = relative
+        return x.array_r.copy(), status, self.count
+
+    def _sharpen(self, x: Any, levels: list[float], sharp: float) -> float:
+        """Newton at each regularisation in turn, from and into x; the last relative residual."""
+        assert self.problem is not None
+        relative = np.inf
+        for level in levels:
+            self.problem.law.regularisation = level
+            tolerance = self.options.tolerance if level == sharp else ROUGH
+            for _ in range(4):  # the norm of the contact forces, unknown at first, sets the absolute tolerance
+                relative = self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
+                if relative <= tolerance:
+                    break
+                look()
+                self.atol = 0.5 * tolerance * self._contact
+                self.solve(x)
+        return relative
+
+    def _evaluate(self, x: Any) -> Array:
+        """F(U) = K U - B^T T."""
+        assert self.problem is not None
+        self.stiffness.mult(x, self._work)
+        force = self.problem.contact_forces(x.array_r)
+        self._contact = self.ranks.norm(force)
+        return np.asarray(self._work.array_r - force)
+
+    def _residual(self, x: Any, b: Any) -> None:
+        b.array[:] = self._evaluate(x)
+
+    def _linearise(self, x: Any, _: Any) -> None:
+        assert self.problem is not None
+        self._product.at(self.problem, x.array_r.copy(), self.options.jacobian)
+        if self._corrected is not None:
+            self._corrected.correct(self.problem.tangent(x.array_r))
+
+    def _update(self, step: Any, x: Any) -> None:
+        self.count.newton += 1
+        self.count.linear += self.krylov_solver.getIterationNumber()
+        # dolfinx goes on after a failed linear solve: count it, let Armijo judge the step
+        self.count.failed_linear += self.krylov_solver.getConvergedReason() < 0
+        old, before = x.array_r.copy(), self.ranks.norm(self._b.array_r)
+        damping = 1.0
+        for _ in range(self.options.armijo):
+            x.array[:] = old - damping * step.array_r
+            if self.ranks.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * before:
+                break
+            damping /= 2
+            self.count.backtracks += 1

@@ -1,0 +1,127 @@
+"""The contact law of `wheelrail.forms.traction` on the contact surface, assembled by dolfinx point by point."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix, assemble_vector, create_matrix
+from mpi4py import MPI
+from petsc4py import PETSc
+from scipy.spatial import cKDTree
+
+from wheelrail.contact.geometry.surface_grid import RULES, ContactGrid
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.forms import compat
+from wheelrail.forms.traction import falling_friction, frictionless_traction, slip, traction, virtual_work
+from wheelrail.meshes.bodies.extrusion import Solid
+from wheelrail.support.arrays import Array, Nodes
+
+# Corners of the reference faces, and their areas
+REFERENCE: dict[int, tuple[list[list[float]], float]] = {
+    3: ([[0, 0], [1, 0], [0, 1]], 0.5),
+    4: ([[0, 0], [1, 0], [0, 1], [1, 1]], 1.0),
+}
+
+
+class SurfaceLaw:
+    """Nodal forces T_i = a_i t(z_i) and tangent D = dT/dz on the whole contact grid, z = (d, s1, s2) or (d) without
+    friction.
+
+    The regularising creepage may be changed between calls, `regularisation`, and the rolling speed that falling
+    friction asks for, `at_speed`. gained is what multipliers add to the slip of points that slide.
+    """
+
+    def __init__(self, solid: Solid, grid: ContactGrid, degree: int, laws: Laws, *, gained: float = 0.0) -> None:
+        cell = "triangle" if solid.cell == "tetrahedron" else "quadrilateral"
+        used, faces = np.unique(solid.faces, return_inverse=True)
+        mesh = compat.mesh_from_arrays(MPI.COMM_SELF, cell, faces.reshape(solid.faces.shape), solid.points[used])
+        self.laws = laws
+        self.components = 3 if laws.friction > 0 else 1
+        space = compat.space(mesh, degree, self.components)
+        self.z = fem.Function(space)
+        constant = {
+            name: fem.Constant(mesh, PETSc.ScalarType(value))
+            for name, value in (("K", laws.stiffness_per_area), ("mu", laws.friction), ("eps", laws.regularisation))
+        }
+        self._eps = constant["eps"]
+        self._rate = fem.Constant(mesh, PETSc.ScalarType(0.0))  # of falling, over creepage
+        # the points are the nodes that carry weight: exact for the shape functions, and the law acts node by node
+        corners, area = REFERENCE[solid.faces.shape[1]]
+        rule = RULES[solid.faces.shape[1], degree]
+        measure = ufl.Measure(
+            "dx",
+            domain=mesh,
+            metadata={
+                "quadrature_rule": "custom",
+                "quadrature_degree": degree,
+                "quadrature_points": rule.corners @ np.array(corners, dtype=float),
+                "quadrature_weights": area * rule.weights,
+            },
+        )
+        if self.components == 3:
+            mu = constant["mu"]
+            if laws.falling is not None:
+                mu = falling_friction(slip(self.z), mu, laws.falling.share, self._rate, gained)
+            t = traction(self.z, constant["K"], mu, constant["eps"])
+        else:
+            t = frictionless_traction(self.z, constant["K"])
+        work = virtual_work(t, ufl.TestFunction(space), measure)
+        with compat.quiet():
+            self._force, self._tangent = fem.form(work), fem.form(ufl.derivative(work, self.z))
+        self._vector, self._matrix = compat.create_vector(self._force), create_matrix(self._tangent)
+        compat.freed_with(self, self._vector, self._matrix)
+        distance, node = cKDTree(space.tabulate_dof_coordinates()).query(grid.position.reshape(-1, 3))
+        if distance.max() > 1e-6 * np.linalg.norm(grid.position[1, 0] - grid.position[0, 0]):
+            raise RuntimeError("the contact grid does not lie on nodes of the surface mesh")
+        self._node = node
+
+    @property
+    def regularisation(self) -> float:
+        return float(self._eps.value)
+
+    @regularisation.setter
+    def regularisation(self, value: float) -> None:
+        self._eps.value = value
+
+    def at_speed(self, speed: float) -> None:
+        """Take over the rolling speed [m/s]."""
+        self._rate.value = 0.0 if self.laws.falling is None else self.laws.falling.rate * speed
+
+    def _set(self, nodes: Nodes, z: Array) -> None:
+        values = self.z.x.array.reshape(-1, self.components)
+        values[:] = 0.0
+        values[:, 0] = -1.0  # far apart
+        values[self._node[nodes]] = z
+
+    def force(self, nodes: Nodes, z: Array) -> Array:
+        """T (n, c) [N] at grid nodes (n,) from z (n, c)."""
+        self._set(nodes, z)
+        with self._vector.localForm() as local:
+            local.set(0.0)
+        assemble_vector(self._vector, self._force)
+        return np.asarray(self._vector.array.reshape(-1, self.components)[self._node[nodes]])
+
+    def tangent(self, nodes: Nodes, z: Array) -> Array:
+        """dT/dz (n, c, c) at grid nodes (n,) from z (n, c): the law is pointwise, so only blocks on the diagonal."""
+        self._set(nodes, z)
+        self._matrix.zeroEntries()
+        assemble_matrix(self._matrix, self._tangent)
+        self._matrix.assemble()
+        c = self.components
+        rows = self._node[nodes]
+        return _diagonal_blocks(self._matrix, rows, c)
+
+
+def _diagonal_blocks(matrix: Any, nodes: Nodes, c: int) -> Array:
+    """Blocks (n, c, c) on the diagonal of a sparse PETSc matrix."""
+    import scipy.sparse as sp
+
+    pointer, columns, data = matrix.getValuesCSR()
+    csr = sp.csr_matrix((data, columns, pointer), shape=matrix.getSize())
+    offset = np.arange(c)
+    row = np.repeat(c * nodes[:, None] + offset, c, axis=1)
+    column = np.tile(c * nodes[:, None] + offset, (1, c))
+    return np.asarray(csr[row.ravel(), column.ravel()]).reshape(len(nodes), c, c)

@@ -1,0 +1,112 @@
+"""The contact of multibody codes: a rigid search for points, Hertz or virtual penetration, FASTSIM or Polach's formula.
+
+Half-spaces wherever bodies touch, every contact for itself, no meshes: force by force in well under a millisecond.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from wheelrail.contact.geometry.rigid_surfaces import RigidPair
+from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.models.standard.creep_coefficients import Elasticity
+from wheelrail.contact.models.standard.forces import FASTSIM, NO_FRICTION, POLACH, Friction, Velocities, strip_forces
+from wheelrail.contact.models.standard.normal import hertzian, virtual_penetration
+from wheelrail.contact.models.standard.patches import StripContacts
+from wheelrail.contact.results.result import ContactResult, Statistics, Summaries
+
+Normal = Literal["hertz", "kik-piotrowski"]
+Tangential = Literal["fastsim", "polach"]
+CELLS = 16  # along each strip
+
+
+@dataclass(frozen=True)
+class StandardContact:
+    """Contact model of multibody codes: pose and velocities in, `ContactResult` out. The guess is not used.
+
+    surfaces: the rigid pair. normal: "hertz", an ellipse as Hertz's curved like the overlap, flat in the tangent plane;
+    or "kik-piotrowski", strips that follow the surface. tangential: "fastsim" on those strips, or "polach", whose
+    resultant is shared out like the pressure and knows no moment, so that with much spin its power may turn negative.
+    Only friction and its fall are taken of the laws; reduction (k_A, k_S) is Polach's. cells to each of the 16 strips
+    of a contact. Raises ValueError for other names and impossible numbers.
+    """
+
+    surfaces: RigidPair
+    laws: Laws
+    upper: Steel = field(default_factory=Steel)
+    lower: Steel = field(default_factory=Steel)
+    normal: Normal = "kik-piotrowski"
+    tangential: Tangential = "fastsim"
+    reduction: tuple[float, float] = (1.0, 1.0)
+    cells: int = CELLS
+
+    def __post_init__(self) -> None:
+        if self.normal not in ("hertz", "kik-piotrowski"):
+            raise ValueError(f'normal must be "hertz" or "kik-piotrowski", got {self.normal!r}')
+        if self.tangential not in ("fastsim", "polach"):
+            raise ValueError(f'tangential must be "fastsim" or "polach", got {self.tangential!r}')
+        if not all(0.0 < k <= 1.0 for k in self.reduction) or self.reduction[1] > self.reduction[0]:
+            raise ValueError(f"reduction factors must be 0 < k_S <= k_A <= 1, got k_A, k_S = {self.reduction}")
+        if self.cells < 2:
+            raise ValueError(f"a strip needs at least 2 cells, got {self.cells}")
+
+    @cached_property
+    def elasticity(self) -> Elasticity:
+        return Elasticity.of(self.upper, self.lower)
+
+    @cached_property
+    def law(self) -> Friction:
+        """Friction for compiled code."""
+        falling, method = self.laws.falling, FASTSIM if self.tangential == "fastsim" else POLACH
+        share, rate = (1.0, 0.0) if falling is None else (falling.share, falling.rate)
+        return Friction(
+            self.laws.friction, share, rate, method if self.laws.friction > 0.0 else NO_FRICTION, *self.reduction
+        )
+
+    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+        try:
+            zones, approach = self.surfaces.zones(pose)
+        except ValueError as error:
+            return ContactResult.failed(str(error))
+        if zones is None:
+            return ContactResult.separated(min(approach, 0.0))
+        strips = (virtual_penetration if self.normal == "kik-piotrowski" else hertzian)(zones, self.elasticity.E_star)
+        n = len(strips.s)
+        point, axes = self.surfaces.at(
+            pose, np.concatenate([strips.s, zones.peak]), np.concatenate([strips.x, zones.peak_x])
+        )
+        peak, peak_axes = point[n:], axes[n:]
+        if self.normal == "hertz":  # in the plane that touches both bodies
+            away = (strips.s - zones.peak[strips.contact])[:, None]
+            point, axes = peak[strips.contact] + away * peak_axes[strips.contact, 1], peak_axes[strips.contact]
+        else:
+            point, axes = point[:n], axes[:n]
+        wheel, rail = motion.wheel, motion.rail
+        velocities = Velocities(
+            wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
+        )
+        cells = strip_forces(
+            strips, zones.share, point, axes, peak, peak_axes, velocities, self.elasticity, self.law, self.cells
+        )
+        if self.law.method != NO_FRICTION and not cells.speed.min() > 0.0:
+            return ContactResult.failed(
+                f"friction needs a wheel that rolls forward, but the material flows at {cells.speed.min():g} m/s; "
+                "mu = 0 needs none",
+                approach,
+            )
+        made = StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces)
+        return ContactResult(
+            force=cells.force,
+            moment=cells.moment,
+            patches=Summaries(made.summaries),
+            fields=made.fields(),
+            approach=approach,
+            status="converged",
+            statistics=Statistics(points=len(cells.area)),
+        )

@@ -1,0 +1,112 @@
+"""Pressure on strips along the rolling direction, half an ellipse on each: of Hertz, or of Piotrowski and Kik."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.geometry.interpenetration import PLACES, VIRTUAL, WIDTHS, Zones
+from wheelrail.contact.models.standard.ellipse import axis_ratio, ellipse, strip_potential
+from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import compiled
+
+
+class Pressed(NamedTuple):
+    """Strips (n,) that carry pressure: contact; place m on the upper body's profile and x m; width m; half length m;
+    scale Pa/m: the pressure at x from the middle is scale sqrt(half^2 - x^2). By contact (k,): normal force N of all of
+    it, semi-axes m of the ellipse with the pressure's second moments.
+    """
+
+    contact: Nodes
+    s: Array
+    x: Array
+    width: Array
+    half: Array
+    scale: Array
+    load: Array
+    along: Array
+    across: Array
+
+
+@compiled
+def moments(s: Array, width: Array, half: Array) -> tuple[float, float]:
+    """Semi-axes along and across of the ellipse whose pressure has the same second moments."""
+    total, first, second, along = 0.0, 0.0, 0.0, 0.0
+    for i in range(len(s)):
+        load = half[i] * half[i] * width[i]
+        total += load
+        first += load * s[i]
+        along += load * half[i] * half[i]
+    for i in range(len(s)):
+        second += half[i] * half[i] * width[i] * (s[i] - first / total) ** 2
+    return np.sqrt(1.25 * along / total), np.sqrt(5.0 * second / total)
+
+
+@compiled
+def virtual_penetration(zones: Zones, E_star: float) -> Pressed:
+    """Piotrowski and Kik's pressure: the zone of every contact, its shape corrected, deflects as deep as its hump.
+
+    Where the bodies overlap in an ellipse that zone is too slender: its length and its width are scaled to the ratio of
+    semi-axes that Hertz gives to bodies which overlap so, its area is kept. Non-elliptic zones by second moments.
+    """
+    s, x, width, half = zones.s.copy(), zones.x.copy(), zones.width.copy(), np.sqrt(2.0 * zones.overlap * zones.radius)
+    scale, k = np.empty_like(s), len(zones.peak)
+    load, along, across = np.empty(k), np.empty(k), np.empty(k)
+    start = 0
+    for c in range(k):
+        stop = start
+        while stop < len(s) and zones.contact[stop] == c:
+            stop += 1
+        own = slice(start, stop)
+        a, b = moments(s[own], width[own], half[own])
+        curvatures = (b / a) ** 2
+        k_hertz = axis_ratio(curvatures) if curvatures <= 1.0 else axis_ratio(1.0 / curvatures)
+        stretch = np.sqrt((1.0 / k_hertz if curvatures <= 1.0 else k_hertz) * b / a)
+        volume, seen = 0.0, 0.0
+        for i in range(start, stop):
+            away = (s[i] - zones.peak[c]) / stretch
+            s[i], x[i] = zones.peak[c] + away, zones.peak_x[c] + (x[i] - zones.peak_x[c]) / stretch
+            half[i], width[i] = half[i] * stretch, width[i] / stretch
+            volume += 0.5 * np.pi * half[i] * half[i] * width[i]
+            seen += strip_potential(half[i], abs(away)) * width[i]
+        scale[own] = np.pi * E_star * zones.depth[c] / seen
+        load[c] = np.pi * E_star * zones.depth[c] / seen * volume
+        along[c], across[c] = a * stretch, b / stretch
+        start = stop
+    return Pressed(zones.contact, s, x, width, half, scale, load, along, across)
+
+
+@compiled
+def hertzian(zones: Zones, E_star: float) -> Pressed:
+    """Hertz's pressure: curved across as the parabola that overlaps over the same second moment as the zone."""
+    k, m = len(zones.peak), len(PLACES)
+    n = 2 * m * k
+    contact, s, x, width, half, scale = (
+        np.empty(n, dtype=np.int64),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+    )
+    load, along, across = np.empty(k), np.empty(k), np.empty(k)
+    start, n = 0, 0
+    for c in range(k):
+        stop, radius = start, 0.0
+        while stop < len(zones.s) and zones.contact[stop] == c:
+            stop += 1
+        own = slice(start, stop)
+        loads = zones.overlap[own] * zones.radius[own] * zones.width[own]
+        radius = (loads * zones.radius[own]).sum() / loads.sum()
+        _, wide = moments(zones.s[own], zones.width[own], np.sqrt(2.0 * zones.overlap[own] * zones.radius[own]))
+        a, b, peak = ellipse(0.5 / radius, VIRTUAL * zones.depth[c] / wide**2, zones.depth[c], E_star)
+        load[c], along[c], across[c] = 2.0 / 3.0 * np.pi * peak * a * b, a, b
+        for way in (-1.0, 1.0):
+            for q in range(m):
+                contact[n], s[n], x[n] = c, zones.peak[c] + way * b * PLACES[q], zones.peak_x[c]
+                width[n], half[n] = b * WIDTHS[q], a * np.sqrt(1.0 - PLACES[q] ** 2)
+                scale[n] = peak / a
+                n += 1
+        start = stop
+    return Pressed(contact, s, x, width, half, scale, load, along, across)

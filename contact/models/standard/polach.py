@@ -1,0 +1,50 @@
+"""Polach's creep forces of an elliptic patch in closed form.
+
+O. Polach, Vehicle System Dynamics 33 Suppl. (1999) 728-739, with the reduction factors of
+Wear 258 (2005) 992-1000, doi:10.1016/j.wear.2004.03.046.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.support.compiled import compiled
+
+
+@compiled
+def effective(eta: float, phi: float, a: float) -> float:
+    """Size of the lateral creepage with the spin phi [1/m] of a patch of semi-axis a [m]."""
+    return max(abs(eta), abs(eta + phi * a))
+
+
+@compiled
+def polach(
+    xi: float,
+    eta: float,
+    phi: float,
+    a: float,
+    b: float,
+    bound: float,
+    G: float,
+    kalker: tuple[float, float, float],
+    adhesion: float,
+    slip: float,
+) -> tuple[float, float]:
+    """Longitudinal and lateral force [N] on the body that is faster by the creepages xi, eta [-] and phi [1/m].
+
+    a, b m: semi-axes along and across; bound N: friction times load; G Pa; kalker: C11, C22, C23; adhesion and slip:
+    the reduction factors k_A and k_S, 1 on dry and clean rails.
+    """
+    lateral = effective(eta, phi, a)
+    total, plain = np.hypot(xi, lateral), np.hypot(xi, eta)
+    if total == 0.0 or bound == 0.0:
+        return 0.0, 0.0
+    c = np.hypot(kalker[0] * xi, kalker[1] * eta) / plain if plain > 0.0 else 0.0
+    gradient = 0.25 * np.pi * G * a * b * c * total / bound
+    size = 2.0 / np.pi * bound * (adhesion * gradient / (1.0 + (adhesion * gradient) ** 2) + np.arctan(slip * gradient))
+    slender = 1.0 + 6.3 * (1.0 - np.exp(-a / b))
+    e = 8.0 / 3.0 * G * b * np.sqrt(a * b) * kalker[2] * lateral / (bound * slender)
+    d = (e * e - 1.0) / (e * e + 1.0)
+    k = e * (d**3 / 3.0 - d * d / 2.0 + 1.0 / 6.0) - (1.0 - d * d) ** 1.5 / 3.0
+    by_spin = 9.0 / 16.0 * a * bound * k * slender
+    return -size * xi / total, (by_spin * phi - size * eta) / total

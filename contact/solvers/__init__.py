@@ -1,0 +1,8 @@
+"""Active set for the pressure, semi-smooth Newton for friction, and the consistent tangent, on any compliance matrix.
+
+`solve_tractions` solves the normal and the tangential problem together; `NewtonOptions` are its tolerances.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,169 @@
+"""The tangential problem: a semi-smooth Newton for exact and regularised Coulomb friction.
+
+The law q = -b s / max(|s|, eps), |q| <= b, of which eps = 0 leaves q undecided at s = 0, is the same as
+
+    q = b y / max(|y|, b rho + eps),   y = rho q - s,
+
+for any rho > 0 [1/Pa]: a projection on the disc of radius b = mu(|s| V) p, smooth where it does not switch. Pressure
+follows the tractions, p = P(q), so Newton runs on q alone: F(q) = q - b y / max(|y|, b rho + eps).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg as la
+
+from wheelrail.contact.laws.coulomb import derivative, misfit
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.solvers.linear import factorised, iterated
+from wheelrail.contact.solvers.options import Count, NewtonOptions
+from wheelrail.support.arrays import Array, Mask, Nodes
+
+NONE, NOTHING = np.empty((0, 0)), np.empty(0)
+
+
+@dataclass
+class Known:
+    """What solves with the same compliance leave for each other.
+
+    Sets of points as bytes, with the points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2
+    k); and LU factors of a Jacobian there.
+    """
+
+    sets: bytes = b""
+    linearised: tuple[Nodes, Array, Array | None] | None = None
+    factors: tuple[Array, Nodes] | None = None
+
+
+class Pressure(Protocol):
+    """Pressures as a function of the tangential tractions; see `wheelrail.contact.solvers.active_set`."""
+
+    def at(self, q: Array, active: Mask, count: Count, /) -> tuple[Array, Mask]: ...
+
+    def slope(self, active: Mask, count: Count, /) -> Array | None: ...
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Everything at tractions q (2, n): pressure (n,), active points, slip s (2, n), y (2, n), friction mu (n,) and its
+    slope by |s|, bound b (n,), the larger of |y| and b rho + eps (n,), where |y| is (n,), F (2, n) and its norm,
+    and whether the bound is held.
+    """
+
+    q: Array
+    pressure: Array
+    active: Mask
+    s: Array
+    y: Array
+    mu: Array
+    fall: Array
+    bound: Array
+    longest: Array
+    slides: Mask
+    F: Array
+    norm: float
+    held: bool
+
+
+class Friction:
+    """F(q) and its derivative for n points: slip S (2 n, 2 n) 1/Pa of the tractions and rigid (2 n,); T (2 n, n) 1/Pa,
+    slip of the pressure (None: within rigid); speed m/s; known, what solves with the same compliance found before.
+    """
+
+    def __init__(
+        self,
+        slip: Array,
+        rigid: Array,
+        shift: Array | None,
+        pressure: Pressure,
+        laws: Laws,
+        speed: float,
+        known: Known | None = None,
+    ) -> None:
+        n = len(rigid) // 2
+        own = 0.5 * (np.diag(slip)[:n] + np.diag(slip)[n:])
+        self.rho = np.maximum(own, 1e-3 * np.abs(own).max())
+        self._slip, self._rigid, self._shift, self._pressure = slip, rigid, shift, pressure
+        self._laws, self._speed = laws, speed
+        self._known = Known() if known is None else known
+
+    @property
+    def falls(self) -> bool:
+        """Whether friction falls with the slip velocity."""
+        return self._laws.falling is not None
+
+    def at(self, q: Array, active: Mask, count: Count, bound: Array | None = None) -> Trial:
+        """The trial at q (2, n), with bounds (n,) held if given; active points are only where to start from."""
+        p, active = self._pressure.at(q.ravel(), active, count)
+        s = self._rigid + self._slip @ q.ravel()
+        if self._shift is not None:
+            s = s + self._shift @ p
+        s = s.reshape(2, -1)
+        mu, fall = self._laws.friction_at(np.hypot(s[0], s[1]), self._speed)
+        b = mu * p if bound is None else bound
+        y, longest, slides, F, norm = misfit(q, s, b, self.rho, self._laws.regularisation)
+        return Trial(q, p, active, s, y, mu, fall, b, longest, slides, F, norm, bound is not None)
+
+    def step(self, t: Trial, options: NewtonOptions, count: Count) -> Array:
+        """Newton's step (2, n) from a trial."""
+        index, slip, slope = self._linearised(t, count)
+        known = self._known
+        falls = bool(t.fall.any()) and not t.held
+        jacobian = derivative(
+            index,
+            slip,
+            NONE if slope is None or t.held else slope,
+            t.y,
+            t.s,
+            t.bound,
+            t.longest,
+            t.slides,
+            self.rho,
+            t.mu,
+            t.pressure * t.fall if falls else NOTHING,
+            self._laws.regularisation,
+        )
+        right = -t.F[:, index].ravel()
+        if options.linear == "bicgstab" and (found := iterated(jacobian, right, options, count)) is not None:
+            return _spread(found, index, t.q.shape)
+        known.factors = factorised(jacobian)
+        return _spread(la.lapack.dgetrs(*known.factors, right)[0], index, t.q.shape)
+
+    def chord(self, t: Trial, count: Count) -> Array | None:
+        """The step (2, n) by the factors of an earlier Jacobian, if there are any for the same points."""
+        known = self._known
+        if known.factors is None or t.held:
+            return None
+        index, _, _ = self._linearised(t, count)
+        if known.factors is None:  # they were those of other points
+            return None
+        return _spread(la.lapack.dgetrs(*known.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
+
+    def _linearised(self, t: Trial, count: Count) -> tuple[Nodes, Array, Array | None]:
+        """Points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2 k), of those."""
+        active, known = t.active, self._known
+        inside = active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
+        sets = active.tobytes() + inside.tobytes()
+        if known.linearised is None or sets != known.sets:
+            index = np.flatnonzero(inside)
+            both = np.concatenate([index, len(active) + index])
+            slip = self._slip if inside.all() else self._slip[np.ix_(both, both)]
+            steep, slope = self._pressure.slope(active, count), None
+            if steep is not None and self._shift is not None:
+                slope = np.zeros((len(index), len(both)))
+                slope[active[index]] = steep[:, both]
+                slip = slip + self._shift[np.ix_(both, np.flatnonzero(active))] @ slope[active[index]]
+            known.sets, known.linearised, known.factors = sets, (index, slip, slope), None
+        return known.linearised
+
+
+def _spread(values: Array, index: Nodes, shape: tuple[int, ...]) -> Array:
+    """Values (2 k,) at points of all (2, n)."""
+    if len(index) == shape[1]:
+        return values.reshape(shape)
+    whole = np.zeros(shape)
+    whole[:, index] = values.reshape(2, -1)
+    return whole

@@ -1,0 +1,120 @@
+"""Displacement and stress of both bodies on their 3D meshes: those of the full model, or of a condensed one by a solve.
+
+A condensed model knows its bodies by the compliance of their surfaces; the displacements inside that go with its
+tractions take the stiffness once more and one right-hand side, K u = f, where and when they are asked for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
+from wheelrail.contact.geometry.contact_operators import Coupling, couple_both
+from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, Quadrics
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.stress.fields import BodyFields
+from wheelrail.forms.elasticity import lame
+from wheelrail.forms.stress import cauchy
+from wheelrail.meshes.bodies.extrusion import Solid
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from wheelrail.contact.elasticity.solid_body import ElasticBody
+    from wheelrail.contact.models.full.model import Full
+
+GOING_ROUND = [0, 1, 3, 2, 4, 5, 7, 6]  # corners of a hexahedron in the order of `BodyFields`, from dolfinx's
+
+
+def solid_fields(model: Condensed | Full, pose: Pose, result: ContactResult) -> tuple[BodyFields, BodyFields]:
+    """Fields of wheel (upper body) and rail (lower body) for a result of the model in this pose.
+
+    Corners of cells carry displacements; stress is the mean of the cells round a corner, weighted by volume. Raises
+    ValueError without contact, and for a model whose bodies are no meshed solids.
+    """
+    if result.fields is None or not (result.fields.pressure > 0).any():
+        raise ValueError("nothing touches: no body is loaded")
+    frames = _frames(model, pose)
+    if not isinstance(model, Condensed):
+        u = result.warm_start
+        assert isinstance(u, np.ndarray)
+        split = model.wheel.stiffness.getSize()[0]
+        return (
+            _fields(model.wheel, u[:split], 1.0, model.wheel.steel.E).seen_from(frames[0]),
+            _fields(model.rail, u[split:], 1.0, model.rail.steel.E).seen_from(frames[1]),
+        )
+    points, _ = model.geometry.contact_points(pose, order := model.order if model.laws.friction > 0 else 0)
+    if points is None or len(points.node) != len(result.fields.node):
+        raise ValueError("the result is not one of this model in this pose")
+    local = np.column_stack([result.fields.traction, -result.fields.pressure]) * points.area[:, None]
+    loads = local.T.ravel() if order else local[:, 2]
+    found = []
+    for compliance, coupling, sign, frame in zip(
+        (model.wheel, model.rail), couple_both(points, order), (1.0, -1.0), frames, strict=True
+    ):
+        if not isinstance(compliance, SurfaceCompliance):
+            raise ValueError(
+                "the bodies of this model are no meshed solids, see wheelrail.contact.stress.waveguide_fields"
+            )
+        body = compliance.body()
+        u = compliance.scale * _solved(body, coupling, sign * loads)
+        own = model.geometry.grid.position if isinstance(model.geometry, Quadrics) else body.grid.position
+        size = float(np.ptp(own) / np.ptp(body.grid.position))
+        found.append(_fields(body, u, size, body.steel.E / (compliance.scale * size)).seen_from(frame))
+    return found[0], found[1]
+
+
+def _frames(model: Condensed | Full, pose: Pose) -> tuple[Pose, Pose]:
+    """Axes of both bodies in the frame of the fields; a pair with given radii carries its approach in the overlap."""
+    still = Pose(np.zeros(3), np.eye(3))
+    return (Pose(np.zeros(3), UPSIDE_DOWN) if isinstance(model.geometry, Quadrics) else pose), still
+
+
+def _solved(body: ElasticBody, coupling: Coupling, loads: Array) -> Array:
+    """Displacements of all unknowns by loads at the contact points."""
+    from petsc4py import PETSc
+
+    from wheelrail.contact.models.full.discrete_problem import spread
+
+    force = np.asarray(spread(coupling, body)[0].T @ loads)
+    right = PETSc.Vec().createWithArray(force, comm=PETSc.COMM_SELF)
+    left = right.duplicate()
+    body.factor.solve(right, left)
+    found = np.array(left.getArray())
+    right.destroy()
+    left.destroy()
+    return found
+
+
+def _fields(body: ElasticBody, u: Array, size: float, modulus: float) -> BodyFields:
+    """Fields on a mesh whose points are `size` metres to the unit, of a material with this modulus [Pa]."""
+    from scipy.spatial import cKDTree
+
+    solid = body.solid
+    _, node = cKDTree(body.space.tabulate_dof_coordinates()).query(solid.points)
+    displacement = u.reshape(-1, 3)[node]
+    points = solid.points * size
+    stress = cauchy(_gradients(solid, points, displacement), *lame(modulus, body.steel.nu))
+    if solid.cell == "tetrahedron":
+        return BodyFields(points, solid.cells, "tetrahedron", displacement, stress)
+    return BodyFields(points, solid.cells[:, GOING_ROUND], "hexahedron", displacement, stress)
+
+
+def _gradients(solid: Solid, points: Array, displacement: Array) -> Array:
+    """Gradients (n, 3, 3) at the points of a mesh: those in the middle of cells, averaged by volume."""
+    corners, moved = points[solid.cells], displacement[solid.cells]
+    if solid.cell == "tetrahedron":
+        slope = np.vstack([-np.ones(3), np.eye(3)])
+    else:
+        reference = np.array([[i, j, k] for k in (-1, 1) for j in (-1, 1) for i in (-1, 1)], dtype=float)
+        slope = reference / 4
+    jacobian = np.einsum("mkc,kd->mcd", corners, slope)
+    gradient = np.einsum("mkc,kd->mcd", moved, slope) @ np.linalg.inv(jacobian)
+    volume = np.abs(np.linalg.det(jacobian))
+    total, mean = np.zeros(len(points)), np.zeros((len(points), 3, 3))
+    np.add.at(total, solid.cells, volume[:, None])
+    np.add.at(mean, solid.cells, (volume[:, None, None] * gradient)[:, None])
+    return np.asarray(mean / total[:, None, None])

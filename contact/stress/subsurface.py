@@ -1,0 +1,201 @@
+"""Stress below the patches of a contact result, in one of its bodies, where and when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from time import perf_counter
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN
+from wheelrail.contact.kinematics.frames import MIRROR, Pose
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.results.result import ContactResult, Fields
+from wheelrail.contact.stress.surface_loads import CellLoads, arc_of, unrolled
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from wheelrail.contact.elasticity.waveguide.section import Section
+    from wheelrail.meshes.bodies.outlines import Outline
+
+ACROSS = 24  # lines of the section over the narrowest patch, and two over the shallowest depth ..
+FINEST = 64  # .. but no more than these over the patch
+MARGIN = 8  # lines beside the patches
+FAR = 40  # patch widths to the sides of a block
+
+
+@dataclass(frozen=True)
+class PatchStress:
+    """Below one patch: depth (n,) m along its mean normal from the body's surface under its resultant, position (n, 3)
+    m, stress (n, 3, 3) Pa and von_mises (n,) Pa, in the frame of the result's fields or its mirror image.
+    """
+
+    depth: Array
+    position: Array
+    stress: Array
+
+    @property
+    def von_mises(self) -> Array:
+        from wheelrail.forms.stress import von_mises
+
+        return von_mises(self.stress)
+
+    def mirrored(self) -> PatchStress:
+        """The same in the mirror y = 0."""
+        return replace(self, position=self.position * MIRROR, stress=self.stress * np.outer(MIRROR, MIRROR))
+
+
+@dataclass(frozen=True)
+class Underneath:
+    """By patch, in the result's order; the number of wavenumbers that it took, and seconds."""
+
+    patches: tuple[PatchStress, ...]
+    wavenumbers: int
+    seconds: float
+
+    def mirrored(self) -> Underneath:
+        return replace(self, patches=tuple(patch.mirrored() for patch in self.patches))
+
+
+@dataclass(frozen=True)
+class LoadedBody:
+    """A body of a pair: frame its axes in the frame of the fields, upper whether tractions act on it as they stand or
+    reversed, and how its section is made: from the fields, and the size [m] of its lines.
+    """
+
+    frame: Pose
+    upper: bool
+    section: Callable[[Fields, float], Section]
+
+    @classmethod
+    def wheel(cls, outline: Outline, steel: Steel, pose: Pose) -> LoadedBody:
+        """The wheel of a wheel-rail pair, its outline in y and r."""
+        return cls(pose, True, partial(_profiled, "wheel", outline, steel, pose))
+
+    @classmethod
+    def rail(cls, outline: Outline, steel: Steel) -> LoadedBody:
+        """The rail of a wheel-rail pair."""
+        frame = Pose(np.zeros(3), np.eye(3))
+        return cls(frame, False, partial(_profiled, "rail", outline, steel, frame))
+
+    @classmethod
+    def block(cls, upper: bool, steel: Steel) -> LoadedBody:
+        """A large block, of a pair with given radii."""
+        return cls(Pose(np.zeros(3), UPSIDE_DOWN if upper else np.eye(3)), upper, partial(_block, steel))
+
+    def below(self, result: ContactResult, depths: Array, *, tolerance: float = 1e-2) -> Underneath:
+        """Stress at depths (n,) m below every patch, by the tractions on all of them. Raises ValueError without
+        contact, and for depths that leave the body.
+        """
+        from wheelrail.contact.stress.waveguide import stress  # imports dolfinx
+
+        start = perf_counter()
+        fields = result.fields
+        if fields is None or not (fields.pressure > 0).any():
+            raise ValueError("nothing touches: there is no stress to find")
+        section = self.section(fields, _size(fields, depths))
+        top, inward = under(self, section, result)
+        places = (top[:, None] + depths[:, None] * inward[:, None]).reshape(-1, 3)
+        told: list[int] = []
+        found = stress(
+            section,
+            self.loads(section, fields),
+            places,
+            tolerance=tolerance,
+            progress=lambda done, _: told.append(done),
+        )
+        turn = self.frame.rotation
+        shape = (len(top), len(depths))
+        position = (self.frame.origin + places @ turn.T).reshape(*shape, 3)
+        tensor = (turn @ found @ turn.T).reshape(*shape, 3, 3)
+        return Underneath(
+            tuple(PatchStress(depths, *both) for both in zip(position, tensor, strict=True)),
+            len(told),
+            perf_counter() - start,
+        )
+
+    def loads(self, section: Section, fields: Fields) -> CellLoads:
+        """What the contact does to this body: action on the upper one, reaction on the lower."""
+        on = fields.pressure > 0
+        local = np.column_stack([fields.traction[on], -fields.pressure[on]]) * fields.area[on][:, None]
+        force = np.einsum("na,nac->nc", local, fields.axes[on])
+        point = (fields.point[on] - self.frame.origin) @ self.frame.rotation
+        sign = 1.0 if self.upper else -1.0
+        step = fields.step[on]
+        return CellLoads.over(
+            section, point, sign * force @ self.frame.rotation, step=step, width=fields.area[on] / step
+        )
+
+
+def under(body: LoadedBody, section: Section, result: ContactResult) -> tuple[Array, Array]:
+    """Points (p, 3) m of a body's surface under every patch's resultant, and its mean normals (p, 3) inwards, in body
+    axes.
+    """
+    fields = result.fields
+    assert fields is not None
+    normals, starts = [], []
+    for k in range(len(result.patches)):
+        own = fields.patch == k
+        weight = (fields.pressure * fields.area)[own]
+        normal = weight @ fields.axes[own, 2]
+        inward = (-1.0 if body.upper else 1.0) * normal / np.linalg.norm(normal)
+        normals.append(inward @ body.frame.rotation)
+        starts.append((weight @ fields.point[own] / weight.sum() - body.frame.origin) @ body.frame.rotation)
+    return _on_surface(section, np.array(starts)), np.array(normals)
+
+
+def narrowest(fields: Fields) -> float:
+    """Mean width m of the narrowest patch."""
+    width = fields.area / fields.step
+    return float(
+        min(
+            np.sum(width[own] * fields.step[own]) / np.ptp(np.append(fields.point[own, 0], fields.step[own].max()))
+            for own in (fields.patch == k for k in range(fields.patch.max() + 1))
+        )
+    )
+
+
+def _size(fields: Fields, depths: Array) -> float:
+    """Distance m of the section's lines: by the narrowest patch and the shallowest depth."""
+    width = narrowest(fields)
+    return float(min(width / ACROSS, max(0.5 * depths.min(), width / FINEST)))
+
+
+def _profiled(
+    kind: Literal["wheel", "rail"], outline: Outline, steel: Steel, frame: Pose, fields: Fields, size: float
+) -> Section:
+    from wheelrail.contact.elasticity.waveguide.bodies import rail_body, wheel_body
+
+    on = fields.pressure > 0
+    x, y, z = ((fields.point[on] - frame.origin) @ frame.rotation).T
+    section = np.column_stack([y, z if kind == "rail" else np.hypot(x, z)]) - outline.offset
+    arc = outline.profile.closest(section).s
+    half = 0.5 * fields.area[on] / fields.step[on] + MARGIN * size
+    ends = float((arc - half).min()), float((arc + half).max())
+    return (rail_body if kind == "rail" else wheel_body)(outline, steel, size=size, ends=ends)
+
+
+def _block(steel: Steel, fields: Fields, size: float) -> Section:
+    from wheelrail.contact.elasticity.waveguide.bodies import block_body
+
+    on = fields.pressure > 0
+    y = np.abs(fields.point[on, 1]) + 0.5 * fields.area[on] / fields.step[on]
+    reach = max(float(y.max()), float(np.abs(fields.point[on, 0]).max()))
+    half_width = 2.0 ** np.ceil(np.log2(FAR * reach / size))
+    return block_body(int(np.ceil(y.max() / size)) + MARGIN, steel, size=size, half_width=float(half_width))
+
+
+def _on_surface(body: Section, points: Array) -> Array:
+    """Points (n, 3) m in body axes moved to the nearest of its surface, in their section."""
+    along, section, _ = unrolled(body, points)
+    corners = body.section.points[body.section.surface]
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
+    at = arc_of(corners, section)
+    y, r = (np.interp(at, arc, corner) for corner in corners.T)
+    if body.radius is None:
+        return np.column_stack([along, y, r])
+    angle = along / body.radius
+    return np.column_stack([r * np.sin(angle), y, -r * np.cos(angle)])

@@ -1,0 +1,120 @@
+"""Stress inside a body invariant along x or in angle, for given loads on its surface, by wavenumbers."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from wheelrail.contact.elasticity.waveguide.coordinates import Chart
+from wheelrail.contact.elasticity.waveguide.section import Section
+from wheelrail.contact.stress.surface_loads import CellLoads
+from wheelrail.contact.stress.wavenumbers import Progress, sampled
+from wheelrail.forms.elasticity import lame
+from wheelrail.forms.stress import cauchy
+from wheelrail.support.arrays import Array, Complex, Mask
+
+PATCH = 20  # nodes of the displacement whose cubic gives the gradient at a place, which takes at least 10
+
+
+def stress(
+    body: Section,
+    loads: CellLoads,
+    places: Array,
+    *,
+    tolerance: float = 2e-3,
+    progress: Progress | None = None,
+) -> Array:
+    """Cauchy stress (m, 3, 3) Pa in body axes at places (m, 3) m inside the body.
+
+    tolerance: of the interpolation between wavenumbers, relative to the largest stress amplitude's integral. Bodies of
+    revolution have their axle along y through the origin, angles counted forward from straight below. Raises
+    ValueError for places outside the section, and RuntimeError when 400 wavenumbers do not do.
+    """
+    chart = Chart.of(body, places)
+    spots, number = np.unique(np.round(chart.section, 12), axis=0, return_inverse=True)
+    outside = ~inside(body, spots)
+    if outside.any():
+        raise ValueError(f"place {spots[outside][0]} m lies outside the section")
+    gradients = Gradients(body, spots)
+    λ, μ = lame(body.steel.E, body.steel.nu)
+    waves = sampled(
+        body,
+        loads,
+        lambda U, k: cauchy(gradients(U, k), λ, μ),
+        shallowest=float(gradients.depth.min()),
+        tolerance=tolerance,
+        progress=progress,
+    )
+    return chart.turned(np.einsum("km,kmab->mab", waves.weights(chart.along), waves.samples[:, number]).real)
+
+
+class Gradients:
+    """Gradients of a section's displacements at places (m, 2) m: cubics through the nodes around each.
+
+    They are of third order at edges and corners of cells, too, where those of the cells' own quadratics are of second
+    and jump (recovery by polynomials: Zhang and Naga, doi 10.1137/S1064827503402837).
+    depth (m,) m below the contact surface.
+    """
+
+    def __init__(self, body: Section, places: Array) -> None:
+        self.radius, self.places = body.radius, places
+        corners = body.section.points[body.section.surface]
+        self.depth = _depth(places, corners)
+        distance, self.near = cKDTree(body.points).query(places, k=min(PATCH, len(body.points)))
+        scale = distance[:, -1]
+        offset = (body.points[self.near] - places[:, None]) / scale[:, None, None]
+        a, b = offset[..., 0], offset[..., 1]
+        powers = [a**i * b**j for i, j in CUBIC]
+        # rows of the pseudo-inverse: value and slopes at the place as sums over the nodes
+        inverse = np.linalg.pinv(np.stack(powers, axis=-1))[:, :3]
+        self.value, self.slope = inverse[:, 0], inverse[:, 1:] / scale[:, None, None]
+        self.value[distance[:, 0] < 1e-9 * scale] = np.eye(1, self.near.shape[1])  # a node has its own value
+
+    def displacement(self, U: Complex) -> Complex:
+        """Displacements (m, 3) times e^{-ikx} in axes (along, y, up or outward), from U (3 n,)."""
+        u = np.einsum("mn,mnc->mc", self.value, U.reshape(-1, 3)[self.near])
+        return np.asarray(u * [-1j, 1.0, 1.0])
+
+    def __call__(self, U: Complex, k: float) -> Complex:
+        """Gradients (m, 3, 3) of u e^{-ikx}, rows components, columns derivatives (along, y, z or r), from U (3 n,)."""
+        near = U.reshape(-1, 3)[self.near]
+        u = np.einsum("mn,mnc->mc", self.value, near)
+        D = np.einsum("mdn,mnc->mcd", self.slope, near)
+        G = np.zeros((len(u), 3, 3), dtype=complex)
+        G[:, :, 1:] = D
+        G[:, 0, 1:] *= -1j
+        if self.radius is None:
+            G[:, 0, 0], G[:, 1:, 0] = k * u[:, 0], 1j * k * u[:, 1:]
+            return G
+        r = self.places[:, 1]
+        n = k * self.radius
+        G[:, 0, 0] = (n * u[:, 0] + u[:, 2]) / r
+        G[:, 1, 0] = 1j * n * u[:, 1] / r
+        G[:, 2, 0] = 1j * (n * u[:, 2] + u[:, 0]) / r
+        return G
+
+
+CUBIC = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))
+
+
+def inside(body: Section, places: Array) -> Mask:
+    """Which places (m, 2) m lie in a cell, or out of it by less than a twentieth: arcs stand off their chords."""
+    a, b, c = np.moveaxis(body.section.points[body.section.cells], 1, 0)
+    inverse = np.linalg.inv(np.stack([b - a, c - a], axis=-1))
+    found = np.empty(len(places), dtype=bool)
+    for start in range(0, len(places), 256):
+        share = np.einsum("nab,mnb->mna", inverse, places[start : start + 256, None] - a)
+        within = (share > -0.05).all(axis=-1) & (share.sum(axis=-1) < 1.05)
+        found[start : start + 256] = within.any(axis=1)
+    return found
+
+
+def _depth(places: Array, corners: Array) -> Array:
+    """Distance (m,) m of places (m, 2) from the polyline through corners (n, 2)."""
+    a, d = corners[:-1], np.diff(corners, axis=0)
+    along = np.einsum("nmk,mk->nm", places[:, None] - a, d) / (d**2).sum(axis=1)
+    foot = a + np.clip(along, 0.0, 1.0)[..., None] * d
+    return np.asarray(np.hypot(*(places[:, None] - foot).transpose(2, 0, 1)).min(axis=1))
+
+
+__all__ = ["CellLoads", "Gradients", "stress"]

@@ -1,0 +1,5 @@
+"""Closed cross-sections of wheel, rail and block, their triangulation, and solids extruded or revolved from them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,192 @@
+"""Closed outlines of the bodies' cross-sections: the running surface, and the rest of the body behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wheelrail.meshes.bodies.wheel_web import WheelShape
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.support.arrays import Array
+
+HEIGHT = 172.0  # mm, of the 60E1 section
+SNAP = 2e-4  # m; corners of the rest nearer than this to an end of the profile are dropped for it
+MISFIT = 8e-3  # m; how far an end of a rail's profile may stand off the standard section: heavy wear, not another rail
+
+# Right half of 60E1 from the foot of the flank to the axis, mm: x from the axis, height above the underside, centre of
+# the arc that leads there (None: a line) and its sense. EN 13674-1; fillets of 35 and 7 mm between web and faces.
+_Corner = tuple[float, float, tuple[float, float] | None, int]
+_START = (37.04876, 136.72473)
+_REST: list[_Corner] = [
+    (35.07774, 133.75554, (34.05251, 136.57492), -1),
+    (16.50562, 127.00204, None, 0),
+    (12.24533, 122.60165, (18.89782, 120.42349), 1),
+    (11.43745, 119.72413, (45.50778, 111.71084), 1),
+    (8.25, 92.25, (128.25, 92.25), 1),
+    (8.25, 60.25, None, 0),
+    (11.43745, 32.77587, (128.25, 60.25), 1),
+    (12.24533, 29.89835, (45.50778, 40.78916), 1),
+    (16.50562, 25.49796, (18.89782, 32.07651), 1),
+    (44.86223, 15.18646, None, 0),
+    (55.68207, 12.87985, (58.53195, 52.7782), 1),
+    (71.28499, 11.76536, None, 0),
+    (75.0, 7.77552, (71.0, 7.77552), -1),
+    (75.0, 2.0, None, 0),
+    (73.0, 0.0, (73.0, 2.0), -1),
+]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Cross-section of a body, run through clockwise in its plane (y to the field side, z or the radius upwards).
+
+    The running surface is the profile from surface_range[0] to surface_range[1] [m], moved by offset (2,) m; rest
+    (m, 2) m closes it from its end back to its start, both included. clamped: first and last index of the points of
+    rest between which the body is held. ValueError if rest does not fit the profile.
+    """
+
+    profile: Profile
+    surface_range: tuple[float, float]
+    rest: Array
+    clamped: tuple[int, int]
+    offset: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        start, stop = self.surface(self.surface_range)
+        if max(np.abs(self.rest[0] - stop).max(), np.abs(self.rest[-1] - start).max()) > 1e-12:
+            raise ValueError(f"the rest of section {self.profile.name} does not close it")
+        if not 0 <= self.clamped[0] < self.clamped[1] < len(self.rest):
+            raise ValueError(f"clamped must be two indices of rest in order, not {self.clamped}")
+        self.rest.setflags(write=False)
+
+    def surface(self, s: ArrayLike) -> Array:
+        """Points (..., 2) m of the running surface at arc length s m of the profile."""
+        return np.asarray(self.profile.point(s) + self.offset)
+
+    def is_clamped(self, points: Array) -> NDArray[np.bool_]:
+        """Which of points (n, 2) m lie on the clamped part, within 1e-9 m."""
+        held = self.rest[self.clamped[0] : self.clamped[1] + 1]
+        a, d = held[:-1], np.diff(held, axis=0)
+        along = np.einsum("nmk,mk->nm", points[:, None] - a, d) / (d**2).sum(axis=1)
+        foot = a + np.clip(along, 0.0, 1.0)[..., None] * d
+        return np.asarray((np.hypot(*(points[:, None] - foot).transpose(2, 0, 1)) < 1e-9).any(axis=1))
+
+    def polygon(self, spacing: float) -> Array:
+        """Closed polygon (n, 2) m, first point not repeated, with the surface sampled every spacing [m] or closer."""
+        s = self.profile.samples(spacing, *self.surface_range)
+        return np.concatenate([self.surface(s), self.rest[1:-1]])
+
+
+def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
+    """Section of a rail as laid: the profile on the rest of 60E1, clamped at the underside of its foot.
+
+    The profile is used down to the foot of the flank, 35.3 mm below the crown; one that ends higher is continued by a
+    straight line. chord_error m: largest distance of the rest's polyline from its arcs. ValueError if an end of the
+    profile stands off the standard flank by more than 8 mm.
+    """
+    if profile.kind != "rail":
+        raise ValueError(f"{profile.name} is a {profile.kind}, not a rail")
+    right = np.array(_rest(chord_error / 1e-3))
+    both = np.concatenate([right, right[::-1] * (-1.0, 1.0)])
+    rest = profile.placement((both - (0.0, HEIGHT)) * 1e-3)
+    stop, start = _end(profile, rest[0], 1), _end(profile, rest[-1], -1)
+    rest, dropped = _joined(rest, profile.point(stop), profile.point(start))
+    foot = len(right) - 1 - dropped
+    return Outline(profile, (start, stop), rest, (foot, foot + 1))
+
+
+def rim_outline(
+    profile: Profile, radius: float, *, rim_thickness: float = 0.065, faces: tuple[float, float] = (-0.070, 0.065)
+) -> Outline:
+    """Section of a wheel's rim in (y, r), r = radius + z: faces, and an inner face that is clamped, m.
+
+    A profile that ends inside a face is continued at its radius to it; one that reaches further widens the rim.
+    ValueError if the profile ends below the middle of the rim or covers less than half of its width.
+    """
+    inner = radius - rim_thickness
+    stop, front, back, start = _rim(profile, radius, rim_thickness, faces)
+    rest = np.array([stop, [front, stop[1]], [front, inner], [back, inner], [back, start[1]], start])
+    kept = np.concatenate([[True], np.hypot(*np.diff(rest, axis=0).T) > 0.0])
+    first = int(kept[:2].sum())
+    return Outline(profile, profile.s_range, rest[kept], (first, first + 1), (0.0, radius))
+
+
+def wheel_outline(profile: Profile, radius: float, shape: WheelShape | None = None) -> Outline:
+    """Section of a monobloc wheel in (y, r), r = radius + z: rim, web and hub, clamped at the bore, m.
+
+    The profile is treated as by `rim_outline`. ValueError if it or the shape does not fit a wheel of the radius.
+    """
+    shape = shape or WheelShape()
+    stop, front, back, start = _rim(profile, radius, shape.rim_thickness, shape.faces)
+    head = np.array([stop, [front, stop[1]]])
+    tail = np.array([[back, start[1]], start])
+    body = shape.below_the_rim(radius, front, back)
+    rest = np.concatenate([head, body, tail])
+    kept = np.concatenate([[True], np.hypot(*np.diff(rest, axis=0).T) > 0.0])
+    bore = np.flatnonzero(rest[kept][:, 1] == shape.bore_radius)
+    return Outline(profile, profile.s_range, rest[kept], (int(bore[0]), int(bore[-1])), (0.0, radius))
+
+
+def _rim(
+    profile: Profile, radius: float, rim_thickness: float, faces: tuple[float, float]
+) -> tuple[Array, float, float, Array]:
+    """End of the profile on the field side, y of the front and the back of the rim, its end on the flange."""
+    if profile.kind != "wheel":
+        raise ValueError(f"{profile.name} is a {profile.kind}, not a wheel")
+    if not 0.0 < rim_thickness < radius:
+        raise ValueError(f"rim_thickness must lie in 0 .. {radius} m, not {rim_thickness}")
+    start, stop = profile.point(profile.s_range) + np.array([0.0, radius])
+    inner = radius - rim_thickness
+    if min(start[1], stop[1]) < 0.5 * (radius + inner):
+        raise ValueError(
+            f"wheel {profile.name} reaches radius {min(start[1], stop[1]):.4f} m, into a rim from {inner} m"
+        )
+    if stop[0] - start[0] < 0.5 * (faces[1] - faces[0]):
+        raise ValueError(
+            f"wheel {profile.name} is {stop[0] - start[0]:.4f} m wide, the rim {faces[1] - faces[0]:.4f} m"
+        )
+    back = start[0] if start[0] < faces[0] + SNAP else faces[0]
+    front = stop[0] if stop[0] > faces[1] - SNAP else faces[1]
+    return stop, front, back, start
+
+
+def _rest(chord_error: float) -> list[tuple[float, float]]:
+    """Right half of the section from the flank's foot to the underside, mm."""
+    points = [_START]
+    for x, y, centre, sense in _REST:
+        if centre is not None:
+            (x0, y0), c = points[-1], complex(*centre)
+            a, b = complex(x0, y0) - c, complex(x, y) - c
+            turn = np.angle(b / a)
+            if np.sign(turn) != sense:
+                raise ValueError(f"arc to ({x}, {y}) turns the wrong way")
+            # sagitta R (1 - cos(step / 2))
+            count = max(2, int(np.ceil(abs(turn) / (2.0 * np.arccos(1.0 - min(chord_error / abs(a), 0.1))))))
+            for k in range(1, count):
+                p = c + a * np.exp(1j * turn * k / count)
+                points.append((p.real, p.imag))
+        points.append((x, y))
+    return points
+
+
+def _end(profile: Profile, corner: Array, side: int) -> float:
+    """Arc length at which the profile gives way to the rest, whose first point is corner."""
+    s = profile.closest(corner[None]).s[0]
+    gap = profile.point(s) - corner
+    if s * side < 0.0 or abs(gap[0]) > MISFIT:
+        where = "field" if side > 0 else "gauge"
+        raise ValueError(
+            f"rail {profile.name} ends {1e3 * abs(gap[0]):.1f} mm aside of the standard section on the {where} side; "
+            f"allowed: {1e3 * MISFIT:g} mm"
+        )
+    return float(s)
+
+
+def _joined(rest: Array, first: Array, last: Array) -> tuple[Array, int]:
+    """The rest between the profile's ends, without corners next to them; how many were dropped at its start."""
+    near_first = np.hypot(*(rest - first).T) < SNAP
+    near_last = np.hypot(*(rest - last).T) < SNAP
+    kept = rest[~near_first & ~near_last]
+    return np.concatenate([[first], kept, [last]]), int(near_first.sum()) - 1

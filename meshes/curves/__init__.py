@@ -1,0 +1,5 @@
+"""Plane curves by arc length: evaluation, closest points, splines."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

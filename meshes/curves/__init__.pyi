@@ -1,0 +1,1 @@
+from .curve import Curve as Curve

@@ -1,0 +1,162 @@
+"""From sections of a plane curve, given by any parameter, to one curve by arc length.
+
+The plane is y + iz: rigid motion is a product and a sum, a tangent is a unit number, its normal i times it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from wheelrail.meshes.curves.curve import DEGREE, Curve
+from wheelrail.support.arrays import Array, Complex
+
+Function = Callable[[Array], Complex]
+
+TOLERANCE = 1e-15  # m, of a polynomial piece against its section; the coordinates themselves carry about 1e-17 m
+GAP = 1e-6  # m, largest step between sections that is taken for rounding of their numbers
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
+_LOBATTO = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
+_TO_POWERS = np.linalg.inv(np.vander(_LOBATTO, increasing=True))
+_BETWEEN = 0.5 * (_LOBATTO[1:] + _LOBATTO[:-1])
+
+
+@dataclass(frozen=True)
+class Section:
+    """Part of a curve, smooth between its knots (k,), an increasing parameter; position m and its derivative."""
+
+    position: Function
+    velocity: Function
+    knots: Array
+
+    @property
+    def start(self) -> complex:
+        return complex(self.position(self.knots[:1])[0])
+
+    @property
+    def stop(self) -> complex:
+        return complex(self.position(self.knots[-1:])[0])
+
+
+def arc(centre: complex, radius: float, start: float, stop: float) -> Section:
+    """Circular arc from polar angle start to stop [rad], clockwise if stop < start; the parameter is its length."""
+    turn = np.sign(stop - start) / radius
+
+    def spoke(t: Array) -> Complex:
+        return np.asarray(np.exp(1j * (start + turn * t)))
+
+    return Section(
+        lambda t: centre + radius * spoke(t),
+        lambda t: 1j * turn * radius * spoke(t),
+        np.array([0.0, radius * abs(stop - start)]),
+    )
+
+
+def line(start: complex, stop: complex) -> Section:
+    """Straight line; the parameter is its length."""
+    length = abs(stop - start)
+    direction = (stop - start) / length
+    return Section(
+        lambda t: np.asarray(start + direction * t, dtype=complex),
+        lambda t: np.full(t.shape, direction, dtype=complex),
+        np.array([0.0, length]),
+    )
+
+
+def graph(height: Callable[[Array], Array], slope: Callable[[Array], Array], start: float, stop: float) -> Section:
+    """The graph z = height(y) from y = start to stop, with its slope; the parameter is y."""
+    return Section(
+        lambda y: y + 1j * height(y), lambda y: np.asarray(1.0 + 1j * slope(y), dtype=complex), np.array([start, stop])
+    )
+
+
+def _step(x: Array) -> Array:
+    """From 0 to 1 with two vanishing derivatives at both ends."""
+    return x**3 * (10.0 + x * (6.0 * x - 15.0))
+
+
+def _step_slope(x: Array) -> Array:
+    return 30.0 * (x * (1.0 - x)) ** 2
+
+
+def bridged(first: Section, second: Section, before: float, after: float) -> tuple[Section, Section]:
+    """Close the small gap between two sections by a smooth step.
+
+    The step starts `before` the joint and ends `after` it, in the parameter, which should mean the same length in both.
+    """
+    gap, width = second.start - first.stop, before + after
+
+    def shifted(section: Section, joint: float, level: float) -> Section:
+        def x(t: Array) -> Array:
+            return np.clip((t - joint + before) / width, 0.0, 1.0)
+
+        ends = [joint - before, joint + after]
+        inside = [end for end in ends if section.knots[0] < end < section.knots[-1]]
+        return Section(
+            lambda t: section.position(t) + gap * (_step(x(t)) - level),
+            lambda t: section.velocity(t) + gap / width * _step_slope(x(t)),
+            np.union1d(section.knots, inside),
+        )
+
+    return shifted(first, first.knots[-1], 0.0), shifted(second, second.knots[0], 1.0)
+
+
+def curve(sections: Sequence[Section]) -> Curve:
+    """The sections, end to end, as one curve by arc length from zero at its start.
+
+    Piecewise polynomials in arc length that repeat the sections to round-off (pieces are halved until they do). Gaps
+    from rounded numbers are closed. ValueError if one is above 1 um or if a section does not become smooth.
+    """
+    sections = list(sections)
+    for i, (first, second) in enumerate(pairwise(sections)):
+        gap = abs(second.start - first.stop)
+        if not gap <= GAP:
+            raise ValueError(f"sections of a curve must meet within {GAP} m, section {i + 1} starts {gap:.3g} m off")
+        if gap > TOLERANCE:
+            width = 0.2 * float(min(np.ptp(first.knots), np.ptp(second.knots)))
+            sections[i : i + 2] = bridged(sections[i], second, width, width)
+    lengths, coefficients = zip(*(_fit(section) for section in sections), strict=True)
+    breaks = np.concatenate([[0.0], np.cumsum(np.concatenate(lengths))])
+    return Curve(breaks, np.concatenate(coefficients, axis=1))
+
+
+def _fit(section: Section) -> tuple[Array, Complex]:
+    """Lengths (m,) and coefficients (DEGREE + 1, m) of polynomials in the arc length from each piece's middle."""
+    knots = section.knots
+    for _ in range(12):
+        a, b = knots[:-1, None], knots[1:, None]
+        length = _travelled(section, a, b)
+        half = 0.5 * length
+
+        def at(u: Array, a: Array = a, b: Array = b, length: Array = length, half: Array = half) -> Complex:
+            return section.position(_parameter(section, a, b, length, half * (1.0 + u)))
+
+        values = at(_LOBATTO)
+        middle = at(np.zeros(1))
+        powers = (values - middle) @ _TO_POWERS.T
+        between = middle + (powers[:, None, :] * np.vander(_BETWEEN, DEGREE + 1, increasing=True)).sum(axis=2)
+        bad = np.abs(between - at(_BETWEEN)).max(axis=1) > TOLERANCE
+        if not bad.any():
+            powers[:, 0] += middle[:, 0]
+            return length[:, 0], (powers / half ** np.arange(DEGREE + 1)).T
+        knots = np.union1d(knots, 0.5 * (knots[:-1] + knots[1:])[bad])
+    raise ValueError("a section of the curve is not smooth")
+
+
+def _travelled(section: Section, a: Array, b: Array) -> Array:
+    """Length from parameter a to b, elementwise."""
+    half = 0.5 * (b - a)
+    speed = np.abs(section.velocity(a[..., None] + half[..., None] * (1.0 + _NODES)))
+    return np.asarray(half * (speed @ _WEIGHTS))
+
+
+def _parameter(section: Section, a: Array, b: Array, length: Array, travelled: Array) -> Array:
+    """Parameter at which a piece from a to b (m, 1) of that length has travelled (m, n), by Newton's method."""
+    start = np.broadcast_to(a, travelled.shape)
+    t = a + (b - a) * (travelled / length)
+    for _ in range(6):
+        t = np.clip(t - (_travelled(section, start, t) - travelled) / np.abs(section.velocity(t)), a, b)
+    return t

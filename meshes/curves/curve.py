@@ -1,0 +1,171 @@
+"""Plane curve by arc length: point, tangent, normal, curvature, closest point; all vectorised."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wheelrail.meshes.curves.closest_point import SPACING, Closest, Shape, closest
+from wheelrail.support.arrays import Array, Complex
+
+DEGREE = 7
+ROUNDING = 1e-12  # m: ends are found to the last bits, which differ from machine to machine
+
+_C = TypeVar("_C", bound="Curve")
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Piecewise polynomial in arc length s [m], with the body on its right when s increases.
+
+    breaks (m + 1,) increasing, m; coefficients (8, m) of y + iz in powers of the distance from each piece's middle.
+    ValueError if they do not fit together.
+    """
+
+    breaks: Array
+    coefficients: Complex
+
+    def __post_init__(self) -> None:
+        if self.coefficients.shape != (DEGREE + 1, len(self.breaks) - 1):
+            raise ValueError(f"coefficients must be (8, {len(self.breaks) - 1}), not {self.coefficients.shape}")
+        if not (np.isfinite(self.breaks).all() and np.isfinite(self.coefficients).all()):
+            raise ValueError("a curve needs finite numbers")
+        if not (np.diff(self.breaks) > 0).all():
+            raise ValueError("breaks of a curve must increase")
+        self.breaks.setflags(write=False)
+        self.coefficients.setflags(write=False)
+
+    @property
+    def s_range(self) -> tuple[float, float]:
+        """Arc length at start and end, m."""
+        return float(self.breaks[0]), float(self.breaks[-1])
+
+    def point(self, s: ArrayLike) -> Array:
+        """Points (..., 2) m at arc length s. ValueError beyond the ends, here and below."""
+        return _pair(self._evaluate(s)[0])
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit tangents (..., 2)."""
+        return _pair(self._evaluate(s)[1])
+
+    def normal(self, s: ArrayLike) -> Array:
+        """Unit normals (..., 2), out of the body."""
+        return _pair(1j * self._evaluate(s)[1])
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature 1/m, positive where the body's surface is convex."""
+        _, t, k = self._evaluate(s)
+        return np.asarray(-(t.conj() * k).imag)
+
+    def closest(self, points: ArrayLike, guess: ArrayLike | None = None) -> Closest:
+        """Nearest point of the curve for points (n, 2) m, to 1e-12 m.
+
+        guess (n,) m, arc length to start from instead of the nearest of fine samples, saves half of the time and finds
+        the local minimum near it. Of two feet whose distances d differ by less than (0.1 mm)^2 / 8 d, as on the
+        bisector inside a corner, either may be returned.
+        """
+        p = np.asarray(points, dtype=float)
+        at = np.empty(0) if guess is None else np.asarray(guess, dtype=float)
+        return Closest(*closest(self.shape, p[:, 0] + 1j * p[:, 1], at))
+
+    def s_at_y(self, y: ArrayLike) -> Array:
+        """Arc length m at lateral position y m, on the part around s = 0 where y increases; ValueError beyond it."""
+        asked = np.asarray(y, dtype=float)
+        s, ys = self._samples, self._sampled.real
+        back = np.flatnonzero(np.diff(ys) <= 0.0)
+        origin = int(s.searchsorted(0.0))
+        first = int(max(back[back < origin] + 1, default=0))
+        last = int(min(back[back >= origin], default=len(s) - 1))
+        inside: Array = np.clip(asked, ys[first], ys[last])
+        if not (np.abs(asked - inside) < ROUNDING).all():
+            raise ValueError(f"y must lie in {ys[first]:.6g} .. {ys[last]:.6g} m, where it fixes the point: {asked}")
+        i = np.clip(ys[first : last + 1].searchsorted(inside), 1, last - first) + first
+        low, high = s[i - 1], s[i]
+        guess = low + (high - low) * (inside - ys[i - 1]) / (ys[i] - ys[i - 1])
+        for _ in range(60):
+            z, t, _k = self._evaluate(guess)
+            excess = z.real - inside
+            low, high = np.where(excess < 0.0, guess, low), np.where(excess > 0.0, guess, high)
+            new = guess - excess / np.maximum(t.real, 1e-6)
+            new = np.where((new > low) & (new < high), new, np.where(excess == 0.0, guess, 0.5 * (low + high)))
+            if np.abs(new - guess).max(initial=0.0) < 1e-15:
+                return np.asarray(new)
+            guess = new
+        return np.asarray(guess)
+
+    def moved(self: _C, angle: float, shift: complex, s_shift: float = 0.0) -> _C:
+        """The curve turned by angle [rad, from y to z] about the origin, then shifted [m]; s_shift is added to s."""
+        coefficients = self.coefficients * np.exp(1j * angle)
+        coefficients[0] += shift
+        return replace(self, breaks=self.breaks + s_shift, coefficients=coefficients)
+
+    def digest(self) -> str:
+        """Hash of the curve's shape, to 1e-11 m: the last bits of a fit differ from one linear algebra to another."""
+        shape = np.round(self.point(self.samples(1e-3)), 11) + 0.0
+        return hashlib.sha256(shape.tobytes()).hexdigest()
+
+    def samples(self, spacing: float, start: float | None = None, stop: float | None = None) -> Array:
+        """Arc lengths (n,) from start to stop, no further apart than spacing [m], with both ends and all breaks."""
+        start, stop = (self.breaks[0] if start is None else start), (self.breaks[-1] if stop is None else stop)
+        inner = self.breaks[(self.breaks > start) & (self.breaks < stop)]
+        ends = np.concatenate([[start], inner, [stop]])
+        counts = np.ceil(np.diff(ends) / spacing * (1 - 1e-12)).astype(int)
+        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], counts, strict=False)]
+        return np.concatenate([*parts, [stop]])
+
+    @cached_property
+    def _samples(self) -> Array:
+        return self.samples(SPACING)
+
+    @cached_property
+    def _sampled(self) -> Complex:
+        return np.asarray(self._evaluate(self._samples)[0])
+
+    @cached_property
+    def shape(self) -> Shape:
+        """The curve for compiled code."""
+        table = np.ascontiguousarray(self._table.transpose(2, 0, 1))
+        return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled)
+
+    @cached_property
+    def _middles(self) -> Array:
+        return 0.5 * (self.breaks[1:] + self.breaks[:-1])
+
+    @cached_property
+    def _table(self) -> Complex:
+        """Coefficients of the position and its first two derivatives, (3, 8, m)."""
+        c, n = self.coefficients, np.arange(1.0, DEGREE + 1.0)[:, None]
+        table = np.zeros((3, *c.shape), dtype=complex)
+        table[0] = c
+        table[1, :-1] = n * table[0, 1:]
+        table[2, :-1] = n * table[1, 1:]
+        return table
+
+    def piece(self, s: Array) -> NDArray[np.intp]:
+        """Index of the piece that s lies in."""
+        return np.asarray(self.breaks[1:-1].searchsorted(s, side="right"))
+
+    def local(self, s: Array, j: NDArray[np.intp]) -> Complex:
+        """Position, first and second derivative (3, n) at s in pieces j."""
+        x = s - self._middles[j]
+        powers = np.empty((DEGREE + 1, *x.shape))
+        powers[0] = 1.0
+        for n in range(DEGREE):
+            np.multiply(powers[n], x, out=powers[n + 1, ...])
+        return np.asarray(np.einsum("dk...,k...->d...", self._table.take(j, axis=2), powers))
+
+    def _evaluate(self, s: ArrayLike) -> Complex:
+        s = np.asarray(s, dtype=float)
+        start, stop = self.s_range
+        if s.size and not (s.min() >= start - 1e-9 and s.max() <= stop + 1e-9):
+            raise ValueError(f"arc length must lie in {start:.6g} .. {stop:.6g} m: {s.min():.6g} .. {s.max():.6g}")
+        return self.local(s, self.piece(s))
+
+
+def _pair(z: Complex) -> Array:
+    return np.stack([z.real, z.imag], axis=-1)

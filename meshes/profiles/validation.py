@@ -1,0 +1,117 @@
+"""Checks of a profile file's points: signs, units, order, duplicates, self-intersection."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from wheelrail.meshes.profiles.formats import ProfileError, Raw
+from wheelrail.meshes.profiles.profile import Kind
+from wheelrail.support.arrays import Array
+
+LEAST_POINTS, MOST_POINTS = 10, 20_000
+SIZES = {"width": (20e-3, 400e-3), "height": (1e-3, 400e-3)}  # m
+CLOSE = 2e-5  # m; points nearer than this to the one before say more about their rounding than about the shape
+MINIPROF_TIP = 30e-3  # m; a flange tip nearer than this to y = 0 means that y counts from the flange's back
+
+
+def oriented(raw: Raw, kind: Kind, flange_back: float) -> Raw:
+    """Signs from the shape where the format leaves them open, an error where they contradict the shape."""
+    if not LEAST_POINTS <= len(raw.points) <= MOST_POINTS:
+        raise ProfileError(raw.path, None, f"{len(raw.points)} points", f"{LEAST_POINTS} to {MOST_POINTS}")
+    z_sign, y_sign = _signs(raw.points, kind)
+    line = int(raw.lines[0])
+    if raw.oriented:
+        if z_sign < 0:
+            raise ProfileError(raw.path, line, "z points the wrong way", _SENSE[kind])
+        if y_sign < 0:
+            raise ProfileError(raw.path, line, "the flange lies at positive y", _SENSE[kind])
+        return raw
+    raw = raw.turned(y_sign, z_sign)
+    if kind == "wheel":
+        y, z = raw.points.T
+        if abs(y[np.argmax(z)]) < MINIPROF_TIP:
+            return replace(raw, points=raw.points + np.array([flange_back, 0.0]))
+    return raw
+
+
+_SENSE = {
+    "wheel": "y to the field side (flange at negative y) and z away from the axle, after the file's own mirroring",
+    "rail": "y to the field side and z up, after the file's own mirroring",
+}
+
+
+def _signs(points: Array, kind: Kind) -> tuple[int, int]:
+    """Signs of z and y that bring the top of a rail, or the flange of a wheel, to where it belongs."""
+    y, z = points.T
+    weight = np.abs(np.diff(y))
+    middle = 0.5 * (z[1:] + z[:-1])
+    level = np.sum(weight * middle) / max(weight.sum(), 1e-300)
+    if kind == "rail":
+        return (1 if z.max() - level <= level - z.min() else -1), 1
+    tread = weight > np.abs(np.diff(z)) / 3.0  # not the faces of the rim
+    heights = np.where(tread, middle - level, 0.0)
+    tip = int(np.argmax(np.abs(heights)))
+    return (1 if heights[tip] >= 0.0 else -1), (1 if y[tip] <= 0.5 * (y.min() + y.max()) else -1)
+
+
+def checked(raw: Raw, kind: Kind) -> Array:
+    """Points in order, thinned: width, duplicates, order and self-intersection are checked."""
+    points, lines = raw.points, raw.lines
+    for (name, (low, high)), size in zip(SIZES.items(), np.ptp(points, axis=0).tolist(), strict=True):
+        if not low <= size <= high:
+            guesses = {"metres": 1e3, "inches": 25.4, "millimetres": 1e-3}
+            like = [unit for unit, factor in guesses.items() if low <= size * factor <= high]
+            hint = f", the numbers look like {like[0]}" if like else ""
+            allowed = f"{1e3 * low:g} .. {1e3 * high:g} mm"
+            raise ProfileError(raw.path, int(lines[0]), f"{name} {1e3 * size:.4g} mm of a {kind}{hint}", allowed)
+    if points[-1, 0] < points[0, 0]:
+        points, lines = points[::-1], lines[::-1]
+
+    def fail(i: int, problem: str, allowed: str) -> ProfileError:
+        y, z = 1e3 * points[i]
+        return ProfileError(raw.path, int(lines[i]), f"point ({y:.6g}, {z:.6g}) mm {problem}", allowed)
+
+    step = np.diff(points, axis=0)
+    same = np.flatnonzero((step == 0.0).all(axis=1))
+    if len(same):
+        raise fail(int(same[0]) + 1, f"repeats line {lines[same[0]]}", "each point once")
+    distance = np.hypot(*step.T)
+    back = np.flatnonzero((step[:, 0] < 0.0) & (np.abs(step[:, 1]) < 2.0 * np.abs(step[:, 0])) & (distance > CLOSE))
+    if len(back):
+        raise fail(int(back[0]) + 1, f"steps back from line {lines[back[0]]}", "y in order, but on steep faces")
+    kept = _thinned(points)
+    points, lines = points[kept], lines[kept]
+    if len(points) < LEAST_POINTS:
+        raise ProfileError(raw.path, None, f"{len(points)} points more than {1e3 * CLOSE} mm apart", f"{LEAST_POINTS}")
+    crossing = _crossing(points)
+    if crossing is not None:
+        raise fail(crossing[0], f"starts a line that crosses the one from line {lines[crossing[1]]}", "a simple curve")
+    return points
+
+
+def _thinned(points: Array) -> list[int]:
+    """Indices of points at least CLOSE apart, both ends included."""
+    kept = [0]
+    for i in range(1, len(points)):
+        if np.hypot(*(points[i] - points[kept[-1]])) >= CLOSE:
+            kept.append(i)
+    if kept[-1] != len(points) - 1:
+        kept[-1 if len(kept) > 1 else len(kept) :] = [len(points) - 1]
+    return kept
+
+
+def _crossing(points: Array) -> tuple[int, int] | None:
+    """First pair of segments that cross; n (n - 1) / 2 tests, row by row."""
+    p = points[:, 0] + 1j * points[:, 1]
+    a, d = p[:-1], np.diff(p)
+    for i in range(len(d) - 2):
+        b, e = a[i + 2 :], d[i + 2 :]
+        turn = (d[i].conjugate() * e).imag
+        turn[np.abs(turn) < 1e-9 * np.abs(d[i]) * np.abs(e)] = np.inf  # parallel: no crossing
+        mine, other = ((b - a[i]).conj() * e).imag / turn, ((b - a[i]).conj() * d[i]).imag / turn
+        hit = np.flatnonzero((mine > 0.0) & (mine < 1.0) & (other > 0.0) & (other < 1.0))
+        if len(hit):
+            return i, i + 2 + int(hit[0])
+    return None

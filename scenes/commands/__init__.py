@@ -1,1 +1,0 @@
-"""The commands of `wheelrail`, by what they are for."""

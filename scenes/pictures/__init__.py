@@ -1,1 +1,0 @@
-"""Pictures of contacts, runs, tracks and studies."""

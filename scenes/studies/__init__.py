@@ -1,1 +1,0 @@
-"""Many cases of one scene: what to vary, solving them in parallel, keeping what is done, results and convergence."""

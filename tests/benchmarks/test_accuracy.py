@@ -1,0 +1,206 @@
+"""Accuracy beside closed forms, Kalker's table and CONTACT on a small part of `benchmarks.accuracy.report`.
+
+HOLDS is what the discretisation reaches today, TARGET what it is to reach; where both differ the target is not reached.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from benchmarks.accuracy.contact_frames import Difference, difference, rail_place, state, wheel_force
+from benchmarks.accuracy.rolling import coefficients, curve_errors
+from benchmarks.accuracy.wheelset import seated, track_of
+from benchmarks.common.hertz_cases import lacking, pair_of
+from benchmarks.common.models import Ellipse, frictional, hertz_model, loads, pressed, rolling, solved
+from benchmarks.common.reference_table import Section, measure, reference, show
+from wheelrail.contact.analytical.kalker import Name, kalker
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.results.result import ContactResult
+
+TARGET = {
+    "p0": 0.5,  # %
+    "axes": 1.0,  # %
+    "approach": 1.0,  # %
+    "Kalker": 1.0,  # %
+    "creep RMS": 0.4,  # % of mu F_n
+    "creep worst": 1.0,  # % of mu F_n
+    "moment": 2.0,  # % of its largest
+    "place": 0.3,  # mm
+    "area": 3.0,  # %
+    "peak": 2.0,  # %
+    "force": 1.5,  # % of mu F_n
+}
+HOLDS = {
+    **TARGET,
+    "force": 2.0,  # not reached: 1.8 on the tread, beside CONTACT's conformal variant; flange 0.2
+}
+NARROW = 5.0  # %, of finite bodies at y = 0: they shift load to the narrow hump; half-spaces reach the target
+PUSHED = 8.0  # %, by which areas of finite bodies differ from half-spaces, as sections turn under the load
+STEEL = Steel(2.1e11, 0.3)
+COARSE = 1e-3  # m
+
+
+def test_what_is_held_is_never_stricter_than_the_target() -> None:
+    assert all(HOLDS[name] >= target for name, target in TARGET.items())
+
+
+def test_hertz_at_twenty_points_across() -> None:
+    (case,) = (case for case in reference("hertz")["cases"] if case["name"] == "circ_R300_50kN")
+    pair = pair_of(case, STEEL)
+    assert pair.exact.peak == pytest.approx(1e6 * case["hertz"]["p0"], rel=1e-6)
+    size = pair.size(across=20.0)
+    depth, result = pressed(pair, size)
+    (patch,) = result.patches
+    kappa, spread = lacking(STEEL.nu)
+    assert abs(spread) < 0.01  # what a block lacks goes with the inverse of its size
+    approach = depth + 2 * kappa * pair.load / (STEEL.E * pair.half_width(size))
+    assert abs(patch.max_pressure / pair.exact.peak - 1) < 1e-2 * HOLDS["p0"]
+    np.testing.assert_allclose(patch.semi_axes, pair.exact.semi_axes, rtol=1e-2 * HOLDS["axes"])
+    assert abs(approach / pair.exact.approach - 1) < 1e-2 * HOLDS["approach"]
+    assert abs(approach / pair.exact.approach - 1) < 0.5 * abs(depth / pair.exact.approach - 1)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 1 / 0.3])
+def test_a_pair_has_the_ratio_that_was_asked_for(ratio: float) -> None:
+    a, b = Ellipse.of_ratio(ratio, 0.46, 57e3, STEEL).exact.semi_axes
+    assert a / b == pytest.approx(ratio, rel=1e-6)
+
+
+def test_kalkers_coefficients() -> None:
+    pair = Ellipse.of_ratio(1.0, 0.46, 57e3, STEEL)
+    found, points = coefficients(pair, pair.size(points=285))
+    assert points <= 300
+    names: tuple[Name, ...] = ("C11", "C22", "C23")
+    table = [kalker(name, 1.0, STEEL.nu) for name in names]
+    np.testing.assert_allclose(found[:3], table, rtol=1e-2 * HOLDS["Kalker"])
+    assert found[2] == pytest.approx(found[3], rel=0.02)  # reciprocity of spin and lateral creepage
+
+
+def test_creep_curves() -> None:
+    forces, moments = [], []
+    for curve in reference("creep_curves")["curves"][1:]:
+        errors, points = curve_errors(curve, Fineness(), every=5)
+        assert points <= 300
+        forces.append(100 * errors[:, :2])
+        moments.append(100 * errors[:, 2] / np.abs([case[6] for case in curve["cases"]]).max())
+    e = np.concatenate(forces)
+    assert np.sqrt((e**2).mean()) < HOLDS["creep RMS"]
+    assert np.abs(e).max() < HOLDS["creep worst"]
+    assert np.abs(np.concatenate(moments)).max() < HOLDS["moment"]
+
+
+def test_signs_of_creepage_and_spin() -> None:
+    # the upper body is held back by what it is faster by; spin drives it to the other side and slows itself
+    pair = Ellipse.of_ratio(1.0, 0.46, 57e3, STEEL)
+    size = pair.size(points=140)
+    model = hertz_model(pair, frictional(0.3), size)
+    depth, _ = pressed(pair, size)
+    forward, left, turned = (
+        loads(solved(model, depth, rolling(*creep))) for creep in ((1e-3, 0, 0), (0, 1e-3, 0), (0, 0, 0.3))
+    )
+    assert forward[0] < -1e3
+    assert left[1] < -1e3
+    assert left[2] > 0
+    assert turned[1] < -1e3
+    assert turned[2] < 0
+
+
+@cache
+def compared(series: str, y: float, side: Side, bodies: str = "waveguide") -> tuple[ContactResult, Difference]:
+    data = reference("wheelset")
+    given = data["input"]
+    normal = series == "normal_only"
+    (case,) = (case for case in data["series"][series] if case["y"] == y)
+    at = state(case, speed=given["speed"], pitch_rate=given["pitch_rate"])
+    friction = 0.0 if normal else given["mu"]
+    result = seated(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies)
+    return result, difference(result, case[side], side)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(
+    ("series", "y"),
+    [("normal_only", 0.0), ("normal_only", 3.0), ("rolling_conformal", 2.0), ("rolling_conformal", 4.5)],
+)
+def test_wheelset_on_half_spaces(series: str, y: float, side: Side) -> None:
+    # the same bodies as CONTACT's: what is left is the discretisation, and how creepage is counted
+    result, apart = compared(series, y, side, "half-space")
+    assert result.force[2] == pytest.approx(57e3, rel=1e-4)
+    assert apart.same_patches
+    assert abs(1e3 * apart.place) < 0.1 * HOLDS["place"]
+    assert abs(100 * apart.area) < HOLDS["area"]
+    assert abs(100 * apart.peak) < HOLDS["peak"]
+    if series != "normal_only":
+        assert np.abs(apart.forces).max() / (0.3 * 57e3) < 1e-2 * HOLDS["force"]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("series", "y"), [("normal_only", 0.0), ("normal_only", 3.0), ("rolling_conformal", 2.0)])
+def test_wheelset_of_finite_bodies(series: str, y: float, side: Side) -> None:
+    result, apart = compared(series, y, side)
+    assert result.force[2] == pytest.approx(57e3, rel=1e-4)
+    assert apart.same_patches
+    assert abs(1e3 * apart.place) < HOLDS["place"]
+    assert abs(100 * apart.area) < PUSHED
+    assert abs(100 * apart.peak) < (HOLDS["peak"] if y else NARROW)
+    if series != "normal_only":
+        assert np.abs(apart.forces).max() / (0.3 * 57e3) < 1e-2 * HOLDS["force"]
+
+
+def test_two_patches_at_the_gauge_corner() -> None:
+    result, apart = compared("normal_only", 5.0, "right", "half-space")
+    assert apart.patches == (2, 2)
+    assert abs(apart.share) < 0.01
+    assert abs(apart.place) < 0.1e-3
+    assert abs(np.diff([patch.rail_y for patch in result.patches])[0]) == pytest.approx(10e-3, abs=1e-3)
+
+
+def test_frames_turn_half_way_about_x() -> None:
+    # a wheelset to the right, its right wheel lowered, yawed about an axis that points down, rolling forward
+    seen = state({"y": 2.0, "roll": 1e-3}, speed=2000.0, pitch_rate=-4.35, yaw=5e-3)
+    assert seen.y == pytest.approx(-2e-3)
+    assert (seen.roll, seen.yaw, seen.pitch_rate, seen.speed) == (1e-3, -5e-3, 4.35, 2.0)
+    # the load presses the rail down and the wheel up; forward on the rail is backward on the wheel
+    np.testing.assert_array_equal(wheel_force([1.0, 2.0, 3.0]), [-1.0, 2.0, 3.0])
+    # towards the gauge corner is to the right on the left rail and to the left on the right rail
+    assert rail_place(10.0, "left") == rail_place(-10.0, "right") == pytest.approx(-10e-3)
+
+
+@pytest.mark.parametrize("series", ["normal_only", "rolling"])
+def test_references_are_mirror_images_at_y_zero(series: str) -> None:
+    case = reference("wheelset")["series"][series][0]
+    left, right = (case[side] for side in ("left", "right"))
+    np.testing.assert_allclose(
+        wheel_force(left["force"]), wheel_force(right["force"]) * [1, -1, 1], rtol=1e-5, atol=1e-3
+    )
+    places = [rail_place(case[side]["islands"][0]["y_rail"], side) for side in SIDES]
+    assert places[0] == pytest.approx(places[1], abs=1e-6)
+
+
+def test_a_wrong_sign_would_be_seen() -> None:
+    result, apart = compared("rolling_conformal", 2.0, "right")
+    case = next(case for case in reference("wheelset")["series"]["rolling"] if case["y"] == 2.0)
+    assert apart.patches == (1, 1)
+    mirrored = difference(replace(result, force=result.force * [-1, 1, 1]), case["right"], "right")
+    assert abs(mirrored.forces[0]) > 10 * abs(apart.forces[0])
+    assert abs(difference(result, case["left"], "left").place) > 5e-3
+
+
+def test_a_section_tells_what_is_not_met() -> None:
+    section = Section("one", "One", ("a",), [[1.0]])
+    section.measures = [measure("e", "%", [0.3, -0.4], rms=0.4, worst=0.35), measure("f", "%", [1.0])]
+    section.count(10)
+    section.count(7)
+    assert section.points == (7, 10)
+    assert section.named("e").rms == pytest.approx(np.sqrt(0.125))
+    assert (section.named("e").met, section.named("f").met) == (False, None)
+    assert "NO" in show(section)
+    assert section.data()["measures"][0]["met"] is False
+    with pytest.raises(KeyError):
+        section.named("g")

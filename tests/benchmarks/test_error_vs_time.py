@@ -1,0 +1,127 @@
+"""The benchmark of error over time: CONTACT's rows, the extrapolated reference, small models, table and figure."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.error_vs_time import plan as error_plan
+from benchmarks.error_vs_time import report as error_vs_time
+from benchmarks.error_vs_time.cases import Case, Variant, creep_cases, yardstick
+from benchmarks.error_vs_time.figure import STYLES
+from benchmarks.error_vs_time.measure import normal_row, rolling_row
+from benchmarks.error_vs_time.plan import rows
+from benchmarks.error_vs_time.reference import Reference, contact_rows, extrapolated
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.models.fitted.resolution import Fineness
+
+SMALL = Variant("fitted, half-space", "half-space", Fineness(6, 8))
+
+
+@cache
+def coarse() -> Reference:
+    """Extrapolated from 12 x 16 and 6 x 8 cells: the ellipse that is timed and one case per ratio of semi-axes."""
+    return extrapolated(Fineness(12, 16), creep_cases(44), lambda _: None)
+
+
+def test_the_ellipse_is_the_one_that_contact_was_timed_on() -> None:
+    case = yardstick()
+    np.testing.assert_allclose(case.pair.exact.semi_axes, (6e-3, 5e-3), rtol=1e-7)
+    assert case.pair.exact.approach == pytest.approx(7.4854e-5, rel=2e-5)  # CONTACT, dx 0.1 mm
+    # first order in dx: the finest grid's forces and as much again as they moved from the grid before
+    np.testing.assert_allclose(
+        np.array(case.known) * case.bound, (2 * 7309.03 - 7337.52, -2 * 5502.27 + 5527.89), rtol=1e-5
+    )
+
+
+def test_the_reference_agrees_with_contact() -> None:
+    found = coarse()
+    assert found.order > 1.0
+    assert np.abs(found.beside).max() < 2e-3  # of mu F_n; CONTACT's own uncertainty is up to 1.8e-3
+    assert f"order {found.order:.2f}" in found.stated()
+
+
+def test_an_extrapolation_needs_convergence(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = iter([0.0, 1.0, 2.0])  # differences that do not fall
+    monkeypatch.setattr(Case, "solved", lambda *_: None)
+    monkeypatch.setattr(Case, "forces", lambda *_: np.full(2, next(steps)))
+    monkeypatch.setattr(Variant, "loaded_depth", lambda *_: 0.0)
+    with pytest.raises(RuntimeError, match="do not converge"):
+        extrapolated(Fineness(24, 32), (), lambda _: None)
+
+
+def test_errors_of_contact_are_those_of_its_grids() -> None:
+    every = contact_rows(np.array(yardstick().known))
+    found = {task: [row for row in every if row["task"] == task] for task in ("normal", "rolling")}
+    creep = [row["creep error"] for row in sorted(found["rolling"], key=lambda row: int(row["points"]))]
+    np.testing.assert_allclose(creep, (0.9, 0.8, 0.4, 0.3, 0.15), atol=0.03)  # % of mu F_n
+    assert [row["points"] for row in found["normal"]] == [99, 385, 1529, 2383, 9473]
+    assert found["normal"][0]["area error"] == pytest.approx(100 * (99 / (30 * np.pi) - 1), rel=1e-6)
+
+
+def test_cold_and_warm_models_are_close_to_hertz_and_to_the_reference() -> None:
+    for warm in (False, True):
+        variant = Variant("fitted", "half-space", SMALL.fineness, warm=warm)
+        normal, creep = normal_row(variant), rolling_row(variant, coarse(), coarse().cases[1:])
+        assert abs(normal["force error"]) < 0.6  # %
+        assert abs(normal["peak error"]) < 2.0
+        assert abs(normal["area error"]) < 3.0
+        assert 0 < creep["creep error"] < 1.0  # % of mu F_n
+        assert creep["creep RMS"] <= creep["creep worst"] < 1.0
+        for row in (normal, creep):
+            assert row["start"] == ("warm" if warm else "cold")
+            assert 0 < row["least"] <= row["median"]
+            assert 0 < sum(row["phases"].values()) <= row["median"]
+
+
+def test_a_solve_beyond_patience_is_not_tried_on_all_cases() -> None:
+    row = rolling_row(SMALL, coarse(), coarse().cases[1:], patience=0.0)
+    assert "creep error" in row
+    assert "creep RMS" not in row
+
+
+def test_a_model_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object, **__: object) -> None:
+        raise RuntimeError("contact failed: no answer")
+
+    monkeypatch.setattr(error_plan, "normal_row", failing)
+    (row,) = rows(SMALL, coarse(), ())
+    assert row["failed"] == "contact failed: no answer"
+
+
+def test_variants_name_their_laws() -> None:
+    assert Variant("", "waveguide").laws == "exact"
+    assert Variant("", "waveguide", stiffness=1e15, regularisation=1e-5).laws == "K 1e+15, eps 1e-05"
+    assert SMALL.division == "6 x 8"
+    model = SMALL.of(yardstick().pair, 0.0)
+    assert getattr(model, "laws") == Laws(friction=0.0)  # noqa: B009
+
+
+def test_every_family_has_a_style_of_its_own() -> None:
+    every = [*error_plan.fitted(False), *error_plan.grids(False), *error_plan.laws(False), *error_plan.solids()]
+    assert {variant.family for variant in every} | {"CONTACT"} == set(STYLES)
+    assert len(set(STYLES.values())) == len(STYLES)
+
+
+def test_it_prints_and_draws(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(error_vs_time, "extrapolated", lambda *_: coarse())
+    monkeypatch.setattr(error_vs_time, "stated", lambda: "this machine")
+    monkeypatch.setattr(error_plan, "QUICK_FINENESSES", ((4, 6),))
+    monkeypatch.setattr(error_plan, "BODIES", ("half-space",))
+    monkeypatch.setattr(error_plan, "grids", lambda _: iter(()))
+    monkeypatch.setattr(error_plan, "laws", lambda _: iter(()))
+    picture, data = tmp_path / "error.png", tmp_path / "error.json"
+    monkeypatch.setattr("sys.argv", ["error_vs_time", "--quick", "--picture", str(picture), "--json", str(data)])
+    error_vs_time.main()
+    told = capsys.readouterr().out
+    assert "| fitted, half-space, warm | 4 x 6 | exact | 24 |" in told
+    assert "| CONTACT | dx 1 mm |" in told
+    found = json.loads(data.read_text())["rows"]
+    assert len(found) == 4 + 10
+    assert picture.stat().st_size > 10_000

@@ -1,0 +1,237 @@
+"""Runs at the edge: a wheel in the air, overturning, climbing, slippery, fast and rough. They go on, or say why not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+import pytest
+from small_fitted import warm_cells
+from standin_contact import CONTACT
+
+from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.models.fitted.patch_layout import single
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.surfaces import Ridge
+from wheelrail.contact.models.standard.model import StandardContact
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.solvers.active_set import Coupled, Factors
+from wheelrail.contact.solvers.options import Count
+from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.vehicle.dynamics.equations import Contact, Dynamics
+from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR, ROLL, Y, Z
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, wheels
+from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.equilibrium import equilibrium
+from wheelrail.vehicle.track.irregularity import Irregularities
+from wheelrail.vehicle.track.irregularity_spectrum import ERRI
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+V = 45.0
+WHEEL, RAIL = named_profile("S1002"), named_profile("UIC60-benchmark")
+MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
+
+
+@cache
+def standard(friction: float = 0.3) -> WheelsetContact:
+    return WheelsetContact(StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), Laws(friction=friction)), MOUNTING)
+
+
+def kicked(contact: Contact, **rates: float) -> np.ndarray:
+    """Rest on straight track, and rates m/s or rad/s given at once."""
+    state = equilibrium(Dynamics(Wagon(), Track(), contact, V)).state
+    for name, rate in rates.items():
+        state[COUNT + COORDINATES.index(name)] += rate
+    return state
+
+
+def run(contact: Contact, seconds: float, track: Track | None = None, *, rtol: float = 3e-3, **options) -> History:  # type: ignore[no-untyped-def]
+    return simulate(
+        Wagon(),
+        track or Track(),
+        contact,
+        **({"speed": V} | options),
+        span=(0.0, seconds),
+        method="rosenbrock",
+        rtol=rtol,
+        atol=1e-3 * rtol,
+    )
+
+
+def in_the_air(history: History) -> np.ndarray:
+    """(n, 2): which wheels."""
+    return np.array(history.contact_status) == "separated"
+
+
+def momentum_gap(history: History) -> float:
+    """Vertical impulse of the rails and the weight less what the three bodies have gained, over that of the rails."""
+    plane, force = Wagon().plane, history.outputs.force[:, :, 2].sum(axis=1)
+    mass = np.array([plane.car_body.mass, plane.bogie.mass, plane.wheelset.mass])
+    given = 0.5 * (force[1:] + force[:-1]) @ np.diff(history.time)
+    weight = plane.gravity * mass.sum() * history.time[-1]
+    gained = mass @ (history.state[-1] - history.state[0])[[COUNT + 1, COUNT + 4, COUNT + 7]]
+    return float((given - weight - gained) / given)
+
+
+def test_a_wheel_lifts_and_lands_again() -> None:
+    start = kicked(standard(), wheelset_roll=0.25)
+    history = run(standard(), 0.04, initial=start, rtol=1e-3)
+    assert history.status == "completed"
+    off = in_the_air(history)
+    assert (off[:, 0] & ~off[:, 1]).any()
+    assert (np.diff(off.astype(int), axis=0) < 0).any(axis=0).all()  # both were off, and came back
+    assert abs(momentum_gap(history)) < 0.01
+    tight = run(standard(), 0.04, initial=start, rtol=2e-4)
+    for i in (Y, Z, ROLL):
+        even = np.interp(tight.time, history.time, history.state[:, i])
+        assert np.abs(even - tight.state[:, i]).max() < 0.05 * np.ptp(tight.state[:, i])
+
+
+def test_a_wheel_on_fitted_cells_lifts_and_lands_again() -> None:
+    """From a result without cells, and with a tangent of zeros, to a contact; steps are as long as before then."""
+    contact = warm_cells()
+    history = run(contact, 0.012, initial=kicked(contact, wheelset_roll=0.15))
+    assert history.status == "completed"
+    off = in_the_air(history)
+    assert (off[:, 0] ^ off[:, 1]).any()
+    assert (np.diff(off.astype(int), axis=0) < 0).any()
+    assert history.cost.steps.failed <= 2
+    assert abs(momentum_gap(history)) < 0.02
+
+
+def test_a_wagon_that_overturns_ends_the_run() -> None:
+    """45 m/s into 250 m without cant: 8.1 m/s2."""
+    history = run(standard(), 2.0, Track.curve(curvature=1 / 250, transition=20.0, length=500.0))
+    assert history.status.startswith("failed: the wagon overturns to the right: its car body rolls by 0.3")
+    assert history.status.endswith(f"at t = {history.time[-1]:.4g} s, {history.distance[-1]:.4g} m")
+    assert 0.3 < history.car_body[-1, 2] < 0.35
+    assert (history.car_body[:-1, 2] <= 0.3).all()
+    assert in_the_air(history)[-1].any()
+    assert history.cost.steps.failed < 5
+
+
+def test_a_flange_that_climbs_ends_the_run() -> None:
+    """Where the contact has no answer beyond the flange the status tells how high it has climbed."""
+    history = run(standard(), 0.2, initial=kicked(standard(), car_body_roll=2.5))
+    assert "left contact: failed: the wheel overlaps the rail beyond" in history.status
+    assert "the left wheel is " in history.status
+    assert float(history.status.split(" mm above its rail")[0].split()[-1]) > 15.0
+    assert history.cost.steps.failed < 40
+
+
+@pytest.mark.parametrize(
+    ("rates", "limits", "says"),
+    [
+        ({"wheelset_y": 4.0}, Limits(), "the wheelset has left the rails: both wheels are 3"),
+        ({"wheelset_y": 2.0}, Limits(shift=0.012), "the wheelset has left the rails to the right: 1"),
+    ],
+)
+def test_a_wheelset_off_its_rails_ends_the_run(rates: dict[str, float], limits: Limits, says: str) -> None:
+    history = run(standard(), 0.2, initial=kicked(standard(), **rates), limits=limits)
+    assert says in history.status
+    assert history.status.startswith("failed: ")
+    assert len(history) > 10
+
+
+def test_where_the_wheels_are() -> None:
+    """Turned about the right rail, level with it, the right wheel stays where it was."""
+    state, roll = np.zeros(20), 0.2
+    c, s = np.cos(roll), np.sin(roll)
+    state[[Y, Z, ROLL]] = -0.75 * (1 - c) - 0.46 * s, 0.75 * s - 0.46 * (1 - c), roll
+    dynamics = Dynamics(Wagon(), Track(), CONTACT, V)
+    left, right = wheels(dynamics, 0.0, state)
+    np.testing.assert_allclose(right, (0.0, 0.0), atol=1e-15)
+    np.testing.assert_allclose(left, (-1.5 * (1 - c), 1.5 * s), rtol=1e-12)
+    np.testing.assert_allclose(wheels(dynamics, 0.0, state * MIRROR)[0], (0.0, 0.0), atol=1e-15)
+    stations = np.arange(0.0, 200.0)
+    values = np.tile([3e-3, 2e-3, 0.0, 0.0], (200, 1))  # both rails 3 mm to the left, 2 mm up
+    uneven = Track(irregularities=Irregularities.faded(stations, values))
+    moved = wheels(Dynamics(Wagon(), uneven, CONTACT, V), 2.0, state)
+    np.testing.assert_allclose(moved[1], (-3e-3, -2e-3), atol=1e-9)
+
+
+def test_limits() -> None:
+    dynamics, state = Dynamics(Wagon(), Track(), CONTACT, V), np.zeros(20)
+    Limits().check(dynamics, 0.0, state)
+    for i, value, says in ((2, 0.31, "overturns to the right"), (Y, 0.041, "to the left: 41 mm"), (Z, 0.04, "both")):
+        out = np.zeros(20)
+        out[i] = value
+        with pytest.raises(OutOfBounds, match=says):
+            Limits().check(dynamics, 0.0, out)
+        Limits(np.inf, np.inf, np.inf).check(dynamics, 0.0, out)
+    for name in ("roll", "shift", "lift"):
+        for value in (0.0, np.nan):
+            with pytest.raises(ValueError, match=name):
+                Limits(**{name: value})
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.6])
+def test_fast_and_slippery_curves(friction: float) -> None:
+    """60 m/s into 1200 m with 60 mm of cant, 3.0 m/s2 less 0.4 of cant: the inner wheel keeps a share of its load."""
+    track = Track.curve(curvature=1 / 1200, cant=0.06, tangent=5.0, transition=90.0, length=200.0)
+    history = run(standard(friction), 2.0, track, speed=60.0)
+    assert history.status == "completed"
+    load = history.outputs.force[-1, :, 2]
+    assert 0.0 < load[0] < 0.5 * load[1]
+    assert load.sum() == pytest.approx(Wagon().axle_load, rel=0.05)
+    assert np.abs(history.wheelset[:, 0]).max() < 8e-3
+    pull = np.hypot(*history.outputs.force[:, :, :2].transpose(2, 0, 1))
+    assert (pull <= 3.5 * history.outputs.force[:, :, 2]).all()  # 70 degrees of flange and 31 of friction
+
+
+def test_rough_rails() -> None:
+    track = Track(irregularities=ERRI["high"].irregularities(60.0, seed=1))
+    history = run(standard(), 0.5, track, speed=60.0)
+    assert history.status == "completed"
+    assert history.time[-1] == 0.5
+    assert np.ptp(history.outputs.force[:, 0, 2]) > 20e3
+    assert abs(momentum_gap(history)) < 0.01
+
+
+def test_an_overlap_with_a_shoulder_is_not_taken_for_one_hump() -> None:
+    """Or else a contact on the tread is missed while the flange carries."""
+    s = np.linspace(-0.05, 0.05, 251)
+    hump = 1e-3 - (s / 0.006) ** 2 * 1e-3
+    shoulder = np.where(s > 0.0, np.maximum(hump, 1e-4 - 2e-3 * s), hump)  # falls, so that there is one maximum
+    ridges = [Ridge(s, o, np.zeros_like(s), np.full_like(s, 2.0)) for o in (hump, shoulder)]
+    assert [len(ridge.humps) for ridge in ridges] == [1, 1]
+    marks = np.linspace(-1.0, 1.0, 9)
+    assert single(ridges[0], Fineness(4, 8), marks) is not None
+    assert single(ridges[1], Fineness(4, 8), marks) is None
+
+
+def test_pressure_without_a_point_that_carries_has_no_slope() -> None:
+    pressure = Coupled(Factors(np.eye(3)), np.ones(3), np.ones((3, 6)))
+    assert pressure.slope(np.zeros(3, dtype=bool), Count()).shape == (0, 6)
+    np.testing.assert_array_equal(pressure.slope(np.array([True, False, True]), Count()), np.ones((2, 6)))
+
+
+@dataclass(frozen=True)
+class Ending:
+    """The smooth contact; that of the right wheel fails from a shift m to the right on."""
+
+    shift: float = 1e-3
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        if side == "right" and state.y < -self.shift:
+            return replace(ContactResult.separated(), status="failed: beyond the profile")
+        return CONTACT(state, side, guess)
+
+
+def test_a_contact_that_fails_in_the_second_process_ends_the_run_as_in_one() -> None:
+    options = {"initial": kicked(CONTACT, wheelset_y=-1.0)}
+    one = run(Ending(), 0.5, **options)
+    with in_parallel(Ending()) as both:
+        two = run(both, 0.5, **options)
+    assert "right contact: failed: beyond the profile" in one.status
+    assert two.status == one.status
+    np.testing.assert_array_equal(two.state, one.state)
+    assert one.cost.steps.failed < 40  # it does not take long to give up

@@ -1,0 +1,56 @@
+"""Input that cannot be used: one complaint with file, place, value and what is allowed, exit status 2, at once."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from malformed_inputs import Case, every_case
+from typer.testing import CliRunner
+
+from wheelrail.cli.main import app
+
+ROOT = Path(__file__).parents[2]
+CASES = every_case()
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+def test_bad_input_is_refused_with_one_complaint(case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    case.write(tmp_path)
+    outcome = CliRunner().invoke(app, case.command)
+    said = " ".join(outcome.stderr.replace("│", " ").split())
+    assert outcome.exception is None or isinstance(outcome.exception, SystemExit), outcome.exception
+    assert outcome.exit_code == 2, outcome.output
+    assert "Traceback" not in said
+    for part in case.says:
+        assert part in said
+    assert len(said) < 1500
+    assert outcome.stdout == ""
+    assert not (tmp_path / "out").exists()
+
+
+WORST = (
+    "huge",
+    "a million numbers",
+    "wheel: too many points",
+    "run: waves beyond memory",
+    "study: too many cases",
+    "film: of results of a pair",
+)
+
+
+@pytest.mark.parametrize("name", WORST)
+def test_the_command_itself_refuses_the_worst(name: str, tmp_path: Path) -> None:
+    (case,) = (case for case in CASES if case.name == name)
+    case.write(tmp_path)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    line = [sys.executable, "-m", "wheelrail.cli", *case.command]
+    done = subprocess.run(line, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=30)
+    assert (done.returncode, done.stdout) == (2, ""), done.stderr
+    assert "Traceback" not in done.stderr
+    for part in case.says:
+        assert part in " ".join(done.stderr.split())

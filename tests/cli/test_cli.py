@@ -1,0 +1,426 @@
+"""The command `wheelrail`: what it prints, where, and with which exit code."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from spring_contact import SpringContact
+from standin_contact import CONTACT
+from typer.testing import CliRunner
+
+from wheelrail.cli.main import app
+from wheelrail.contact.kinematics.wheelset_state import Mounting
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.scenes.contacts.report import json_text
+
+SCENES = Path(__file__).parents[2] / "scenes"
+HERTZ, WHEELSET = (SCENES / name for name in ("hertz.toml", "wheelset.toml"))
+SIDE_KEYS = {"force", "moment", "normal_force", "tangential_force", "approach", "z", "roll", "patches", "statistics"}
+PATCH_KEYS = {
+    *("area", "max_pressure", "normal_force", "semi_axes", "contact_angle", "wheel_s", "rail_s", "x", "stick_area"),
+    "tangential_force",
+}
+
+
+@pytest.fixture
+def spring(monkeypatch: pytest.MonkeyPatch) -> SpringContact:
+    """A spring instead of the finite elements, for Hertz pairs and wheelsets."""
+    model = SpringContact()
+    pairs = SimpleNamespace(hertz_pair=lambda *args, **options: model)
+    monkeypatch.setitem(sys.modules, "wheelrail.contact.models.builders", pairs)
+    mounting = Mounting(wheel_y=0.75, rail_y=0.76, radius=0.46)
+
+    def contact(scene: object) -> WheelsetContact:
+        model.touch = 0.46 - 1.8e-4
+        return WheelsetContact(model, mounting)
+
+    monkeypatch.setattr("wheelrail.scenes.contacts.solve.wheelset_contact", contact)
+    return model
+
+
+def contact(file: Path, *options: str) -> Any:
+    return CliRunner().invoke(app, ["contact", str(file), *options])
+
+
+def vehicle(command: str, monkeypatch: pytest.MonkeyPatch, *options: str) -> Any:
+    monkeypatch.setattr("wheelrail.scenes.runs.steady.wheelset_contact", lambda scene: CONTACT)
+    return CliRunner().invoke(app, [command, str(SCENES / "curve.toml"), *options])
+
+
+def test_modes_are_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = vehicle("modes", monkeypatch, "--speed", "10", "--speed", "30")
+    assert outcome.exit_code == 0
+    assert "straight track at 10 m/s" in outcome.stdout
+    second = outcome.stdout.split("at 30 m/s")[1]
+    assert re.search(r"1\.08 . +0\.1345 .*car_body_z 100%", second)
+    assert re.search(r"160\.3 . +1\.0000 . +-1007 .*wheelset_pitch 100%", second)
+
+
+def test_curving_is_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures of the paper's curve; the stand-in contact has no patches."""
+    outcome = vehicle("curving", monkeypatch, "--speed", "20", "--speed", "45")
+    assert outcome.exit_code == 0
+    assert re.search(r"cant deficiency \(mm\) +. +-9\.0 . +198\.0", outcome.stdout)
+    assert re.search(r"wheel load Q.*36\.58  73\.18", outcome.stdout)
+    assert "cant 60 mm" in outcome.stdout
+    assert "45" in vehicle("curving", monkeypatch).stdout.splitlines()[2]  # the scene's speed
+
+
+def test_what_is_no_run_or_finds_no_rest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    for command in ("modes", "curving"):
+        refused = CliRunner().invoke(app, [command, str(HERTZ)])
+        assert refused.exit_code == 2
+        assert "wheelrail contact" in refused.stderr
+    monkeypatch.setattr(
+        "wheelrail.scenes.runs.steady.wheelset_contact", lambda scene: lambda *_: ContactResult.separated()
+    )
+    failed = CliRunner().invoke(app, ["modes", str(SCENES / "curve.toml")])
+    assert failed.exit_code == 1
+    assert "50 mm" in failed.stderr
+
+
+def edited(tmp_path: Path, source: Path, *changes: tuple[str, str]) -> Path:
+    text = source.read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    (tmp_path / "scene.toml").write_text(text)
+    return tmp_path / "scene.toml"
+
+
+def test_hertz_json_has_the_keys_of_the_contract(spring: SpringContact) -> None:
+    outcome = contact(HERTZ, "--json")
+    assert outcome.exit_code == 0
+    report = json.loads(outcome.stdout)
+    assert (report["status"], report["model"], report["laws"]) == ("converged", "condensed", "exact")
+    found = report["contact"]
+    assert set(found) >= SIDE_KEYS
+    assert found["force"][2] == pytest.approx(10e3, rel=1e-9)
+    assert found["approach"] == pytest.approx((10e3 / spring.stiffness) ** (2 / 3), rel=1e-9)
+    assert found["z"] == -found["approach"]
+    (patch,) = found["patches"]
+    assert set(patch) >= PATCH_KEYS
+    assert found["tangential_force"] == patch["tangential_force"]
+    assert found["statistics"]["contact_solves"] == len(spring.calls)
+    assert found["statistics"]["newton"] == 3
+
+
+def test_hertz_approach_is_one_solve(spring: SpringContact, tmp_path: Path) -> None:
+    report = json.loads(contact(edited(tmp_path, HERTZ, ("load = 10e3", "approach = 25e-6")), "--json").stdout)
+    assert len(spring.calls) == 1
+    assert report["contact"]["approach"] == 25e-6
+    assert report["contact"]["force"][2] == pytest.approx(spring.stiffness * 25e-6**1.5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sides"),
+    [
+        ([], ("left", "right")),
+        ([('sides = ["left", "right"]', 'sides = ["right"]')], ("right",)),
+        ([("roll = 0.0", 'roll = "solve"')], ("left", "right")),
+        ([("wheel_load = 57e3", "axle_load = 114e3")], ("left", "right")),
+        ([("wheel_load = 57e3", "z = -0.00025")], ("left", "right")),
+    ],
+)
+def test_wheelset_json(
+    spring: SpringContact, tmp_path: Path, changes: list[tuple[str, str]], sides: tuple[str, ...]
+) -> None:
+    outcome = contact(edited(tmp_path, WHEELSET, *changes), "--json")
+    assert outcome.exit_code == 0
+    report = json.loads(outcome.stdout)
+    assert {"left", "right"} & set(report) == set(sides)
+    for side in sides:
+        assert set(report[side]) >= SIDE_KEYS
+        assert report[side]["status"] == "converged"
+    if not any("z = " in new for _, new in changes):
+        assert [report[side]["force"][2] for side in sides] == pytest.approx([57e3] * len(sides), rel=1e-8)
+    else:
+        assert [report[side]["z"] for side in sides] == [-0.00025] * 2
+        assert len(spring.calls) == 2
+    assert sum(report[side]["statistics"]["contact_solves"] for side in sides) == len(spring.calls)
+
+
+def test_raised_wheelset_is_separated(spring: SpringContact, tmp_path: Path) -> None:
+    outcome = contact(edited(tmp_path, WHEELSET, ("wheel_load = 57e3", "z = 0.01")), "--json")
+    assert outcome.exit_code == 0
+    report = json.loads(outcome.stdout)
+    assert report["status"] == report["left"]["status"] == "separated"
+    assert report["left"]["patches"] == []
+    assert report["left"]["force"] == [0.0, 0.0, 0.0]
+
+
+def test_table_to_read(spring: SpringContact) -> None:
+    outcome = contact(WHEELSET)
+    assert outcome.exit_code == 0
+    for text in ("left", "right", "normal force [kN]", "57.000", "peak pressure [MPa]"):
+        assert text in outcome.stdout
+
+
+FITTED = ("# strips = 12", "strips = 6\ncells = 8\nerror_estimate = true  # strips")
+STRESSED = ("[upper] ", '[stress]\nbody = "lower"\ndepths = [1e-3, 2e-3]\n[upper] ')
+SLOWER = ("surface_size = 0.5e-3", "surface_size = 1e-3")
+
+
+def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
+    """One solve of fitted points, on endless blocks: what is asked for is there, and what is not is not."""
+    scene = edited(tmp_path, HERTZ, FITTED, STRESSED, SLOWER)
+    outcome = contact(scene, "--json", "--picture", str(tmp_path / "patch.png"))
+    assert outcome.exit_code == 0, outcome.stderr
+    report = json.loads(outcome.stdout)
+    assert [report[key] for key in ("model", "laws", "bodies", "points")] == [
+        "condensed",
+        "exact",
+        "waveguide",
+        "fitted",
+    ]
+    found = report["contact"]
+    assert found["statistics"]["points"] == 6 * 8
+    assert set(found["error_estimate"]) == {"force", "moment", "max_pressure", "area"}
+    assert 0 < found["error_estimate"]["force"] < 0.05 * 10e3
+    assert 0 < found["error_estimate"]["max_pressure"] < 0.1 * found["patches"][0]["max_pressure"]
+    assert set(found["stress"]) == {"lower"}
+    (below,) = found["stress"]["lower"]["patches"]
+    assert below["depth"] == [1e-3, 2e-3]
+    assert np.array(below["stress"]).shape == (2, 3, 3)
+    assert [z for _, _, z in below["position"]] == pytest.approx([-1e-3, -2e-3])
+    # the axis of an elliptic contact: von Mises 0.55 to 0.62 p0 at about half the shorter semi-axis, less with depth
+    mises = np.array(below["von_mises"]) / found["patches"][0]["max_pressure"]
+    assert 0.55 < mises[0] < 0.68
+    assert mises[1] < mises[0]
+    assert below["largest"] == {"von_mises": below["von_mises"][0], "depth": 1e-3}
+    assert (tmp_path / "patch.png").read_bytes().startswith(b"\x89PNG")
+    text = contact(scene).stdout
+    for line in (
+        "exact, waveguide bodies, fitted points",
+        "contact points",
+        "error estimate: force",
+        "von Mises, lower",
+    ):
+        assert line in text
+
+
+def test_what_is_not_asked_for_is_not_reported(spring: SpringContact) -> None:
+    found = json.loads(contact(HERTZ, "--json").stdout)
+    assert found["points"] == "fitted"
+    assert not {"error_estimate", "stress"} & set(found["contact"])
+
+
+def test_depths_outside_the_body_are_exit_code_2(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from wheelrail.contact.stress.subsurface import LoadedBody
+
+    def outside(*_: object) -> None:
+        raise ValueError("place [0. -0.1] m lies outside the section")
+
+    monkeypatch.setattr(LoadedBody, "below", outside)
+    outcome = contact(edited(tmp_path, HERTZ, FITTED, STRESSED, SLOWER), "--json")
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert "stress.depths: lower: place" in outcome.stderr
+
+
+def test_a_picture_needs_an_ending_that_is_known(spring: SpringContact, tmp_path: Path) -> None:
+    outcome = contact(HERTZ, "--picture", str(tmp_path / "patch.txt"))
+    assert outcome.exit_code == 2
+    assert "must end in .png" in outcome.stderr
+    assert spring.calls == []
+
+
+def test_failed_load_is_a_status_and_exit_code_1(spring: SpringContact) -> None:
+    spring.deepest = 1e-6
+    outcome = contact(HERTZ, "--json")
+    assert outcome.exit_code == 1
+    report = json.loads(outcome.stdout)
+    assert report["status"].startswith("failed: contact: ")
+    assert "off the mesh" in report["status"]
+    assert outcome.stderr.rstrip().endswith(report["status"])
+
+
+def test_failed_contact_reports_no_force(spring: SpringContact, tmp_path: Path) -> None:
+    spring.deepest = 1e-6
+    outcome = contact(edited(tmp_path, HERTZ, ("load = 10e3", "approach = 25e-6")), "--json")
+    assert outcome.exit_code == 1
+    assert set(json.loads(outcome.stdout)["contact"]) == {"status", "statistics"}
+
+
+def test_unforeseen_error_is_still_a_json(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(scene: object, *_: object) -> None:
+        raise MemoryError("no room for the compliance")
+
+    monkeypatch.setattr("wheelrail.scenes.contacts.solve.solve_contact", broken)
+    outcome = contact(HERTZ, "--json")
+    assert outcome.exit_code == 1
+    assert json.loads(outcome.stdout)["status"] == "failed: MemoryError: no room for the compliance"
+    assert "Traceback" in outcome.stderr
+
+
+def test_ctrl_c_during_a_contact_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(scene: object, *_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("wheelrail.scenes.contacts.solve.solve_contact", interrupted)
+    outcome = contact(HERTZ, "--json")
+    assert (outcome.exit_code, outcome.stdout) == (130, "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["contact", "nowhere.toml", "--json"], "nowhere.toml: cannot be read"),
+        (["contact", str(SCENES / "paper_curve.toml")], "use wheelrail run"),
+        (["run", str(HERTZ)], "use wheelrail contact"),
+    ],
+)
+def test_bad_input_is_exit_code_2(arguments: list[str], says: str) -> None:
+    outcome = CliRunner().invoke(app, arguments)
+    assert outcome.exit_code == 2
+    assert outcome.stdout == ""
+    assert says in outcome.stderr
+    assert "Traceback" not in outcome.stderr
+
+
+def test_track_is_shown_and_drawn(tmp_path: Path) -> None:
+    file = tmp_path / "track.png"
+    outcome = CliRunner().invoke(app, ["track", str(SCENES / "irregular.toml"), "--picture", str(file)])
+    assert outcome.exit_code == 0
+    assert "bloss" in outcome.output
+    assert file.stat().st_size > 20_000
+    for arguments, says in (
+        (["hertz.toml"], "this is one contact solve"),
+        (["curve.toml", "--picture", "x.gif"], "must end"),
+    ):
+        refused = CliRunner().invoke(app, ["track", str(SCENES / arguments[0]), *arguments[1:]])
+        assert refused.exit_code == 2
+        assert says in refused.output
+
+
+def test_malformed_scene_is_exit_code_2_without_traceback(tmp_path: Path) -> None:
+    outcome = contact(edited(tmp_path, HERTZ, ("friction = 0.3", "friction = 3")), "--json")
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert "friction = 3: must be a number from 0 to 2" in outcome.stderr
+
+
+def test_unusable_profile_file_is_exit_code_2(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "worn.whl").write_text("this is no profile\n")
+    monkeypatch.setitem(sys.modules, "wheelrail.contact.models.builders", SimpleNamespace(wheel_rail_pair=None))
+    outcome = contact(edited(tmp_path, WHEELSET, ('"S1002" ', '"worn.whl" ')), "--json")
+    assert (outcome.exit_code, outcome.stdout) == (2, "")
+    assert "worn.whl" in outcome.stderr
+    assert "Traceback" not in outcome.stderr
+
+
+def test_json_knows_no_nan() -> None:
+    text = json_text({"a": np.array([1.0, np.nan]), "b": (np.float64(np.inf), 2), "c": {"d": np.int64(3)}})
+    assert json.loads(text) == {"a": [1.0, None], "b": [None, 2], "c": {"d": 3}}
+
+
+def test_what_libraries_print_does_not_reach_standard_output() -> None:
+    code = "import os; from wheelrail.support.terminal import stdout_for_results\n"
+    code += "with stdout_for_results():\n    os.write(1, b'noise from C'); print('noise')\nprint('result')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "result\n"
+    assert "noise from C" in done.stderr
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys\nfrom wheelrail.cli.main import main\nsys.argv = ['wheelrail', '--help']\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass\nprint('LOADED', *sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    help_text, loaded = done.stdout.split("LOADED")
+    heavy = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "dolfinx", "petsc4py", "mpi4py", "gmsh", "pyvista"}
+    assert heavy & set(loaded.split()) == set()
+    assert "contact" in help_text
+    assert "run" in help_text
+
+
+RUN = textwrap.dedent(
+    """
+    import os, signal, sys
+    from dataclasses import replace
+    import wheelrail.scenes.runs.run
+    from spring_contact import patch
+    from standin_contact import MOUNTING, SmoothContact
+    from wheelrail.contact.models.wheelset import WheelsetContact
+
+    stop_after = int(sys.argv.pop(1))
+
+    class Contact(SmoothContact):
+        calls = 0
+
+        def __call__(self, pose, motion, guess=None):
+            Contact.calls += 1
+            if Contact.calls == stop_after:
+                os.kill(os.getpid(), signal.SIGINT)
+            result = super().__call__(pose, motion, guess)
+            return replace(result, patches=(patch(float(result.force[2]), result.force),) * result.ok)
+
+    wheelrail.scenes.runs.run.wheelset_contact = lambda scene: WheelsetContact(Contact(), MOUNTING)
+    from wheelrail.cli.main import main
+    main()
+    """
+)
+
+
+def run(tmp_path: Path, *, stop_after: int) -> subprocess.CompletedProcess[str]:
+    """The command `wheelrail run` on a short curve and a smooth spring, with a Ctrl-C at one of the contact solves."""
+    scene = edited(
+        tmp_path,
+        SCENES / "paper_curve.toml",
+        ("tangent = 50.0", "tangent = 2.0"),
+        ("transition_length = 100.0", "transition_length = 20.0"),
+        ("curve = 200.0", "curve = 3.0"),
+    )
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(SCENES.parent / "tests/helpers"), str(SCENES.parent)]),
+    }
+    command = [sys.executable, "-c", RUN, str(stop_after), "run", str(scene), "--out", str(tmp_path / "out")]
+    return subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+
+
+@pytest.mark.parametrize(("stop_after", "code", "status"), [(0, 0, "completed"), (1500, 130, "interrupted")])
+def test_run_keeps_everything_computed(tmp_path: Path, stop_after: int, code: int, status: str) -> None:
+    import xarray
+
+    done = run(tmp_path, stop_after=stop_after)
+    assert done.returncode == code, done.stderr
+    with xarray.open_dataset(tmp_path / "out" / "run.nc") as data:
+        assert data.attrs["status"] == status
+        assert data.attrs["scene"].startswith("# The paper's curve")
+        end = float(data["distance"][-1])
+        assert end == pytest.approx(25.0) if status == "completed" else 1.0 < end < 25.0
+        solves = data["contact_solves"].values
+        assert (data.sizes["time"], int(data.attrs["steps_accepted"])) == (len(data["time"]), data.sizes["time"] - 1)
+    assert f"{status} at {end:.1f} m" in done.stdout
+    for name in ("run.nc", "lateral_displacement.png", "lateral_force.png", "vertical_force.png"):
+        assert (tmp_path / "out" / name).stat().st_size > 0
+        assert str(tmp_path / "out" / name) in done.stdout
+    assert str(solves[0]) in done.stdout
+    assert "m, " in done.stderr  # the progress
+
+
+def test_ctrl_c_before_the_first_step_leaves_nothing(tmp_path: Path) -> None:
+    done = run(tmp_path, stop_after=3)
+    assert done.returncode == 128 + signal.SIGINT
+    assert "interrupted before the first step" in done.stdout
+    assert not list((tmp_path / "out").iterdir())
+
+
+def test_a_contact_that_raises_is_failed_not_silent(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
+    nan = ContactResult(np.full(3, np.nan), np.zeros(3), approach=1e-5, status="converged")
+    monkeypatch.setattr(SpringContact, "__call__", lambda self, pose, motion, guess: nan)
+    outcome = contact(HERTZ, "--json")
+    assert outcome.exit_code == 1
+    assert json.loads(outcome.stdout)["status"].startswith("failed")

@@ -1,0 +1,162 @@
+"""Ctrl-C where it does no harm: in compiled code, in callbacks, while the command is loaded, hammered upon."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import weakref
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numba
+import pytest
+
+from wheelrail.support import interrupts
+from wheelrail.support.interrupts import later, look
+
+ROOT = Path(__file__).parents[2]
+
+
+def ctrl_c() -> None:
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+@pytest.fixture(autouse=True)
+def handler() -> Iterator[object]:
+    """Each test leaves the handler of Ctrl-C as it was, which is Python's own."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    after = signal.signal(signal.SIGINT, before)
+    assert after is signal.default_int_handler
+    assert interrupts._waiting is None
+
+
+def test_ctrl_c_waits_for_a_look() -> None:
+    done = []
+    with later():
+        look()
+        ctrl_c()
+        done.append("went on")
+        with pytest.raises(KeyboardInterrupt):
+            look()
+        look()  # it came once
+    assert done == ["went on"]
+
+
+def test_ctrl_c_comes_at_the_end_of_the_block_that_did_not_look() -> None:
+    done = []
+    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
+        with later():
+            ctrl_c()
+        done.append("an inner block is part of it")
+    assert done
+    with pytest.raises(KeyboardInterrupt):
+        ctrl_c()
+
+
+def test_hammering_is_one_ctrl_c_and_the_next_one_does_not_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr(interrupts, "monotonic", lambda: now[0])
+    done = []
+    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
+        for now[0] in (0.0, 0.1, 0.9, 1.0):
+            ctrl_c()
+            done.append(now[0])
+    assert done == [0.0, 0.1, 0.9]
+
+
+def test_where_ctrl_c_is_ignored_it_stays_so() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with later():
+        ctrl_c()
+        look()
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def test_other_threads_are_not_stopped() -> None:
+    done = []
+
+    def work() -> None:
+        with later():
+            look()
+        done.append(1)
+
+    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
+        ctrl_c()
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+    assert done == [1]
+
+
+class Pair(NamedTuple):
+    one: float
+    two: float
+
+
+def test_compiled_code_ends_its_results(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba calls Python to make named tuples, and goes on with nothing when that raises."""
+
+    @numba.njit
+    def twice(x: float) -> tuple[Pair, float]:
+        return Pair(x, x), x
+
+    assert twice(1.0) == ((1.0, 1.0), 1.0)
+    made = Pair.__new__
+
+    def interrupted(*given: Any) -> Pair:
+        ctrl_c()
+        return made(*given)
+
+    monkeypatch.setattr(Pair, "__new__", interrupted)
+    found = []
+    with pytest.raises(KeyboardInterrupt), later():
+        found.append(twice(2.0))
+    assert found == [((2.0, 2.0), 2.0)]
+
+
+def test_ctrl_c_is_not_lost_in_the_callback_of_a_weak_reference() -> None:
+    class Thing:
+        pass
+
+    thing = Thing()
+    weakref.finalize(thing, ctrl_c)
+    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
+        del thing
+        look()
+
+
+LOADING = """
+import builtins, os, signal
+kept = builtins.__import__
+def at(name, *given, **options):
+    if name == {name!r}:
+        os.kill(os.getpid(), signal.SIGINT)
+    return kept(name, *given, **options)
+builtins.__import__ = at
+"""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "wheelrail.support.interrupts",
+        "wheelrail.cli.main",
+        "typer",
+        "wheelrail.cli.mpi_launcher",
+        "wheelrail.scenes.schema.messages",
+    ],
+)
+@pytest.mark.parametrize("start", ["wheelrail.cli.entry", "wheelrail.cli.main"])
+def test_ctrl_c_while_the_command_is_loaded(name: str, start: str, tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(LOADING.format(name=name))
+    way = ["-m", start] if start == "wheelrail.cli.main" else ["-c", f"from {start} import main; main()"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
+    line = [sys.executable, *way, "contact", "none.toml"]
+    done = subprocess.run(line, capture_output=True, text=True, env=environment, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")

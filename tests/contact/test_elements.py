@@ -1,0 +1,288 @@
+"""Force laws by points, dampers in series with a spring, energy of the suspension."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.interpolate import interp1d
+from standin_contact import CONTACT
+
+from wheelrail.scenes.datasets.run import dataset
+from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
+from wheelrail.vehicle.dynamics.jacobian import STEP, Jacobian
+from wheelrail.vehicle.dynamics.state import COUNT, mirrored
+from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.equilibrium import equilibrium
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.elements import Element, Elements, Place
+from wheelrail.vehicle.wagon.force_law import Characteristic
+from wheelrail.vehicle.wagon.suspension import Assembly
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+V = 45.0
+LEFT, RIGHT = (Track.curve(curvature=sign / 1200, cant=0.06, transition=20.0, length=400.0) for sign in (1, -1))
+
+# A spring softer in extension than in compression, and a damper of two stages that is weaker outwards.
+UNEVEN = Characteristic(((-0.02, -6e3), (-0.005, -1e3), (0.0, 0.0), (0.03, 2e3)))
+VALVE = Characteristic(((-0.5, -4e3), (-0.1, -3e3), (0.0, 0.0), (0.1, 1.5e3), (0.5, 2.5e3)))
+# Series stiffness of the dampers of the Manchester wagon as remembered, without a public source.
+SERIES = {"primary": (7.5e6, 1e6), "secondary": (6e6, 6e6)}
+
+
+def with_series(wagon: Wagon, factor: float = 1.0) -> Wagon:
+    stages = {
+        name: replace(getattr(wagon, name), lateral_series_stiffness=factor * y, vertical_series_stiffness=factor * z)
+        for name, (y, z) in SERIES.items()
+    }
+    return replace(wagon, **stages)
+
+
+def uneven(wagon: Wagon) -> Wagon:
+    """Tables everywhere: springs and dampers, lateral and vertical, in both stages."""
+    stages = {
+        name: replace(
+            getattr(wagon, name),
+            lateral_stiffness=factor * UNEVEN,
+            vertical_stiffness=5 * factor * UNEVEN,
+            lateral_damping=VALVE,
+            vertical_damping=2.0 * VALVE,
+        )
+        for name, factor in (("primary", 10.0), ("secondary", 1.0))
+    }
+    return replace(wagon, **stages)
+
+
+WAGONS = {
+    "linear": Wagon(),
+    "uneven": uneven(Wagon()),
+    "series": with_series(Wagon()),
+    "both": with_series(uneven(Wagon())),
+}
+
+
+def test_a_law_follows_its_points_and_goes_on_as_another_library_interpolates() -> None:
+    x = np.linspace(-0.08, 0.08, 1001)
+    peer = interp1d(*np.array(UNEVEN.points).T, fill_value="extrapolate")
+    np.testing.assert_allclose(UNEVEN(x), peer(x), rtol=1e-12, atol=1e-9)
+    assert UNEVEN(0.0) == 0.0
+    assert float((2.5 * UNEVEN)(0.01)) == 2.5 * float(UNEVEN(0.01))
+    np.testing.assert_allclose(UNEVEN.inverse(UNEVEN(x)), x, rtol=1e-12, atol=1e-15)
+    odd = Characteristic(((0.0, 0.0), (0.01, 100.0), (0.02, 400.0)))
+    whole = Characteristic(((-0.02, -400.0), (-0.01, -100.0), (0.0, 0.0), (0.01, 100.0), (0.02, 400.0)))
+    np.testing.assert_allclose(odd(x), whole(x), rtol=1e-12, atol=1e-12)
+    np.testing.assert_array_equal(odd(-x), -odd(x))
+    np.testing.assert_allclose(odd.energy(x), whole.energy(x), rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(odd.inverse(odd(x)), x, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("law", [UNEVEN, VALVE, Wagon().bumpstop], ids=["uneven", "valve", "bumpstop"])
+def test_energy_of_a_law_is_its_integral(law: Characteristic) -> None:
+    for end in (-0.7, -0.033, -0.004, 0.0, 0.02, 0.0625, 0.9):
+        kinks = [x for x in (s * k for k, _ in law.points for s in (1, -1)) if 0 < abs(x) < abs(end) and x * end > 0]
+        expected = quad(lambda x: float(law(x)), 0.0, end, points=kinks or None, limit=200)[0]
+        assert float(law.energy(end)) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        ((0.0, 0.0),),
+        ((0.0, 0.0), (0.01, -1.0)),
+        ((0.0, 0.0), (0.01, 1.0), (0.01, 2.0)),
+        ((0.01, 0.0), (0.02, 1.0)),
+        ((-0.01, -1.0), (0.02, 1.0)),
+        ((0.0, 0.0), (0.01, inf)),
+        ((0.0, 0.0, 0.0), (0.01, 1.0, 1.0)),
+    ],
+)
+def test_senseless_points_are_refused(points: tuple[tuple[float, float], ...]) -> None:
+    with pytest.raises(ValueError, match="points"):
+        Characteristic(points)
+
+
+def test_a_linear_law_by_points_is_the_number() -> None:
+    w = Wagon()
+    line = Characteristic(((0.0, 0.0), (1.0, 1.0)))
+    p, s = (
+        replace(
+            stage,
+            lateral_stiffness=stage.lateral_stiffness * line,
+            vertical_stiffness=stage.vertical_stiffness * line,
+            lateral_damping=stage.lateral_damping * line,
+            vertical_damping=stage.vertical_damping * line,
+        )
+        for stage in (w.primary, w.secondary)
+    )
+    position, rate = motion(np.random.default_rng(1), ())[:2]
+    plain, tabled = (Assembly.of(x).forces(position, rate) for x in (w, replace(w, primary=p, secondary=s)))
+    np.testing.assert_allclose(tabled.force, plain.force, rtol=1e-12, atol=1e-9)
+
+
+def test_scaling_takes_forces_and_not_deflections() -> None:
+    whole, plane = WAGONS["both"].secondary, WAGONS["both"].plane.secondary
+    assert isinstance(plane.vertical_stiffness, Characteristic)
+    assert float(plane.vertical_stiffness(0.03)) == 0.5 * float(whole.vertical_stiffness(0.03))  # type: ignore[operator]
+    assert plane.lateral_series_stiffness == 0.5 * whole.lateral_series_stiffness == 3e6
+
+
+def motion(rng: np.random.Generator, shape: tuple[int, ...], size: int = 20) -> tuple[np.ndarray, ...]:
+    """Random positions and rates of the bodies, and deflections of springs in series with dampers."""
+    position = rng.normal(size=(*shape, 3, 3)) * np.array([[30, 20, 30], [10, 8, 10], [3, 2, 3]]) * 1e-3
+    rate = rng.normal(size=(*shape, 3, 3)) * 0.3
+    return position, rate, 1e-3 * rng.normal(size=(*shape, size - 20))
+
+
+@pytest.mark.parametrize("name", WAGONS)
+def test_energy_is_stored_dissipated_or_given_to_the_bodies(name: str) -> None:
+    """d(stored)/dt + power on the bodies + power of the dampers = 0 along any motion, by a central difference."""
+    assembly, h = Assembly.of(WAGONS[name]), 1e-6
+    m = assembly.laws.states
+    position, rate, series = motion(np.random.default_rng(5), (40,), 20 + m)
+    found = assembly.forces(position, rate, series)
+    before, after = (assembly.stored_energy(position + t * rate, series + t * found.series_rate) for t in (-h, h))
+    given = np.sum(found.on_bodies * rate, axis=(-2, -1))
+    lost = assembly.dissipated_power(position, rate, series)
+    assert (lost > 0.0).all()
+    assert before.shape == lost.shape == (40,)
+    scale = np.abs(given) + lost
+    assert np.max(np.abs((after - before) / (2 * h) + given + lost) / scale) < 2e-6
+    one = assembly.stored_energy(position[3], series[3])
+    assert float(one) == pytest.approx(float(assembly.stored_energy(position, series)[3]), rel=1e-12)
+    assert float(assembly.stored_energy(np.zeros((3, 3)))) == 0.0
+
+
+@pytest.mark.parametrize("name", WAGONS)
+def test_the_mirror_image_has_mirrored_forces_to_the_last_bit(name: str) -> None:
+    d = Dynamics(WAGONS[name], Track(), CONTACT, V)
+    frame, rng = d.track.frame(0.0, V), np.random.default_rng(2)
+    wrench = Wrench(np.array([1e3, 2e3, 1e5]), np.array([300.0, 50.0, 20.0]))
+    other = Wrench(wrench.force * [1, -1, 1], wrench.moment * [-1, 1, -1])
+    for _ in range(5):
+        position, rate, series = motion(rng, (), d.size)
+        state = np.concatenate([position.ravel(), [0.01], rate.ravel(), [0.02], series])
+        here, there = (
+            np.append(np.zeros(COUNT), d.accelerations(frame, x, w)[0])
+            for x, w in ((state, wrench), (mirrored(state), other))
+        )
+        np.testing.assert_array_equal(there, mirrored(here))
+        np.testing.assert_array_equal(mirrored(mirrored(state)), state)
+
+
+def frequency_response(stiffness: float, damping: float, omega: float) -> complex:
+    """Force per deflection of a Maxwell element of an assembly's laws, from its state equation e' = v - F/c."""
+    laws = Elements.of([Element(Place(0, 0, 1), damper=damping, series=stiffness)], 1)
+    e0, e1 = np.zeros(1), np.ones(1)
+    still, moving = np.zeros((1, 2)), np.array([[0.0, 1.0]])
+    fading = float(laws.series_rate(still, e1)[0])  # e' = fading e + v
+    assert float(laws.series_rate(moving, e0)[0]) == 1.0
+    stretch = 1j * omega / (1j * omega - fading)
+    return -float(laws.force(still, still, e1)[0, 1]) * stretch
+
+
+def test_a_damper_on_a_spring_answers_as_the_complex_stiffness_says() -> None:
+    k, c = 6e6, 32e3
+    for omega in 2 * np.pi * np.array([0.1, 1.0, 10.0, 30.0, 100.0, 1e3]):
+        assert frequency_response(k, c, omega) == pytest.approx(1j * omega * c * k / (k + 1j * omega * c), rel=1e-12)
+
+
+def free_modes(wagon: Wagon) -> np.ndarray:
+    """Eigenvalues of the swinging modes of car body and bogie above a held wheelset, slowest first, 1/s."""
+    assembly, plane = Assembly.of(wagon), wagon.plane
+    masses = np.array([[b.mass, b.mass, b.roll_inertia] for b in (plane.car_body, plane.bogie)])
+    size = 12 + assembly.laws.states
+
+    def rate(x: np.ndarray) -> np.ndarray:
+        moved = np.zeros((2, 3, 3))
+        moved[:, :2] = x[:12].reshape(2, 2, 3)
+        found = assembly.forces(*moved, x[12:])
+        return np.concatenate([x[6:12], (found.on_bodies[:2] / masses).ravel(), found.series_rate])
+
+    h = 1e-6
+    values = np.linalg.eigvals(np.stack([(rate(x) - rate(-x)) / (2 * h) for x in h * np.eye(size)], axis=1))
+    return np.sort_complex(1j * values[values.imag > 1.0])[::-1]
+
+
+def test_stiffer_springs_in_series_lead_to_the_plain_damper() -> None:
+    """The eigenvalues' difference falls as 1/stiffness."""
+    plain, factors = free_modes(Wagon()), np.array([4.0, 8.0, 16.0, 32.0])
+    errors = [np.abs(free_modes(with_series(Wagon(), f)) - plain) for f in factors]
+    assert errors[0].shape == (6,)
+    for error in np.transpose(errors):
+        assert np.polyfit(np.log(factors), np.log(error), 1)[0] == pytest.approx(-1.0, abs=0.05)
+
+
+def test_what_a_damper_on_a_spring_takes_is_force_squared_over_damping() -> None:
+    """Over a cycle of a sinusoidal deflection the work done is the integral of F2/c, and that of the closed form."""
+    k, c, omega, size = 1e6, 4e3, 2 * np.pi * 12.0, 5e-3
+    laws = Elements.of([Element(Place(0, 0, 1), damper=c, series=k)], 1)
+    stiffness = frequency_response(k, c, omega)
+    t = np.linspace(0.0, 2 * np.pi / omega, 401)[:-1]
+    u, force = size * np.exp(1j * omega * t), size * stiffness * np.exp(1j * omega * t)
+    moving = np.zeros((400, 1, 2))
+    moving[:, 0, 1] = (1j * omega * u).real
+    power = laws.dissipated(moving, force.real[:, None] / k)
+    np.testing.assert_allclose(power, force.real**2 / c, rtol=1e-12)
+    assert power.mean() * 2 * np.pi / omega == pytest.approx(np.pi * size**2 * stiffness.imag, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", WAGONS)
+def test_static_loads_of_the_springs(name: str) -> None:
+    """39.24 kN on each secondary and 45.65 kN on each primary spring of the plane wagon, whatever their laws."""
+    d = Dynamics(WAGONS[name], Track(), CONTACT, V)
+    found = equilibrium(d)
+    assert found.residual < 1e-6
+    assert len(found.state) == d.size == 20 + d.suspension.laws.states
+    assert not found.state[2 * COUNT :].any()
+    force = d.suspension.forces(found.state[:9].reshape(3, 3), np.zeros((3, 3))).force
+    np.testing.assert_allclose(force[[0, 4], 1], 45.65e3, rtol=2e-4)
+    np.testing.assert_allclose(force[[2, 6], 1], 39.24e3, rtol=1e-6)
+    np.testing.assert_allclose(d.suspension.preload[[0, 2]], [9.81 * 9307.5 / 2, 39.24e3], rtol=1e-12)
+    np.testing.assert_allclose(found.state[[1, 4]], found.state[7], atol=1e-9)  # springs at their nominal length
+    again = equilibrium(d, guess=found.state)
+    assert again.iterations == 0
+
+
+@pytest.mark.parametrize("name", ["uneven", "both"])
+def test_right_hand_curve_is_the_mirror_image(name: str) -> None:
+    left, right = (equilibrium(Dynamics(WAGONS[name], t, CONTACT, 30.0), time=5.0).state for t in (LEFT, RIGHT))
+    np.testing.assert_allclose(right, mirrored(left), atol=1e-7)
+    assert abs(left[0]) > 5e-3
+
+
+def test_the_jacobian_sees_the_springs_in_series() -> None:
+    wagon = WAGONS["series"]
+    d = Dynamics(wagon, LEFT, CONTACT, V)
+    position, rate, series = motion(np.random.default_rng(3), (), d.size)
+    state = np.concatenate([position.ravel() / 10, [0.0], rate.ravel(), [0.0], series])
+    state[6:9] = [1e-3, -1e-4, 1e-4]
+    found = Jacobian(d, Counts())(2.0, state, d(2.0, state)).by_state
+    h = 1e-6
+    columns = [(d(2.0, state + x).rate - d(2.0, state - x).rate) / (2 * h) for x in h * np.eye(d.size)]
+    expected = np.stack(columns, axis=1)
+    scale = np.abs(expected).max(axis=1, keepdims=True)
+    error = np.abs(found - expected) / scale
+    assert max(error[20:].max(), error[:, 20:].max()) < 1e-6  # the contact's part is looked at elsewhere
+    rates = np.diag(expected)[20:]
+    closed = np.array([-7.5e6 / 2e3, -1e6 / 4e3, -3e6 / 16e3, -3e6 / 10e3])
+    np.testing.assert_allclose(rates, np.tile(closed, 2), rtol=1e-6)
+    assert h > STEP
+
+
+@pytest.mark.parametrize("method", ["ode23", "rosenbrock"])
+def test_a_run_with_tables_and_springs_in_series(method: str) -> None:
+    wagon = WAGONS["both"]
+    found = simulate(wagon, LEFT, CONTACT, speed=V, span=(0.0, 0.3), method=method, every=0.1)
+    assert found.status == "completed"
+    assert found.state.shape == (4, 28)
+    assert found.series_deflection.shape == (4, 8)
+    assert np.abs(found.series_deflection[-1]).max() > 1e-6
+    assert found.wheelset_rate.shape == (4, 4)
+    kept = dataset(found)["series_deflection"]
+    assert (kept.dims, kept.shape) == (("time", "series"), (4, 8))
+    with pytest.raises(ValueError, match="28 numbers"):
+        simulate(wagon, LEFT, CONTACT, speed=V, initial=np.zeros(20))

@@ -1,0 +1,397 @@
+"""Cells fitted to the patch: kernels, ends, tips, convergence, and the same answers as grids and half-spaces give."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from half_space import Cells, HalfSpaces
+from scipy.special import k0, k1
+
+from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
+from wheelrail.contact.elasticity.half_space import strip_flexibility
+from wheelrail.contact.kinematics.frames import Motion, Twist
+from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
+from wheelrail.contact.models.builders import Bodies, hertz_pair, wheel_rail_pair
+from wheelrail.contact.models.fitted.edge_rules import CAUTION, TIP, edge_rules, line_contact, tip
+from wheelrail.contact.models.fitted.friction_penetration import Raised, settling
+from wheelrail.contact.models.fitted.influence import StripKernel
+from wheelrail.contact.models.fitted.influence_tables import means
+from wheelrail.contact.models.fitted.layout import Layout, marks
+from wheelrail.contact.models.fitted.model import FittedContact
+from wheelrail.contact.models.fitted.operators import upstream
+from wheelrail.contact.models.fitted.patch_moments import stick_length
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.error_estimate import ErrorEstimate
+from wheelrail.contact.results.result import ContactResult, Summaries
+from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.support.arrays import Array
+
+STEEL = Steel()
+RADII = (0.46, 0.30)
+LOAD = 60e3
+STILL = np.zeros(3)
+
+
+def flowing(xi: float = 0.0, eta: float = 0.0, phi: float = 0.0) -> Motion:
+    half = 0.5 * np.array([xi, eta, 0.0])
+    turn = np.array([0.0, 0.0, 0.5 * phi])
+    back = np.array([-1.0, 0.0, 0.0])
+    return Motion(Twist(back + half, turn, STILL), Twist(back - half, -turn, STILL))
+
+
+def exact() -> Hertz:
+    return hertz(0.5 / RADII[0], 0.5 / RADII[1], modulus((STEEL.E, STEEL.nu), (STEEL.E, STEEL.nu)), force=LOAD)
+
+
+@cache
+def pair(
+    friction: float = 0.0, bodies: Bodies = "half-space", fineness: Fineness | None = None, estimate: bool = False
+) -> FittedContact:
+    model = hertz_pair(
+        RADII,
+        (np.inf, np.inf),
+        upper_steel=STEEL,
+        lower_steel=STEEL,
+        load=LOAD,
+        surface_size=1e-3,
+        laws=Laws(friction=friction),
+        bodies=bodies,
+        fineness=fineness or Fineness(),
+        estimate=estimate,
+    )
+    assert isinstance(model, FittedContact)
+    return model
+
+
+def loaded(model: FittedContact) -> tuple[float, ContactResult]:
+    found = hertz_under_load(model, flowing(), LOAD, expected=exact().approach, rtol=1e-6)
+    return found.depth, found.results[0]
+
+
+def test_strips_of_a_half_space_by_quadrature() -> None:
+    k, nu = np.array([0.3, 2.0, 9.0]), 0.3
+    rows, columns = np.array([[0.0, 1.0], [1.2, 1.5]]), np.array([[2.0, 2.5], [3.0, 5.0]])
+    found = strip_flexibility(k, rows, columns, nu, 0.0)
+    node, weight = np.polynomial.legendre.leggauss(40)
+    for i, (a, b) in enumerate(rows):
+        for j, (c, d) in enumerate(columns):
+            y = 0.5 * (a + b) + 0.5 * (b - a) * node
+            eta = 0.5 * (c + d) + 0.5 * (d - c) * node
+            z = k[:, None, None] * np.abs(y[:, None] - eta)
+            turned = nu * np.sign(y[:, None] - eta) * z * k0(z)
+            parts = np.stack([k0(z) - nu * z * k1(z), (1 - nu) * k0(z) + nu * z * k1(z), (1 - nu) * k0(z), turned], -1)
+            mean = np.einsum("kyec,y,e->kc", parts, weight, weight) / 4 * 2 * (1 + nu) / np.pi
+            np.testing.assert_allclose(found[:, i, j], mean, rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
+@pytest.mark.parametrize("place", [0.0, 0.37])
+def test_cells_of_any_size_and_place(bodies: Bodies, place: float) -> None:
+    # a cell on itself and on its neighbours, beside Boussinesq's and Cerruti's closed form at 8 x 8 points of each
+    kernel: StripKernel = pair(bodies=bodies).operators.upper
+    G = STEEL.E / 2 / (1 + STEEL.nu)
+    assert G > 0
+    fine, width, length = 8, 1.5e-3, 0.4e-3
+    edge = 1e-3 * place + width * np.arange(3)
+    sides = np.column_stack([edge[:-1], edge[1:]])
+    ends = np.tile(length * np.arange(4), (2, 1))
+    table, nodes, x = kernel.full(sides, 5e-3), kernel.nodes, ends / kernel.unit
+    found = np.empty((2, 2, 9, 3, 3))
+    for at, (i, j) in enumerate(((0, 0), (0, 1), (1, 1))):
+        assert means(x[i], x[j], table[at], nodes.start, nodes.rate, np.empty((4, 4, 9)), found[i, j])
+    found[1, 0] = found[0, 1].reshape(3, 3, 3, 3).transpose(1, 0, 3, 2).reshape(9, 3, 3)  # reciprocity
+    found = found.transpose(0, 3, 1, 4, 2).reshape(2, 3, 2, 3, 3, 3)
+    x, y = np.meshgrid(
+        (np.arange(3 * fine) + 0.5) * length / fine, (np.arange(2 * fine) + 0.5) * width / fine, indexing="ij"
+    )
+    spaces = HalfSpaces(Cells(x.ravel(), y.ravel(), length / fine, width / fine), STEEL, STEEL)
+    C = 0.5 * spaces.compliance().reshape(3, 3, 3, fine, 2, fine, 3, fine, 2, fine)
+    mean = C.mean(axis=(3, 5, 7, 9)) / (length * width / fine**2)  # a, b, m, i, n, j
+    for a in range(3):
+        mine = found[..., a, a].transpose(1, 0, 3, 2)
+        # blocks are clamped 40 axes below: a constant is missing
+        np.testing.assert_allclose(
+            mine - mine[0, 0, 2, 1], mean[a, a] - mean[a, a, 0, 0, 2, 1], atol=0.012 * mean[a, a].max()
+        )
+
+
+def test_ends_of_a_line_contact() -> None:
+    # the pressure of cells that are too short, or too long, tells by how much
+    for rolling in (False, True):
+        t = marks(16, rolling=rolling)
+        trailing, leading = edge_rules(tuple(t.tolist()))
+        p = line_contact(2.0 * t - 1.0)
+        assert trailing.beyond(p[:1], p[1:2])[0] == pytest.approx(0.0, abs=1e-12)
+        assert leading.beyond(p[-1:], p[-2:-1])[0] == pytest.approx(0.0, abs=1e-12)
+        excess = 1 / np.sqrt(1 - (t[1:] + t[:-1] - 1) ** 2)
+        assert leading.beyond((p + 0.02 * excess)[-1:], (p + 0.02 * excess)[-2:-1])[0] > 0
+        assert leading.beyond((p - 0.02 * excess)[-1:], (p - 0.02 * excess)[-2:-1])[0] < 0
+
+
+def test_line_contact_is_hertz() -> None:
+    edges = np.linspace(-1.0, 1.0, 41)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    p = line_contact(edges)
+    assert p @ np.diff(edges) == pytest.approx(1.0, abs=1e-12)
+    inner = np.abs(middle) < 0.8
+    np.testing.assert_allclose(p[inner], 2 / np.pi * np.sqrt(1 - middle[inner] ** 2), rtol=2e-3)
+
+
+@pytest.mark.parametrize("end", [-0.3, 0.0, 0.2])
+def test_tip_of_a_parabola(end: float) -> None:
+    # loads of strips whose contact ends at -end, 10 wide
+    edge = np.arange(7.0)
+    whole = (edge + end) ** 2 / 2 * 10 - (edge + end) ** 3 / 3
+    assert tip(np.diff(whole)) == pytest.approx(CAUTION * (end - TIP), abs=1e-9)
+
+
+def test_upstream_slip_is_exact_for_parabolas() -> None:
+    x = np.array([[0.0, 0.3, 0.5, 0.6, 0.9]])
+    u = 2 - 3 * x + 0.7 * x**2
+    w = upstream(x)
+    found = sum(weight * u[:, k : k + 3] for k, weight in enumerate(w))
+    np.testing.assert_allclose(found, 3 - 1.4 * x[:, :3], atol=1e-12)
+
+
+def test_stick_ends_within_a_cell() -> None:
+    # what is left to the bound goes like sqrt(e - x) up to e = 0.63
+    edges = np.linspace(0, 1, 11)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    left = np.sqrt(np.maximum(0.63 - middle, 0))
+    assert stick_length(left, np.diff(edges)) == pytest.approx(0.63, abs=5e-3)
+    assert stick_length(np.zeros(10), np.diff(edges)) == 0.0
+    assert stick_length(np.ones(10), np.diff(edges)) == pytest.approx(1.0)
+
+
+def errors(fineness: Fineness) -> Array:
+    _, result = loaded(pair(fineness=fineness))
+    (patch,) = result.patches
+    ellipse = np.pi * np.prod(exact().semi_axes)
+    return np.array(
+        [
+            *(np.array(patch.semi_axes) / exact().semi_axes - 1),
+            patch.area / ellipse - 1,
+            patch.max_pressure / exact().peak - 1,
+        ]
+    )
+
+
+def test_hertz_converges_smoothly() -> None:
+    counts = np.array([6, 8, 11, 16, 22])
+    e = np.array([errors(Fineness(int(n), int(n))) for n in counts])
+    assert np.abs(e[3]).max() < 6e-3
+    total = np.sqrt((e**2).mean(axis=1))
+    slope, rest = np.polyfit(np.log(counts), np.log(total), 1)
+    assert slope < -1.0
+    # no staircase: the error follows its line
+    assert np.abs(np.log(total) - slope * np.log(counts) - rest).max() < 0.35
+
+
+def test_approach_on_half_spaces() -> None:
+    depth, _ = loaded(pair())
+    assert depth == pytest.approx(exact().approach, rel=1.5e-3)
+
+
+def test_elements_and_half_spaces_agree() -> None:
+    creep = (4e-4, 2e-4, 0.1)
+    found = []
+    for bodies in ("half-space", "waveguide"):
+        depth, _ = loaded(pair(bodies=bodies))
+        found.append(pair(0.3, bodies)(hertz_pose(depth), flowing(*creep), None))
+    one, other = found
+    # an endless block is a little stiffer along x than a half-space
+    assert np.abs(one.force - other.force).max() < 5e-3 * 0.3 * LOAD
+    assert one.patches[0].max_pressure == pytest.approx(other.patches[0].max_pressure, rel=1e-3)
+    assert one.patches[0].area == pytest.approx(other.patches[0].area, rel=3e-3)
+
+
+def test_result_fulfils_the_laws_and_balances() -> None:
+    depth, _ = loaded(pair())
+    result = pair(0.3)(hertz_pose(depth), flowing(5e-4, -3e-4, 0.2), None)
+    fields = result.fields
+    assert fields is not None
+    q, p = np.hypot(*fields.traction.T), fields.pressure
+    assert (p >= 0).all()
+    assert (q <= 0.3 * p * (1 + 1e-9)).all()
+    assert (fields.traction * fields.slip).sum() < 0
+    assert result.statistics.residual < 1e-8
+    assert result.statistics.points <= 200
+    local = np.column_stack([fields.traction, -p]) * fields.area[:, None]
+    np.testing.assert_allclose((local[:, None] @ fields.axes)[:, 0].sum(axis=0), result.force, rtol=1e-12)
+
+
+def test_the_guess_changes_nothing() -> None:
+    model, pose = pair(0.3), hertz_pose(exact().approach)
+    first = model(pose, flowing(1e-3), None)
+    again = model(pose, flowing(1e-3), model(hertz_pose(0.7 * exact().approach), flowing(), None))
+    np.testing.assert_array_equal(first.force, again.force)
+
+
+def test_error_estimate_covers_the_error() -> None:
+    depth, _ = loaded(pair())
+    pose, motion = hertz_pose(depth), flowing(3e-4, 1e-4, 0.1)
+    plain = pair(0.3)(pose, motion, None)
+    assert plain.error_estimate is None
+    told = pair(0.3, estimate=True)(pose, motion, None)
+    np.testing.assert_array_equal(told.force, plain.force)
+    fine = pair(0.3, fineness=Fineness(20, 24))(pose, motion, None)
+    estimate = told.error_estimate
+    assert isinstance(estimate, ErrorEstimate)
+    wrong = np.linalg.norm(plain.force - fine.force)
+    assert 0.5 * wrong < estimate.force < 10 * wrong
+    assert abs(plain.patches[0].area - fine.patches[0].area) < 2 * estimate.area
+    assert abs(plain.patches[0].max_pressure - fine.patches[0].max_pressure) < 2 * estimate.max_pressure
+
+
+def test_penalty_and_other_misfits_are_refused() -> None:
+    with pytest.raises(ValueError, match="exact normal law"):
+        replace(pair(), laws=Laws.paper())
+    with pytest.raises(ValueError, match="fitted"):
+        hertz_pair(
+            RADII,
+            RADII,
+            upper_steel=STEEL,
+            lower_steel=STEEL,
+            load=1e3,
+            surface_size=1e-3,
+            laws=Laws(),
+            points="fitted",
+        )
+    with pytest.raises(ValueError, match="4 strips"):
+        Fineness(2, 8)
+
+
+@cache
+def wheelset(friction: float) -> WheelsetContact:
+    rail = named_profile("UIC60-benchmark")
+    model = wheel_rail_pair(
+        named_profile("S1002"),
+        rail,
+        radius=0.46,
+        wheel_steel=STEEL,
+        rail_steel=STEEL,
+        surface_size=1e-3,
+        laws=Laws(friction=friction),
+        bodies="half-space",
+    )
+    return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
+
+
+def test_a_second_patch_does_not_make_forces_jump() -> None:
+    # the left wheel lowered by the same amount while the wheelset moves to the flange: first one patch, then two
+    contact = wheelset(0.0)
+    y = np.arange(4.7e-3, 5.02e-3, 0.04e-3)
+    results = [contact(WheelsetState(y=float(at), z=1.3e-4), "left") for at in y]
+    assert all(result.ok for result in results)
+    assert {len(result.patches) for result in results} >= {1, 2}
+    forces = np.array([result.force for result in results])
+    bends = np.abs(np.diff(forces, 2, axis=0)).max(axis=0)
+    # of some 110 kN, which grow by 5 % from one position to the next
+    assert (bends < 0.01 * 110e3).all()
+
+
+def test_yaw_moves_the_patch_but_not_its_load() -> None:
+    contact = wheelset(0.0)
+    straight, turned = (contact(WheelsetState(y=-2e-3, z=-2.7e-4, yaw=yaw), "left") for yaw in (0.0, 5e-3))
+    assert turned.patches[0].x - straight.patches[0].x == pytest.approx(-0.75 * 5e-3, abs=1e-4)
+    assert turned.force[2] == pytest.approx(straight.force[2], rel=0.01)
+    assert abs(turned.force[0]) < 1e-4 * turned.force[2]
+
+
+def test_left_and_right_are_mirror_images() -> None:
+    contact = wheelset(0.3)
+    left = contact(WheelsetState(y=1e-3, z=-2e-4, yaw=2e-3, speed=10.0, pitch_rate=10 / 0.459), "left")
+    right = contact(WheelsetState(y=-1e-3, z=-2e-4, yaw=-2e-3, speed=10.0, pitch_rate=10 / 0.459), "right")
+    np.testing.assert_array_equal(left.force, [1, -1, 1] * right.force)
+
+
+def test_warm_cells_follow_the_contact() -> None:
+    # 12 poses on the way of a wheelset across the rail, each starting from the one before
+    contact = wheelset(0.3)
+    warm = replace(contact, model=replace(contact.model, warm=True))  # type: ignore[type-var]
+    states = [
+        WheelsetState(y=-2e-3 + 5e-6 * k, z=-2.7e-4 - 4e-7 * k, speed=10.0, pitch_rate=10 / 0.46) for k in range(12)
+    ]
+    guess: ContactResult | None = None
+    kept = 0
+    for state in states:
+        cold, found = contact(state, "left"), warm(state, "left", guess)
+        assert found.ok
+        np.testing.assert_allclose(found.force, cold.force, atol=3e-3 * cold.force[2])
+        np.testing.assert_allclose(found.moment, cold.moment, atol=3e-3 * 0.46 * cold.force[2])
+        assert found.patches[0].area == pytest.approx(cold.patches[0].area, rel=0.02)
+        if guess is not None:
+            assert found.warm_start is not None
+            assert guess.warm_start is not None
+            kept += found.warm_start.gathered is guess.warm_start.gathered
+        guess = found
+    assert kept >= 4  # compliance gathered once serves several poses
+
+
+def test_warm_cells_from_far_away_do_no_harm() -> None:
+    contact = wheelset(0.3)
+    warm = replace(contact, model=replace(contact.model, warm=True))  # type: ignore[type-var]
+    rolls = {"speed": 10.0, "pitch_rate": 10 / 0.46}
+    there = warm(WheelsetState(y=4e-3, z=-1e-4, **rolls), "left")
+    here = WheelsetState(y=-2e-3, z=-2.7e-4, **rolls)
+    assert there.ok
+    np.testing.assert_allclose(warm(here, "left", there).force, contact(here, "left").force, rtol=3e-3, atol=100.0)
+    assert warm(WheelsetState(z=5e-3, **rolls), "left", there).status == "separated"
+
+
+def test_equal_steels_share_one_compliance() -> None:
+    assert pair().operators.alike
+    other = hertz_pair(
+        RADII,
+        (np.inf, np.inf),
+        upper_steel=STEEL,
+        lower_steel=Steel(2.1e11, 0.3 + 1e-12),
+        load=LOAD,
+        surface_size=1e-3,
+        laws=Laws(friction=0.3),
+        bodies="half-space",
+    )
+    assert isinstance(other, FittedContact)
+    assert not other.operators.alike
+    pose = hertz_pose(exact().approach)
+    one, two = (model(pose, flowing(5e-4, 2e-4, 0.3), None) for model in (pair(0.3), other))
+    np.testing.assert_allclose(one.force, two.force, rtol=1e-6, atol=1e-3)
+
+
+def test_patches_are_summed_up_when_asked_for() -> None:
+    result = pair()(hertz_pose(exact().approach), flowing(), None)
+    assert isinstance(result.patches, Summaries)
+    (patch,) = result.patches
+    (sent,) = pickle.loads(pickle.dumps(result.patches))
+    assert (sent.area, sent.max_pressure) == (patch.area, patch.max_pressure)
+    assert patch.normal_force == pytest.approx(result.force[2], rel=1e-12)
+    (seen,) = result.mirrored().patches
+    assert seen.wheel_y == patch.wheel_y
+    np.testing.assert_array_equal(seen.force, [1, -1, 1] * patch.force)
+
+
+@pytest.mark.parametrize("slope", [-1.5, -0.6, 0.4])
+def test_two_rounds_tell_where_friction_moves_the_overlap_no_more(slope: float) -> None:
+    """Of what answers in a straight line, r = c + slope r; where a round answers as before it is not followed afar."""
+    sides = np.column_stack([np.arange(4.0), np.arange(1.0, 5.0)]) * 1e-3
+    layout = Layout(sides, np.tile([-3e-3, 5e-3], (4, 1)), np.zeros(4, dtype=int), marks(6, rolling=True))
+    rest = Raised.by(layout, layout.middle[:, None] * [0.3] * 6 + 2e-3 * layout.edges[:, 1:])
+
+    def answer(raised: Raised | None) -> Raised:
+        now = np.zeros((4, 6)) if raised is None else raised.at(layout)
+        return Raised.by(layout, rest.at(layout) + slope * (now - rest.at(layout)))
+
+    first = answer(None)
+    found = settling(layout, (None, first), (first, answer(first)))
+    np.testing.assert_allclose(found.at(layout), rest.at(layout), rtol=1e-9)
+    creeping = Raised.by(layout, 1.9 * first.at(layout))
+    limited = settling(layout, (None, first), (first, creeping))
+    np.testing.assert_allclose(limited.at(layout), 2.8 * first.at(layout), rtol=1e-9)

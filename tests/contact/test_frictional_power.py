@@ -1,0 +1,64 @@
+"""Heat of a patch: work of tractions over rigid slip, and what local slip makes of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_fitted import LOAD, exact, flowing, pair
+
+from wheelrail.contact.kinematics.frames import Motion
+from wheelrail.contact.loading.hertz import hertz_under_load
+from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.results.result import ContactResult, Patch
+
+SPEED = 1.0  # of `flowing`
+
+
+def rolling(motion: Motion, fineness: Fineness | None = None) -> ContactResult:
+    model = pair(0.3, fineness=fineness)
+    return hertz_under_load(model, motion, LOAD, expected=exact().approach).results[0]
+
+
+def by_local_slip(result: ContactResult) -> float:
+    fields = result.fields
+    assert fields is not None
+    return float(-SPEED * fields.area @ np.einsum("nk,nk->n", fields.traction, fields.slip))
+
+
+def test_power_is_force_times_creepage_and_moment_times_spin() -> None:
+    result = rolling(flowing(5e-4, -7e-4, 0.4))
+    (patch,) = result.patches
+    xi, eta, phi = patch.creepage
+    assert (xi, phi) == pytest.approx((5e-4, 0.4))
+    assert eta == pytest.approx(-7e-4, rel=2e-3)  # the resultant lies a little ahead, where spin adds to it
+    along, across = patch.tangential_force
+    # about the resultant
+    moment = result.moment[2] - patch.x * result.force[1]
+    expected = -SPEED * (along * xi + across * eta + moment * phi)
+    assert patch.frictional_power == pytest.approx(expected, rel=1e-4)
+    assert patch.mirrored().creepage == (xi, -eta, -phi)
+
+
+def test_full_sliding_turns_the_whole_work_of_friction_into_heat() -> None:
+    (patch,) = rolling(flowing(xi=2e-2)).patches
+    assert patch.frictional_power == pytest.approx(0.3 * LOAD * 2e-2 * SPEED, rel=1e-4)
+
+
+def test_local_slip_tends_to_the_same_power() -> None:
+    """The elastic part of the slip does no work in steady rolling, which finer cells come to know."""
+    apart = []
+    cells = (8, 16, 32)
+    for count in cells:
+        result = rolling(flowing(xi=1e-3), Fineness(8, count))
+        power = result.patches[0].frictional_power
+        apart.append(1.0 - by_local_slip(result) / power)
+    slope = np.polyfit(np.log(cells), np.log(apart), 1)[0]
+    assert 0.0 < apart[-1] < 0.02
+    assert -2.2 < slope < -1.6  # second order
+
+
+def test_without_friction_or_motion_there_is_none() -> None:
+    model = pair(0.0)
+    (patch,) = hertz_under_load(model, flowing(xi=1e-3), LOAD, expected=exact().approach).results[0].patches
+    assert (patch.creepage, patch.frictional_power) == ((0.0, 0.0, 0.0), 0.0)
+    assert isinstance(patch, Patch)

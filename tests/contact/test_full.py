@@ -1,0 +1,186 @@
+"""The full two-body problem (12) against the condensed one (15): other unknowns, other solver, same answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from small_pairs import AT_REST, BRICKS, CREEP, QUADRATIC, STEEL, TETRAHEDRA, condensed, full, rolling
+
+from wheelrail.contact.kinematics.creepage import creepage
+from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import FallingFriction, Laws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.full.discrete_problem import Problem
+from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.models.full.newton import FullOptions
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
+
+SIZE, RADIUS = 1e-3, 0.3
+FRICTIONLESS, ROLLING = Laws(1e15, friction=0.0), Laws(1e15, friction=0.3, regularisation=1e-5)
+FALLING = Laws(1e15, 0.3, 1e-5, FallingFriction(0.4, 10.0))
+DISSIMILAR = (Steel(210e9, 0.1), Steel(180e9, 0.3))
+
+
+def pose(radius: float) -> Pose:
+    """Overlap of a sphere on a plane within a circle of so many cells."""
+    return hertz_pose((radius * SIZE) ** 2 / (2 * RADIUS))
+
+
+def difference(first: Array, second: Array) -> float:
+    return float(np.abs(first - second).max() / max(np.abs(second).max(), 1e-300))
+
+
+def assert_agree(first: ContactResult, second: ContactResult, tolerance: float) -> None:
+    assert first.status == second.status == "converged"
+    assert first.fields is not None
+    assert second.fields is not None
+    assert difference(first.force, second.force) < tolerance
+    assert difference(first.moment, second.moment) < tolerance
+    for name in ("pressure", "traction", "slip", "displacement"):
+        assert difference(getattr(first.fields, name), getattr(second.fields, name)) < tolerance, name
+    for mine, other in zip(first.patches, second.patches, strict=True):
+        assert mine.area == other.area
+        assert mine.stick_area == pytest.approx(other.stick_area)
+
+
+CASES = {
+    "tetrahedra, frictionless": (TETRAHEDRA, FRICTIONLESS, AT_REST, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, rolling": (TETRAHEDRA, ROLLING, CREEP, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, nearly all sticks": (TETRAHEDRA, ROLLING, rolling(5e-5, 0.0, 0.0), (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, all slides": (TETRAHEDRA, ROLLING, rolling(0.0, 0.1, 0.0), (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, first order slip": (TETRAHEDRA, ROLLING, CREEP, (STEEL, STEEL), 1, 3.2),
+    "tetrahedra, dissimilar": (TETRAHEDRA, ROLLING, CREEP, DISSIMILAR, 2, 3.2),
+    "tetrahedra, dissimilar, frictionless": (TETRAHEDRA, FRICTIONLESS, AT_REST, DISSIMILAR, 2, 3.2),
+    "tetrahedra, soft law": (TETRAHEDRA, Laws(1e13, 0.3, 1e-4), CREEP, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, falling friction": (TETRAHEDRA, FALLING, CREEP, DISSIMILAR, 2, 3.2),
+    "tetrahedra, exact, frictionless": (TETRAHEDRA, Laws(friction=0.0), AT_REST, DISSIMILAR, 2, 3.2),
+    "tetrahedra, exact, rolling": (TETRAHEDRA, Laws(), CREEP, DISSIMILAR, 2, 3.2),
+    "tetrahedra, exact, all slides": (TETRAHEDRA, Laws(), rolling(0.0, 0.1, 0.0), (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, exact pressure alone": (TETRAHEDRA, Laws(np.inf, 0.3, 1e-5), CREEP, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, exact friction alone": (TETRAHEDRA, Laws(1e15, 0.3, 0.0), CREEP, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, exact, falling": (TETRAHEDRA, Laws(falling=FALLING.falling), CREEP, DISSIMILAR, 2, 3.2),
+    "hexahedra, rolling": (BRICKS, ROLLING, CREEP, (STEEL, STEEL), 2, 3.2),
+    "quadratic, rolling": (QUADRATIC, ROLLING, CREEP, (STEEL, STEEL), 2, 1.4),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_full_and_condensed_agree(case: str) -> None:
+    mesh, laws, motion, steels, order, radius = CASES[case]
+    sphere = (RADIUS, RADIUS)
+    first = full(mesh, sphere, size=SIZE, laws=laws, steels=steels, order=order)(pose(radius), motion)
+    second = condensed(mesh, sphere, size=SIZE, laws=laws, steels=steels, order=order)(pose(radius), motion)
+    assert_agree(first, second, 1e-6)
+    assert first.fields is not None
+    assert (first.fields.pressure > 0).sum() >= 16
+    if laws.friction:
+        ratio = np.hypot(first.force[0], first.force[1]) / first.force[2]
+        assert (0.29 if "slides" in case else 1e-3) < ratio < 0.3001
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        FullOptions(jacobian="difference"),
+        FullOptions(preconditioner="cholesky"),
+        FullOptions(preconditioner="icc"),
+        FullOptions(preconditioner="cholesky", jacobian="difference", forcing=1e-3),
+    ],
+    ids=["difference", "cholesky", "icc", "cholesky, difference"],
+)
+@pytest.mark.parametrize("laws", [FRICTIONLESS, ROLLING], ids=["frictionless", "rolling"])
+def test_every_way_to_the_solution_ends_in_the_same_place(laws: Laws, options: FullOptions) -> None:
+    motion = CREEP if laws.friction else AT_REST
+    sphere = (RADIUS, RADIUS)
+    usual = full(TETRAHEDRA, sphere, size=SIZE, laws=laws)(pose(3.2), motion)
+    other = full(TETRAHEDRA, sphere, size=SIZE, laws=laws, options=options)(pose(3.2), motion)
+    assert_agree(other, usual, 1e-6)
+    assert other.statistics.linear > usual.statistics.linear or options.preconditioner == "corrected"
+
+
+def problem(model: Full, motion: Motion) -> Problem:
+    points, _ = model.geometry.contact_points(pose(3.2), model.order)
+    assert points is not None
+    return Problem.of(points, (model.wheel, model.rail), model.law, model.order, creepage(points, motion)[1])
+
+
+def test_tangent_is_the_derivative_of_the_contact_forces() -> None:
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=Laws(1e13, 0.3, 1e-4), steels=DISSIMILAR)
+    equations = problem(model, CREEP)
+    rng = np.random.default_rng(1)
+    u, direction = (rng.normal(size=equations.displacement.shape[1]) * 1e-7 for _ in range(2))
+    exact = equations.forces @ (equations.tangent(u) @ direction)
+    errors = []
+    steps = np.array([1e-1, 3e-2, 1e-2])
+    for step in steps:
+        moved = equations.contact_forces(u + step * direction) - equations.contact_forces(u)
+        errors.append(np.linalg.norm(moved - step * exact))
+    assert np.linalg.norm(exact) > 1.0
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] > 1.9  # Taylor: what is left is of second order
+
+
+def test_residual_of_the_solution_vanishes_on_both_bodies() -> None:
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)
+    equations = problem(model, CREEP)
+    u, status, count = model.solver.run(equations)
+    assert status == "converged"
+    assert count.newton > 0
+    forces = np.split(equations.contact_forces(u), 2)
+    assert np.linalg.norm(forces[0]) > 1e3
+    for displacements, force in zip(np.split(u, 2), forces, strict=True):
+        x, y = model.wheel.stiffness.createVecs()  # both bodies are the same mesh
+        x.array[:] = displacements
+        model.wheel.stiffness.mult(x, y)
+        assert np.linalg.norm(y.array - force) <= 1e-8 * np.linalg.norm(force)
+    assert count.residual <= 1e-9
+
+
+def test_warm_start_saves_steps_and_changes_nothing() -> None:
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)
+    cold = model(pose(3.2), CREEP)
+    again = model(pose(3.2), CREEP, cold)
+    assert again.statistics.newton <= 1
+    assert_agree(again, cold, 1e-6)
+    near = model(pose(3.3), rolling(1.1e-3, -5e-4, 0.3), again)
+    assert near.statistics.newton < cold.statistics.newton
+    fresh = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)(pose(3.3), rolling(1.1e-3, -5e-4, 0.3))
+    assert_agree(near, fresh, 1e-6)
+
+
+def test_a_solve_that_fails_says_so_and_gives_no_force() -> None:
+    sphere = (RADIUS, RADIUS)
+    lazy = FullOptions(iterations=1, tolerance=1e-13)
+    results = {
+        "relative residual": full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING, options=lazy)(pose(3.2), CREEP),
+        "rolls forward": full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(3.2), AT_REST),
+        "beyond the meshed strip": full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(4.2), CREEP),
+    }
+    for reason, result in results.items():
+        assert result.status.startswith("failed: ")
+        assert reason in result.status
+        assert not result.ok
+        assert not result.force.any()
+
+
+def test_no_overlap_no_force() -> None:
+    result = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)(hertz_pose(-1e-6), CREEP)
+    assert result.status == "separated"
+    assert not result.force.any()
+    assert result.approach == pytest.approx(-1e-6)
+
+
+def test_a_solve_depends_on_its_guess_and_on_nothing_solved_before() -> None:
+    """To the last bit: as two wheels share a model, and a run goes on in another process."""
+    sphere, near, other = (RADIUS, RADIUS), rolling(1.1e-3, -5e-4, 0.3), rolling(-1e-3, 2e-3, 0.0)
+    model = full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)
+    start = model(pose(3.2), CREEP)
+    first = model(pose(3.3), near, start)
+    model(pose(2.7), other, model(pose(2.6), other))
+    again = model(pose(3.3), near, start)
+    elsewhere = full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(3.3), near, start)
+    for result in (again, elsewhere):
+        np.testing.assert_array_equal(result.force, first.force)
+        assert result.warm_start is not None
+        np.testing.assert_array_equal(result.warm_start, first.warm_start)

@@ -1,0 +1,92 @@
+"""What was solved goes with its last name, and what is kept has a bound."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from small_pairs import CREEP, FLAT, STEEL, TETRAHEDRA, quadrics, solid
+
+import wheelrail as wr
+import wheelrail.contact.models.fitted.influence
+from wheelrail.contact.elasticity.solid_body import ElasticBody
+from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
+from wheelrail.contact.elasticity.waveguide.element_correction import FAR, surface_error
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.fitted.influence import StripKernel
+from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.models.full.newton import FullOptions
+from wheelrail.contact.models.full.preconditioner import Preconditioner
+
+SIZE, RADIUS = 1e-3, 0.3
+
+
+def body() -> ElasticBody:
+    return ElasticBody(solid(TETRAHEDRA)[0].mapped(lambda points: SIZE * points), STEEL)
+
+
+def test_a_body_takes_its_matrix_and_factor_with_it() -> None:
+    gone = body()
+    gone.respond(np.array([3]), 2)
+    held: list[Any] = [gone.stiffness, gone.factor]
+    assert all(held)
+    del gone
+    gc.collect()
+    assert not any(held)  # the handles are empty: PETSc has let go
+
+
+@pytest.mark.parametrize("preconditioner", ["corrected", "cholesky", "gamg"])
+def test_a_full_model_takes_its_solver_with_it(preconditioner: Preconditioner) -> None:
+    laws = Laws(1e15, friction=0.3, regularisation=1e-5)
+    geometry = quadrics(TETRAHEDRA, (RADIUS, RADIUS), FLAT, SIZE)
+    model = Full(geometry, body(), body(), laws, options=FullOptions(preconditioner=preconditioner))
+    result = model(hertz_pose((2.2 * SIZE) ** 2 / (2 * RADIUS)), CREEP)
+    assert result.ok
+    gone = weakref.ref(model.solver), weakref.ref(model.wheel)
+    held: list[Any] = [model.solver.stiffness, model.wheel.stiffness]
+    assert all(held)
+    del model
+    gc.collect()
+    assert all(one() is None for one in gone)
+    assert not any(held)
+    assert result.ok  # and needs nothing of it
+
+
+def test_solutions_do_not_keep_what_solved_them() -> None:
+    solutions, gone = [], []
+    for radius in (0.45, 0.46, 0.47):
+        pair = wr.Hertz((radius, np.inf), friction=0.0, bodies="half-space", strips=4, cells=8)
+        solutions.append(pair.solve(load=6e4))
+        gone += map(weakref.ref, pair._models.values())
+    assert len(gone) == 3
+    del pair
+    gc.collect()
+    assert all(one() is None for one in gone)
+    assert all(solution.patches.max_pressure.iloc[0] > 9e8 for solution in solutions)
+
+
+def test_parts_of_a_surface_are_kept_up_to_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    # the block that the elements' error is measured on, too
+    block, grid = block_waveguide((1, 2 * FAR), Steel(1.0, 0.3), size=1.0, half_width=512.0, degree=2)
+    lines, error = grid.position[0, :, 1:], partial(surface_error, 0.3, 2)
+    kernel = StripKernel(block.spectrum, lines, lines[:, 0], 10.0, 0.3, error)
+    places = np.linspace(0.6 * kernel.arc[0], 0.6 * kernel.arc[-1], 9)
+    strips = [place + 0.5 * np.array([[0.0, 1.0], [1.0, 2.0]]) for place in places]
+    free = [kernel.normal(sides, 5.0) for sides in strips]
+    parts = [part.size for part in kernel._known.values()]
+    assert len(parts) >= 4
+    bound = 2 * max(parts)
+    monkeypatch.setattr(wheelrail.contact.models.fitted.influence, "KEPT", bound)
+    kernel._known.clear()
+    for sides, table in zip(strips, free, strict=True):
+        assert np.array_equal(kernel.normal(sides, 5.0), table)
+        assert sum(part.size for part in kernel._known.values()) <= bound
+    last = list(kernel._known.values())[-1]
+    kernel.normal(strips[-1], 5.0)
+    assert list(kernel._known.values())[-1] is last  # what is in use is not made again

@@ -1,0 +1,84 @@
+"""The plane wagon on linear contact springs beside Lagrange's equations by SymPy and beside Exudyn."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lagrange import Energies
+from scipy.integrate import solve_ivp
+
+from benchmarks.exudyn.linear_contact import LinearContact
+from benchmarks.exudyn.report import EVERY, REFERENCE, initial, ours, relative, theirs
+from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
+from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.track.frame import Frame
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+WAGON = Wagon()
+CONTACT = LinearContact(WAGON.wheel_load)
+CURVE = Track.curve(curvature=1 / 600, cant=0.1, tangent=5.0, transition=40.0, length=100.0, gradient=0.02)
+V = 40.0
+Lagrange = Callable[[Frame, np.ndarray, float], np.ndarray]
+
+
+@pytest.fixture(scope="module")
+def lagrange() -> Lagrange:
+    return Energies.of(WAGON, CONTACT).accelerations(WAGON.plane.bumpstop)
+
+
+@pytest.mark.parametrize("s", [2.0, 15.0, 35.0, 80.0])
+def test_equations_of_motion(lagrange: Lagrange, s: float) -> None:
+    """At random states with large rolls, in a curve on a slope whose cant changes; frames from elsewhere, too."""
+    rng = np.random.default_rng(int(s))
+    dynamics = Dynamics(WAGON, CURVE, CONTACT, V)
+    frames = [CURVE.frame(s, V), Frame(V, 0.0, *(tuple((x * rng.normal(size=3)).tolist()) for x in (0.3, 1.0, 1.0)))]
+    scale = np.tile([0.05, 0.02, 0.05, 0.02, 0.02, 0.05, 0.01, 1e-3, 0.01, 1.0], 2)
+    for frame in frames:
+        for _ in range(5):
+            state = scale * rng.normal(size=2 * COUNT)
+            contacts = dynamics.solve_contacts(frame, state, None)
+            here = dynamics.accelerations(frame, state, Wrench.of(contacts))[0]
+            there = lagrange(frame, state, dynamics.rolling_rate(frame))
+            np.testing.assert_allclose(here, there, rtol=1e-11, atol=1e-11 * np.abs(there).max())
+
+
+def test_run_through_a_transition(lagrange: Lagrange) -> None:
+    """A run beside an integration of order 8 of Lagrange's equations: 1e-6 of each channel's largest value."""
+    end = 1.0
+    run = {"speed": V, "span": (0.0, end), "method": "ode45", "rtol": 1e-7, "atol": 1e-10, "every": 0.1}
+    history = simulate(WAGON, CURVE, CONTACT, initial=0.3 * initial(), **run)  # type: ignore[arg-type]
+    nominal = V / WAGON.radius
+
+    def rate(time: float, state: np.ndarray) -> np.ndarray:
+        return np.concatenate([state[COUNT:], lagrange(CURVE.frame(V * time, V), state, nominal)])
+
+    there = solve_ivp(rate, (0.0, end), 0.3 * initial(), method="DOP853", t_eval=history.time, rtol=1e-9, atol=1e-13)
+    assert history.status == "completed"
+    assert history.distance[-1] == pytest.approx(40.0)  # within the transition, its end at 45 m
+    assert np.abs(history.outputs.bumpstop_force).max() > 500.0
+    assert relative(history.state[:, :9], there.y[:9].T).max() < 1e-6
+
+
+def test_trajectory_beside_samples_of_exudyn() -> None:
+    """5 s of free motion in which the bumpstop is struck from both sides; samples of Exudyn 1.13.6."""
+    stored = json.loads(REFERENCE.read_text(encoding="utf-8"))
+    assert stored["source"].startswith("Exudyn 1.13.6")
+    assert stored["channels"] == list(COORDINATES[:9])
+    samples = np.array(stored["positions"])
+    np.testing.assert_allclose(stored["time"], EVERY * np.arange(len(samples)), atol=1e-12)
+    assert relative(ours(rtol=1e-6), samples).max() < 1e-6
+    softer = replace(WAGON, roll_bar=0.999 * WAGON.roll_bar)  # samples that would notice a wagon slightly different
+    assert relative(ours(wagon=softer, end=0.5, rtol=1e-6), samples[:6]).max() > 1e-5
+
+
+def test_exudyn_itself() -> None:
+    """The first 0.1 s, where Exudyn is installed."""
+    pytest.importorskip("exudyn")
+    here, there = ours(end=0.1), theirs(2e-4, end=0.1)
+    assert relative(here, there).max() < 1e-6

@@ -1,0 +1,233 @@
+"""The tangent of contact forces against central differences of the forces themselves, on sets that stay the same."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from small_pairs import AT_REST, CREEP, STEEL, TETRAHEDRA, condensed, rolling
+from small_wheelset import MOUNTING, STATE, model
+
+from wheelrail.contact.elasticity.compliance import Compliance
+from wheelrail.contact.geometry.contact_operators import Coupling
+from wheelrail.contact.kinematics.frames import SIDES, Motion, Pose, Side, Twist
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import FallingFriction, Laws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models import condensed as condensed_module
+from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.solvers.options import NewtonOptions
+from wheelrail.contact.solvers.tractions import Elastic
+from wheelrail.support.arrays import Array
+
+SIZE = 1e-3
+POSE = replace(hertz_pose(1.9e-5), origin=np.array([1e-4, -7e-5, -1.9e-5]))  # some 27 nodes carry pressure
+SHARP = NewtonOptions(tolerance=1e-12)
+ALUMINIUM = Steel(70e9, 0.2)
+FAST = rolling(3e-3, 1e-3, 1.0)
+# of each kind of change: translation, rotation (which only moves a motion's reference), velocity, rotation rate
+STEPS = np.repeat([1e-9, 1e-4, 1e-5, 1e-4], 3)
+STATES = ("y", "z", "roll", "yaw", "y_rate", "z_rate", "roll_rate", "pitch_rate")
+
+
+def pair(laws: Laws, steel: Steel = STEEL) -> Condensed:
+    return replace(
+        condensed(TETRAHEDRA, (0.3, 0.4), size=SIZE, laws=laws, steels=(STEEL, steel)),
+        options=SHARP,
+    )
+
+
+def nudged(pose: Pose, motion: Motion, change: Array) -> tuple[Pose, Motion]:
+    """Moved, turned about the origin of the wheel's frame with the motion's reference, and given other velocities."""
+    turn, wheel = Rotation.from_rotvec(change[3:6]).as_matrix(), motion.wheel
+    origin = pose.origin + change[:3]
+    reference = origin + turn @ (wheel.reference - pose.origin)
+    moved = Twist(wheel.velocity + change[6:9], wheel.rotation + change[9:], reference)
+    return Pose(origin, turn @ pose.rotation), replace(motion, wheel=moved)
+
+
+def sides_of_the_laws(result: ContactResult, laws: Laws) -> tuple[bytes, ...]:
+    """Which nodes carry pressure, and which of them slide."""
+    fields = result.fields
+    assert fields is not None
+    active = fields.pressure > 0
+    slides = np.hypot(*fields.slip[active].T) > max(laws.regularisation, 1e-11)
+    return fields.node[active].tobytes(), slides.tobytes()
+
+
+def differences(solve: Callable[[Array], ContactResult], steps: Array, laws: Laws) -> Array:
+    """Central differences (6, m) of force and moment, with an assertion that no node changes sides of a law."""
+    before = sides_of_the_laws(solve(np.zeros(len(steps))), laws)
+    columns = []
+    for j, step in enumerate(steps):
+        ends = [solve(sign * step * np.eye(len(steps))[j]) for sign in (1, -1)]
+        assert all(sides_of_the_laws(end, laws) == before for end in ends)
+        there, back = (np.concatenate([end.force, end.moment]) for end in ends)
+        columns.append((there - back) / (2 * step))
+    return np.array(columns).T
+
+
+def assert_close(found: Array, expected: Array, rtol: float, *, group: int = 3) -> None:
+    """To a part of the largest entry: forces and moments, and every kind of change, by themselves."""
+    for rows in (slice(0, 3), slice(3, 6)):
+        for first in range(0, found.shape[1], group):
+            block = rows, slice(first, first + group)
+            np.testing.assert_allclose(found[block], expected[block], atol=rtol * np.abs(expected[block]).max() + 1e-30)
+
+
+@pytest.mark.parametrize("steel", [STEEL, ALUMINIUM], ids=["alike", "unlike"])
+@pytest.mark.parametrize(
+    ("laws", "motion"),
+    [
+        pytest.param(Laws(friction=0.0), AT_REST, id="frictionless"),
+        pytest.param(Laws.paper(0.0), AT_REST, id="penalty"),
+        pytest.param(Laws(), CREEP, id="partial slip"),
+        pytest.param(Laws.paper(), CREEP, id="paper"),
+        pytest.param(Laws(friction=50.0), CREEP, id="stick"),
+        pytest.param(Laws(), rolling(2e-2, 1e-2, 3.0), id="sliding"),
+        pytest.param(Laws(falling=FallingFriction(0.4, 2.0)), FAST, id="falling"),
+        pytest.param(Laws(regularisation=3e-3, falling=FallingFriction(0.4, 20.0)), FAST, id="falling, regularised"),
+    ],
+)
+def test_pair_of_paraboloids(laws: Laws, motion: Motion, steel: Steel) -> None:
+    contact = pair(laws, steel)
+    result = contact(POSE, motion)
+    expected = differences(lambda change: contact(*nudged(POSE, motion, change), result), STEPS, laws)
+    assert_close(result.tangent(), expected, 1e-5)
+
+
+@pytest.mark.parametrize("steel", [STEEL, ALUMINIUM], ids=["alike", "unlike"])
+def test_shift(steel: Steel) -> None:
+    # displacements of some micrometres, most of the patch slides: by m and rad of the shift
+    contact = replace(pair(Laws(), steel), tangential="shift")
+    still = np.zeros(3)
+    motion = Motion(Twist(np.array([2e-6, 1e-6, 0.0]), np.array([0.0, 0.0, 1e-4]), still), Twist(still, still, still))
+    steps = np.repeat([1e-9, 1e-3, 1e-10, 1e-7], 3)
+    result = contact(POSE, motion)
+    expected = differences(lambda change: contact(*nudged(POSE, motion, change), result), steps, contact.laws)
+    assert_close(result.tangent(), expected, 1e-5)
+    patch = result.patches[0]
+    assert 0 < patch.stick_area < patch.area
+
+
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The compliance as of the first pose: rail points that move between coarse nodes change it by some per mille."""
+    known: dict[int, tuple[Array, Array]] = {}
+    original = condensed_module.condense
+
+    def first(coupling: Coupling, compliance: Compliance) -> tuple[Array, Array]:
+        if id(compliance) not in known:
+            known[id(compliance)] = original(coupling, compliance)
+        displacement, slip = known[id(compliance)]
+        return displacement.copy(), slip.copy()
+
+    monkeypatch.setattr(condensed_module, "condense", first)
+
+
+WHEEL_LAWS = {
+    "frictionless": Laws(friction=0.0),
+    "exact": Laws(),
+    "paper": Laws.paper(),
+    "falling": Laws(regularisation=1e-3, falling=FallingFriction(0.4, 2.0)),
+}
+
+
+@pytest.mark.usefixtures("held")
+@pytest.mark.parametrize("name", list(WHEEL_LAWS))
+def test_wheel_on_rail(name: str) -> None:
+    laws = WHEEL_LAWS[name]
+    contact = replace(model(laws), options=SHARP)
+    pose, motion = MOUNTING.left_pair(STATE)
+    result = contact(pose, motion)
+    expected = differences(
+        lambda change: contact(*nudged(pose, motion, change), result), np.repeat([1e-9, 1e-8, 1e-4, 1e-4], 3), laws
+    )
+    assert_close(result.tangent(), expected, 1e-6)
+
+
+def test_velocities_of_a_wheel_on_a_rail() -> None:
+    # these leave the compliance as it is
+    contact = replace(model(Laws()), options=SHARP)
+    pose, motion = MOUNTING.left_pair(STATE)
+    result = contact(pose, motion)
+
+    def solve(change: Array) -> ContactResult:
+        return contact(*nudged(pose, motion, np.concatenate([np.zeros(6), change])), result)
+
+    assert_close(result.tangent()[:, 6:], differences(solve, np.full(6, 1e-4), Laws()), 1e-6)
+
+
+@pytest.mark.usefixtures("held")
+@pytest.mark.parametrize("side", SIDES)
+def test_wheelset(side: Side) -> None:
+    contact = WheelsetContact(replace(model(Laws()), options=SHARP), MOUNTING)
+    state = STATE if side == "left" else STATE.mirrored()  # the same nodes of the wheel
+
+    def solve(change: Array) -> ContactResult:
+        moved = {name: getattr(state, name) + float(c) for name, c in zip(STATES, change, strict=True)}
+        return contact(replace(state, **moved), side)
+
+    result = solve(np.zeros(8))
+    steps = np.array([1e-9, 1e-9, 1e-8, 1e-8, 1e-4, 1e-4, 1e-4, 1e-4])
+    expected = differences(solve, steps, Laws())
+    assert_close(contact.tangent(state, side, result), expected, 2e-6, group=1)
+
+
+def test_point_of_reference_and_mirror() -> None:
+    result = pair(Laws())(POSE, CREEP)
+    centre, other = np.array([0.1, -0.7, 0.5]), np.array([-0.2, 0.4, 0.1])
+    tangent, there = result.tangent(), result.about(centre).tangent()
+    np.testing.assert_allclose(there[:3], tangent[:3])
+    np.testing.assert_allclose(there[3:], tangent[3:] - np.cross(centre, tangent[:3], axisb=0).T)
+    np.testing.assert_array_equal(result.mirrored().mirrored().tangent(), tangent)
+    seen = np.array([1.0, -1.0, 1.0])
+    turned_round = result.about(centre + seen * other).mirrored()
+    np.testing.assert_allclose(result.about(centre).mirrored().about(other).tangent(), turned_round.tangent())
+    signs = np.concatenate([seen, -seen])
+    np.testing.assert_array_equal(
+        result.mirrored().tangent(), signs[:, None] * tangent * np.concatenate([signs, signs])
+    )
+
+
+def test_only_on_request_and_kept_by_copies() -> None:
+    result = pair(Laws())(POSE, CREEP)
+    assert result.force_tangent is not None
+    assert "matrix" not in vars(result.force_tangent.of)
+    copy = pickle.loads(pickle.dumps(result.about(np.ones(3))))
+    np.testing.assert_array_equal(copy.tangent(), result.about(np.ones(3)).tangent())
+    assert result.about(np.ones(3)).force_tangent.of is result.force_tangent.of  # solved for once
+    np.testing.assert_array_equal(replace(result, approach=1.0).tangent(), result.tangent())
+    assert "linearised" not in repr(result)
+
+
+def test_no_contact_and_no_tangent() -> None:
+    contact = WheelsetContact(model(Laws()), MOUNTING)
+    high = replace(STATE, z=1e-3)
+    assert contact(high, "left").status == "separated"
+    assert not contact.tangent(high, "left", contact(high, "left")).any()
+    with pytest.raises(ValueError, match="no tangent"):
+        ContactResult.failed("it slid off").tangent()
+    standing = replace(STATE, pitch_rate=0.0, speed=0.0)
+    with pytest.raises(ValueError, match="roll"):
+        contact.tangent(standing, "left", contact(standing, "left"))
+
+
+def test_operator_of_another_scale() -> None:
+    # displacements of a geometrically similar patch, its slip: the same tangent
+    result = pair(Laws(), ALUMINIUM)(POSE, CREEP)
+    assert result.force_tangent is not None
+    around = result.force_tangent.of
+    body = around.operator
+    assert isinstance(body, Elastic)
+    assert body.coupling is not None
+    scale = 1.7
+    deep = np.hstack([body.coupling, body.normal.compliance]) / scale
+    similar = np.vstack([np.hstack([body.slip, -body.shift]), deep])
+    np.testing.assert_allclose(replace(around, operator=similar, scale=scale).matrix, around.matrix, rtol=1e-9)

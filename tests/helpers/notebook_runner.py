@@ -1,0 +1,66 @@
+"""Notebooks run from top to bottom at a reduced size, and as Jupyter sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
+ALL = sorted(NOTEBOOKS.glob("*.py"))
+
+
+def cells(notebook: Path) -> Iterator[tuple[str, str]]:
+    """Heading line and code of each code cell of a py:percent file."""
+    text = notebook.read_text(encoding="utf-8")
+    for part in ("\n" + text).split("\n# %%")[1:]:
+        heading, _, body = part.partition("\n")
+        if "[markdown]" not in heading:
+            yield heading, body
+
+
+def executed(name: str, **parameters: Any) -> dict[str, Any]:
+    """Names that a notebook ends with; the parameters replace those of its cell with that tag.
+
+    Every picture must name its axes, with units. Pictures are closed.
+    """
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    notebook = NOTEBOOKS / name
+    names: dict[str, Any] = {"__name__": notebook.stem}
+    replaced = False
+    pyplot.close("all")  # of other tests in this process
+    try:
+        with matplotlib.rc_context():
+            for heading, body in cells(notebook):
+                exec(compile(body, f"{notebook.name}{heading}", "exec"), names)
+                if '"parameters"' in heading:
+                    assert parameters.keys() <= names.keys()
+                    names |= parameters
+                    replaced = True
+            figures = [pyplot.figure(number) for number in pyplot.get_fignums()]
+            for figure in figures:
+                figure.canvas.draw()
+    finally:
+        pyplot.close("all")
+    assert replaced
+    assert figures, f"{name} has no picture"
+    for ax in (ax for figure in figures for ax in figure.axes if ax.axison):
+        if ax.get_label() != "<colorbar>":
+            alike = ax.get_shared_x_axes().get_siblings(ax)
+            assert any("[" in other.get_xlabel() for other in alike), (name, ax.get_title(), ax.get_xlabel())
+        assert any(other.get_ylabel() for other in ax.get_shared_y_axes().get_siblings(ax)), (name, ax.get_title())
+    return names
+
+
+def with_parameters(name: str, **parameters: Any) -> Any:
+    """The notebook as nbformat knows it, with parameters set after their cell."""
+    import jupytext
+
+    notebook = jupytext.read(NOTEBOOKS / name)
+    (own,) = (cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", []))
+    own.source += "".join(f"\n{key} = {value!r}" for key, value in parameters.items())
+    return notebook

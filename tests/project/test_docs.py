@@ -1,0 +1,358 @@
+"""The documentation builds without a warning, its links lead somewhere, and it leaves nothing out."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from html.parser import HTMLParser
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Literal
+from urllib.parse import unquote
+
+import pytest
+import yaml
+from pydantic import BaseModel
+
+from wheelrail.cli.main import app
+from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.schema.scene import KINDS
+from wheelrail.vehicle.dynamics.state import COORDINATES
+from wheelrail.vehicle.track.irregularity import QUANTITIES
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+sys.path.insert(0, str(DOCS))
+
+from extensions import public_names as names  # noqa: E402
+from extensions import scene_keys as keys  # noqa: E402
+from extensions.benchmark_list import programs  # noqa: E402
+from extensions.docstrings import restructured  # noqa: E402
+
+NOWHERE = "http://127.0.0.1:9"  # nobody listens there: a build that asks the network fails
+
+
+def built(sources: Path, out: Path, configured: Path) -> subprocess.CompletedProcess[str]:
+    """Sphinx on a folder of sources, without a network, warnings as errors."""
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-c", str(configured)]
+    proxies = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), NOWHERE)
+    env = {**os.environ, **proxies, "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
+    command += ["-d", str(out.with_name(out.name + "-doctrees")), str(sources), str(out)]
+    return subprocess.run(command, capture_output=True, text=True, env=env, cwd=ROOT, timeout=300, check=False)
+
+
+def files(folder: Path) -> dict[Path, int]:
+    """Files of a folder, and when they were written last."""
+    return {p: p.stat().st_mtime_ns for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts}
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("docs") / "html"
+    before = files(DOCS)
+    done = built(DOCS, out, DOCS)
+    assert done.returncode == 0, done.stderr
+    assert files(DOCS) == before, "the build writes into the sources"
+    return out
+
+
+@dataclass
+class Page(HTMLParser):
+    """Anchors, links and resources of a page, and its text."""
+
+    anchors: set[str] = field(default_factory=set)
+    links: list[str] = field(default_factory=list)
+    resources: list[str] = field(default_factory=list)
+    words: list[str] = field(default_factory=list)
+    equations: int = 0
+
+    def __post_init__(self) -> None:
+        super().__init__()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {key: value or "" for key, value in attrs}
+        self.anchors |= {given[key] for key in ("id", "name") if key in given}
+        self.equations += tag == "math"
+        if tag == "a" and "href" in given:
+            self.links.append(given["href"])
+        elif tag in ("script", "img", "link") and (given.keys() & {"src", "href"}):
+            self.resources.append(given.get("src") or given["href"])
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return "".join(self.words)
+
+
+@cache
+def page(file: Path) -> Page:
+    found = Page()
+    found.feed(file.read_text(encoding="utf-8"))
+    return found
+
+
+def test_pages_are_there_and_all_links_lead_somewhere(site: Path) -> None:
+    wanted = [p.relative_to(DOCS).with_suffix(".html") for p in DOCS.rglob("*") if p.suffix in (".md", ".rst")]
+    assert len(wanted) > 30
+    assert all((site / name).is_file() for name in wanted)
+    broken = []
+    for file in sorted(site.rglob("*.html")):
+        for link in page(file).links + page(file).resources:
+            path, _, anchor = unquote(link).partition("#")
+            if re.match(r"[a-z]+:", path):
+                continue
+            target = (file.parent / path.partition("?")[0]).resolve() if path else file
+            if not target.exists() or (anchor and target.suffix == ".html" and anchor not in page(target).anchors):
+                broken.append(f"{file.relative_to(site)}: {link}")
+    assert not broken
+
+
+def test_pages_need_no_network(site: Path) -> None:
+    foreign = {r for file in site.rglob("*.html") for r in page(file).resources if re.match(r"(https?:)?//", r)}
+    assert not foreign
+
+
+def test_equations_are_drawn(site: Path) -> None:
+    """Every equation of the sources is MathML on its page, and none is left as LaTeX."""
+    for source in (DOCS / "theory").glob("*.md"):
+        text = source.read_text(encoding="utf-8")
+        blocks = re.findall(r"^\$\$$.*?^\$\$$", text, flags=re.MULTILINE | re.DOTALL)
+        inline = re.findall(r"\$[^$\n]+\$", re.sub(r"^\$\$$.*?^\$\$$", "", text, flags=re.MULTILINE | re.DOTALL))
+        shown = page(site / "theory" / f"{source.stem}.html")
+        assert shown.equations == len(blocks) + len(inline), source.name
+        assert not re.search(r"\\[a-z]+\b|\$", shown.text), source.name
+
+
+def test_an_equation_that_is_not_understood_ends_the_build(tmp_path: Path) -> None:
+    (tmp_path / "conf.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(DOCS)!r})\n"
+        'extensions = ["myst_parser", "extensions.mathml"]\n'
+        'myst_enable_extensions = ["dollarmath"]\nhtml_math_renderer = "mathml"\n'
+    )
+    for number, equation in enumerate((r"\nosuchcommand{x}", r"\frac12 + \dot{x}", r"\dot\omega")):
+        (tmp_path / "index.md").write_text(f"# Title\n\n${equation}$\n")
+        done = built(tmp_path, tmp_path / f"out{number}", tmp_path)
+        assert done.returncode != 0
+        assert "index.md" in done.stderr
+        assert "equation not understood" in done.stderr
+
+
+def test_every_public_name_is_in_the_reference(site: Path) -> None:
+    anchors = page(site / "reference" / "python.html").anchors
+    modules = [name for chapter in names.CHAPTERS.values() for name in chapter]
+    public = {f"{name}.{thing}" for name in modules for thing in names.public(import_module(name))}
+    assert {"wheelrail.contact.laws.parameters.Laws", "wheelrail.vehicle.simulation.simulate.simulate"} <= public
+    front = import_module("wheelrail")
+    assert {f"wheelrail.{name}" for name in getattr(front, "__all__", ())} <= public
+    assert public <= anchors
+    assert "ForwardRef" not in page(site / "reference" / "python.html").text
+
+
+def test_every_key_of_a_scene_has_its_row(site: Path) -> None:
+    text = (site / "reference" / "scenes.html").read_text(encoding="utf-8")
+    tables = keys.models(tuple(KINDS.values()))
+    assert {"Contact", "RunScene", "SegmentTable", "IrregularityTable", "BlockStress"} <= {t.__name__ for t in tables}
+    for table in tables:
+        section = text.split(f'id="{table.__name__.lower()}"')[1].split("</section>")[0]
+        rows = re.findall(r"<tr[^>]*>.*?</tr>", section, flags=re.DOTALL)
+        shown = {found[1] for row in rows if (found := re.search(r'class="pre">(\w+)<', row))}
+        assert shown == set(keys.own_keys(table)), table.__name__
+    every = {key for table in tables for key in keys.own_keys(table)}
+    assert every == {key for table in tables for key in table.model_fields}
+
+
+STUDIES = {"Study", "LatinHypercube", "Between", "Convergence"}  # tables of studies
+
+
+def test_every_key_has_a_sentence_and_every_sentence_a_key() -> None:
+    known = tomllib.loads(keys.SENTENCES.read_text(encoding="utf-8"))
+    tables = {table.__name__: table for table in keys.models((*KINDS.values(), *keys.study_models()))}
+    if not keys.study_models():
+        known = {name: said for name, said in known.items() if name not in STUDIES}
+    for name, table in tables.items():
+        for key in keys.own_keys(table):
+            assert keys.sentence(table, key).endswith("."), f"{name}.{key} has no sentence in {keys.SENTENCES}"
+    stale = {f"{name}.{key}" for name, said in known.items() for key in said if key not in keys.own_keys(tables[name])}
+    assert not stale
+
+
+class Inner(BaseModel):
+    """A table."""
+
+    depth: q.Depth
+
+
+class Sample(BaseModel):
+    number: q.Speed
+    ends: Annotated[float, q.Range(-1.0, 1.0, "m")] = 0.5
+    choice: Literal["one", 2] | None = None
+    pair: tuple[q.Creepage, q.Spin]
+    many: tuple[Inner, ...] = ()
+    named: dict[str, Inner] = {}
+    flag: bool = True
+
+
+def test_types_in_words() -> None:
+    def of(key: str) -> keys.Kind:
+        given = Sample.model_fields[key]
+        return keys.kind(given.annotation, tuple(given.metadata))
+
+    assert of("number") == keys.Kind(str(q.Range(0.0, 200.0, "m/s", "162 km/h are 45 m/s", open=True)), "m/s")
+    assert of("ends") == keys.Kind("a number from -1 to 1 m", "m")
+    assert of("choice").allowed == '`"one"` or `2`'
+    assert of("pair").unit == "rad/m"
+    assert of("many") == keys.Kind("tables", "", (Inner,))
+    assert of("named").tables == (Inner,)
+    assert keys.models((Sample,)) == [Sample, Inner]
+    defaults = {key: keys.default(given) for key, given in Sample.model_fields.items()}
+    assert defaults["number"] == "must be given"
+    assert (defaults["ends"], defaults["flag"], defaults["choice"]) == ("`0.5`", "`true`", "")
+
+
+def test_every_command_and_option_is_described(site: Path) -> None:
+    from typer.main import get_command
+
+    text = page(site / "reference" / "command-line.html").text
+    group = get_command(app)
+    assert {"contact", "run", "compare"} <= set(group.commands)
+    for name, command in group.commands.items():
+        assert f"wheelrail {name}" in text
+        for option in command.params:
+            assert all(spelled in text for spelled in option.opts if spelled.startswith("--")), option.opts
+            assert " ".join((option.help or "").split()) in " ".join(text.split())
+
+
+def test_variables_of_runs_are_listed(site: Path) -> None:
+    text = page(site / "reference" / "results.html").text
+    wanted = {
+        *COORDINATES,
+        "patch_max_pressure",
+        "patch_stick_area",
+        "wheel_s",
+        "patch_spin",
+        "lateral_force",
+        "t_gamma",
+        "mechanical_energy",
+        "wheel_band",
+        "time",
+    }
+    assert {name for name in wanted if not re.search(rf"\b{name}\b", text)} == set()
+    assert all(f"irregularity_{name}" in text for name in QUANTITIES)
+
+
+def test_every_benchmark_is_listed(site: Path) -> None:
+    text = page(site / "benchmarks.html").text
+    assert {"accuracy", "curve", "error_vs_time"} <= set(programs())
+    assert all(f"benchmarks.{name}" in text and what for name, what in programs().items())
+
+
+def code_names() -> Iterator[tuple[str, str]]:
+    """Page and dotted name of everything of this package that the pages name as code."""
+    packages = "meshes|forms|contact|vehicle|scenes|benchmarks"
+    for source in sorted(DOCS.rglob("*.md")):
+        for name in re.findall(rf"`((?:{packages})(?:\.\w+)+)`", source.read_text(encoding="utf-8")):
+            if not name.endswith((".toml", ".nc", ".py")):
+                yield source.name, name
+
+
+def test_files_and_functions_named_in_the_text_exist() -> None:
+    found = set(code_names())
+    assert len(found) > 60
+    missing = []
+    for source, name in found:
+        parts = name.split(".")
+        depth = next((n for n in range(len(parts), 1, -1) if (ROOT / Path(*parts[:n])).with_suffix(".py").exists()), 0)
+        if not depth:
+            missing.append(f"{source}: {name}")
+            continue
+        tree = ast.parse((ROOT / Path(*parts[:depth])).with_suffix(".py").read_text(encoding="utf-8"))
+        defined = {getattr(node, "name", getattr(node, "id", None)) for node in ast.walk(tree)}
+        defined |= {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+        missing += [f"{source}: {name}" for part in parts[depth:] if part not in defined]
+    assert not missing
+
+
+def test_scenes_in_the_text_are_known_tables() -> None:
+    """Keys of TOML in the how-to pages are keys of scenes, or of the wagon."""
+    from dataclasses import fields
+
+    from wheelrail.vehicle.wagon.components import Suspension
+    from wheelrail.vehicle.wagon.wagon import Wagon
+
+    tables = keys.models(tuple(KINDS.values()))
+    allowed = {key for table in tables for key in table.model_fields}
+    allowed |= {item.name for thing in (Wagon, Suspension) for item in fields(thing)}
+    seen = set()
+    for source in (DOCS / "how-to").glob("*.md"):
+        for block in re.findall(r"^```toml\n(.*?)^```", source.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):
+            given = tomllib.loads(block)
+            if given.get("kind") != "study":
+                seen |= set(_keys(given))
+    assert len(seen) > 20
+    assert seen <= allowed
+
+
+def _keys(table: object) -> Iterator[str]:
+    if isinstance(table, dict):
+        for key, value in table.items():
+            yield key
+            yield from _keys(value)
+    elif isinstance(table, list):
+        for item in table:
+            yield from _keys(item)
+
+
+def test_docstrings_are_text() -> None:
+    lines = [
+        "Norm |x| of x_i * y <z> and `name`.",
+        "",
+        "More text",
+        "goes on:",
+        "",
+        "    indented_code *",
+        "",
+        ">>> f(x)",
+    ]
+    found = restructured(lines)
+    assert found[0] == r"Norm \|x\| of x\_i \* y \<z\> and ``name``."
+    assert found.count("::") == 2
+    assert "        indented_code *" in found
+    assert "    >>> f(x)" in found
+
+
+def test_the_front_page_leads_to_pages_that_exist() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    links = [link for link in re.findall(r"\]\(([^)#]+)\)", readme) if "://" not in link]
+    assert {"docs/validation.md", "docs/limits.md", "CONTRIBUTING.md"} <= set(links)
+    assert all((ROOT / link).exists() for link in links)
+
+
+# https://github.com/citation-file-format/citation-file-format, schema 1.2.0: required keys, and the others that we use.
+CFF_REQUIRED = {"cff-version", "message", "title", "authors"}
+CFF_OPTIONAL = {"abstract", "date-released", "keywords", "license", "references", "type", "version"}
+REFERENCE_REQUIRED = {"type", "title", "authors"}
+REFERENCE_OPTIONAL = {"doi", "end", "issue", "journal", "start", "volume", "year"}
+
+
+def test_citation_file() -> None:
+    found = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert found["cff-version"] == "1.2.0"
+    assert CFF_REQUIRED <= set(found) <= CFF_REQUIRED | CFF_OPTIONAL
+    assert found["type"] == "software"
+    for reference in found["references"]:
+        assert REFERENCE_REQUIRED <= set(reference) <= REFERENCE_REQUIRED | REFERENCE_OPTIONAL
+        assert reference["type"] in ("article", "conference-paper")
+        assert all(author.keys() == {"family-names", "given-names"} for author in reference["authors"])
+    (article,) = (r for r in found["references"] if r["type"] == "article")
+    page_of_it = (DOCS / "citing.md").read_text(encoding="utf-8")
+    assert f"https://doi.org/{article['doi']}" in page_of_it
+    assert f"{article['start']}-{article['end']}" in page_of_it

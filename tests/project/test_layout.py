@@ -1,0 +1,231 @@
+"""Packages import one way, no modules in a circle, and heavy libraries stay where they are needed."""
+
+from __future__ import annotations
+
+import ast
+import os
+from collections.abc import Iterator, Mapping
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCIENCE = ("contact", "forms", "meshes", "vehicle")
+# Packages that a package may import besides its own; a name stands for the package and its subpackages alike.
+MAY_IMPORT: dict[str, set[str]] = {
+    "support": set(),
+    "forms": {"support"},
+    "meshes": {"meshes.bodies", "meshes.curves", "meshes.profiles"},
+    "meshes.curves": {"support"},
+    "meshes.profiles": {"meshes.curves", "support"},
+    "meshes.bodies": {"meshes.curves", "meshes.profiles", "support"},
+    "contact": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models", "contact.models.fitted"}
+    | {"contact.models.full", "contact.models.standard", "contact.results", "contact.solvers"},
+    "contact.analytical": {"support"},
+    "contact.kinematics": {"meshes.curves", "support"},
+    "contact.laws": {"support"},
+    "contact.geometry": {"contact.kinematics", "meshes.bodies", "meshes.curves", "meshes.profiles", "support"},
+    "contact.results": {"contact.kinematics", "support"},
+    "contact.solvers": {"contact.kinematics", "contact.laws", "support"},
+    "contact.elasticity": {"contact.geometry", "contact.laws", "forms", "meshes.bodies", "support"},
+}
+MAY_IMPORT["contact.elasticity.waveguide"] = MAY_IMPORT["contact.elasticity"] | {"contact.elasticity"}
+_MODEL = {"contact.geometry", "contact.kinematics", "contact.laws", "contact.results", "support"}
+MAY_IMPORT |= {
+    "contact.models.standard": _MODEL | {"contact.analytical"},
+    "contact.models.full": _MODEL | {"contact.elasticity", "forms", "meshes.bodies"},
+    "contact.models.fitted": _MODEL
+    | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
+}
+MAY_IMPORT["contact.models"] = {
+    "contact.analytical",
+    "contact.elasticity.waveguide",
+    *(f"contact.models.{name}" for name in ("fitted", "full", "standard")),
+    *(MAY_IMPORT["contact.models.fitted"] | MAY_IMPORT["contact.models.full"]),
+}
+MAY_IMPORT |= {
+    "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"},
+    "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
+    "vehicle": {f"vehicle.{name}" for name in ("dynamics", "simulation", "steady", "track", "wagon")},
+    "vehicle.wagon": {"support"},
+    "vehicle.integration": {"support"},
+    "vehicle.track": {"contact.kinematics", "support"},
+}
+# One call drives a contact model: no meshes, no elements.
+_DRIVEN = {"contact.kinematics", "contact.results", "support", "vehicle.integration", "vehicle.track", "vehicle.wagon"}
+MAY_IMPORT |= {
+    "vehicle.dynamics": _DRIVEN,
+    "vehicle.steady": _DRIVEN | {"vehicle.dynamics"},
+    "vehicle.simulation": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
+}
+_BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
+_SCENES = ("schema", "builders", "contacts", "datasets", "plots", "runs", "views", "studies", "html_report")
+MAY_IMPORT["scenes"] = {"scenes.schema"}
+MAY_IMPORT["scenes.schema"] = {"meshes.profiles", "vehicle.track", "vehicle.wagon", "support"}
+for _index, _name in enumerate(_SCENES[1:], 1):
+    MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
+MAY_IMPORT["cli"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
+MAY_IMPORT["api"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
+MAY_IMPORT[""] = {"api", "scenes.schema"}
+
+ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"}
+HEAVY = ELEMENTS | {"gmsh", "pyvista", "xarray", "matplotlib", "netCDF4"}
+# Modules that a solve from the cache loads: finite elements are imported where they are first used.
+LOADED_BY_EVERY_SOLVE = (
+    "contact/models/condensed.py",
+    "contact/elasticity/solid_compliance.py",
+    "contact/models/builders.py",
+    "contact/geometry/grid_points.py",
+    "contact/solvers/tractions.py",
+    "contact/geometry/profile_pair.py",
+)
+
+
+def _sources() -> Iterator[Path]:
+    """Every module of the package under its own name, each once: `wheelrail/` has links to the science folders."""
+    for top in (*SCIENCE, "wheelrail"):
+        for folder, _, names in os.walk(ROOT / top):  # which does not follow links
+            yield from (Path(folder, name) for name in names if name.endswith(".py"))
+
+
+FILES = sorted(_sources())
+
+
+def module_of(path: Path) -> str:
+    """Name of a module below `wheelrail`, "" for the public package itself."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = parts[1:] if parts[0] == "wheelrail" else parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def package_of(path: Path) -> str:
+    name = module_of(path)
+    return name if path.stem == "__init__" else name.rpartition(".")[0]
+
+
+MODULES = {module_of(path): path for path in FILES}
+
+
+def imports(node: ast.AST, *, nested: bool) -> Iterator[str]:
+    """Names of imported modules; not nested: only those that importing the file imports."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Import):
+            yield from (alias.name for alias in child.names)
+        elif isinstance(child, ast.ImportFrom):
+            assert child.level == 0, "relative imports hide where they point"
+            assert child.module is not None
+            yield child.module
+            yield from (f"{child.module}.{alias.name}" for alias in child.names)
+        elif isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) and not nested:
+            continue
+        elif isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test) and not nested:
+            yield from (name for part in child.orelse for name in imports(ast.Module([part], []), nested=nested))
+        else:
+            yield from imports(child, nested=nested)
+
+
+@cache
+def imported(path: Path, *, nested: bool) -> frozenset[str]:
+    return frozenset(imports(ast.parse(path.read_text(encoding="utf-8")), nested=nested))
+
+
+def roots(path: Path, *, nested: bool) -> set[str]:
+    return {name.split(".")[0] for name in imported(path, nested=nested)}
+
+
+def ours(path: Path) -> set[str]:
+    """Modules of the package that a module imports anywhere, for type checking included; packages by their face."""
+    names = {
+        name.removeprefix("wheelrail").lstrip(".")
+        for name in imported(path, nested=True)
+        if name.startswith("wheelrail")
+    }
+    modules = names & set(MODULES)
+    return modules - {name for name in modules if any(other.startswith(f"{name}.") for other in modules)} - {""}
+
+
+def circle(graph: Mapping[str, set[str]]) -> list[str]:
+    """Modules that import one another in a circle, none where there is no circle."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def test_every_package_has_its_rule() -> None:
+    assert len(FILES) > 250
+    assert {package_of(path) for path in FILES} == set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_imports_point_one_way(path: Path) -> None:
+    package = package_of(path)
+    packages = {package_of(MODULES[name]) for name in ours(path)}
+    assert not packages - MAY_IMPORT[package] - {package}
+
+
+def test_no_modules_import_one_another_in_a_circle() -> None:
+    assert circle({name: ours(path) - {name} for name, path in MODULES.items()}) == []
+
+
+def test_no_packages_import_one_another_in_a_circle() -> None:
+    graph: dict[str, set[str]] = {package: set() for package in MAY_IMPORT}
+    for path in FILES:
+        if path.stem != "__init__":
+            graph[package_of(path)] |= {package_of(MODULES[name]) for name in ours(path)} - {package_of(path)}
+    assert circle(graph) == []
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_import_of_ours_begins_with_the_package(path: Path) -> None:
+    assert not roots(path, nested=True) & {*SCIENCE, "scenes", "support", "api", "cli", "benchmarks", "tests"}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
+    top = module_of(path).split(".")[0]
+    anywhere, at_once = roots(path, nested=True) & HEAVY, roots(path, nested=False) & HEAVY
+    assert "gmsh" not in at_once
+    assert "pyvista" not in at_once
+    if top == "vehicle":
+        assert not anywhere
+    if top == "meshes":
+        assert anywhere <= {"gmsh"}
+    if top in ("scenes", "cli", "api", ""):
+        assert not anywhere & ELEMENTS
+    if top in ("forms", "contact", "support"):
+        assert anywhere <= ELEMENTS
+
+
+@pytest.mark.parametrize("name", LOADED_BY_EVERY_SOLVE)
+def test_a_solve_from_the_cache_loads_no_heavy_library(name: str) -> None:
+    assert not roots(ROOT / name, nested=False) & HEAVY
+
+
+def test_differences_between_versions_live_in_one_file() -> None:
+    asking = [path for path in FILES if "dolfinx.__version__" in path.read_text(encoding="utf-8")]
+    assert [path.name for path in asking] == ["compat.py"]
+
+
+@pytest.mark.parametrize("package", sorted(MAY_IMPORT))
+def test_packages_say_what_they_are_and_have_a_size_to_survey(package: str) -> None:
+    (init,) = (path for path in FILES if path.stem == "__init__" and module_of(path) == package)
+    assert ast.get_docstring(ast.parse(init.read_text(encoding="utf-8")))
+    modules = [path for path in FILES if package_of(path) == package and path.stem not in ("__init__", "__main__")]
+    assert len(modules) <= 15
+
+
+def test_the_check_sees_what_it_should(tmp_path: Path) -> None:
+    file = tmp_path / "sample.py"
+    file.write_text(
+        "from typing import TYPE_CHECKING\nimport numpy\nif TYPE_CHECKING:\n    import gmsh\n"
+        "def f():\n    from wheelrail.vehicle.track import track\nclass A:\n    import dolfinx.fem\n"
+    )
+    assert roots(file, nested=True) == {"typing", "numpy", "gmsh", "wheelrail", "dolfinx"}
+    assert roots(file, nested=False) == {"typing", "numpy", "dolfinx"}
+    assert ours(file) == {"vehicle.track.track"}
+    assert circle({"a": {"b"}, "b": {"c"}, "c": {"a"}})
+    assert not circle({"a": {"b", "c"}, "b": {"c"}})

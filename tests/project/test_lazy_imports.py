@@ -1,0 +1,251 @@
+"""What a scene does not need is not paid for: shown by counting imports and calls, never by timing."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from small_pairs import AT_REST, CREEP, TETRAHEDRA, condensed, full
+from small_wheelset import STATE, wheelset
+
+from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
+from wheelrail.contact.geometry import contact_operators as operators_module
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models import condensed as condensed_module
+from wheelrail.contact.models.full import model as full_module
+from wheelrail.contact.solvers import tractions as tractions_module
+from wheelrail.support.mpi import ALONE
+
+ROOT = Path(__file__).parents[2]
+HEAVY = ("dolfinx", "ufl", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib")
+SPHERE = (0.3, 0.3)
+TOUCHING = hertz_pose(1.5e-5)
+
+
+def heavy_after(script: str) -> set[str]:
+    """Heavy libraries that a fresh process has imported at the end of a script."""
+    report = f"\nimport json, sys\nprint(json.dumps([name for name in {HEAVY} if name in sys.modules]))"
+    path = os.pathsep.join([str(ROOT), str(ROOT / "tests/helpers")])
+    done = subprocess.run(
+        [sys.executable, "-c", script + report],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": path},
+        cwd=ROOT,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+SOLVE = """
+from small_wheelset import STATE, wheelset
+from wheelrail.contact.laws.parameters import Laws
+for laws in (Laws.paper(), Laws.paper(0.0)):
+    result = wheelset(laws)(STATE, "left")
+    assert result.status == "converged", result.status
+    assert result.force[2] > 1e4
+"""
+
+
+def test_a_solve_from_the_cache_imports_no_mesher_and_no_finite_elements() -> None:
+    heavy_after(SOLVE)  # fills the cache, should it be empty
+    assert heavy_after(SOLVE) == set()
+
+
+def test_the_standard_contact_needs_no_meshes_and_no_finite_elements() -> None:
+    script = f"""
+from pathlib import Path
+from wheelrail.scenes.contacts.solve import solve_contact
+from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.schema.scene import parse_scene
+text = (Path({str(ROOT)!r}) / "scenes" / "wheelset.toml").read_text()
+report = solve_contact(parse_scene(text.replace('model = "condensed"', 'model = "standard"')))
+assert report["status"] == "converged", report
+run = (Path({str(ROOT)!r}) / "scenes" / "paper_curve.toml").read_text()
+wheelset_contact(parse_scene(run.replace('model = "condensed"', 'model = "standard"')))
+import sys
+wrong = ("models.builders", "elasticity.solid_compliance", "elasticity.waveguide.compliance", "models.fitted.model")
+assert not [name for name in wrong if f"wheelrail.contact.{{name}}" in sys.modules]
+assert "wheelrail.forms" not in sys.modules
+"""
+    assert heavy_after(script) == set()
+
+
+def test_an_empty_cache_asks_for_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # the check above must be able to fail
+    monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
+    script = """
+from wheelrail.contact.laws.parameters import Laws; from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.models.builders import compliance
+from wheelrail.meshes.bodies.solids import block
+from wheelrail.meshes.bodies.triangulation import Grading
+import numpy as np
+solid, key = block((2, 2), half_width=4.0, grading=Grading(1.0, 1.0))
+compliance(solid, key, Steel(), 1).block(np.arange(3))
+"""
+    assert heavy_after(script) >= {"gmsh", "dolfinx", "petsc4py"}
+    assert heavy_after(script) == set()
+
+
+def test_the_vehicle_imports_neither_meshes_nor_finite_elements() -> None:
+    files = [path for path in (ROOT / "vehicle").rglob("*.py") if path.stem != "__init__"]
+    assert len(files) > 20
+    script = "\n".join(f"import wheelrail.{'.'.join(path.relative_to(ROOT).with_suffix('').parts)}" for path in files)
+    script += "\nimport sys\nassert not {'wheelrail.meshes', 'wheelrail.forms'} & set(sys.modules)"
+    assert heavy_after(script) == set()
+
+
+def test_the_command_line_imports_nothing_heavy_to_explain_itself() -> None:
+    script = """
+import contextlib, io
+from typer.testing import CliRunner
+from wheelrail.cli.main import app
+with contextlib.redirect_stdout(io.StringIO()):
+    for arguments in (["--help"], ["run", "--help"], ["contact", "--help"]):
+        assert CliRunner().invoke(app, arguments).exit_code == 0
+import sys
+assert "scipy" not in sys.modules and "wheelrail.contact.models.builders" not in sys.modules
+"""
+    assert heavy_after(script) == set()
+
+
+class Counter:
+    """Counts the calls of functions that it takes the place of."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.monkeypatch, self.calls = monkeypatch, dict[str, list[Any]]()
+
+    def watch(self, owner: Any, name: str) -> None:
+        original, calls = getattr(owner, name), self.calls.setdefault(name, [])
+
+        def counted(*args: Any, **options: Any) -> Any:
+            calls.append(args)
+            return original(*args, **options)
+
+        self.monkeypatch.setattr(owner, name, counted)
+
+
+@pytest.fixture
+def counter(monkeypatch: pytest.MonkeyPatch) -> Counter:
+    return Counter(monkeypatch)
+
+
+def watch_friction(counter: Counter) -> None:
+    counter.watch(tractions_module, "tangential_contact")
+    counter.watch(condensed_module, "creepage")
+    counter.watch(full_module, "creepage")
+    counter.watch(operators_module, "couple")
+    counter.watch(SurfaceCompliance, "_fill")
+
+
+def test_no_friction_no_tangential_work(counter: Counter) -> None:
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
+    watch_friction(counter)
+    result = model(TOUCHING, CREEP)
+    assert result.status == "converged"
+    assert not counter.calls["tangential_contact"]
+    assert not counter.calls["creepage"]
+    couplings = counter.calls["couple"]
+    assert len(couplings) == 2
+    assert all(order == 0 for *_, order in couplings)
+    # and only the compliance along the normal is ever asked for
+    assert {direction for _, _, direction in counter.calls["_fill"]} == {2}
+
+
+def test_friction_does_it_all_and_is_counted(counter: Counter) -> None:
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper())
+    watch_friction(counter)
+    model(TOUCHING, CREEP)
+    assert len(counter.calls["tangential_contact"]) == 1
+    assert len(counter.calls["creepage"]) == 1
+    assert {direction for _, _, direction in counter.calls["_fill"]} == {0, 1, 2}
+
+
+def test_full_without_friction_solves_for_overlaps_alone(counter: Counter) -> None:
+    model = full(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
+    watch_friction(counter)
+    assert model(TOUCHING, AT_REST).status == "converged"  # nor does it need to roll
+    assert not counter.calls["creepage"]
+    assert all(order == 0 for *_, order in counter.calls["couple"])
+    assert model.law.components == 1
+
+
+class Untouchable:
+    """Raises at any use but the question which ranks it is spread over."""
+
+    ranks = ALONE
+
+    def __getattr__(self, name: str) -> Any:
+        raise AssertionError(f"{name} was asked for")
+
+
+def test_no_overlap_returns_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*args: Any, **options: Any) -> Any:
+        raise AssertionError("called without an overlap")
+
+    pair = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper())
+    nobody: Any = Untouchable()
+    apart = hertz_pose(-1e-6)
+    for name in ("couple_both", "creepage", "solve_tractions", "condense"):
+        monkeypatch.setattr(condensed_module, name, never)
+    result = type(pair)(pair.geometry, nobody, nobody, Laws.paper())(apart, CREEP)
+    assert result.status == "separated"
+    assert result.approach == pytest.approx(-1e-6)
+    both = full_module.Full(pair.geometry, nobody, nobody, Laws.paper())
+    assert both(apart, CREEP).status == "separated"
+    assert "solver" not in vars(both)
+    assert "law" not in vars(both)
+
+
+def test_a_wheel_above_its_rail_costs_one_look(counter: Counter) -> None:
+    from dataclasses import replace
+
+    from wheelrail.meshes.curves.curve import Curve
+
+    contact = wheelset()
+    high = replace(STATE, z=2e-3)
+    assert contact(high, "left").status == "separated"  # builds what is kept
+    counter.watch(Curve, "closest")
+    counter.watch(SurfaceCompliance, "block")
+    assert contact(high, "right").status == "separated"
+    assert not counter.calls["closest"]
+    assert not counter.calls["block"]
+    assert contact(STATE, "left").ok
+    assert len(counter.calls["closest"]) == 1
+    assert len(counter.calls["block"]) == 2
+
+
+def test_stress_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    from wheelrail.forms import elasticity
+
+    pair, both = (make(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper()) for make in (condensed, full))
+    first = both(TOUCHING, CREEP)  # assembles the stiffness, which needs the stress as a form
+
+    def never(*args: Any) -> Any:
+        raise AssertionError("nobody asked for the stress")
+
+    for name in ("stress", "strain"):
+        monkeypatch.setattr(elasticity, name, never)
+    assert pair(TOUCHING, CREEP).status == "converged"
+    again = both(hertz_pose(1.4e-5), CREEP)
+    assert again.status == first.status == "converged"
+    assert not any("stress" in name for name in vars(again))
+
+
+def test_compliance_is_gathered_for_the_candidates_only(counter: Counter) -> None:
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
+    counter.watch(SurfaceCompliance, "block")
+    result = model(TOUCHING, AT_REST)
+    assert result.fields is not None
+    for _, nodes, directions in counter.calls["block"]:
+        np.testing.assert_array_equal(np.sort(nodes), np.sort(result.fields.node))
+        assert tuple(directions) == (2,)

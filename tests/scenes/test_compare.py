@@ -1,0 +1,181 @@
+"""Two runs side by side: differences as they are, scatter, wear, pictures with both on one axis."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+from standin_contact import CONTACT
+from test_figures import history
+from typer.testing import CliRunner
+from xarray import Dataset
+
+from wheelrail.cli.main import app
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.scenes.datasets.run import dataset
+from wheelrail.scenes.datasets.run_derived import wear
+from wheelrail.scenes.datasets.run_differences import channels, differences, rows, scatter, table
+from wheelrail.scenes.plots.comparison import PICTURES, draw_comparison
+from wheelrail.scenes.runs.compare import with_model
+from wheelrail.scenes.schema.scene import RunScene, load_scene, parse_scene
+
+FOLDER = Path(__file__).parents[2] / "scenes"
+
+
+def data(rows: int = 40) -> Dataset:
+    made = dataset(history(rows))
+    return made.assign(wear(made, 300e6))
+
+
+def test_differences_are_those_of_the_series_as_they_are() -> None:
+    one = data(2001)
+    time = one["time"].values
+    wave = 3e-3 * np.sin(2 * np.pi * time)
+    other = one.assign(wheelset_y=one["wheelset_y"] + wave, lateral_force=one["lateral_force"] - 500.0)
+    found = {d.channel: d for d in differences(one, other)}
+    y = found["wheelset y"]
+    assert y.rms == pytest.approx(3.0 / np.sqrt(2.0), rel=1e-3)
+    assert y.worst == pytest.approx(3.0, rel=1e-3)
+    assert y.at % 45.0 == pytest.approx(45.0 / 4, abs=0.1) or y.at % 45.0 == pytest.approx(3 * 45.0 / 4, abs=0.1)
+    assert (found["lateral force, left"].rms, found["lateral force, left"].worst) == pytest.approx((0.5, 0.5))
+    assert found["vertical force, right"].worst == 0.0
+
+
+def test_runs_are_compared_where_both_have_samples() -> None:
+    """The second run is shorter, and its samples lie elsewhere: a straight line is met on the way."""
+    one = data(401)
+    other = data(401).isel(time=slice(0, 301, 3))
+    found = {d.channel: d for d in differences(one, other)}
+    assert found["lateral force, right"].worst == pytest.approx(0.0, abs=1e-9)
+    assert found["lateral force, right"].span == pytest.approx(20.0 * 300 / 400, rel=1e-9)
+
+
+def test_rms_is_over_time_and_not_over_samples() -> None:
+    one = data(401)
+    moved = one["wheelset_y"] + np.where(one["time"] < 1.0, 1e-3, 0.0)
+    crowded = np.unique(np.concatenate([np.arange(0, 200), np.arange(200, 401, 40)]))
+    found = differences(one.isel(time=crowded), one.assign(wheelset_y=moved).isel(time=crowded))
+    assert found[0].rms == pytest.approx(np.sqrt(0.5), rel=0.06)
+
+
+def test_scatter_leaves_noise_and_takes_away_what_is_smooth() -> None:
+    time = np.linspace(0.0, 2.0, 4001)
+    smooth = 1e4 * np.sin(2.0 * time)
+    noise = np.random.default_rng(1).normal(0.0, 50.0, len(time))
+    assert np.abs(scatter(time, smooth)).max() < 1.0
+    assert float(scatter(time, smooth + noise).std()) == pytest.approx(50.0, rel=0.05)
+
+
+def test_wear_is_power_over_speed_and_the_place_on_the_map() -> None:
+    made = dataset(history())
+    power = made["patch_frictional_power"] * 0 + 90.0
+    found = wear(made.assign(patch_frictional_power=power), 250e6)
+    last = {name: values.isel(time=-1).sel(side="right") for name, values in found.items()}
+    assert float(last["frictional_power"]) == pytest.approx(180.0)
+    assert float(last["t_gamma"]) == pytest.approx(4.0)
+    end = made.isel(time=-1).sel(side="right")
+    size = np.hypot(end["patch_longitudinal_force"], end["patch_lateral_force"]) / end["patch_normal_force"]
+    assert last["patch_utilisation"].values == pytest.approx(size.values)
+    assert last["patch_load_factor"].values == pytest.approx(end["patch_max_pressure"].values / 250e6)
+    expected = last["patch_utilisation"] - 1.0 / last["patch_load_factor"]
+    assert last["patch_surface_fatigue_index"].values == pytest.approx(expected.values)
+    assert np.isnan(found["patch_load_factor"].isel(time=-1).sel(side="left")).all()
+    assert all(values.attrs["units"] and values.attrs["long_name"] for values in found.values())
+
+
+def test_pictures_show_both(tmp_path: Path) -> None:
+    runs = data(), data().assign(wheelset_y=data()["wheelset_y"] + 1e-3)
+    files = list(draw_comparison(runs, ("condensed", "standard"), tmp_path))
+    assert [file.stem for file in files] == list(PICTURES)
+    assert all(file.stat().st_size > 5000 for file in files)
+    for name, draw in PICTURES.items():
+        figure = draw(runs, ("condensed", "standard"))
+        words = [text.get_text() for ax in figure.axes if (legend := ax.get_legend()) for text in legend.get_texts()]
+        assert any("standard" in word for word in words), name
+        assert all(ax.get_ylabel() for ax in figure.axes[:1])
+    ax = PICTURES["compare_displacement"](runs, ("a", "b")).axes[0]
+    (first, second) = ax.get_lines()[:2]
+    assert second.get_ydata() - first.get_ydata() == pytest.approx(1.0)
+
+
+def test_table_and_file_have_every_channel() -> None:
+    found = differences(data(), data())
+    console = Console(width=120, record=True, file=open("/dev/null", "w"))  # noqa: SIM115
+    console.print(table(found, ("condensed", "standard")))
+    text = console.export_text()
+    assert all(label in text for label, _, _ in channels(data()))
+    assert len(json.loads(json.dumps(rows(found)))) == len(found)
+
+
+@pytest.mark.parametrize("name", ["curve", "paper_curve"])
+def test_a_scene_takes_another_model(name: str) -> None:
+    text = (FOLDER / f"{name}.toml").read_text()
+    assert parse_scene(with_model(text, "condensed")) == load_scene(FOLDER / f"{name}.toml")
+    scene, other = load_scene(FOLDER / f"{name}.toml"), parse_scene(with_model(text, "standard"))
+    apart = {key for key, value in scene.model_dump().items() if other.model_dump()[key] != value}
+    assert {"model"} <= apart <= {"model", "strips", "cells"}
+
+
+def short_scene(folder: Path) -> Path:
+    text = (FOLDER / "curve.toml").read_text()
+    for old, new in (
+        ("tangent = 50.0", "tangent = 1.0"),
+        ("transition_length = 100.0", "transition_length = 12.0"),
+        ("curve = 300.0", "curve = 2.0"),
+        ("workers = 2", "workers = 1"),
+        ("interval = 0.01", "figures = false\ninterval = 0.0"),
+        ("rtol = 3e-3", "rtol = 1e-4"),
+        ("atol = 3e-6", "atol = 1e-7"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    file = folder / "short.toml"
+    file.write_text(text)
+    return file
+
+
+def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both runs, pictures, table; a second time neither run is repeated; another scene's results are."""
+    models: list[str] = []
+
+    def contact(scene: RunScene) -> WheelsetContact:
+        models.append(scene.model)
+        return (
+            CONTACT if scene.model == "standard" else replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
+        )
+
+    monkeypatch.setattr("wheelrail.scenes.runs.run.wheelset_contact", contact)
+    file, out = short_scene(tmp_path), tmp_path / "out"
+    first = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
+    assert first.exit_code == 0, first.output
+    assert models == ["condensed", "standard"]
+    assert "wheelset y" in first.stdout
+    assert first.stdout.count("energy balances within") == 2
+    report = json.loads((out / "differences.json").read_text())
+    assert (report["first"], report["second"]) == ("condensed", "standard")
+    assert all(0.0 < error < 1e-2 for error in report["energy_balance_error"])
+    assert all((out / f"{name}.png").stat().st_size > 5000 for name in PICTURES)
+    again = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
+    assert again.exit_code == 0
+    assert models == ["condensed", "standard"]
+    assert again.stdout == first.stdout
+    file.write_text(file.read_text().replace("friction = 0.3", "friction = 0.2"))
+    assert CliRunner().invoke(app, ["compare", str(file), "--out", str(out)]).exit_code == 0
+    assert models == ["condensed", "standard"] * 2
+
+
+def test_what_cannot_be_compared(tmp_path: Path) -> None:
+    for arguments, says in (
+        ([str(FOLDER / "hertz.toml")], "no vehicle run"),
+        ([str(FOLDER / "curve.toml"), "--with", "condensed"], "nothing to compare it with"),
+        ([str(FOLDER / "curve.toml"), "--with", "simple"], "model"),
+        ([str(FOLDER / "curve.toml"), "--with", "full"], "only with points"),
+    ):
+        refused = CliRunner().invoke(app, ["compare", *arguments, "--out", str(tmp_path / "out")])
+        assert refused.exit_code == 2
+        assert says in refused.output
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,445 @@
+"""Full disks, damaged files, Ctrl-C and kills in every phase: nothing half-written is read, nothing is lost."""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from malformed_inputs import CURVE, WHEELSET, changed, standard
+from standin_contact import CONTACT
+from test_resume import Stopping
+from typer.testing import CliRunner
+from xarray import Dataset, open_dataset
+
+from wheelrail.cli.main import app
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.scenes.datasets.netcdf import write
+from wheelrail.support.atomic_file import PART, whole_file
+from wheelrail.support.cache import load, store
+
+ROOT = Path(__file__).parents[2]
+SMOOTH = WheelsetContact(Stopping(), CONTACT.mounting)  # a spring with patches, and nothing to remember
+ENVIRONMENT = {
+    **os.environ,
+    "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests/helpers"), str(ROOT / "tests/scenes")]),
+}
+
+
+def quick(folder: Path, *changes: tuple[str, str]) -> Path:
+    """A scene that runs in a second: the standard contact, twelve metres."""
+    text = standard(CURVE)
+    for old, new in (
+        ("tangent = 50.0", "tangent = 1.0"),
+        ("transition_length = 100.0", "transition_length = 10.0"),
+        ("curve = 200.0", "curve = 1.0"),
+        ('method = "ode23"', 'method = "rosenbrock"'),
+        ("interval = 0.0", "checkpoint = 10\nfigures = false"),
+        *changes,
+    ):
+        text = changed(text, old, new)
+    folder.mkdir(exist_ok=True, parents=True)
+    (folder / "scene.toml").write_text(text)
+    return folder / "scene.toml"
+
+
+@pytest.fixture(autouse=True)
+def smooth(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wheelrail.scenes.runs.run.wheelset_contact", lambda scene: SMOOTH)
+
+
+def stopped(folder: Path, code: str, *line: str) -> tuple[int, str]:
+    """A run, or another command, in a process of its own, after some code: exit status, or minus the signal's number,
+    and what it said.
+    """
+    reads, writes = os.pipe()
+    process = os.fork()
+    if process == 0:
+        status = 99
+        for number in (1, 2):
+            os.dup2(writes, number)
+        sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))  # noqa: SIM115
+        try:
+            exec(code, {})
+            app([*line] or ["run", str(folder / "scene.toml"), "--out", str(folder)])
+        except SystemExit as end:
+            status = int(end.code or 0)
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            try:
+                sys.stdout.flush()
+                sys.stderr.flush()
+            finally:
+                os._exit(status)
+    os.close(writes)
+    with open(reads) as said:
+        text = said.read()
+    return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), text
+
+
+def resumed(folder: Path) -> None:
+    done = CliRunner().invoke(app, ["run", str(folder / "scene.toml"), "--out", str(folder), "--resume"])
+    assert done.exit_code == 0, done.output
+
+
+def assert_same_results(one: Path, other: Path) -> None:
+    with open_dataset(one / "run.nc") as mine, open_dataset(other / "run.nc") as theirs:
+        assert mine.attrs["status"] == theirs.attrs["status"] == "completed"
+        for name in set(mine.variables) - {"contact_seconds"}:
+            np.testing.assert_array_equal(mine[name].values, theirs[name].values)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("undisturbed")
+    quick(folder)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("wheelrail.scenes.runs.run.wheelset_contact", lambda scene: SMOOTH)
+        resumed(folder)
+    return folder
+
+
+def test_a_file_is_whole_or_the_old_one(tmp_path: Path) -> None:
+    file = tmp_path / "folder" / "file.txt"
+    with whole_file(file) as part:
+        part.write_text("old")
+    with pytest.raises(KeyboardInterrupt), whole_file(file) as part:  # noqa: PT012
+        part.write_text("half of the n")
+        raise KeyboardInterrupt
+    assert file.read_text() == "old"
+    assert [place.name for place in file.parent.iterdir()] == ["file.txt"]
+
+
+def test_leftovers_of_killed_writers_go_after_a_day(tmp_path: Path) -> None:
+    young, old = (tmp_path / f"{PART}{name}" for name in ("young", "old"))
+    for part in (young, old):
+        part.write_text("half")
+    os.utime(old, (time.time() - 90_000.0,) * 2)
+    with whole_file(tmp_path / "file"):
+        pass
+    assert sorted(os.listdir(tmp_path)) == [young.name, "file"]
+
+
+@pytest.fixture
+def small_files() -> object:
+    """No file of this process may get longer than 4 kB: as good as a full disk, and needs no rights."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    signal.signal(signal.SIGXFSZ, handler)
+
+
+def test_full_disk_leaves_the_old_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
+    store("name", {"values": np.arange(3)})
+    request.getfixturevalue("small_files")
+    with pytest.warns(UserWarning, match=r"cannot be written \(.*File too large.*going on without it"):
+        store("name", {"values": np.arange(10_000)})
+    assert list(load("name")["values"]) == [0, 1, 2]  # type: ignore[index]
+    assert os.listdir(tmp_path) == ["name.npz"]
+
+
+def test_full_disk_leaves_the_old_results(tmp_path: Path, small_files: object) -> None:
+    (tmp_path / "run.nc").write_text("old")
+    with pytest.raises(OSError, match=r"run\.nc|File too large"):
+        write(Dataset({"values": ("n", np.random.default_rng(1).random(10_000))}), tmp_path / "run.nc")
+    assert os.listdir(tmp_path) == ["run.nc"]
+    assert (tmp_path / "run.nc").read_text() == "old"
+
+
+def test_run_on_a_full_disk_goes_on_from_its_checkpoints(tmp_path: Path, undisturbed: Path) -> None:
+    quick(tmp_path)
+    full = (
+        "import wheelrail.scenes.datasets.netcdf as n\n"
+        "def full(*given):\n    raise OSError(28, 'No space left on device')\n"
+        "n.write = full"
+    )
+    status, said = stopped(tmp_path, full)
+    assert status == 1
+    assert "No space left on device" in said
+    assert "Traceback" not in said
+    assert sorted(os.listdir(tmp_path)) == ["run.checkpoints", "scene.toml"]
+    resumed(tmp_path)
+    assert_same_results(tmp_path, undisturbed)
+
+
+@pytest.mark.parametrize("options", [("--json",), ()])
+def test_results_that_cannot_be_printed_are_an_error(tmp_path: Path, options: tuple[str, ...]) -> None:
+    (tmp_path / "scene.toml").write_text(standard(WHEELSET))
+    with open("/dev/full", "w") as full:
+        line = [sys.executable, "-m", "wheelrail.cli", "contact", str(tmp_path / "scene.toml"), *options]
+        done = subprocess.run(line, stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, timeout=300)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1] == "standard output: No space left on device"
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("spoiled", [b"", b"\x89HDF\r\n\x1a\n half", None])
+def test_spoiled_results_are_computed_anew(tmp_path: Path, undisturbed: Path, spoiled: bytes | None) -> None:
+    quick(tmp_path)
+    whole = (undisturbed / "run.nc").read_bytes()
+    (tmp_path / "run.nc").write_bytes(whole[: len(whole) // 2] if spoiled is None else spoiled)
+    resumed(tmp_path)
+    assert_same_results(tmp_path, undisturbed)
+
+
+PHASES = {
+    "import": "import builtins; kept = builtins.__import__\n"
+    "def at(name, *given):\n    if name == 'wheelrail.scenes.runs.run': stop()\n    return kept(name, *given)\n"
+    "builtins.__import__ = at",
+    "scene": "import wheelrail.scenes.schema.scene as m; m.read_text = stop",
+    "head": "import wheelrail.scenes.runs.resume as m; m.head = stop",
+    "contact": "import wheelrail.scenes.runs.run as m; m.wheelset_contact = stop",
+    "equilibrium": "import wheelrail.vehicle.simulation.simulate as m; m.equilibrium = stop",
+    "steps": "import wheelrail.vehicle.simulation.simulate as m; m.Recorder.add = after(m.Recorder.add, 25)",
+    "first checkpoint": "import os; os.replace = after(os.replace, 1)",
+    "checkpoint": "import os; os.fsync = after(os.fsync, 3)",
+    "half a checkpoint": "import os; kept = os.pwrite; calls = []\n"
+    "def half(to, data, at):\n    calls.append(at)\n    if len(calls) == 3: kept(to, data[:99], at); stop()\n"
+    "    return kept(to, data, at)\nos.pwrite = half",
+    "results": "import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)",
+    "results in place": "import os; os.replace = after(os.replace, 2)",
+    "end": "import wheelrail.scenes.runs.checkpoint_file as m; m.Journal.remove = stop",
+}
+STOP = """
+import os, signal, time
+def stop(*given, **options):
+    os.kill(os.getpid(), signal.{signal})
+    time.sleep(0.05)
+    raise AssertionError("not stopped")
+def after(kept, count):
+    calls = []
+    def stopping(*given, **options):
+        calls.append(1)
+        if len(calls) == count:
+            os.kill(os.getpid(), signal.{signal})
+        return kept(*given, **options)
+    return stopping
+"""
+
+
+@pytest.mark.parametrize("phase", PHASES)
+@pytest.mark.parametrize("how", ["SIGINT", "SIGKILL"])
+def test_run_stopped_in_any_phase_ends_as_if_it_had_not_been(
+    tmp_path: Path, undisturbed: Path, how: str, phase: str
+) -> None:
+    quick(tmp_path)
+    status, said = stopped(tmp_path, STOP.format(signal=how) + PHASES[phase])
+    assert "Traceback" not in said
+    if how == "SIGKILL":
+        assert status == -signal.SIGKILL, said
+    elif phase not in ("results", "results in place"):  # where Ctrl-C comes too late to spoil anything
+        assert status == 130, said
+        assert re.search("^interrupted", said, re.MULTILINE)
+    if (tmp_path / "run.nc").exists():
+        open_dataset(tmp_path / "run.nc").close()
+    resumed(tmp_path)
+    assert_same_results(tmp_path, undisturbed)
+
+
+def gone(process: int) -> bool:
+    """Whether a process has ended within three seconds (a zombie has)."""
+    for _ in range(60):
+        try:
+            if Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z":
+                return True
+        except OSError:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_no_second_process_is_left(tmp_path: Path, how: signal.Signals) -> None:
+    scene = quick(tmp_path, ("curve = 1.0", "curve = 900.0"))
+    scene.write_text(scene.read_text().replace("[solver]", "[solver]\nworkers = 2"))
+    script = "from wheelrail.cli.entry import main\nmain()"
+    line = [sys.executable, "-c", script, "run", str(scene), "--out", str(tmp_path)]
+    with subprocess.Popen(line, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT) as running:
+        children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
+        for _ in range(6000):  # machine code may have to be made first
+            if (tmp_path / "run.checkpoints").exists():
+                break
+            time.sleep(0.05)
+        mine = [int(word) for word in children.read_text().split()]
+        assert mine
+        running.send_signal(how)
+        said = running.communicate(timeout=30)
+    assert running.returncode == (130 if how == signal.SIGINT else -how)
+    assert "Traceback" not in said[1]
+    assert all(gone(process) for process in mine)
+
+
+COMPILED = """
+import sys
+import numpy as np
+from numba import config
+from wheelrail.support.compiled import compiled, folder
+def made(place):
+    config.CACHE_DIR = place
+    folder.cache_clear()
+    @compiled
+    def total(values):
+        found = 0.0
+        for value in values:
+            found += value * value
+        return found
+    assert total(np.arange(5.0)) == 30.0
+    return sum(total.stats.cache_hits.values())
+print(*map(made, sys.argv[1:]))
+"""
+
+
+def test_damaged_machine_code_is_made_again(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(COMPILED)
+
+    def hits(*places: Path, limit: Callable[[], None] | None = None) -> list[int]:
+        line = [sys.executable, str(script), *map(str, places)]
+        done = subprocess.run(line, capture_output=True, text=True, env=ENVIRONMENT, timeout=60, preexec_fn=limit)
+        assert done.returncode == 0, done.stderr
+        return [int(word) for word in done.stdout.split()]
+
+    def full() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+    good = tmp_path / "good"
+    assert hits(good, limit=full) == [0]
+    assert hits(good, good) == [0, 1]
+    spoiled = []
+    for ending in ("nbi", "nbc"):
+        for damage in ("empty", "cut", "flipped"):
+            spoiled.append(shutil.copytree(good, tmp_path / f"{ending} {damage}"))
+            (file,) = spoiled[-1].rglob(f"*.{ending}")
+            whole = file.read_bytes()
+            flipped = whole[:-50] + bytes([whole[-50] ^ 4]) + whole[-49:]
+            file.write_bytes({"empty": b"", "cut": whole[: len(whole) // 2], "flipped": flipped}[damage])
+    found = hits(*(place for place in spoiled for _ in range(3)))
+    assert found[::3] == [0] * len(spoiled)  # an index that was in the way is emptied first, and then written
+    assert found[2::3] == [1] * len(spoiled)
+
+
+LITTLE = """
+import resource, signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))
+"""
+DRAWN = "import matplotlib.figure as m; m.Figure.savefig = after(m.Figure.savefig, 1)"
+
+
+def contact_with_picture(folder: Path, code: str) -> tuple[int, str]:
+    (folder / "scene.toml").write_text(standard(WHEELSET))
+    return stopped(folder, code, "contact", str(folder / "scene.toml"), "--picture", str(folder / "patches.png"))
+
+
+@pytest.mark.parametrize(
+    "phase",
+    [
+        "from wheelrail.contact.models.standard.model import StandardContact as m; m.__call__ = after(m.__call__, 2)",
+        "import wheelrail.scenes.contacts.solve as m; m.side_report = stop",
+        "import wheelrail.scenes.contacts.report as m; m.table = stop",
+        DRAWN,
+    ],
+)
+def test_ctrl_c_in_a_contact(tmp_path: Path, phase: str) -> None:
+    status, said = contact_with_picture(tmp_path, STOP.format(signal="SIGINT") + phase)
+    assert status == 130, said
+    assert said.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in said
+    assert os.listdir(tmp_path) == ["scene.toml"]
+
+
+def test_picture_on_a_full_disk(tmp_path: Path) -> None:
+    status, said = contact_with_picture(tmp_path, LITTLE.format(size=4096))
+    assert status == 1, said
+    assert "patches.png: [Errno 27] File too large" in said
+    assert "Traceback" not in said
+    assert os.listdir(tmp_path) == ["scene.toml"]
+
+
+def test_ctrl_c_in_a_comparison(tmp_path: Path) -> None:
+    scene = quick(tmp_path)
+    scene.write_text(scene.read_text().replace('model = "standard"', 'model = "condensed"'))
+    phase = "import wheelrail.vehicle.simulation.simulate as m; m.Recorder.add = after(m.Recorder.add, {count})"
+    line = ("compare", str(scene), "--out", str(tmp_path / "out"))
+    first = stopped(tmp_path, STOP.format(signal="SIGINT") + phase.format(count=5), *line)
+    second = stopped(tmp_path, STOP.format(signal="SIGINT") + DRAWN, *line)
+    third = stopped(tmp_path, "", *line)
+    assert [status for status, _ in (first, second, third)] == [130, 130, 0], (first, second, third)
+    assert not any("Traceback" in said for _, said in (first, second, third))
+    assert third[1].count("holds this run already") == 2
+    assert not list((tmp_path / "out").rglob(f"{PART}*"))
+
+
+STUDY = 'kind = "study"\nscene = "scene.toml"\nworkers = 1\n[grid]\nfriction = [0.1, 0.2, 0.3, 0.4]\n'
+IN_A_THREAD = (
+    "from test_study import Here; import wheelrail.scenes.studies.run as m; m.processes = lambda count: Here()\n"
+)
+
+
+def study_of_four(folder: Path, code: str) -> tuple[int, str]:
+    (folder / "scene.toml").write_text(standard(WHEELSET))
+    (folder / "study.toml").write_text(STUDY)
+    line = ("study", str(folder / "study.toml"), "--out", str(folder / "out"))
+    return stopped(folder, STOP.format(signal="SIGINT") + IN_A_THREAD + code, *line)
+
+
+@pytest.mark.parametrize(
+    ("phase", "kept", "code"),
+    [
+        (
+            "import wheelrail.scenes.studies.plan as m; m.plan = stop",
+            0,
+            130,
+        ),
+        ("import wheelrail.scenes.studies.store as m; m.Store.keep = after(m.Store.keep, 2)", 1, 130),
+        ("import os; os.replace = after(os.replace, 3)", 2, 130),
+        ("import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)", 4, 0),
+        (DRAWN, 4, 130),
+    ],
+)
+def test_ctrl_c_in_a_study(tmp_path: Path, phase: str, kept: int, code: int) -> None:
+    status, said = study_of_four(tmp_path, phase)
+    assert status == code, said
+    assert "Traceback" not in said
+    assert ("interrupted" in said) == (code == 130)
+    cases = tmp_path / "out" / "cases"
+    before = {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")} if cases.exists() else {}
+    assert len(before) >= kept
+    assert not list(tmp_path.rglob(f"{PART}*"))
+    status, said = study_of_four(tmp_path, "")
+    assert status == 0, said
+    assert before.items() <= {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")}.items()
+    with open_dataset(tmp_path / "out" / "study.nc") as data:
+        assert set(data["status"].values) == {"converged"}
+
+
+@pytest.mark.parametrize("size", [100, 8000])
+def test_study_on_a_full_disk(tmp_path: Path, size: int) -> None:
+    """Cases cannot be kept; they can, and the results cannot."""
+    status, said = study_of_four(tmp_path, LITTLE.format(size=size))
+    assert status == 1, said
+    assert "Traceback" not in said
+    assert ("a case was not kept" in said) == (size == 100)
+    assert len(list((tmp_path / "out" / "cases").glob("*.json"))) == (0 if size == 100 else 4)
+    assert not (tmp_path / "out" / "study.nc").exists()
+    assert not list(tmp_path.rglob(f"{PART}*"))
+    status, said = study_of_four(tmp_path, "")
+    assert status == 0, said
+    assert ("4 of 4 cases are done already" in said) == (size != 100)

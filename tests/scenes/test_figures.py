@@ -1,0 +1,256 @@
+"""Results and pictures of a run: named variables with units that survive the disk, and axes that say what they show."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from spring_contact import patch
+
+from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.results.result import ContactResult, Fields
+from wheelrail.scenes.datasets.contact import contact_dataset
+from wheelrail.scenes.datasets.netcdf import write
+from wheelrail.scenes.datasets.patches import BANDS, PATCH_VARIABLES
+from wheelrail.scenes.datasets.run import dataset
+from wheelrail.scenes.plots import runs as figures
+from wheelrail.scenes.plots.patch_cells import PatchCells
+from wheelrail.scenes.plots.patches import draw_patches, patches_figure
+from wheelrail.vehicle.dynamics.state import COORDINATES
+from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.simulation.contact_cost import SideCost
+from wheelrail.vehicle.simulation.history import History, RunCost
+from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair
+
+N = 40
+
+
+def history(rows: int = N, curvature: float = 1 / 1200) -> History:
+    """A made-up run into a curve: a second patch on the right from half way, and the left wheel lifts at last."""
+    share = np.linspace(0.0, 1.0, rows)
+    time = 2.0 * share
+    force = np.zeros((rows, 2, 3))
+    force[:, 0, 2], force[:, 1, 2] = 54e3 - 17e3 * share, 54e3 + 18e3 * share
+    force[:, 1, 1] = -20e3 * share
+    patches: list[PatchPair] = []
+    for row, u in enumerate(share):
+        left = () if row == rows - 1 else (patch(force[row, 0, 2], force[row, 0], 2e-3 * u),)
+        right = (patch(force[row, 1, 2], force[row, 1], -4e-3 * u),)
+        patches.append((left, (*right, patch(10e3, force[row, 1], -32e-3)) if u > 0.5 else right))
+    state = np.random.default_rng(3).standard_normal((rows, 20))
+    along = np.zeros(rows)
+    return History(
+        status="completed",
+        speed=45.0,
+        radius=0.46,
+        time=time,
+        state=state,
+        outputs=Outputs(force, 0.1 * force, np.full((rows, 2), 8e-5), along, along, along, along + 7.0),
+        curvature=curvature * share,
+        lift=0.06 * share,
+        patches=patches,
+        contact_status=[("separated" if not left else "converged", "converged") for left, _ in patches],
+        cost=RunCost(
+            Counts(accepted=rows - 1, rejected=2, failed=1, evaluations=130),
+            {"left": SideCost(300, 1, 600, 1200, 3.0), "right": SideCost(301, 0, 700, 1500, 4.0)},
+            9.0,
+        ),
+    )
+
+
+def test_dataset_holds_the_history() -> None:
+    run = history()
+    data = dataset(run, scene='kind = "run"')
+    assert data["vertical_force"].sel(side="right").values == pytest.approx(run.outputs.force[:, 1, 2])
+    assert data["roll_moment"].sel(side="left").values == pytest.approx(run.outputs.moment[:, 0, 0])
+    assert data["car_body_y"].values == pytest.approx(run.car_body[:, 0])
+    assert data["bogie_roll_rate"].values == pytest.approx(run.bogie_rate[:, 2])
+    assert data["wheelset_pitch"].values == pytest.approx(run.wheelset[:, 3])
+    assert data["wheelset_pitch_rate"].values == pytest.approx(run.wheelset_rate[:, 3])
+    assert data["distance"].values == pytest.approx(45.0 * run.time)
+    assert data["bumpstop_force"].values == pytest.approx(7.0)
+    assert data["newton_iterations"].sel(side="right") == 700
+    assert data.attrs["scene"] == 'kind = "run"'
+    assert "wheelrail" in data.attrs["versions"]
+    assert {*COORDINATES, *PATCH_VARIABLES, *BANDS, "curvature", "lift"} <= set(data.data_vars)
+
+
+def test_patches_are_padded_with_nan() -> None:
+    run = history()
+    data = dataset(run)
+    counts = [[len(left), len(right)] for left, right in run.patches]
+    assert data["patches"].values.tolist() == counts
+    assert data["patch_area"].notnull().sum("patch").values.tolist() == counts
+    assert data.sizes["patch"] == 2
+    last = data.isel(time=-1).sel(side="right")
+    assert last["wheel_band"].values == pytest.approx(np.array([[-8e-3, 0.0], [-36e-3, -28e-3]]), abs=1e-12)
+    assert last["patch_lateral_force"].values == pytest.approx(-0.05 * last["patch_normal_force"].values)
+    assert not data["in_contact"].isel(time=-1).sel(side="left")
+
+
+def test_every_variable_has_a_unit_and_a_meaning() -> None:
+    data = dataset(history())
+    for name, values in {**data.data_vars, "distance": data["distance"]}.items():
+        assert values.attrs["units"], name
+        assert values.attrs["long_name"], name
+    assert data["time"].attrs["units"] == "s"
+
+
+@pytest.mark.parametrize("rows", [N, 1])
+def test_round_trip_through_netcdf(tmp_path: Path, rows: int) -> None:
+    data = dataset(history(rows), scene="a = 'ü'\n")
+    write(data, tmp_path / "new" / "run.nc")
+    with xarray.open_dataset(tmp_path / "new" / "run.nc", decode_times=False) as back:
+        xarray.testing.assert_equal(data, back)
+        assert back.attrs == data.attrs
+        assert back["patch_area"].attrs == data["patch_area"].attrs
+
+
+def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "run.nc"
+    write(dataset(history(3)), file)
+    before = file.read_bytes()
+
+    def full(self: xarray.Dataset, path: str, **_: object) -> None:
+        Path(path).write_bytes(b"half of it")
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(xarray.Dataset, "to_netcdf", full)
+    with pytest.raises(OSError, match="no space"):
+        write(dataset(history(5)), file)
+    assert file.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_pictures_are_written(tmp_path: Path) -> None:
+    files = list(figures.draw_figures(dataset(history()), tmp_path))
+    assert [file.stem for file in files] == list(figures.PICTURES)
+    assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
+
+
+def test_one_sample_makes_no_picture(tmp_path: Path) -> None:
+    assert list(figures.draw_figures(dataset(history(1)), tmp_path)) == []
+
+
+@pytest.mark.parametrize("name", list(figures.PICTURES))
+def test_axes_name_quantity_and_unit(name: str) -> None:
+    figure = figures.PICTURES[name](dataset(history()))
+    panels = [ax for ax in figure.axes if ax.get_title(loc="left") or ax.get_title()]
+    assert panels
+    for ax in panels:
+        assert re.search(r"\[\w+\]$", ax.get_ylabel()), ax.get_ylabel()
+    assert re.search(r"\[m\]$", panels[-1].get_xlabel())
+
+
+@pytest.mark.parametrize(("curvature", "inner"), [(1 / 1200, "left"), (-1 / 1200, "right"), (0.0, "")])
+def test_inner_and_outer_follow_the_curve(curvature: float, inner: str) -> None:
+    data = dataset(history(curvature=curvature))
+    for side in ("left", "right"):
+        word = "" if not inner else " (inner)" if side == inner else " (outer)"
+        assert figures.named(side, data) == side + word
+
+
+def test_force_curves_are_those_of_the_data() -> None:
+    data = dataset(history())
+    (ax,) = figures.vertical_forces(data).axes
+    curves = {str(line.get_label()): line for line in ax.lines}
+    assert set(curves) == {"left (inner)", "right (outer)"}
+    assert np.asarray(curves["right (outer)"].get_ydata()) == pytest.approx(
+        1e-3 * data["vertical_force"].sel(side="right").values
+    )
+
+
+def test_strips_cover_every_patch_once() -> None:
+    data = dataset(history())
+    right = data.sel(side="right")
+    distance = data["distance"].values
+    shapes, values = figures._strips(distance, right["rail_band"], right["patch_max_pressure"])
+    assert len(shapes) == len(values) == int(right["patches"].sum())
+    width, height = shapes[:, 1, 0] - shapes[:, 0, 0], shapes[:, 2, 1] - shapes[:, 1, 1]
+    assert height == pytest.approx(8e-3)  # of every patch here
+    first = shapes[:, 0, 1] > -0.02  # the tread, in every sample
+    assert width[first].sum() == pytest.approx(distance[-1] - distance[0])
+
+
+def test_pictures_touch_no_global_state_of_matplotlib(tmp_path: Path) -> None:
+    code = (
+        "import sys, matplotlib; from test_figures import *; before = matplotlib.rcParams.copy();"
+        f"list(figures.draw_figures(dataset(history()), Path({str(tmp_path)!r})));"
+        "assert matplotlib.rcParams.copy() == before; assert 'matplotlib.pyplot' not in sys.modules"
+    )
+    helpers = Path(__file__).parents[1] / "helpers"
+    there = {**os.environ, "PYTHONPATH": str(helpers)}
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parent, env=there)
+
+
+def strips(lean: float = 0.1) -> ContactResult:
+    """A made-up patch of two strips of three cells, leaning to the left; the cells at the trailing ends slip."""
+    ends = np.array([[-3e-3, -1e-3, 2e-3, 3e-3], [-2e-3, 0.0, 1e-3, 2e-3]])
+    x, step = 0.5 * (ends[:, 1:] + ends[:, :-1]).ravel(), np.diff(ends).ravel()
+    normal = np.array([0.0, np.sin(lean), -np.cos(lean)])
+    axes = np.tile(np.stack([[1.0, 0.0, 0.0], np.cross([1.0, 0.0, 0.0], normal), normal]), (6, 1, 1))
+    across = np.repeat([1e-3, -1e-3], 3)
+    point = np.column_stack([x, across * np.cos(lean), across * np.sin(lean)])
+    pressure = np.array([1.0, 3.0, 2.0, 1.0, 2.0, 1.0]) * 1e8
+    share = np.array([0.3, 0.2, 0.1, 0.3, 0.3, 0.1])
+    traction = np.column_stack([-share * pressure, 0.0 * share])
+    none = np.zeros(6)
+    fields = Fields(
+        np.arange(6),
+        np.zeros(6, dtype=int),
+        point,
+        axes,
+        step * 2e-3,
+        step,
+        none,
+        pressure,
+        traction,
+        traction,
+        np.zeros((6, 3)),
+    )
+    force = np.array([0.0, 0.0, 10e3])
+    return ContactResult(force, none[:3], (patch(10e3, force),), fields, 1e-5, "converged")
+
+
+def test_cells_are_drawn_in_their_true_lengths() -> None:
+    data = contact_dataset({"left": strips(), "right": strips().mirrored()}, Laws(friction=0.3))
+    cells, mirrored = (PatchCells.of(data, side, 0) for side in ("left", "right"))
+    size = np.ptp(cells.corners, axis=1)
+    np.testing.assert_allclose(size[:, 0], [2e-3, 3e-3, 1e-3, 2e-3, 1e-3, 1e-3], rtol=1e-12)
+    np.testing.assert_allclose(size[:, 1], 2e-3, rtol=1e-12)  # in the contact plane, not seen from above
+    assert (cells.middle[:3, 1] > 0).all()  # the strip on the left is drawn on the left
+    np.testing.assert_allclose(mirrored.middle, cells.middle * [1, -1], atol=1e-15)
+    np.testing.assert_allclose(cells.traction[0], [-0.3e8, 0.0], atol=1e-6)
+
+
+def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
+    cells = PatchCells.of(contact_dataset({"left": strips()}, Laws(friction=0.3)), "left", 0)
+    assert cells.sticks.tolist() == [False, True, True, False, False, True]
+    pieces = cells.stick_edge()
+    x0 = cells.corners[0, 0, 0] + 3e-3  # where x = 0 is
+    along = np.abs(np.ptp(pieces[..., 0], axis=1)) > 1e-9
+    # across each strip once, at x = -1 and 1 mm, and along the side between from -1 to 0 and 0 to 1 mm
+    assert sorted(np.round(1e3 * (pieces[~along][:, 0, 0] - x0), 6)) == [-1.0, 1.0]
+    assert np.ptp(pieces[along][..., 0], axis=1).sum() == pytest.approx(2e-3)
+
+
+def test_picture_of_patches(tmp_path: Path) -> None:
+    results = {"left": strips(), "right": strips(-0.1)}
+    data = contact_dataset(results, Laws(friction=0.3))
+    draw_patches(data, tmp_path / "patches.png")
+    assert (tmp_path / "patches.png").read_bytes().startswith(b"\x89PNG")
+    figure = patches_figure(data)
+    panels = [ax for ax in figure.axes if ax.get_title(loc="left") or ax.get_title()]
+    assert [ax.get_title(loc="left") or ax.get_title() for ax in panels] == ["left wheel: 10 kN", "right wheel: 10 kN"]
+    for ax in panels:
+        assert ax.get_xlabel().splitlines()[0] == "along, forward [mm]"
+        assert ax.get_ylabel() == "across, to the left [mm]"
+        assert "30 MPa" in ax.get_xlabel() or "60 MPa" in ax.get_xlabel()
+    with pytest.raises(ValueError, match="nothing touches"):
+        draw_patches(contact_dataset({"left": ContactResult.separated()}, Laws()), tmp_path / "none.png")

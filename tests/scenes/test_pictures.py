@@ -1,0 +1,124 @@
+"""Pictures carry the data that they are given, with units on every axis."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+from matplotlib.quiver import Quiver
+from xarray import Dataset
+
+import wheelrail as wr
+from wheelrail.scenes.plots.errors import convergence, work_precision
+from wheelrail.scenes.plots.patch_cells import PatchCells
+from wheelrail.scenes.plots.patches import pressure_map, traction_map
+from wheelrail.scenes.plots.profiles import profiles_in_contact
+from wheelrail.scenes.plots.sections import closed_form, section
+
+UNIT = re.compile(r"\[[^\]]+\]")
+
+
+@pytest.fixture(scope="module")
+def data() -> Dataset:
+    return wr.Wheelset(friction=0.3, model="standard").solve(y=2e-3, wheel_load=57e3, speed=45.0).data
+
+
+def test_every_axis_has_a_unit(data: Dataset) -> None:
+    panels = [
+        pressure_map(data),
+        traction_map(data, "right"),
+        section(data, "x"),
+        section(data, "y", side="right"),
+        profiles_in_contact(data, "left"),
+        convergence([1e-3, 2e-3], {"peak": [1e-3, 4e-3]}),
+        work_precision({"fitted": ([1e-3, 2e-3], [1e-2, 1e-3])}),
+    ]
+    for ax in panels:
+        assert UNIT.search(ax.get_xlabel()), ax.get_xlabel()
+        assert UNIT.search(ax.get_ylabel()), ax.get_ylabel()
+
+
+def test_a_pair_of_blocks_has_no_wheel(data: Dataset) -> None:
+    pair = wr.Hertz(upper=(0.46, 0.3), lower=(0.5, 0.3), friction=0.3, model="standard")
+    blocks = pair.solve(load=10e3, speed=10.0, creepage=(1e-3, 0.0, 0.0)).data
+    for found, body in ((blocks, "upper body"), (data, "wheel")):
+        assert f"MPa on the {body}\n" in traction_map(found).get_xlabel() + "\n"
+        assert section(found, "x").get_ylabel() == f"on the {body} [MPa]"
+
+
+def test_the_map_shows_every_cell_and_its_pressure(data: Dataset) -> None:
+    ax = pressure_map(data, "right")
+    own = (data["point_side"] == "right") & (data["point_patch"] == 0)
+    (cells,) = (artist for artist in ax.collections if isinstance(artist, PolyCollection))
+    np.testing.assert_allclose(cells.get_array(), 1e-6 * data["pressure"].values[own.values])
+    assert ax.get_title() == "right wheel: 57 kN"
+
+
+def test_slip_arrows_are_in_the_slip_region_and_against_the_traction(data: Dataset) -> None:
+    cells = PatchCells.of(data, "left", 0)
+    slips = ~cells.sticks
+    assert 0 < slips.sum() < len(slips)
+    opposite = np.einsum("nk,nk->n", cells.traction[slips], cells.slip[slips])
+    assert (opposite < 0.0).all()
+    traction, slip = (a for a in traction_map(data, "left").collections if isinstance(a, Quiver))
+    assert len(slip.U) <= slips.sum() < len(cells.pressure)
+    assert len(traction.U) > len(slip.U) > 0
+    alone = [a for a in traction_map(data, "left", slip=False).collections if isinstance(a, Quiver)]
+    assert len(alone) == 1
+    regions = {text.get_text().split(",")[0] for text in traction_map(data, "left").get_legend().get_texts()}
+    assert regions == {"sticks", "slips"}
+
+
+def test_the_section_goes_through_the_middle_beside_hertz(data: Dataset) -> None:
+    ax = section(data, "x", side="right")
+    lines = {str(line.get_label()).split(",")[0]: line for line in ax.lines}
+    assert set(lines) == {"pressure", "traction", "friction times pressure", "Hertz"}
+    peak = 1e-6 * data["patch_max_pressure"].sel(side="right").values[0]
+    assert lines["pressure"].get_ydata().max() == pytest.approx(peak, rel=0.05)
+    assert (np.diff(lines["pressure"].get_xdata()) > 0.0).all()
+    exact = closed_form(data, "right", 0)
+    assert exact is not None
+    assert exact.force == pytest.approx(float(data["patch_normal_force"].sel(side="right")[0]))
+    assert lines["Hertz"].get_ydata().max() == pytest.approx(1e-6 * exact.peak)
+    assert len(section(data, "x", hertz=False).lines) == 3
+    with pytest.raises(ValueError, match='must be "x" or "y"'):
+        section(data, "z")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_contact_points_lie_on_wheel_and_rail(data: Dataset, side: str) -> None:
+    ax = profiles_in_contact(data, side)
+    rail, wheel, *points = (np.column_stack(line.get_data()) for line in ax.lines)
+    assert len(points) == int(data["patches"].sel(side=side))
+    hand = 1.0 if side == "left" else -1.0
+    assert points[0][0, 0] == pytest.approx(hand * 1e3 * float(data["rail_y"].sel(side=side)[0]), abs=0.3)
+    for curve in (rail, wheel):
+        assert np.hypot(*(curve - points[0]).T).min() < 0.3  # mm: the middle of a patch, curves by points
+    assert (wheel[:, 0].argmin() < wheel[:, 0].argmax()) == (side == "left")  # flanges are inside
+
+
+def test_a_side_or_a_patch_that_is_not_there_is_named(data: Dataset) -> None:
+    with pytest.raises(ValueError, match="side = 'inner', patch = 0: no such patch; there is side = 'left'"):
+        pressure_map(data, "inner")
+    with pytest.raises(ValueError, match="must be 'left' or 'right'"):
+        profiles_in_contact(data, "inner")
+
+
+def test_slopes_are_fitted_and_named() -> None:
+    size = [1e-3, 2e-3, 4e-3]
+    ax = convergence(size, {"second": [3.0 * h**2 for h in size], "one": [1e-3, float("nan"), 0.0]})
+    assert ax.get_legend_handles_labels()[1] == ["second, slope 2.00", "one"]
+    points, line = ax.lines[:2]
+    np.testing.assert_allclose(points.get_ydata(), 3.0 * np.square(size))
+    np.testing.assert_allclose(line.get_ydata(), 3.0 * np.square([size[0], size[-1]]))
+    with pytest.raises(ValueError, match="2 errors for 3 places"):
+        convergence(size, {"short": [1.0, 2.0]})
+
+
+def test_work_and_precision_are_those_given() -> None:
+    ax = work_precision({"a": ([1e-3, 1e-2], [-1e-2, 1e-3]), "b": ([1.0], [0.1])})
+    assert [line.get_label() for line in ax.lines] == ["a", "b"]
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), [1e-2, 1e-3])
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")

@@ -1,0 +1,322 @@
+"""Runs that were stopped or killed go on to the very bit where they would have ended."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import pickle
+import re
+import signal
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from small_fitted import warm_cells
+from spring_contact import patch
+from standin_contact import CONTACT
+from typer.testing import CliRunner
+from xarray import open_dataset
+
+from wheelrail.cli.main import app
+from wheelrail.contact.kinematics.frames import Motion, Pose, Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.scenes.runs.checkpoint_file import Journal, StillRunning, head_of
+from wheelrail.scenes.runs.checkpoint_format import Plain, Unreadable
+from wheelrail.scenes.runs.resume import differences
+from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+SCENES = Path(__file__).parents[2] / "scenes"
+CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=20.0, length=200.0)
+HEAD = {"scene": {"solver": {"rtol": 1e-3}}, "versions": {"wheelrail": "1"}}
+
+
+def run(contact=CONTACT, *, checkpoints: Checkpoints | None = None, **options) -> History:  # type: ignore[no-untyped-def]
+    options = {"span": (0.0, 0.2)} | options
+    return simulate(Wagon(), CURVE, contact, speed=45.0, checkpoints=checkpoints, **options)
+
+
+def kept(steps: int, contact=CONTACT, **options) -> tuple[History, list[bytes]]:  # type: ignore[no-untyped-def]
+    """A run, and its checkpoints as they were when they were handed out."""
+    found: list[bytes] = []
+    history = run(contact, checkpoints=Checkpoints(steps, lambda at: found.append(pickle.dumps(at))), **options)
+    return history, found
+
+
+def resumed(steps: int, at: bytes, contact=CONTACT, **options) -> History:  # type: ignore[no-untyped-def]
+    return run(contact, checkpoints=Checkpoints(steps, lambda _: None, pickle.loads(at)), **options)
+
+
+def assert_same(one: History, other: History) -> None:
+    """All but seconds."""
+    assert one.status == other.status
+    for name in ("time", "state", "curvature", "lift"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    for mine, theirs in zip(one.outputs, other.outputs, strict=True):
+        np.testing.assert_array_equal(mine, theirs)
+    assert repr(one.patches) == repr(other.patches)
+    assert one.contact_status == other.contact_status
+    assert one.cost.steps == other.cost.steps
+    for side, cost in one.cost.contact.items():
+        assert replace(cost, seconds=0.0, phases={}) == replace(other.cost.contact[side], seconds=0.0, phases={})
+
+
+@pytest.mark.parametrize("every", [None, 0.007])
+@pytest.mark.parametrize(("method", "steps"), [("ode23", 30), ("rosenbrock", 5)])
+def test_every_checkpoint_leads_to_the_same_end(method: str, steps: int, every: float | None) -> None:
+    whole, found = kept(steps, method=method, every=every)
+    assert whole.status == "completed"
+    assert len(found) > 3
+    for at in found:
+        assert_same(resumed(steps, at, method=method, every=every), whole)
+
+
+def test_checkpoints_change_no_more_than_the_tolerances_do() -> None:
+    plain, often = run(), kept(10)[0]
+    assert len(often) == pytest.approx(len(plain), rel=0.05)
+    np.testing.assert_allclose(often.state[-1, :9], plain.state[-1, :9], atol=2e-6)
+    with pytest.raises(ValueError, match="1 at least"):
+        Checkpoints(0, print)
+
+
+@dataclass
+class Clinging:
+    """Solves from a result before, but from nothing only now and then; and what it gives depends on the guess."""
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        if guess is None and abs(state.y) * 1e6 % 1.0 > 0.3:
+            return replace(ContactResult.separated(), status="failed: from nothing")
+        found = CONTACT(state, side, guess)
+        return found if guess is None else replace(found, force=found.force * (1 + 1e-7 * np.sin(guess.force[2])))
+
+
+def test_no_checkpoint_where_a_contact_cannot_be_solved_from_nothing() -> None:
+    whole, found = kept(5, Clinging())
+    assert whole.status == "completed"
+    assert 3 < len(found) < len(whole) / 6
+    for at in found[1::4]:
+        assert_same(resumed(5, at, Clinging()), whole)
+
+
+def test_warm_cells_in_two_processes_go_on_to_the_last_bit() -> None:
+    options = {"method": "rosenbrock", "rtol": 3e-3, "atol": 3e-6, "span": (0.0, 0.1)}
+    with in_parallel(warm_cells()) as contact:
+        whole, found = kept(3, contact, **options)
+    assert whole.status == "completed"
+    assert len(found) > 2
+    with in_parallel(warm_cells()) as contact:
+        assert_same(resumed(3, found[1], contact, **options), whole)
+    assert_same(resumed(3, found[-1], warm_cells(), **options), whole)
+
+
+def journal(file: Path, told: list[str] | None = None) -> Journal:
+    return Journal(file, HEAD, [].append if told is None else told.append)
+
+
+def written(file: Path) -> tuple[History, Journal, list[int]]:
+    """A run, its journal, and how long that was after each checkpoint."""
+    log, lengths = journal(file), []
+
+    def keep(at: Checkpoint) -> None:
+        log.keep(at)
+        lengths.append(file.stat().st_size)
+
+    return run(checkpoints=Checkpoints(30, keep)), log, lengths
+
+
+def test_a_file_that_was_torn_or_spoiled_holds_the_checkpoint_before(tmp_path: Path) -> None:
+    file = tmp_path / "checkpoints"
+    whole, _, lengths = written(file)
+    content, steps = file.read_bytes(), np.diff(lengths)
+    assert steps[2:].max() < 1.2 * steps[2:].min()  # rows are written once
+    times = []
+    for count, length in enumerate(lengths):
+        for end in (length, length + 1, length + 300, length + 3000):  # into the next record, or not
+            (tmp_path / "torn").write_bytes(content[:end])
+            at = journal(tmp_path / "torn").latest()
+            assert at is not None
+            times.append((count, at.time, len(at.rows)))
+    assert len(set(times)) == len(lengths)  # one for each, wherever the rest ends
+    spoiled = bytearray(content)
+    spoiled[lengths[1] + 500] ^= 1
+    (tmp_path / "torn").write_bytes(spoiled)
+    log = journal(tmp_path / "torn")
+    at = log.latest()
+    assert at is not None
+    assert (1, at.time, len(at.rows)) in times
+    # what goes on from there replaces what was spoiled
+    assert_same(run(checkpoints=Checkpoints(30, log.keep, at)), whole)
+    again = journal(tmp_path / "torn")
+    log.stream.close()  # type: ignore[union-attr]
+    at = again.latest()
+    assert at is not None
+    assert (len(lengths) - 1, at.time, len(at.rows)) in times
+    (tmp_path / "torn").write_bytes(content[: lengths[0] - 1])
+    assert journal(tmp_path / "torn").latest() is None  # the very first was cut off
+    for other in (b"", b"{}\n", b"\xff\xfe", content[40:]):
+        (tmp_path / "torn").write_bytes(other)
+        assert head_of(tmp_path / "torn") is None
+
+
+def test_a_full_disk_does_not_end_a_run_nor_spoil_what_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    log, count, put = journal(tmp_path / "checkpoints", told), 0, os.pwrite
+    full = range(3, 5)
+
+    def pwrite(handle: int, data: bytes, at: int) -> int:
+        if count in full:
+            put(handle, data[: len(data) // 2], at)
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return put(handle, data, at)
+
+    def keep(at: Checkpoint) -> None:
+        nonlocal count
+        log.keep(at)
+        count += 1
+        found.append(len(journal(tmp_path / "copy").latest().rows) if copied() else 0)  # type: ignore[union-attr]
+
+    def copied() -> bool:
+        if log.file.exists():
+            (tmp_path / "copy").write_bytes(log.file.read_bytes())
+        return log.file.exists()
+
+    found: list[int] = []
+    monkeypatch.setattr(os, "pwrite", pwrite)
+    whole = run(checkpoints=Checkpoints(30, keep))
+    assert whole.status == "completed"
+    assert found == [0, 31, 61, 61, 61, *range(151, 31 * len(found), 30)][: len(found)]
+    assert len(told) == 2
+    assert "No space left on device; the run goes on" in told[0]
+    full, count = range(9), 0
+    other = journal(tmp_path / "other", told)
+    assert run(checkpoints=Checkpoints(30, other.keep), span=(0.0, 0.02)).status == "completed"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["checkpoints", "copy"]
+
+
+def test_a_journal_runs_nothing_and_is_no_one_elses(tmp_path: Path) -> None:
+    class Harm:
+        def __reduce__(self) -> tuple[object, tuple[str]]:
+            return os.mkdir, (str(tmp_path / "harmed"),)
+
+    _, log, _ = written(tmp_path / "checkpoints")
+    child = os.fork()
+    if child == 0:
+        try:
+            journal(log.file).latest()
+        except StillRunning:
+            os._exit(7)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    log._write(pickle.dumps(Harm()))
+    log.stream.close()  # type: ignore[union-attr]
+    with pytest.raises(Unreadable, match="mkdir is no part of a checkpoint"):
+        journal(log.file).latest()
+    assert not (tmp_path / "harmed").exists()
+    for imported in (b"perf_counter", b"Mapping"):
+        with pytest.raises(pickle.UnpicklingError, match="no part of a checkpoint"):
+            Plain(io.BytesIO(b"cvehicle.simulate\n" + imported + b"\n.")).load()
+
+
+def test_what_differs_is_named() -> None:
+    then = {"friction": 0.3, "solver": {"rtol": 1e-3, "workers": 1}, "output": {"figures": True}}
+    now = {"friction": 0.3, "solver": {"rtol": 1e-4, "workers": 2}, "output": {"figures": False}, "falling": None}
+    assert list(differences(then, now)) == ["solver.rtol: 0.001 then, 0.0001 now"]
+    assert list(differences(now, {**now, "falling": {"rate": 2.0}})) == ['falling: null then, {"rate": 2.0} now']
+
+
+@dataclass
+class Stopping:
+    """A smooth spring with a patch, that ends its process, or interrupts it, at one of its solves."""
+
+    at: int = 0
+    by: int = signal.SIGKILL
+    calls: int = 0
+
+    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+        self.calls += 1
+        if self.calls == self.at:
+            os.kill(os.getpid(), self.by)
+        result = CONTACT.model(pose, motion, guess)
+        return replace(result, patches=(patch(float(result.force[2]), result.force),) * result.ok)
+
+
+def command(folder: Path, *options: str, contact: Stopping | None = None, **changes: str) -> Any:
+    """`wheelrail run` on a short curve in this process; changes to the scene by key."""
+    changes = {"tangent": "2.0", "transition_length": "10.0", "curve": "1.0", **changes}
+    text = (SCENES / "paper_curve.toml").read_text()
+    for key, value in changes.items():
+        text = re.sub(rf"^{key} = .*$", f"{key} = {value}", text, flags=re.MULTILINE)
+    folder.mkdir(exist_ok=True)
+    scene = folder / "scene.toml"
+    scene.write_text(text.replace("[output]", "[output]\ncheckpoint = 30\nfigures = false"))
+    model = WheelsetContact(contact or Stopping(), CONTACT.mounting)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("wheelrail.scenes.runs.run.wheelset_contact", lambda scene: model)
+        return CliRunner().invoke(app, ["run", str(scene), "--out", str(folder), *options])
+
+
+def killed(folder: Path, *options: str, at: int) -> None:
+    """The same in a process of its own, killed at one of its solves."""
+    process = os.fork()
+    if process == 0:
+        command(folder, *options, contact=Stopping(at))
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == -signal.SIGKILL
+
+
+def assert_same_results(one: Path, other: Path) -> None:
+    with open_dataset(one / "run.nc") as mine, open_dataset(other / "run.nc") as theirs:
+        assert set(mine.variables) == set(theirs.variables)
+        for name in set(mine.variables) - {"contact_seconds"}:
+            np.testing.assert_array_equal(mine[name].values, theirs[name].values)
+        for key in set(mine.attrs) - {"seconds", "created"}:
+            assert mine.attrs[key] == theirs.attrs[key]
+
+
+def test_killed_again_and_again_it_ends_where_the_undisturbed_run_ends(tmp_path: Path) -> None:
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    assert command(whole).exit_code == 0
+    killed(broken, "--resume", at=3)  # before there is anything to go on from
+    assert not (broken / "run.checkpoints").exists()
+    for at in np.random.default_rng(5).integers(250, 450, 3).tolist():
+        killed(broken, "--resume", at=at)
+    stopped = command(broken, "--resume", contact=Stopping(150, signal.SIGINT))
+    assert stopped.exit_code == 130
+    assert "with --resume the run goes on" in stopped.stdout
+    assert (broken / "run.nc").exists()
+    refused = command(broken, "--resume", rtol="2e-3")
+    assert (refused.exit_code, "solver.rtol: 0.001 then, 0.002 now" in refused.stderr) == (2, True)
+    assert (broken / "run.checkpoints").exists()
+    done = command(broken, "--resume")
+    assert done.exit_code == 0, done.stderr
+    assert "goes on from the checkpoint at 0." in done.stderr
+    assert "completed at 13.0 m" in done.stdout
+    assert_same_results(whole, broken)
+    assert sorted(file.name for file in broken.iterdir()) == ["run.nc", "scene.toml"]
+    again = command(broken, "--resume")
+    assert (again.exit_code, "is complete" in again.stdout) == (0, True)
+    other = command(broken, "--resume", friction="0.2")
+    assert (other.exit_code, "friction: 0.3 then, 0.2 now" in other.stderr) == (2, True)
+
+
+def test_without_resume_a_run_starts_anew(tmp_path: Path) -> None:
+    killed(tmp_path, at=400)
+    before = (tmp_path / "run.checkpoints").read_bytes()
+    done = command(tmp_path, contact=Stopping(5, signal.SIGINT), rtol="2e-3")
+    assert "--resume would go on with it" in done.stderr.replace("\n", " ")
+    assert (tmp_path / "run.checkpoints").read_bytes() == before  # as long as the new run has none
+    assert "starts from the beginning" in command(tmp_path / "new", "--resume", rtol="2e-3", curve="0.5").stderr
+    assert command(tmp_path, rtol="2e-3", curve="0.5").exit_code == 0
+    assert not (tmp_path / "run.checkpoints").exists()
+    assert_same_results(tmp_path, tmp_path / "new")

@@ -1,0 +1,231 @@
+"""Pictures in three dimensions, drawn off screen: what they show, pages that need no network, a short film."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+from xarray import Dataset
+
+from wheelrail.cli.main import app
+from wheelrail.contact.kinematics.wheelset_state import Mounting
+from wheelrail.contact.results.result import ContactResult, Fields
+from wheelrail.contact.stress.fields import BodyFields
+from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.views.animation import animate_run
+from wheelrail.scenes.views.body_meshes import MISES, MOVED, PRESSURE, bodies_mesh, moved, pressure_surface, riding
+from wheelrail.scenes.views.contact_view import SeenBody, contact_scene, round_scale
+from wheelrail.scenes.views.html import save_view, view_html
+from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
+
+WHEEL, RAIL = named_profile("S1002"), named_profile("60E1")
+MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
+
+
+@cache
+def result() -> ContactResult:
+    """A made-up patch of 12 by 10 cells of 1 mm, its pressure a hill of 900 MPa."""
+    x, y = (v.ravel() for v in np.meshgrid(np.arange(12) - 5.5, np.arange(10) - 4.5))
+    p = 9e8 * np.sqrt(np.maximum(1 - (x / 6) ** 2 - (y / 5) ** 2, 0))
+    n = len(x)
+    fields = Fields(
+        np.arange(n),
+        np.where(p > 0, 0, -1),
+        1e-3 * np.column_stack([x, y + 3, 0 * x]),
+        np.tile(np.diag([1.0, -1.0, -1.0]), (n, 1, 1)),
+        np.full(n, 1e-6),
+        np.full(n, 1e-3),
+        np.zeros(n),
+        p,
+        np.column_stack([0.2 * p, 0 * p]),
+        np.zeros((n, 2)),
+        np.zeros((n, 3)),
+    )
+    return ContactResult(np.zeros(3), np.zeros(3), fields=fields, status="converged")
+
+
+def box(upper: bool) -> BodyFields:
+    """Eight corners of a block of 40 mm on one side of z = 0; pushed down by 20 um at its top, uniaxial stress."""
+    z = [0.0, 0.04] if upper else [-0.04, 0.0]
+    points = np.array([[x, y, h] for h in z for x, y in [(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]])
+    down = np.zeros((8, 3))
+    down[np.isclose(points[:, 2], 0.0), 2] = 20e-6 * (1 if upper else -1)
+    stress = np.zeros((8, 3, 3))
+    stress[:, 2, 2] = -np.linspace(1e8, 8e8, 8)
+    return BodyFields(points, np.arange(8)[None], "hexahedron", down, stress)
+
+
+@cache
+def drawn() -> str:
+    """The page of a scene; its picture is looked at in `test_a_contact_scene`."""
+    bodies = tuple(SeenBody(name, name == "wheel", box(name == "wheel"), (box(name == "wheel"),)) for name in NAMES)
+    view = contact_scene(result(), bodies, title="a <contact>", off_screen=True)
+    picture = np.asarray(view.screenshot(None))
+    PICTURES.append(picture)
+    RANGES.update({title: bar.GetLookupTable().GetRange() for title, bar in view.scalar_bars.items()})
+    page = view_html(view)
+    view.close()
+    return page
+
+
+NAMES = ("wheel", "rail")
+PICTURES: list[np.ndarray] = []
+RANGES: dict[str, tuple[float, float]] = {}
+
+
+def test_a_contact_scene() -> None:
+    """Both panes hold more than their background, bars go from nothing to the largest values."""
+    drawn()
+    (picture,) = PICTURES
+    for pane in np.array_split(picture, 2, axis=1):
+        dark = (pane.min(axis=-1) < 200).mean()
+        assert 0.05 < dark < 0.9
+        assert len(np.unique(pane.reshape(-1, 3), axis=0)) > 200
+    assert RANGES[MOVED] == pytest.approx((0.0, 20.0))
+    assert RANGES[MISES] == pytest.approx((0.0, 800.0))
+
+
+def test_a_page_needs_no_network() -> None:
+    """All scripts and styles stand in the page itself, and so does the title, with its signs made harmless."""
+    page = drawn()
+    head = page[: page.index("<body>")]
+    tags = re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", head + page[page.index("<body>") :][:2000])
+    assert tags
+    assert not any(re.search(r"\b(?:src|href)\s*=\s*[\"']?(?:https?:)?//", tag) for tag in tags)
+    assert "a &lt;contact&gt;" in page
+    assert len(page) > 400_000
+
+
+def test_fields_on_a_mesh() -> None:
+    mesh = bodies_mesh(box(False))
+    assert mesh.bounds[4:] == pytest.approx((-40.0, 0.0))
+    assert mesh[MISES].max() == pytest.approx(800.0)
+    assert mesh[MOVED].max() == pytest.approx(20.0)
+    assert moved(mesh, 100.0).points[:, 2].max() == pytest.approx(-2.0)
+    assert mesh.volume == pytest.approx(40.0**3)
+
+
+def test_the_patch_lies_where_the_contact_is() -> None:
+    """On top of the rail, left of its middle; right of it in the mirror; down with the rail that gives way."""
+    fields = result().fields
+    assert fields is not None
+    patch = pressure_surface(result())
+    assert patch.n_cells == np.count_nonzero(fields.pressure)
+    assert patch[PRESSURE].max() == pytest.approx(1e-6 * fields.pressure.max())
+    assert patch.area == pytest.approx(1e6 * fields.area[fields.pressure > 0].sum())
+    assert patch.bounds[2:4] == pytest.approx((-2.0, 8.0))
+    assert 0 < patch.bounds[4] < 0.2
+    assert pressure_surface(result(), mirrored=True).bounds[2:4] == pytest.approx((-8.0, 2.0))
+    lowered = riding(patch, bodies_mesh(box(False)), 100.0)
+    assert lowered.points[:, 2].max() < -0.5
+    with pytest.raises(ValueError, match="nothing touches"):
+        pressure_surface(ContactResult.separated())
+
+
+def test_whole_bodies() -> None:
+    """A rail of the standard's section, a wheel as round as its tread; left and right are mirror images."""
+    rail = rail_body(RAIL, length=0.5)
+    end = rail.extract_cells(rail.cell_centers().points[:, 0] > 0.25 - 1e-9)
+    assert end.area == pytest.approx(7.670e-3, rel=0.01)  # 60E1: 76.70 cm2, EN 13674-1
+    wheel = wheel_body(WHEEL, 0.46)
+    assert wheel.bounds[4:] == pytest.approx((-0.488, 0.488), abs=2e-3)  # flange of 28 mm
+    assert np.allclose(np.array(wheel_body(WHEEL, 0.46, right=True).bounds[2:4]), -np.array(wheel.bounds[3:1:-1]))
+
+
+def run_data() -> Dataset:
+    """Three samples of a wheelset that moves to the left."""
+    by_side, by_patch = ("time", "side"), ("time", "side", "patch")
+    y = np.array([0.0, 3e-3, 6e-3])
+    patches = {
+        "patch_normal_force": 6e4,
+        "patch_semi_axis_x": 6e-3,
+        "patch_semi_axis_y": 4e-3,
+        "patch_contact_angle": 0.0,
+        "patch_x": 0.0,
+        "rail_s": 0.0,
+    }
+    return Dataset(
+        {
+            "wheelset_y": ("time", y),
+            "wheelset_z": ("time", 0 * y),
+            "wheelset_roll": ("time", 0 * y),
+            "wheelset_pitch": ("time", 0 * y),
+            "speed": ("time", 0 * y + 20),
+            "curvature": ("time", 0 * y),
+            "vertical_force": (by_side, np.full((3, 2), 6e4)),
+            "lateral_force": (by_side, np.outer(y, [1e6, 2e6])),
+            **{name: (by_patch, np.full((3, 2, 1), value)) for name, value in patches.items()},
+        },
+        coords={"time": [0.0, 0.5, 1.0], "side": ["left", "right"], "distance": ("time", [0.0, 10.0, 20.0])},
+    )
+
+
+def test_a_film_of_a_run(tmp_path: Path) -> None:
+    """As many frames as asked for, no two of them alike; films of both kinds; bad wishes are refused at once."""
+    import imageio.v3 as imageio
+
+    told: list[tuple[int, int]] = []
+    options = {"wheel": WHEEL, "rail": RAIL, "mounting": MOUNTING, "frames": 3, "fps": 5.0}
+    file = tmp_path / "run.gif"
+    animate_run(run_data(), file, progress=lambda *done: told.append(done), **options)  # type: ignore[arg-type]
+    assert told == [(1, 3), (2, 3), (3, 3)]
+    frames = imageio.imread(file)
+    assert len(frames) == 3
+    moving = [np.abs(a.astype(int) - b).max(axis=-1) > 60 for a, b in pairwise(frames)]
+    assert all(0.001 < change.mean() < 0.5 for change in moving)
+    animate_run(run_data(), tmp_path / "run.mp4", **{**options, "frames": 1})  # type: ignore[arg-type]
+    assert (tmp_path / "run.mp4").stat().st_size > 5000
+    with pytest.raises(ValueError, match="must end in"):
+        animate_run(run_data(), tmp_path / "run.png", **options)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="must be positive"):
+        animate_run(run_data(), file, **{**options, "frames": 0})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("command", "complaint"),
+    [
+        (["view", "scenes/wheelset.toml", "--out", "a.stl"], "--out a.stl: must end in .png, .html"),
+        (["view", "scenes/wheelset.toml", "--out", "a.png", "--scale", "-1"], "--scale -1: must be greater than 0"),
+        (["view", "scenes/wheelset.toml", "--out", "a.png", "--body", "axle"], "--body axle: must be wheel, rail"),
+        (["view", "scenes/wheelset.toml", "--out", "a.png", "--side", "top"], "--side top: must be left or right"),
+        (["view", "scenes/curve.toml", "--out", "a.png"], "use wheelrail animate"),
+        (["animate", "nowhere", "--out", "a.png"], "--out a.png: must end in .mp4, .gif"),
+        (["animate", "nowhere", "--out", "a.gif"], "nowhere: no such file"),
+    ],
+)
+def test_bad_wishes_are_refused(command: list[str], complaint: str) -> None:
+    outcome = CliRunner().invoke(app, command)
+    assert outcome.exit_code == 2
+    assert complaint in outcome.stderr
+
+
+def test_scales_are_round() -> None:
+    assert [round_scale(v) for v in (1.0, 1.9, 2.1, 49.0, 99.9, 501.0)] == [1, 1, 2, 20, 50, 500]
+
+
+def test_pictures_end_in_png_or_html(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="must end in"):
+        save_view(None, tmp_path / "a.jpg")
+
+
+def test_a_notebook_shows_a_scene_to_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a real kernel a plotter shows itself as a widget with a page of its own server in it."""
+    import nbclient
+    import nbformat
+
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
+    cell = nbformat.v4.new_code_cell(
+        "from wheelrail.scenes.views.plotter import plotter, pyvista\n"
+        "view = plotter(size=(300, 200))\n"
+        "view.add_mesh(pyvista().Sphere())\n"
+        "view.show()"
+    )
+    nbclient.NotebookClient(nbformat.v4.new_notebook(cells=[cell]), timeout=120, kernel_name="python3").execute()
+    shown = [output["data"] for output in cell.outputs if "data" in output]
+    assert any("application/vnd.jupyter.widget-view+json" in data for data in shown)
+    assert any("<iframe" in data.get("text/plain", "") for data in shown)

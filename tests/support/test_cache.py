@@ -1,0 +1,290 @@
+"""The disk cache: whole files or none, and a bad one costs time, not the run."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
+from wheelrail.contact.geometry.surface_grid import ContactGrid
+from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.models.builders import compliance
+from wheelrail.meshes.bodies import solids as bodies
+from wheelrail.meshes.bodies.solids import block
+from wheelrail.meshes.bodies.triangulation import Grading
+from wheelrail.support.cache import cached, digest, load, store
+from wheelrail.support.progress import heard_by, tell
+
+ROOT = Path(__file__).parents[2]
+ARRAYS = {"points": np.linspace(0.0, 1.0, 12).reshape(4, 3), "cells": np.arange(8), "mask": np.array([True, False])}
+COARSE = Grading(1.0, 1.0)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A cache of its own for each test."""
+    monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def same(found: Any, expected: Any) -> bool:
+    return set(found) == set(expected) and all(
+        found[name].dtype == expected[name].dtype and np.array_equal(found[name], expected[name]) for name in expected
+    )
+
+
+def test_what_was_stored_is_found_again(folder: Path) -> None:
+    assert load("kind/name") is None
+    store("kind/name", ARRAYS)
+    assert same(load("kind/name"), ARRAYS)
+    assert [path.name for path in folder.rglob("*") if path.is_file()] == ["name.npz"]
+
+
+def test_key_depends_on_every_part() -> None:
+    parts: dict[str, Any] = {"size": 1e-3, "radii": ("inf", 0.3), "rest": np.arange(3.0), "cells": (4, 2)}
+    keys = {digest(**parts)}
+    for name, other in {"size": 1.0000001e-3, "radii": ("inf", 0.30001), "rest": np.arange(3), "cells": (2, 4)}.items():
+        keys.add(digest(**{**parts, name: other}))
+    keys.add(digest(**parts, more=None))
+    assert len(keys) == 6
+    assert digest(**parts) == digest(**dict(reversed(parts.items())))
+    with pytest.raises(TypeError, match="cannot hash a set"):
+        digest(bad={1})
+
+
+@pytest.fixture
+def breaking(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
+    """Makes writing break off after a few bytes with an exception."""
+
+    def arm(error: BaseException) -> None:
+        def half(file: Any, values: Any, **options: Any) -> None:
+            file.write(b"PK\x03\x04 half a file")
+            raise error
+
+        monkeypatch.setattr(np, "save", half)
+
+    return arm
+
+
+@pytest.mark.parametrize("before", [None, ARRAYS])
+def test_half_written_files_are_never_read(before: Any, breaking: Callable[[BaseException], None]) -> None:
+    if before is not None:
+        store("kind/name", before)
+    breaking(KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):
+        store("kind/name", {"points": np.zeros(3)})
+    found = load("kind/name")
+    assert found is None if before is None else same(found, before)  # an older file stays whole
+
+
+def test_full_disk_only_warns_and_leaves_nothing_behind(
+    folder: Path, breaking: Callable[[BaseException], None]
+) -> None:
+    breaking(OSError(errno.ENOSPC, "No space left on device"))
+    with pytest.warns(UserWarning, match="cannot be written"):
+        store("kind/name", ARRAYS)
+    assert not [path for path in folder.rglob("*") if path.is_file()]
+
+
+def test_cache_that_cannot_be_written_only_warns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    monkeypatch.setenv("WHEELRAIL_CACHE", str(blocked / "cache"))
+    with pytest.warns(UserWarning, match="cannot be written"):
+        assert same(cached("kind/name", lambda: ARRAYS, list(ARRAYS)), ARRAYS)
+
+
+def test_read_only_cache_serves_and_only_warns(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store("kind/old", ARRAYS)
+
+    def denied(**options: Any) -> None:  # chmod would not stop root
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(tempfile, "mkstemp", denied)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert same(cached("kind/old", lambda: pytest.fail("built again"), list(ARRAYS)), ARRAYS)
+    with pytest.warns(UserWarning, match="cannot be written"):
+        assert same(cached("kind/new", lambda: ARRAYS, list(ARRAYS)), ARRAYS)
+
+
+def test_truncated_file_is_rebuilt(folder: Path) -> None:
+    store("kind/name", ARRAYS)
+    path = folder / "kind" / "name.npz"
+    whole = path.read_bytes()
+    for length in range(0, len(whole), 7):
+        path.write_bytes(whole[:length])
+        assert load("kind/name") is None
+    assert same(cached("kind/name", lambda: ARRAYS, list(ARRAYS)), ARRAYS)
+    assert path.read_bytes()[:2] == b"PK"
+    assert same(load("kind/name"), ARRAYS)
+
+
+def test_any_flipped_bit_is_noticed_or_harmless(folder: Path) -> None:
+    store("kind/name", ARRAYS)
+    path = folder / "kind" / "name.npz"
+    whole = path.read_bytes()
+    noticed = 0
+    for place in range(len(whole)):
+        for bit in range(8):
+            path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+            found = load("kind/name")
+            if found is None or not set(ARRAYS) <= set(found):  # the latter is rebuilt by `cached`
+                noticed += 1
+            else:
+                assert same(found, ARRAYS), f"bit {bit} of byte {place}"
+    assert noticed > 4 * len(whole)  # the rest is dates and padding
+
+
+def test_wrong_arrays_are_rebuilt(folder: Path) -> None:
+    store("kind/name", {"points": ARRAYS["points"]})
+    assert same(cached("kind/name", lambda: ARRAYS, list(ARRAYS)), ARRAYS)
+    assert same(load("kind/name"), ARRAYS)
+
+
+@pytest.mark.parametrize("damage", ["truncate", "flip", "empty", "other", "pickle"])
+def test_damaged_mesh_is_made_again(folder: Path, damage: str) -> None:
+    solid, key = block((2, 2), half_width=4.0, grading=COARSE)
+    path = folder / "mesh" / f"{key}.npz"
+    whole = path.read_bytes()
+    if damage == "truncate":
+        path.write_bytes(whole[: len(whole) // 2])
+    elif damage == "flip":
+        path.write_bytes(whole[:2000] + bytes([whole[2000] ^ 16]) + whole[2001:])
+    elif damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "other":
+        store(f"mesh/{key}", {"points": solid.points})
+    else:
+        np.savez(path, **{name: np.array([{}], dtype=object) for name in vars(solid)})
+    again, _ = block((2, 2), half_width=4.0, grading=COARSE)
+    for name, value in vars(solid).items():
+        np.testing.assert_array_equal(getattr(again, name), value)
+    assert same(load(f"mesh/{key}"), vars(solid))
+
+
+def test_cached_mesh_is_not_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, key = block((2, 2), half_width=4.0, grading=COARSE)
+    monkeypatch.setattr(bodies, "triangulate", lambda *args, **options: pytest.fail("meshed again"))
+    second, same_key = block((2, 2), half_width=4.0, grading=COARSE)
+    assert key == same_key
+    np.testing.assert_array_equal(first.points, second.points)
+    with pytest.raises(pytest.fail.Exception):
+        block((2, 2), half_width=4.5, grading=COARSE)
+
+
+def test_long_work_tells_its_memory_and_the_time_left(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    solid, key = block((2, 2), half_width=4.0, grading=COARSE)
+    found = compliance(solid, key, Steel(), 1)
+    clock = count(0, 10)  # s, ten for each group of nodes
+    monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
+    heard: list[str] = []
+    with heard_by(heard.append):
+        found.block(np.arange(found.shape[0] * found.shape[1]), (2,))
+    groups = found.shape[1]
+    assert heard[0].startswith(f"stiffness of a solid: {3 * len(solid.points)} unknowns, about ")
+    assert heard[0].endswith("GB of memory")
+    assert [text.split(": ")[1] for text in heard[1:]] == [
+        f"{done} of {groups}, {10 * (groups - done)} s left" for done in range(2, groups + 1)
+    ]
+    tell("nobody listens any more")
+    assert len(heard) == groups
+
+
+def test_damaged_compliance_is_solved_again(folder: Path) -> None:
+    from wheelrail.contact.elasticity.solid_body import ElasticBody
+
+    solid, key = block((2, 2), half_width=4.0, grading=COARSE)
+    shape = ContactGrid.on(solid, 1).shape
+    body = ElasticBody(solid, Steel())
+    nodes = np.arange(shape[0] * shape[1])
+
+    def fresh() -> SurfaceCompliance:
+        return SurfaceCompliance(key, shape, lambda: body)
+
+    first = fresh()
+    expected = first.block(nodes)
+    assert first.columns_solved == 3 * len(nodes)
+    second = SurfaceCompliance(key, shape, lambda: pytest.fail("no body is needed"))
+    np.testing.assert_array_equal(second.block(nodes), expected)
+    assert second.columns_solved == 0
+    files = sorted((folder / "compliance" / key).glob("*.npz"))
+    assert len(files) == 3 * shape[1]  # the strip is so short that a file holds one line of nodes
+    whole = files[0].read_bytes()
+    files[0].write_bytes(whole[: len(whole) // 2])
+    files[4].write_bytes(whole[:-30])
+    store(f"compliance/{key}/{files[7].stem}", {"columns": np.zeros((2, 2))})
+    store(f"compliance/{key}/{files[9].stem}", {"rows": np.zeros((2, 2))})
+    third = fresh()
+    np.testing.assert_allclose(third.block(nodes), expected, rtol=1e-12)
+    assert third.columns_solved == 4 * shape[0]
+    fourth = fresh()
+    np.testing.assert_array_equal(fourth.block(nodes), third.block(nodes))
+    assert fourth.columns_solved == 0
+
+
+MESHES = """
+import sys
+from wheelrail.meshes.bodies.solids import block
+from wheelrail.meshes.bodies.triangulation import Grading
+sys.stdin.readline()
+for cells in (2, 3, 4):
+    solid, key = block((cells, 2), half_width=6.0, grading=Grading(1.0, 0.6))
+    print(key, solid.points.shape, round(solid.volume(), 9))
+"""
+WRITER = """
+import sys
+import numpy as np
+from wheelrail.support.cache import load, store
+sys.stdin.readline()
+number = int(sys.argv[1])
+for k in range(150):
+    value = 1000 * number + k
+    store("shared/name", {"values": np.full(5000 + value % 97, value), "value": np.array(value)})
+    found = load("shared/name")
+    assert found is not None, "a reader met half a file"
+    assert (found["values"] == found["value"]).all() and len(found["values"]) == 5000 + int(found["value"]) % 97
+"""
+
+
+def together(script: str) -> list[str]:
+    """What two processes print that start the script at the same time."""
+    running = [
+        subprocess.Popen(
+            [sys.executable, "-c", script, str(number)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            cwd=ROOT,
+            env=dict(os.environ),
+            text=True,
+        )
+        for number in (1, 2)
+    ]
+    for process in running:
+        assert process.stdin is not None
+        process.stdin.write("go\n")
+        process.stdin.flush()
+    ended = [process.communicate(timeout=120) for process in running]
+    assert [process.returncode for process in running] == [0, 0], ended
+    return [out for out, _ in ended]
+
+
+@pytest.mark.parametrize("script", [MESHES, WRITER], ids=["meshes", "arrays"])
+def test_two_processes_share_a_cache(folder: Path, script: str) -> None:
+    first, second = together(script)
+    assert first == second
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    assert files
+    assert all(path.suffix == ".npz" and not path.name.startswith(".part-") for path in files)

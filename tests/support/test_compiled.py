@@ -1,0 +1,107 @@
+"""Machine code kept on disk is that of the sources as they are, those of functions that are called included."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from wheelrail.contact.models.standard.polach import polach
+from wheelrail.support.compiled import compiled
+
+ROOT = Path(__file__).parents[2]
+USES = "from wheelrail.support.compiled import compiled\n"
+OUTER = USES + "from wheelrail.contact.inner import inner\n@compiled\ndef outer(x):\n    return inner(x)\n"
+INNER = USES + "@compiled\ndef inner(x):\n    return {} * x\n"
+
+
+def said(folder: Path) -> str:
+    code = (
+        "from wheelrail.contact.outer import outer; from numba import config;"
+        "print(outer(2.0), sum(outer.stats.cache_hits.values()), repr(config.CACHE_DIR))"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=environment, cwd=folder, capture_output=True, text=True, check=True
+    )
+    return run.stdout.strip()
+
+
+def test_a_change_in_a_called_file_is_seen(tmp_path: Path) -> None:
+    root = tmp_path / "wheelrail"
+    for package in (root, root / "support", root / "meshes", root / "contact"):
+        package.mkdir()
+        (package / "__init__.py").touch()
+    shutil.copy(ROOT / "wheelrail" / "support" / "compiled.py", root / "support")
+    (root / "contact" / "outer.py").write_text(OUTER)
+    (root / "contact" / "inner.py").write_text(INNER.format(3.0))
+    assert said(tmp_path) == "6.0 0 ''"
+    assert said(tmp_path) == "6.0 1 ''"
+    (root / "contact" / "inner.py").write_text(INNER.format(5.0))
+    assert said(tmp_path) == "10.0 0 ''"
+    (kept,) = root.glob("support/__pycache__/compiled-*")  # of older sources nothing is left
+    assert any(kept.rglob("*.nbc"))
+
+
+MANY = """
+import sys
+from wheelrail.support.compiled import compiled
+{functions}
+print("ready", flush=True)
+sys.stdin.readline()
+print(*(f(2.0) for f in ({names})), sum(sum(f.stats.cache_hits.values()) for f in ({names})))
+"""
+COUNT = 6
+
+
+def test_two_processes_compile_at_once(tmp_path: Path) -> None:
+    functions = "\n".join(f"@compiled\ndef f{i}(x):\n    return {i}.0 * x" for i in range(COUNT))
+    names = ", ".join(f"f{i}" for i in range(COUNT))
+    script = tmp_path / "script.py"
+    script.write_text(MANY.format(functions=functions, names=names))
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    def started() -> subprocess.Popen[str]:
+        line = [sys.executable, str(script)]
+        return subprocess.Popen(line, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def ended(process: subprocess.Popen[str]) -> list[float]:
+        out, _ = process.communicate("go\n", timeout=60)
+        assert process.returncode == 0
+        return [float(word) for word in out.split()]
+
+    two = [started() for _ in range(2)]
+    for process in two:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+    for process in two:
+        assert process.stdin is not None
+        process.stdin.write("go\n")
+        process.stdin.flush()
+    right = [2.0 * i for i in range(COUNT)]
+    assert [ended(process)[:COUNT] for process in two] == [right, right]
+    third = started()
+    assert third.stdout is not None
+    third.stdout.readline()
+    assert ended(third) == [*right, COUNT]
+
+
+@compiled
+def _total(values: np.ndarray) -> float:
+    total = 0.0
+    for value in values:
+        total += value
+    return total
+
+
+def test_sums_keep_their_order() -> None:
+    """Else what a process compiles and what the next one loads differ in the last bits, and so do resumed runs."""
+    values = np.random.default_rng(1).normal(size=1001)
+    assert _total(values) == np.cumsum(values)[-1]  # NumPy adds one after the other there
+    assert not _total.targetoptions.get("fastmath", False)
+    assert not polach.targetoptions.get("fastmath", False)

@@ -1,0 +1,248 @@
+"""Steady positions in curves beside statics on paper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from math import asin, cos, inf, nan, sin
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from standin_contact import CONTACT
+
+import wheelrail.vehicle.steady.equilibrium
+from benchmarks.exudyn.linear_contact import LinearContact
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.vehicle.dynamics.static_residual import Balance
+from wheelrail.vehicle.simulation.contact_cost import Tally
+from wheelrail.vehicle.steady.curving import Steady, curving, curving_over
+from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError
+from wheelrail.vehicle.track.constant_curve import Curve
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+WAGON = Wagon()
+SPRINGS = LinearContact(WAGON.wheel_load)
+PAPER = Curve(45.0, 1 / 1200, 0.06)
+
+
+def on_paper(curve: Curve, contact: LinearContact = SPRINGS, *, simpler: bool = False) -> dict[str, float]:
+    """Statics with small angles, loads in their displaced position, and one equation for the bumpstop.
+
+    simpler: of the displaced loads only the car body's weight about the secondary springs and on the rails, and no
+    gyroscopic moment.
+
+    Lateral quantities positive to the outside, rolls too. Masses from the top: 1 car body, 2 bogie, 3 wheelset; heights
+    h; a and n: acceleration in and normal to the plane of the rails; one spring of each stage at +-1 m.
+    """
+    w, v, k = WAGON.plane, curve.speed, abs(curve.curvature)
+    beta = asin(curve.cant / curve.base)
+    a, n = v * v * k * cos(beta) - w.gravity * sin(beta), v * v * k * sin(beta) + w.gravity * cos(beta)
+    m1, m2, m3 = w.car_body.mass, w.bogie.mass, w.wheelset.mass
+    h1, h2, h3 = w.car_body.height, w.bogie.height, w.wheelset.height
+    hs, hb, hp, b = w.secondary.spring_height, w.bumpstop_height, w.primary.spring_height, contact.across
+    turn2 = 2 * w.secondary.vertical_stiffness + w.roll_bar + 2 * w.secondary.bending_stiffness
+    turn1, turn0 = 2 * w.primary.vertical_stiffness, 2 * contact.vertical[0] * b * b
+    gyroscopic = w.wheelset.pitch_inertia * v / h3 * v * k * cos(beta)
+
+    def position(stop: float) -> tuple[float, np.ndarray]:
+        """Deflection at the bumpstop and (d, p1, p2, p3, u): secondary deflection, rolls, car body aside."""
+        lateral = 2 * w.secondary.lateral_stiffness
+        side = 2 * w.primary.lateral_stiffness
+        low = (m1 + m2) / side  # of the primary deflection: over a + n p3
+
+        def row(d: float, p1: float, p2: float, p3: float) -> list[float]:
+            return [d, p1, p2, p3]
+
+        # Offsets of the centres against the foot of the wheelset, as rows over (d, p1, p2, p3), and their constants.
+        u3 = np.array(row(0, 0, 0, h3))
+        up = u3 + row(0, 0, 0, hp - h3 + low * n)
+        u2 = up + row(0, 0, h2 - hp, 0)
+        us = up + row(1, 0, hs - hp, 0)
+        u1 = us + row(0, h1 - hs, 0, 0)
+        shift = low * a
+        about_p = m1 * n * (u1 - up) + m2 * n * (u2 - up)
+        about_foot = n * (m1 * u1 + m2 * u2 + m3 * u3)
+        if simpler:
+            about_p, about_foot = 0 * about_p, n * m1 * u1
+        matrix = np.array(
+            [
+                row(lateral, 0, 0 if simpler else -m1 * n, 0),
+                row(0, turn2 - m1 * (h1 - hs) * n, -turn2, 0),
+                np.array(row(0, 0, turn1, -turn1)) - about_p,
+                np.array(row(0, 0, 0, turn0)) - about_foot,
+            ]
+        )
+        right = [
+            m1 * a - stop,
+            m1 * (h1 - hs) * a + (hs - hb) * stop,
+            a * (m1 * (h1 - hp) + m2 * (h2 - hp)),
+            a * (m1 * h1 + m2 * h2 + m3 * h3)
+            + n * shift * (m1 if simpler else m1 + m2)
+            + (0 if simpler else gyroscopic),
+        ]
+        d, p1, p2, _ = found = np.linalg.solve(matrix, right)
+        outer = (m1 + m2 + m3) * a / (2 * contact.lateral[0])
+        return d - (hs - hb) * (p1 - p2), np.array([*found, outer + shift + u1 @ found])
+
+    most = m1 * abs(a)
+    stop = brentq(lambda f: f - float(w.bumpstop(position(f)[0])), -most, most, xtol=1e-9)
+    _, (d, p1, _, p3, u1) = position(stop)
+    total = (m1 + m2 + m3) * n
+    return {
+        "outer": 0.5 * total + contact.vertical[0] * b * p3,
+        "inner": 0.5 * total - contact.vertical[0] * b * p3,
+        "lateral": (m1 + m2 + m3) * a,
+        "deflection": d,
+        "stop": stop,
+        "aside": u1,
+        "roll": p1,
+    }
+
+
+def found_in(steady: Steady) -> dict[str, float]:
+    """The same of a left-hand curve, whose outside is the right."""
+    y, _, roll = steady.car_body
+    return {
+        "outer": steady.wheel_load["right"],
+        "inner": steady.wheel_load["left"],
+        "lateral": steady.lateral_force,
+        "deflection": -steady.secondary_deflection,
+        "stop": steady.bumpstop_force,
+        "aside": -y,
+        "roll": roll,
+    }
+
+
+@pytest.mark.parametrize("speed", [15.0, 30.0, 45.0, 55.0])
+def test_statics_on_paper(speed: float) -> None:
+    """What statics leave out: squares of the angles, bodies that sink by 2 mm, speeds that differ over the height."""
+    curve = replace(PAPER, speed=speed)
+    found, expected = found_in(curving(WAGON, SPRINGS, curve)), on_paper(curve)
+    for name, scale in (("outer", 5e4), ("inner", 5e4), ("lateral", 1e4), ("stop", 3e3)):
+        assert found[name] == pytest.approx(expected[name], abs=2e-3 * scale), name
+    for name, scale in (("deflection", 0.05), ("aside", 0.07), ("roll", 0.02)):
+        assert found[name] == pytest.approx(expected[name], abs=2e-3 * scale), name
+
+
+def test_figures_of_the_design_data() -> None:
+    """72.3 and 37.4 kN, 14.39 kN, 46 mm, 3.0 kN, 69 mm and 0.020 rad belong to simpler statics on rigid rails
+    (which give 72.28, 37.48, 14.39, 45.96, 2.997, 68.1 and 0.0190)."""
+    rigid = LinearContact(WAGON.wheel_load, lateral=(1e12, 0.0), vertical=(1e12, 0.0))
+    found = on_paper(PAPER, rigid, simpler=True)
+    assert [found["outer"], found["inner"]] == pytest.approx([72.3e3, 37.4e3], abs=80)
+    assert found["lateral"] == pytest.approx(14.39e3, abs=5)
+    assert found["stop"] == pytest.approx(3.0e3, abs=50)
+    assert [found["deflection"], found["aside"]] == pytest.approx([0.046, 0.069], abs=1e-3)
+    assert found["roll"] == pytest.approx(0.020, abs=1e-3)
+
+
+@pytest.mark.parametrize("contact", [SPRINGS, CONTACT])
+def test_balance_of_the_whole_wagon(contact) -> None:  # type: ignore[no-untyped-def]
+    """Load transfer: moments of all forces about the track's origin, with the gyroscopic moment J w V / R."""
+    steady = curving(WAGON, contact, PAPER)
+    w, (v, k) = WAGON.plane, (PAPER.speed, PAPER.curvature)
+    a, n = PAPER.unbalanced(), v * v * k * sin(PAPER.angle) + w.gravity * cos(PAPER.angle)
+    bodies = list(zip((w.car_body, w.bogie, w.wheelset), (steady.car_body, steady.bogie, steady.wheelset), strict=True))
+    mass = sum(b.mass for b, _ in bodies)
+    assert steady.lateral_force == pytest.approx(mass * a, rel=3e-4)  # on this radius, and a little inside of it
+    assert sum(steady.wheel_load.values()) == pytest.approx(mass * n, rel=1e-5)
+    overturning = sum(b.mass * (a * (b.height + x[1]) - n * x[0]) for b, x in bodies)
+    gyroscopic = w.wheelset.pitch_inertia * v / 0.46 * v * k * cos(PAPER.angle)
+    assert gyroscopic == pytest.approx(411.0, abs=1.0)
+    moment = sum(c.moment[0] for c in steady.equilibrium.contacts.values())
+    moment += steady.wheelset[0] * mass * n - (0.46 + steady.wheelset[1]) * steady.lateral_force
+    assert -moment == pytest.approx(overturning + gyroscopic, rel=1e-3)
+
+
+def test_speed_of_balance() -> None:
+    speed = PAPER.balance_speed()
+    assert speed**2 / 1200 / 9.81 == pytest.approx(np.tan(np.arcsin(0.04)), rel=1e-12)
+    steady = curving(WAGON, SPRINGS, replace(PAPER, speed=speed))
+    assert abs(steady.lateral_force) < 1e-4 * 14.39e3
+    assert PAPER.deficiency() == pytest.approx(0.198, abs=1e-4)
+    assert replace(PAPER, speed=speed).deficiency() == pytest.approx(0.0, abs=1e-4)  # that formula takes sin for tan
+    assert abs(replace(PAPER, speed=speed).unbalanced()) < 1e-12
+
+
+@pytest.mark.parametrize("contact", [SPRINGS, CONTACT])
+def test_right_hand_curve_is_the_mirror_image(contact) -> None:  # type: ignore[no-untyped-def]
+    """Within the tolerance of the equilibrium, 1e-6 of the axle load."""
+    left, right = (curving(WAGON, contact, replace(PAPER, curvature=sign / 1200)) for sign in (1, -1))
+    other = {"left": "right", "right": "left"}
+    for name in ("wheel_load", "guiding_force", "derailment_quotient"):
+        for side, value in getattr(left, name).items():
+            assert getattr(right, name)[other[side]] == pytest.approx(value, rel=2e-5)
+    for name in ("lateral_force", "secondary_deflection", "bumpstop_force"):
+        assert getattr(right, name) == pytest.approx(-getattr(left, name), rel=2e-5)
+    assert right.yaw_reaction == pytest.approx(-left.yaw_reaction, rel=2e-5)
+    assert right.unloading == pytest.approx(left.unloading, rel=2e-5)
+    assert left.lateral_force > 0.0  # towards the centre of a left-hand curve
+    assert left.guiding_force["right"] > left.guiding_force["left"]
+    outer = left.equilibrium.contacts["right"].force
+    assert left.derailment_quotient["right"] == outer[1] / outer[2]
+
+
+def test_over_speeds_each_from_the_one_before() -> None:
+    speeds = np.linspace(20.0, 50.0, 7)
+    curves = [replace(PAPER, speed=float(v)) for v in speeds]
+    together, alone = Tally(CONTACT), Tally(CONTACT)
+    found = curving_over(WAGON, together, curves)
+    each = [curving(WAGON, alone, curve) for curve in curves]
+    assert [s.curve for s in found] == curves
+    for one, other in zip(found, each, strict=True):
+        assert one.wheel_load["right"] == pytest.approx(other.wheel_load["right"], rel=1e-5)
+        assert one.car_body == pytest.approx(other.car_body, abs=1e-6)
+    assert together.costs["left"].solves < 0.75 * alone.costs["left"].solves
+    assert all(a.unloading < b.unloading for a, b in pairwise(found))
+    wider = curving_over(WAGON, CONTACT, [replace(PAPER, curvature=1 / r) for r in (800, 1200, 3000)])
+    assert [s.bumpstop_force > 0.0 for s in wider] == [True, True, False]
+
+
+def test_a_run_into_the_curve_shows_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    expected, starts = curving(WAGON, CONTACT, PAPER), []
+    newton = wheelrail.vehicle.steady.equilibrium._newton
+
+    def stubborn(balance: Balance, unknown: np.ndarray, *options: float) -> Equilibrium:
+        starts.append(unknown)
+        if len(starts) == 1:
+            raise EquilibriumError("stuck")
+        return newton(balance, unknown, *options)
+
+    monkeypatch.setattr("wheelrail.vehicle.steady.equilibrium._newton", stubborn)
+    found = curving(WAGON, CONTACT, PAPER)
+    assert len(starts) == 3  # from rest, on straight track, at the end of the run
+    assert starts[2][:9] == pytest.approx(expected.equilibrium.state[:9], abs=2e-3)  # 6 s are not for ever
+    assert found.wheel_load["right"] == pytest.approx(expected.wheel_load["right"], rel=1e-5)
+    assert found.equilibrium.iterations <= 6
+
+
+def test_no_steady_position_is_told_with_its_curve() -> None:
+    def nothing(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return ContactResult.separated()
+
+    with pytest.raises(EquilibriumError, match=r"speed=45.0.*50 mm"):
+        curving_over(WAGON, nothing, [PAPER])
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"speed": 0.0}, "speed = 0.0"),
+        ({"speed": inf}, "speed = inf"),
+        ({"curvature": nan}, "curvature = nan"),
+        ({"base": -1.0}, "base = -1.0"),
+        ({"cant": 2.0}, "cant = 2.0: must be less than"),
+    ],
+)
+def test_senseless_curves_are_refused(change: dict[str, float], text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        replace(PAPER, **change)
+
+
+def test_balance_needs_curvature_and_cant() -> None:
+    for curve in (Curve(45.0, 0.0, 0.06), Curve(45.0, 1 / 1200)):
+        with pytest.raises(ValueError, match="balance"):
+            curve.balance_speed()

@@ -1,0 +1,56 @@
+"""Runs at a changing speed against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from standin_contact import CONTACT
+
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.vehicle.dynamics.state import COUNT
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+BRAKES = Drive.through((0.0, 4.0), (40.0, 30.0))
+
+
+def no_contact(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+    return ContactResult.separated()
+
+
+def test_a_wheel_that_nothing_turns_keeps_its_spin() -> None:
+    run = simulate(
+        Wagon(), Track(), no_contact, speed=BRAKES, span=(0.0, 3.0), initial=np.zeros(2 * COUNT), method="ode45"
+    )
+    assert run.status == "completed"
+    np.testing.assert_allclose(run.wheelset_rate[:, 3], 40.0 / 0.46, rtol=1e-4)
+    np.testing.assert_allclose(run.wheelset[:, 3], 40.0 / 0.46 * run.time, rtol=1e-4, atol=1e-6)
+
+
+def test_rails_turn_the_wheelset_slower_while_the_vehicle_brakes() -> None:
+    """Both contacts together push forward by -J dV/dt / r^2; the pitch is what was rolled, but for the creepage."""
+    run = simulate(
+        Wagon(), Track(), CONTACT, speed=BRAKES, span=(0.0, 4.5), method="rosenbrock", rtol=1e-5, atol=1e-8, every=0.05
+    )
+    assert run.status == "completed"
+    deceleration = np.array([BRAKES(t).acceleration for t in run.time])
+    pull = run.outputs.force[:, :, 0].sum(axis=1)
+    radius = 0.46 + run.wheelset[:, 1]
+    np.testing.assert_allclose(pull, -112.0 * deceleration / radius**2, atol=0.01 * 112.0 * 4.7 / 0.46**2)
+    assert pull.max() > 2000.0
+    np.testing.assert_allclose(run.wheelset[:, 3] * 0.46, run.distance, rtol=1e-3)
+    assert run.speeds[-1] == 30.0
+    assert run.distance[-1] == pytest.approx(0.5 * (40 + 30) * 4.0 + 30 * 0.5, rel=1e-14)
+
+
+def test_constant_speed_is_the_same_as_a_drive_that_never_changes_it() -> None:
+    one, other = (
+        simulate(Wagon(), Track(), CONTACT, speed=speed, span=(0.0, 0.1), method="rosenbrock")
+        for speed in (40.0, Drive.of(40.0))
+    )
+    np.testing.assert_array_equal(one.state, other.state)
+    np.testing.assert_array_equal(one.distance, 40.0 * one.time)

@@ -1,0 +1,94 @@
+"""Energy balance of runs: what flows in and out makes the change of the mechanical energy, whatever acts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from standin_contact import CONTACT
+
+from wheelrail.scenes.datasets.run import dataset
+from wheelrail.scenes.datasets.run_derived import with_energy
+from wheelrail.vehicle.simulation.energy_balance import POWERS, EnergyBalance, energy_balance
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.track.irregularity_spectrum import ERRI
+from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=30.0, length=200.0, gradient=0.01)
+SPAN = (0.0, 0.4)
+
+
+def run(wagon: Wagon, track: Track, speed: float | Drive, rtol: float, method: str = "ode45") -> History:
+    return simulate(wagon, track, CONTACT, speed=speed, span=SPAN, method=method, rtol=rtol, atol=1e-3 * rtol)
+
+
+def series_wagon() -> Wagon:
+    standard = Wagon()
+    primary = replace(standard.primary, lateral_series_stiffness=7.5e6, vertical_series_stiffness=1e6)
+    secondary = replace(standard.secondary, lateral_series_stiffness=6e6, vertical_series_stiffness=6e6)
+    return replace(standard, primary=primary, secondary=secondary)
+
+
+@pytest.mark.parametrize(
+    ("wagon", "track", "speed"),
+    [
+        (Wagon(), CURVE, 45.0),
+        (Wagon(), replace(CURVE, irregularities=ERRI["low"].irregularities(60.0, seed=1)), 45.0),
+        (Wagon(), CURVE, Drive.through((0.0, 2.0), (45.0, 40.0))),
+        (series_wagon(), CURVE, 45.0),
+    ],
+    ids=["curve and slope", "irregular rails", "braking", "dampers on springs"],
+)
+def test_it_closes(wagon: Wagon, track: Track, speed: float | Drive) -> None:
+    history = run(wagon, track, speed, 1e-5)
+    assert history.status == "completed"
+    found = energy_balance(history, wagon, track)
+    assert found.error < 1e-4
+    if track.irregularities is None:  # which do the work themselves
+        assert abs(found.work[-1, POWERS.index("fictitious")]) > 1.0  # J: something happened
+    assert (found.power[:, POWERS.index("dampers")] <= 0.0).all()
+
+
+def test_gap_fades_with_the_tolerance() -> None:
+    runs = (run(Wagon(), CURVE, 45.0, rtol, "rosenbrock") for rtol in (1e-2, 1e-3, 1e-4))
+    errors = [energy_balance(history, Wagon(), CURVE).error for history in runs]
+    assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2]
+
+
+def test_a_force_that_is_left_out_shows() -> None:
+    history = run(Wagon(), CURVE, 45.0, 1e-5)
+    found = energy_balance(history, Wagon(), CURVE)
+    for cause in range(len(POWERS)):
+        power = found.power.copy()
+        power[:, cause] *= 1.05
+        assert EnergyBalance(found.time, found.energy, power).error > 5.0 * found.error
+
+
+def test_gravity_works_on_what_sinks() -> None:
+    """On a straight level track the work of gravity is the weight times the way down."""
+    wagon, plane = Wagon(), Wagon().plane
+    aside = simulate(wagon, Track(), CONTACT, speed=45.0, span=(0.0, 0.01)).state[0]
+    aside[1] += 0.02
+    history = simulate(
+        wagon, Track(), CONTACT, speed=45.0, span=(0.0, 0.5), initial=aside, method="ode45", rtol=1e-7, atol=1e-9
+    )
+    found = energy_balance(history, wagon, Track())
+    masses = np.array([plane.car_body.mass, plane.bogie.mass, plane.wheelset.mass])
+    down = -(history.state[:, [1, 4, 7]] - aside[[1, 4, 7]]) @ masses
+    gravity = found.work[:, POWERS.index("gravity")]
+    np.testing.assert_allclose(gravity, plane.gravity * down, atol=1e-5 * np.abs(gravity).max())
+    assert found.error < 1e-4
+
+
+def test_results_carry_it() -> None:
+    history = run(Wagon(), CURVE, 45.0, 1e-4)
+    data = with_energy(dataset(history), history, Wagon(), CURVE)
+    assert data["power"].sel(cause="dampers").max() <= 0.0
+    assert data.attrs["energy_balance_error"] < 1e-3
+    change = data["mechanical_energy"] - data["mechanical_energy"].isel(time=0)
+    np.testing.assert_allclose(data["work"].sum("cause"), change, atol=1e-3 * float(np.abs(data["work"]).max()))
+    assert all(data[name].attrs["units"] for name in ("power", "work", "mechanical_energy"))

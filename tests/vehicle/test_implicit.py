@@ -1,0 +1,428 @@
+"""The Rosenbrock method: order conditions, inexact Jacobians, the wagon's Jacobian, rough contacts, two processes."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from scipy.integrate import solve_ivp
+from standin_contact import CONTACT, MOUNTING, SmoothContact
+
+from wheelrail.contact.kinematics.frames import Motion, Pose, Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.scenes.runs.progress import costs
+from wheelrail.scenes.schema.tables import Solver
+from wheelrail.vehicle.dynamics.equations import Dynamics
+from wheelrail.vehicle.dynamics.jacobian import COLUMNS, KEPT, SEEN, Jacobian, Linearised
+from wheelrail.vehicle.integration.integrate import integrate
+from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
+from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.simulation.contact_cost import Tally
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.parallel_contact import Parallel, WorkerLost, in_parallel
+from wheelrail.vehicle.simulation.simulate import simulate, tolerances
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+V = 45.0
+CURVE = Track.curve(curvature=1 / 1200, cant=0.06, tangent=20.0, transition=60.0, length=1000.0)
+
+
+@dataclass(frozen=True)
+class Rate:
+    rate: np.ndarray
+
+
+def test_order_conditions() -> None:
+    """Order 3 with any matrix (Hairer, Wanner, Solving ODEs II, section IV.7), L-stable, stiffly accurate."""
+    m = ROS34PW2
+    b, a, g, one = np.array(m.weights), m.full_alpha, m.full_gamma, np.ones(m.stages)
+    third = [(b @ (a @ one) ** 2, 1 / 3), (b @ a @ a @ one, 1 / 6)]
+    mixed = [b @ g @ one, b @ a @ g @ one, b @ g @ a @ one, b @ g @ g @ one]
+    for left, right in [(b.sum(), 1.0), (b @ a @ one, 0.5), *third, *((x, 0.0) for x in mixed)]:
+        assert left == pytest.approx(right, abs=1e-13)
+    other = np.array(m.companion)
+    assert [other.sum(), other @ (a + g) @ one] == pytest.approx([1.0, 0.5], abs=1e-13)
+    np.testing.assert_allclose((a + g)[-1], b, atol=1e-14)  # stiffly accurate ..
+    assert m.nodes[-1] == pytest.approx(1.0)
+    z = np.concatenate([1j * np.logspace(-2, 4, 400), [-1e12]])
+    growth = [1 + s * b @ np.linalg.solve(np.eye(m.stages) - s * (a + g), one) for s in z]
+    assert np.abs(growth).max() <= 1 + 1e-12  # .. stable on the imaginary axis, hence on its left
+    assert abs(growth[-1]) < 1e-9
+
+
+def test_coefficients_are_checked() -> None:
+    with pytest.raises(ValueError, match="adding up"):
+        replace(ROS34PW2, weights=(0.25, 0.25, 0.25, 0.2))
+    with pytest.raises(ValueError, match="rows"):
+        replace(ROS34PW2, alpha=ROS34PW2.alpha[:2])
+    with pytest.raises(ValueError, match="jacobian"):
+        list(integrate(lambda t, x, p: Rate(-x), 0.0, np.ones(1), 1.0, tableau=ROS34PW2))
+
+
+def driven(t: float, x: np.ndarray, previous: Rate | None = None) -> Rate:
+    return Rate(np.array([x[1] * x[2], -x[0] * x[2] + np.sin(2 * t), -0.51 * x[0] * x[1] + np.cos(t)]))
+
+
+def slope(t: float, x: np.ndarray) -> Linearised:
+    by_state = np.array([[0, x[2], x[1]], [-x[2], 0, -x[0]], [-0.51 * x[1], -0.51 * x[0], 0]])
+    return Linearised(by_state, np.array([0.0, 2 * np.cos(2 * t), -np.sin(t)]))
+
+
+@pytest.mark.parametrize("share", [1.0, 0.6, 0.0])
+def test_third_order_whatever_the_jacobian(share: float) -> None:
+    """Exact, wrong by 40 %, or none at all, for the state and for time."""
+    start = np.array([0.0, 1.0, 1.0])
+    exact = solve_ivp(lambda t, x: driven(t, x).rate, (0, 4), start, method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+
+    def jacobian(t: float, x: np.ndarray, at: Rate) -> Linearised:
+        full = slope(t, x)
+        return Linearised(share * full.by_state, share * full.by_time)
+
+    lengths, errors = 4.0 / np.array([32, 64, 128, 256]), []
+    for h in lengths:
+        fixed = {"atol": 1e9, "first_step": h, "max_step": h, "min_step": h / 2}
+        *_, last = integrate(driven, 0.0, start, 4.0, tableau=ROS34PW2, jacobian=jacobian, **fixed)
+        errors.append(np.abs(last.x - exact).max())
+    assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(3.0, abs=0.25)
+
+
+def test_stiffness_does_not_bound_the_step() -> None:
+    """x' = -s (x - cos t) - sin t: as many steps at s = 1e3 as at 1e8, and the solution is cos t."""
+    taken = []
+    for stiff in (1e3, 1e8):
+        counts = Counts()
+
+        def rhs(t: float, x: np.ndarray, previous: Rate | None, s: float = stiff) -> Rate:
+            return Rate(-s * (x - np.cos(t)) - np.sin(t))
+
+        def jacobian(t: float, x: np.ndarray, at: Rate, s: float = stiff) -> Linearised:
+            return Linearised(np.array([[-s]]), np.array([-s * np.sin(t) - np.cos(t)]))
+
+        options = {"tableau": ROS34PW2, "jacobian": jacobian, "rtol": 1e-4, "atol": 1e-4, "min_step": 1e-14}
+        *_, last = integrate(rhs, 0.0, np.array([1.5]), 6.0, counts=counts, **options)
+        assert last.x[0] == pytest.approx(np.cos(6.0), abs=1e-4)
+        assert counts.jacobians == 0  # counted by who makes them
+        assert counts.factorisations == counts.accepted + counts.rejected
+        assert counts.evaluations == 2 + 4 * counts.accepted + 3 * counts.rejected
+        taken.append(counts.accepted)
+    assert taken[1] < 1.5 * taken[0] < 150
+
+
+@dataclass(frozen=True)
+class Tangential:
+    """The smooth contact, with its tangent by differences: as a model that knows its own."""
+
+    inner: WheelsetContact = CONTACT
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return self.inner(state, side, guess)
+
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> np.ndarray:
+        found = np.zeros((6, 8))
+        for column, name in zip(COLUMNS, SEEN, strict=True):
+            ends = [replace(state, **{name: getattr(state, name) + d}) for d in (-1e-7, 1e-7)]
+            low, high = (self.inner(end, side) for end in ends)
+            found[:, column] = np.concatenate([high.force - low.force, high.moment - low.moment]) / 2e-7
+        return found
+
+
+def curving(contact=CONTACT) -> tuple[Dynamics, float, np.ndarray]:  # type: ignore[no-untyped-def]
+    state = 1e-3 * np.random.default_rng(3).normal(size=20) * np.tile([5, 1, 2, 2, 1, 2, 2, 0.0, 0.0, 1], 2)
+    state[7] = -1e-4
+    return Dynamics(Wagon(), CURVE, contact, V), 50.0 / V, state
+
+
+@pytest.mark.parametrize(("contact", "within"), [(Tangential(), 1e-5), (CONTACT, 2e-2)])
+def test_the_wagons_jacobian(contact, within: float) -> None:  # type: ignore[no-untyped-def]
+    """Against central differences of the whole equations of motion, row by row."""
+    d, t, x = curving(contact)
+    counts = Counts()
+    linear = Jacobian(d, counts)(t, x, d(t, x))
+    steps = 1e-6 * np.eye(20)
+    expected = np.stack([(d(t, x + e).rate - d(t, x - e).rate) / 2e-6 for e in steps], axis=1)
+    scale = np.abs(expected).max(axis=1, keepdims=True) + 1e-9
+    np.testing.assert_allclose(linear.by_state / scale, expected / scale, atol=within)
+    assert (counts.jacobians, counts.differences) == (1, 0 if within < 1e-3 else 11)
+
+
+def test_the_wagons_derivative_by_time() -> None:
+    """Contacts held: a contact that is not there at all makes it exact."""
+    d, t, x = curving(lambda state, side, guess=None: ContactResult.separated())
+    linear = Jacobian(d, Counts())(t, x, d(t, x))
+    expected = (d(t + 1e-4, x).rate - d(t - 1e-4, x).rate) / 2e-4
+    np.testing.assert_allclose(linear.by_time, expected, atol=1e-3 * np.abs(expected).max())
+
+
+def run(contact=CONTACT, span: tuple[float, float] = (0.0, 2.0), **options) -> History:  # type: ignore[no-untyped-def]
+    return simulate(Wagon(), CURVE, contact, speed=V, span=span, **{"method": "rosenbrock", **options})
+
+
+@pytest.fixture(scope="module")
+def tight() -> History:
+    return run(rtol=1e-5, atol=1e-8)
+
+
+@pytest.fixture(scope="module")
+def plain() -> History:
+    return run(Tangential())
+
+
+def off(history: History, reference: History) -> tuple[float, float]:
+    """Wheelset's lateral position, mm, largest; vertical force, RMS over 54.5 kN, of accepted steps after the first."""
+    from scipy.interpolate import CubicSpline
+
+    keep = np.append(True, np.diff(reference.time) > 1e-9)
+    position = CubicSpline(reference.time[keep], reference.wheelset[keep, 0])(history.time)
+    force = CubicSpline(reference.time[keep], reference.outputs.force[keep, :, 2])(history.time)
+    weight = np.gradient(history.time)[:, None] / history.time[-1]
+    rms = np.sqrt((weight * (history.outputs.force[:, :, 2] - force) ** 2).sum(axis=0)).max()
+    return 1e3 * float(np.abs(history.wheelset[:, 0] - position).max()), float(rms / 54.5e3)
+
+
+def test_accuracy_and_cost_of_a_run(plain: History, tight: History) -> None:
+    """0.01 mm and 0.5 % are asked for."""
+    position, force = off(plain, tight)
+    assert position < 5e-3
+    assert force < 2e-3
+    steps, left = plain.cost.steps, plain.cost.contact["left"]
+    assert steps.evaluations < 350
+    assert steps.differences == 0
+    assert left.tangents - 2 == steps.jacobians == steps.accepted  # two tangents of the equilibrium
+    assert steps.evaluations <= left.solves <= steps.evaluations + 25
+    explicit = run(method="ode23", span=(0.0, 0.5))
+    assert explicit.cost.steps.evaluations > 10 * run(span=(0.0, 0.5)).cost.steps.evaluations
+
+
+def test_a_scene_may_ask_for_it(plain: History) -> None:
+    asked = Solver(method="rosenbrock", workers=2)
+    assert (asked.method, asked.workers, Solver().workers) == ("rosenbrock", 2, 1)
+    for wrong in ({"workers": 3}, {"method": "radau"}):
+        with pytest.raises(ValidationError):
+            Solver(**wrong)  # type: ignore[arg-type]
+    assert f"{plain.cost.steps.jacobians} Jacobians" in str(costs(plain).caption)  # type: ignore[union-attr]
+
+
+def test_errors_follow_the_tolerance(plain: History, tight: History) -> None:
+    coarse, fine = run(Tangential(), rtol=1e-2, atol=1e-5), run(Tangential(), rtol=1e-4, atol=1e-7)
+    errors = np.array([off(h, tight) for h in (coarse, plain, fine)])
+    assert (errors[1:] < 0.5 * errors[:-1]).all()
+    np.testing.assert_allclose(tight.state[-1, :9], fine.state[-1, :9], atol=2e-6)
+
+
+def test_without_a_tangent_differences_are_shared(plain: History, tight: History) -> None:
+    history = run()
+    steps = history.cost.steps
+    assert steps.differences == 11 * -(-steps.jacobians // KEPT)
+    assert history.cost.contact["right"].tangents == 0
+    assert off(history, tight)[0] < 5e-3
+    assert steps.evaluations < 1.5 * plain.cost.steps.evaluations
+
+
+@dataclass(frozen=True)
+class Rough:
+    """The smooth contact with noise in its force, jumps whenever the wheel has shifted by another period, and states
+    in a band of lateral speed where it fails.
+    """
+
+    noise: float = 1e-4
+    jump: float = 2e-3
+    period: float = 4e-4
+    fails: float = np.inf
+
+    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+        u, z, speed = float(pose.origin[1]), float(pose.origin[2]), float(motion.wheel.velocity[1])
+        smooth = SmoothContact()(pose, motion)
+        if abs(speed) > self.fails:
+            return replace(smooth, status="failed: 20 Newton steps")
+        factor = 1.0 + self.noise * np.sin(1e9 * u + 3e9 * z + 2e6 * speed) + self.jump * np.floor(u / self.period)
+        return replace(smooth, force=factor * smooth.force, moment=factor * smooth.moment)
+
+
+@pytest.mark.parametrize("rough", [Rough(jump=0.0), Rough(noise=0.0), Rough()], ids=["noise", "jumps", "both"])
+def test_noise_and_jumps_do_not_collapse_the_step(rough: Rough, plain: History, tight: History) -> None:
+    """Jumps of 0.2 %, one of them right where the wheelset rests."""
+    history = run(WheelsetContact(rough, MOUNTING))
+    assert history.status == "completed"
+    steps = history.cost.steps
+    assert steps.accepted + steps.rejected < 1.7 * (plain.cost.steps.accepted + plain.cost.steps.rejected)
+    assert np.abs(np.interp(plain.time, history.time, history.wheelset[:, 0]) - plain.wheelset[:, 0]).max() < 5e-5
+
+
+def test_states_where_the_contact_fails_are_stepped_round(tight: History) -> None:
+    """The largest lateral speed of the run, and not much more, is allowed: what long steps try is beyond."""
+    fastest = np.abs(tight.state[:, 16]).max()
+    history = run(WheelsetContact(Rough(0.0, 0.0, fails=1.05 * fastest), MOUNTING), rtol=1e-2, atol=1e-4)
+    assert history.status == "completed"
+    assert history.cost.steps.failed > 0
+    assert abs(history.wheelset[-1, 0] - tight.wheelset[-1, 0]) < 1e-4
+    ended = run(WheelsetContact(Rough(0.0, 0.0, fails=0.5 * fastest), MOUNTING))
+    assert ended.status.startswith("failed: ")
+    assert "20 Newton steps" in ended.status
+    assert np.abs(ended.state[:, 16]).max() <= 0.5 * fastest
+    assert np.isfinite(ended.state).all()
+
+
+def test_each_evaluation_is_handed_the_one_before() -> None:
+    calls: list[tuple[Rate | None, Rate]] = []
+
+    def rhs(t: float, x: np.ndarray, previous: Rate | None) -> Rate:
+        calls.append((previous, Rate(np.cos(40 * t) - x)))
+        return calls[-1][1]
+
+    def jacobian(t: float, x: np.ndarray, at: Rate) -> Linearised:
+        return Linearised(-np.eye(1), np.array([-40 * np.sin(40 * t)]))
+
+    counts = Counts()
+    steps = list(
+        integrate(rhs, 0.0, np.zeros(1), 1.0, tableau=ROS34PW2, jacobian=jacobian, first_step=0.5, counts=counts)
+    )
+    assert counts.rejected > 0
+    known = {id(result): i for i, (_, result) in enumerate(calls)}
+    accepted = {id(steps[0].start), *(id(s.end) for s in steps)}
+    jumps = [(previous, i) for i, (previous, _) in enumerate(calls[1:], start=1) if known[id(previous)] != i - 1]
+    assert len(jumps) == counts.rejected
+    assert all(id(previous) in accepted for previous, _ in jumps)
+
+
+def test_tolerances_of_rates() -> None:
+    np.testing.assert_allclose(tolerances("rosenbrock", 1e-6), [1e-6] * 10 + [1e-4] * 10, rtol=1e-12)
+    own = np.arange(1.0, 21.0)
+    assert tolerances("rosenbrock", own) is own
+    assert tolerances("ode23", 1e-6) == 1e-6
+
+
+def test_an_interrupted_implicit_run_keeps_everything() -> None:
+    @dataclass
+    class Impatient:
+        calls: list[Side] = field(default_factory=list)
+
+        def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+            self.calls.append(side)
+            if len(self.calls) == 300:
+                raise KeyboardInterrupt
+            return CONTACT(state, side, guess)
+
+    history = run(Impatient())
+    assert history.status == "interrupted"
+    assert len(history) == history.cost.steps.accepted + 1 > 5
+
+
+@dataclass
+class Remembering:
+    """Passes guesses on visibly: the approach counts how many results stand behind a result."""
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        if state.z < -1.0:
+            raise ArithmeticError("too deep")
+        if state.z > 1.0:
+            raise KeyError("a mistake in the program")
+        if state.z > 0.5:
+            os._exit(3)
+        found = CONTACT(state, side, guess)
+        assert guess is None or guess.fields is not None
+        return replace(found, approach=0.0 if guess is None else guess.approach + 1.0, fields=(side,))  # type: ignore[arg-type]
+
+
+def test_two_processes_give_the_same_to_the_last_bit(plain: History) -> None:
+    with in_parallel(Tangential()) as contact:
+        history = run(contact)
+        assert not contact.forgotten or len(contact.forgotten) < 50
+    np.testing.assert_array_equal(history.time, plain.time)
+    np.testing.assert_array_equal(history.state, plain.state)
+    np.testing.assert_array_equal(history.outputs.force, plain.outputs.force)
+    for side in ("left", "right"):
+        mine, theirs = history.cost.contact[side], plain.cost.contact[side]  # type: ignore[index]
+        assert (mine.solves, mine.tangents, mine.newton) == (theirs.solves, theirs.tangents, theirs.newton)
+    with in_parallel(CONTACT) as contact:
+        np.testing.assert_array_equal(run(contact).state, run().state)
+
+
+def test_the_other_process_keeps_what_is_referred_to() -> None:
+    state = WheelsetState(z=-6e-5, pitch_rate=V / 0.46, speed=V)
+    with in_parallel(Remembering()) as contact:
+        result = contact(state, "right", None)
+        assert result.fields is None
+        first = result
+        for expected in range(1, 4):
+            result = contact(state, "right", result)
+            assert result.approach == expected
+        del result
+        assert contact.forgotten == [3, 4]  # the second went along with the fourth question
+        contact.ahead(state, first)  # what nobody asks for later on
+        contact.ahead(state, first)
+        assert contact(state, "right", first).approach == 1.0
+        assert contact(replace(state, y=1e-4), "right", None).approach == 0.0
+        with pytest.raises(ValueError, match="its process"):
+            contact(state, "right", ContactResult.separated())
+        with pytest.raises(ValueError, match="tangent"):
+            contact.tangent(state, "right", first)
+
+
+def test_errors_and_the_end_of_the_other_process_are_noticed() -> None:
+    with in_parallel(Remembering()) as contact:
+        with pytest.raises(ArithmeticError, match="too deep"):
+            contact(WheelsetState(z=-2.0, speed=V), "right")
+        with pytest.raises(KeyError, match="mistake"):
+            contact(WheelsetState(z=2.0, speed=V), "right")
+        assert contact(WheelsetState(z=-6e-5, speed=V), "right").ok
+        with pytest.raises(WorkerLost):
+            contact(WheelsetState(z=0.7, speed=V), "right")
+        with pytest.raises(WorkerLost):
+            contact(WheelsetState(speed=V), "right")
+
+
+def test_the_other_process_ends_with_the_first() -> None:
+    """Also when that is killed and can say no word: its end of the pipe closes."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        with in_parallel(Pid()) as contact:
+            os.write(writing, pickle.dumps(int(contact(WheelsetState(speed=V), "right").approach)))
+            time.sleep(60)
+        os._exit(0)
+    worker = pickle.loads(os.read(reading, 100))
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    for _ in range(200):
+        if not alive(worker):
+            break
+        time.sleep(0.02)
+    assert not alive(worker)
+    os.close(reading)
+    os.close(writing)
+
+
+class Pid:
+    """A contact whose approach is the number of the process that it runs in."""
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return ContactResult.separated(float(os.getpid()))
+
+
+def alive(process: int) -> bool:
+    try:
+        with open(f"/proc/{process}/stat") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_sides_run_in_two_processes() -> None:
+    with in_parallel(Pid()) as contact:
+        tally = Tally(contact)
+        d = Dynamics(Wagon(), CURVE, tally, V)
+        found = d(0.0, np.zeros(20)).contacts
+        assert found["left"].approach == os.getpid() != found["right"].approach
+        assert isinstance(contact, Parallel)
+        assert (tally.costs["left"].solves, tally.costs["right"].solves) == (1, 1)
+        other = int(found["right"].approach)
+    assert not alive(other)

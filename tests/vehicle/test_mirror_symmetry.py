@@ -1,0 +1,53 @@
+"""A right-hand curve is the mirror image of the left-hand one to the last bit, whatever the contact and the stepper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from small_fitted import warm_cells
+from standin_contact import CONTACT
+from test_standard import wheel_on_rail
+
+from wheelrail.contact.kinematics.frames import MIRROR
+from wheelrail.vehicle.dynamics.state import mirrored
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+
+def into_a_curve(contact: object, curvature: float, method: str, end: float) -> History:
+    track = Track.curve(curvature=curvature, cant=0.06, transition=15.0, length=50.0)
+    return simulate(
+        Wagon(),
+        track,
+        contact,  # type: ignore[arg-type]
+        speed=45.0,
+        span=(0.0, end),
+        method=method,
+        rtol=3e-3,
+        atol=3e-6,
+    )
+
+
+@pytest.mark.parametrize(
+    ("contact", "method", "end"),
+    [
+        (lambda: CONTACT, "ode45", 0.1),
+        (lambda: CONTACT, "rosenbrock", 0.6),
+        (wheel_on_rail, "rosenbrock", 0.6),
+        (lambda: wheel_on_rail(normal="hertz", tangential="polach"), "rosenbrock", 0.4),
+        (warm_cells, "rosenbrock", 0.35),
+    ],
+    ids=["explicit", "implicit by differences", "standard", "hertz and polach", "warm fitted cells"],
+)
+def test_mirror_image(contact: Callable[[], object], method: str, end: float) -> None:
+    left, right = (into_a_curve(contact(), curvature, method, end) for curvature in (1 / 600, -1 / 600))
+    assert left.status == right.status == "completed"
+    np.testing.assert_array_equal(right.time, left.time)
+    np.testing.assert_array_equal(right.state, mirrored(left.state))
+    np.testing.assert_array_equal(right.outputs.force, MIRROR * left.outputs.force[:, ::-1])
+    np.testing.assert_array_equal(right.outputs.moment, -MIRROR * left.outputs.moment[:, ::-1])
+    assert np.abs(left.state[-1, 6]) > 1e-4  # m: the curve was felt

@@ -1,0 +1,11 @@
+from .dynamics.equations import Dynamics as Dynamics
+from .simulation.energy_balance import energy_balance as energy_balance
+from .simulation.history import History as History
+from .simulation.limits import Limits as Limits
+from .simulation.simulate import simulate as simulate
+from .steady.equilibrium import equilibrium as equilibrium
+from .track.alignment import Segment as Segment
+from .track.irregularity import Irregularities as Irregularities
+from .track.speed_profile import Drive as Drive
+from .track.track import Track as Track
+from .wagon.wagon import Wagon as Wagon

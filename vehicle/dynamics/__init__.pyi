@@ -1,0 +1,1 @@
+from .equations import Dynamics as Dynamics

@@ -1,0 +1,233 @@
+"""Equations of motion of the plane wagon in the moving track frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
+from wheelrail.support.interrupts import look
+from wheelrail.vehicle.dynamics.state import COUNT, split
+from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.track.frame import Frame
+from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.suspension import Assembly
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+Contact = Callable[[WheelsetState, Side, ContactResult | None], ContactResult]
+Contacts = dict[Side, ContactResult]
+
+
+@runtime_checkable
+class HasTangent(Protocol):
+    """A contact that knows how force and moment (6,) follow the wheelset (6, 8), see
+    `wheelrail.contact.models.wheelset`.
+    """
+
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array: ...
+
+
+@runtime_checkable
+class WorksAhead(Protocol):
+    """A contact that can begin with the right side before it is asked for the left one."""
+
+    def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None: ...
+
+    def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None: ...
+
+
+@dataclass(frozen=True)
+class Wrench:
+    """Force (3,) N on the wheelset and moment (3,) N m about its centre, in the track's axes."""
+
+    force: Array
+    moment: Array
+
+    @classmethod
+    def of(cls, contacts: Contacts) -> Wrench:
+        force: Array = np.sum([c.force for c in contacts.values()], axis=0)
+        moment: Array = np.sum([c.moment for c in contacts.values()], axis=0)
+        return cls(force, moment)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What one look at the equations of motion gives.
+
+    rate (20 + m,) time derivative of the state; contact results by side; yaw_reaction N m: the moment about the
+    wheelset's vertical axis that replaces the missing yaw freedom.
+    """
+
+    rate: Array
+    contacts: Contacts
+    yaw_reaction: float
+
+
+class Fictitious(NamedTuple):
+    """Forces N and roll moments N m (..., 3, 3) on the three bodies; moments (...) N m about the wheelset's axle and
+    about its vertical axis.
+    """
+
+    on_bodies: Array
+    about_axle: Array
+    about_vertical: Array
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """A wagon on a track on a contact model, at a constant speed m/s or as a `Drive` has it."""
+
+    wagon: Wagon
+    track: Track
+    contact: Contact
+    speed: float | Drive
+
+    def __post_init__(self) -> None:
+        _ = self.drive  # which refuses what is no speed
+
+    @cached_property
+    def drive(self) -> Drive:
+        return Drive.of(self.speed)
+
+    @cached_property
+    def plane(self) -> Wagon:
+        return self.wagon.plane
+
+    @cached_property
+    def suspension(self) -> Assembly:
+        return Assembly.of(self.wagon)
+
+    @cached_property
+    def constants(self) -> Array:
+        """(5, 3): mass, roll, pitch and yaw inertia and height of the three bodies."""
+        bodies = (self.plane.car_body, self.plane.bogie, self.plane.wheelset)
+        rows = [(b.mass, b.roll_inertia, b.pitch_inertia, b.yaw_inertia, b.height) for b in bodies]
+        return np.array(rows).T
+
+    @property
+    def size(self) -> int:
+        """Length of a state: 20, and one for every spring in series with a damper."""
+        return 2 * COUNT + self.suspension.laws.states
+
+    def frame(self, time: float) -> Frame:
+        """The track's frame where the vehicle is at a time s."""
+        return self.track.frame(*self.drive(time))
+
+    def rolling_rate(self, frame: Frame) -> float:
+        """Spin of a wheel that rolls on its nominal radius, rad/s."""
+        return frame.speed / self.wagon.radius
+
+    def __call__(self, time: float, state: Array, previous: Evaluation | None = None) -> Evaluation:
+        """Time derivative of the state at a time s; the previous evaluation starts the contact solves.
+
+        Raises StepFailure when a contact solve fails.
+        """
+        frame = self.frame(time)
+        contacts = self.solve_contacts(frame, state, previous.contacts if previous else None)
+        accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
+        return Evaluation(
+            np.concatenate([state[COUNT : 2 * COUNT], accelerations]), contacts, float(np.asarray(yaw_reaction).item())
+        )
+
+    def wheelset_state(self, frame: Frame, state: Array) -> WheelsetState:
+        position, rate, _, pitch_rate, _ = split(state)
+        y, z, roll = position[2].tolist()
+        vy, vz, spin = rate[2].tolist()
+        return WheelsetState(
+            y=y,
+            z=z,
+            roll=roll,
+            y_rate=vy,
+            z_rate=vz,
+            roll_rate=spin,
+            pitch_rate=self.rolling_rate(frame) + float(pitch_rate),
+            speed=frame.speed,
+            frame_rate=frame.rate,
+            rail_shift=frame.rails,
+        )
+
+    def solve_contacts(self, frame: Frame, state: Array, guess: Contacts | None) -> Contacts:
+        """Both contacts; raises StepFailure for a result that failed or is not finite."""
+        if not np.isfinite(state).all():
+            raise StepFailure("the state is not finite")
+        return self.solve_wheelset(self.wheelset_state(frame, state), guess)
+
+    def solve_wheelset(self, wheelset: WheelsetState, guess: Contacts | None) -> Contacts:
+        """The same at a state of the wheelset."""
+        if isinstance(self.contact, WorksAhead):
+            self.contact.ahead(wheelset, guess["right"] if guess else None)
+        return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
+
+    def _solve(self, wheelset: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
+        look()
+        try:
+            result = self.contact(wheelset, side, guess)
+        except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
+            raise StepFailure(f"{side} contact: {type(error).__name__}: {error}") from error
+        if not result.ok:
+            raise StepFailure(f"{side} contact: {result.status}")
+        if not (np.isfinite(result.force).all() and np.isfinite(result.moment).all()):
+            raise StepFailure(f"{side} contact: force or moment is not finite")
+        return result
+
+    def accelerations(self, frame: Frame, state: Array, contact: Wrench) -> tuple[Array, Array]:
+        """Accelerations of the coordinates of states (..., 20 + m) under contact forces, then the m rates of springs in
+        series with dampers, (..., 10 + m); yaw reactions (...) N m.
+        """
+        position, rate, _, _, series = split(state)
+        loads, _, _, series_rate = self.suspension.forces(position, rate, series)
+        fictitious = self.fictitious(frame, state)
+        loads += fictitious.on_bodies
+        loads[..., :2] += self.weight(frame)
+        loads[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
+
+        result = np.empty((*state.shape[:-1], state.shape[-1] - COUNT))
+        result[..., :9] = (loads / self.inertia).reshape(*state.shape[:-1], 9)
+        result[..., COUNT:] = series_rate
+        # About the axle and about the vertical axis of the wheelset, which rolled but did not spin.
+        leaning = np.ascontiguousarray(position[..., 2, 2])
+        c, s = np.cos(leaning), np.sin(leaning)
+        _, my, mz = contact.moment
+        about_axle = my * c + mz * s + fictitious.about_axle
+        result[..., 9] = about_axle / self.constants[2, 2] - frame.acceleration / self.wagon.radius
+        return result, -fictitious.about_vertical - (mz * c - my * s)
+
+    @cached_property
+    def inertia(self) -> Array:
+        """(3, 3): mass for y and z, roll inertia of the three bodies."""
+        mass, roll, _, _, _ = self.constants
+        return np.stack([mass, mass, roll], axis=1)
+
+    def weight(self, frame: Frame) -> Array:
+        """Lateral and vertical part (3, 2) of the weights of the three bodies, N."""
+        return np.asarray(self.plane.gravity * np.outer(self.constants[0], frame.down[1:]))
+
+    def fictitious(self, frame: Frame, state: Array) -> Fictitious:
+        """What the motion of the track's frame does to states (..., 20 + m), gyroscopic moments included."""
+        position, rate, _, pitch_rate, _ = split(state)
+        mass, ixx, iyy, izz, height = self.constants
+        roll = np.ascontiguousarray(position[..., 2])
+        lateral, vertical = frame.acceleration_of(
+            position[..., 0], height + position[..., 1], rate[..., 0], rate[..., 1]
+        )
+        o_y, o_z = frame.turned(roll)
+        theta_rate = self.rolling_rate(frame) + pitch_rate
+        gyroscopic = (izz - iyy) * o_y * o_z
+        gyroscopic[..., 2] -= iyy[2] * theta_rate * o_z[..., 2]
+        on_bodies = -np.stack([mass * lateral, mass * vertical, gyroscopic + ixx * frame.rate_dot[0]], axis=-1)
+
+        leaning, turning, o_y, o_z = np.ascontiguousarray(roll[..., 2]), rate[..., 2, 2], o_y[..., 2], o_z[..., 2]
+        c, s = np.cos(leaning), np.sin(leaning)
+        _, dy, dz = frame.rate_dot
+        o_x = frame.rate[0] + turning
+        about_axle = -iyy[2] * (dy * c + dz * s + turning * o_z)
+        spun = o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
+        return Fictitious(on_bodies, about_axle, -(izz[2] * (dz * c - dy * s - turning * o_y) + spun))

@@ -1,0 +1,127 @@
+"""One loop for every embedded Runge-Kutta pair, explicit or linearly implicit, with adaptive steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.explicit import Explicit, Tableau
+from wheelrail.vehicle.integration.problem import Attempt, E, Linearise, RightHandSide, StepFailure
+from wheelrail.vehicle.integration.rosenbrock import LinearlyImplicit, Rosenbrock
+from wheelrail.vehicle.integration.step_control import Control, Counts
+
+
+class StepTooSmall(RuntimeError):
+    """No step of the smallest length permitted succeeds."""
+
+
+@dataclass(frozen=True)
+class Step(Generic[E]):
+    """An accepted step from (t0, x0) to (t, x), with the evaluations at both ends, the error in tolerances, and the
+    length that the next one should have.
+    """
+
+    t0: float
+    x0: Array
+    start: E
+    t: float
+    x: Array
+    end: E
+    error: float
+    following: float
+
+    def at(self, time: float) -> Array:
+        """State at a time within the step, by the cubic that meets values and rates at both ends."""
+        h = self.t - self.t0
+        u = (time - self.t0) / h
+        rise = self.x - self.x0
+        bow = (1 - 2 * u) * rise + h * ((u - 1) * self.start.rate + u * self.end.rate)
+        return np.asarray((1 - u) * self.x0 + u * self.x + u * (u - 1) * bow)
+
+
+def integrate(
+    rhs: RightHandSide[E],
+    t0: float,
+    x0: Array,
+    t1: float,
+    *,
+    tableau: Tableau | Rosenbrock,
+    jacobian: Linearise[E] | None = None,
+    rtol: float = 1e-3,
+    atol: float | Array = 1e-6,
+    control: Control | None = None,
+    start: E | None = None,
+    first_step: float | None = None,
+    before: float = 1.0,
+    max_step: float = np.inf,
+    min_step: float = 1e-8,
+    counts: Counts | None = None,
+) -> Iterator[Step[E]]:
+    """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
+
+    The right-hand side is handed the evaluation before: of the stage before, or of the last accepted state for the
+    first stage, so that nothing of a rejected step lives on. It may raise StepFailure: the step is then tried again,
+    shorter. An implicit method asks the jacobian once at every accepted state. Error: largest component over atol +
+    rtol |x|; before, that of the step before the first one. Raises StepTooSmall below min_step, ValueError for
+    senseless input.
+    """
+    if not (t1 > t0 and rtol >= 0.0 and np.all(np.asarray(atol) > 0.0) and 0.0 < min_step <= max_step):
+        raise ValueError("integrate: t1 > t0, rtol >= 0, atol > 0 and 0 < min_step <= max_step are needed")
+    control, counts = control or Control(), counts if counts is not None else Counts()
+    attempt: Attempt[E] = (
+        Explicit(rhs, tableau, counts)
+        if isinstance(tableau, Tableau)
+        else LinearlyImplicit(rhs, tableau, counts, jacobian)
+    )
+    t, x, k = t0, np.array(x0, dtype=float), tableau.error_order + 1
+    if start is None:
+        counts.evaluations += 1
+        start = rhs(t, x, None)
+    if first_step is None:
+        counts.evaluations += 1
+        first_step = _first_step(rhs, t, x, start, atol + rtol * np.abs(x), k)
+    h, fresh = min(first_step, max_step), True
+    reason: StepFailure | None = None
+    while t < t1:
+        if t + 1.01 * h >= t1:
+            h = t1 - t
+        elif h < min_step:
+            raise StepTooSmall(f"step {h:.3g} s < {min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
+        try:
+            new, difference, last = attempt(t, x, start, h)
+            error = float(np.max(np.abs(difference) / (atol + rtol * np.maximum(np.abs(x), np.abs(new)))))
+            if error > 1.0:
+                counts.rejected += 1
+                reason, fresh = StepFailure(f"error of {error:.3g} tolerances"), False
+                h *= max(control.smallest, control.safety * error ** (-1.0 / k))
+                continue
+            after = t1 if h == t1 - t else t + h
+            end = attempt.end(after, new, last)
+        except StepFailure as failure:
+            counts.failed += 1
+            reason, fresh = failure, False
+            h *= control.retry
+            continue
+        counts.accepted += 1
+        factor = control.factor(error, before, k)
+        h = min(max_step, h * (factor if fresh else min(1.0, factor)))
+        step = Step(t, x, start, after, new, end, error, h)
+        t, x, start, before, fresh, reason = after, new, end, error, True, None
+        yield step
+
+
+def _first_step(rhs: RightHandSide[E], t: float, x: Array, start: E, scale: Array, k: int) -> float:
+    """Starting step after Hairer, Norsett, Wanner, Solving ODEs I, section II.4."""
+    size, slope = np.max(np.abs(x) / scale), np.max(np.abs(start.rate) / scale)
+    trial = 0.01 * size / slope if size > 1e-5 and slope > 1e-5 else 1e-6
+    try:
+        bend = np.max(np.abs(rhs(t + trial, x + trial * start.rate, start).rate - start.rate) / scale) / trial
+    except StepFailure:
+        return 0.01 * float(trial)
+    steepest = max(slope, bend)
+    best = (0.01 / steepest) ** (1.0 / k) if steepest > 1e-15 else max(1e-6, 1e-3 * trial)
+    return float(min(100 * trial, best))

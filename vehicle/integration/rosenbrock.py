@@ -1,0 +1,157 @@
+"""Linearly implicit Runge-Kutta (Rosenbrock-W) methods: one factorisation a step, no iteration, any Jacobian."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Generic
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.problem import E, HasDerivatives, Linearise, RightHandSide, _finite
+from wheelrail.vehicle.integration.step_control import Counts
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Rosenbrock:
+    """Stages k_i = f(t + a_i h, x + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j + h g_i f_t, with any matrix A near the
+    Jacobian; solution x + h b.k, companion of error_order with other weights.
+
+    alpha: rows a_ij of stages 2 to s; gamma: rows g_ij of the same, without the diagonal, which is one number.
+    Raises ValueError for rows of wrong lengths, or weights that do not add up to one.
+    """
+
+    name: str
+    order: int
+    error_order: int
+    diagonal: float
+    alpha: Rows
+    gamma: Rows
+    weights: tuple[float, ...]
+    companion: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        lengths = list(range(1, self.stages))
+        if [len(r) for r in self.alpha] != lengths or [len(r) for r in self.gamma] != lengths:
+            raise ValueError(f"{self.name}: rows of 1 to {self.stages - 1} coefficients are needed")
+        if len(self.companion) != self.stages or any(abs(sum(w) - 1.0) > 1e-12 for w in (self.weights, self.companion)):
+            raise ValueError(f"{self.name}: as many weights as stages, adding up to 1")
+
+    @property
+    def stages(self) -> int:
+        return len(self.weights)
+
+    @cached_property
+    def nodes(self) -> Array:
+        """(s,) times of the stages within the step."""
+        return np.asarray(self.full_alpha.sum(axis=1))
+
+    @cached_property
+    def full_alpha(self) -> Array:
+        """(s, s), strictly lower triangular."""
+        return _square(self.alpha)
+
+    @cached_property
+    def full_gamma(self) -> Array:
+        """(s, s), lower triangular."""
+        return _square(self.gamma) + self.diagonal * np.eye(self.stages)
+
+    @cached_property
+    def sums(self) -> Array:
+        """(s,) rows of gamma added up: shares of the derivative by time."""
+        return np.asarray(self.full_gamma.sum(axis=1))
+
+    @cached_property
+    def inverse(self) -> Array:
+        """(s, s): with u = h gamma k as unknowns, no stage needs a product with the Jacobian."""
+        return np.asarray(np.linalg.inv(self.full_gamma), dtype=np.float64)
+
+    @cached_property
+    def shifts(self) -> Array:
+        """(s, s) weights of the u for the states of the stages."""
+        return np.asarray(self.full_alpha @ self.inverse)
+
+    @cached_property
+    def ends(self) -> Array:
+        """(2, s) weights of the u for the solution and for its difference to the companion."""
+        b, other = np.array(self.weights), np.array(self.companion)
+        return np.asarray(np.stack([b, b - other]) @ self.inverse)
+
+
+def _square(rows: Rows) -> Array:
+    full = np.zeros((len(rows) + 1, len(rows) + 1))
+    for i, row in enumerate(rows, start=1):
+        full[i, :i] = row
+    return full
+
+
+# J. Rang, L. Angermann, BIT Numerical Mathematics 45 (2005) 761-787, DOI 10.1007/s10543-005-0035-y: order 3 with any
+# matrix in place of the Jacobian, stiffly accurate.
+ROS34PW2 = Rosenbrock(
+    name="rosenbrock",
+    order=3,
+    error_order=2,
+    diagonal=0.43586652150845899942,
+    alpha=((0.87173304301691799883,), (0.84457060015369423945, -0.11299064236484185), (0.0, 0.0, 1.0)),
+    gamma=(
+        (-0.87173304301691799883,),
+        (-0.90338057013044082163, 0.054180672388095326),
+        (0.24212380706095346380, -1.2232505839045147, 0.54526025533510214),
+    ),
+    weights=(0.24212380706095346380, -1.2232505839045147, 1.5452602553351021, 0.43586652150845899942),
+    companion=(0.37810903145819369, -0.096042292212423178, 0.5, 0.21793326075422950),
+)
+
+
+@dataclass
+class LinearlyImplicit(Generic[E]):
+    """s solves with one factorised matrix 1/(h g) - A, in the unknowns u = h gamma k of Hairer and Wanner, Solving ODEs
+    II, section IV.7. The Jacobian is kept while a step is tried again, the factors while its length stays, too.
+
+    Raises ValueError without a jacobian.
+    """
+
+    rhs: RightHandSide[E]
+    tableau: Rosenbrock
+    counts: Counts
+    jacobian: Linearise[E] | None
+    linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        if self.jacobian is None:
+            raise ValueError(f"{self.tableau.name}: a linearly implicit method needs a jacobian")
+
+    def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
+        method, now, unknowns = self.tableau, start, np.zeros((self.tableau.stages, len(x)))
+        linear = self._linear(t, x, start)
+        solve = self._factorised(linear.by_state, h)
+        for i in range(method.stages):
+            if i > 0:
+                self.counts.evaluations += 1
+                now = self.rhs(t + method.nodes[i] * h, x + method.shifts[i, :i] @ unknowns[:i], now)
+            coupling = (method.inverse[i, :i] / h) @ unknowns[:i]
+            unknowns[i] = solve(now.rate - coupling + h * method.sums[i] * linear.by_time)
+        rise, difference = method.ends @ unknowns
+        _finite(rise, difference)
+        return x + rise, difference, now
+
+    def end(self, t: float, x: Array, last: E) -> E:
+        self.counts.evaluations += 1
+        return self.rhs(t, x, last)
+
+    def _linear(self, t: float, x: Array, start: E) -> HasDerivatives:
+        assert self.jacobian is not None
+        if self.linear is None or self.linear[0] is not start:
+            self.linear = (start, self.jacobian(t, x, start))
+        return self.linear[1]
+
+    def _factorised(self, by_state: Array, h: float) -> Callable[[Array], Array]:
+        from scipy.linalg import lu_factor, lu_solve
+
+        self.counts.factorisations += 1
+        factors: Any = lu_factor(np.eye(len(by_state)) / (h * self.tableau.diagonal) - by_state, check_finite=False)
+        return lambda right: np.asarray(lu_solve(factors, right, check_finite=False))

@@ -1,0 +1,133 @@
+"""What a run leaves behind: plain arrays over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.state import COUNT
+from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.simulation.contact_cost import SideCost
+from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair, Recorder
+from wheelrail.vehicle.track.speed_profile import Drive
+
+
+@dataclass
+class RunCost:
+    """Steps and evaluations of the integrator; contact solves by side and seconds, both with the equilibrium at the
+    start.
+    """
+
+    steps: Counts = field(default_factory=Counts)
+    contact: dict[Side, SideCost] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class History:
+    """n rows over time (n,) s; status "completed", "interrupted" or "failed: ..." with the reason.
+
+    state (n, 20 + m), see `wheelrail.vehicle.dynamics.state`. outputs: force (n, 2, 3) N on the left and right wheel,
+    moment (n, 2, 3) N m about the wheelset's centre, both in the track's axes; approach (n, 2) m; yaw_reaction (n,) N
+    m; secondary_deflection (n,) m, lateral, of the car body against the bogie at the secondary springs;
+    bumpstop_deflection (n,) m; bumpstop_force (n,) N on the car body; positive to the left. curvature (n,) 1/m,
+    positive to the left; lift (n,) m of the right rail over the left. patches, contact_status: n pairs (left, right).
+    speed m/s, or a drive; radius: nominal rolling radius m. irregularities (n, 4) m as in
+    `wheelrail.vehicle.track.irregularity`, None on smooth rails.
+    """
+
+    status: str
+    speed: float | Drive
+    radius: float
+    time: Array
+    state: Array
+    outputs: Outputs
+    curvature: Array
+    lift: Array
+    patches: list[PatchPair]
+    contact_status: list[tuple[str, str]]
+    cost: RunCost
+    irregularities: Array | None = None
+
+    @classmethod
+    def of(cls, recorder: Recorder, cost: RunCost, status: str) -> History:
+        dynamics, rows = recorder.dynamics, recorder.rows
+        uneven = dynamics.track.irregularities
+        distances = [dynamics.drive(row.time).distance for row in rows]
+        return cls(
+            status=status,
+            speed=dynamics.speed,
+            radius=dynamics.wagon.radius,
+            time=np.array([row.time for row in rows]),
+            state=recorder.states(),
+            outputs=recorder.outputs(),
+            curvature=np.array([dynamics.track.curvature(s)[0] for s in distances]),
+            lift=np.array([dynamics.track.lift(s)[0] for s in distances]),
+            patches=[row.patches for row in rows],
+            contact_status=[row.contact_status for row in rows],
+            cost=cost,
+            irregularities=uneven.at(np.array(distances)) if uneven else None,
+        )
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def distance(self) -> Array:
+        """Along the track (n,), m."""
+        return self._travel[:, 0]
+
+    @property
+    def speeds(self) -> Array:
+        """m/s (n,)."""
+        return self._travel[:, 1]
+
+    @cached_property
+    def _travel(self) -> Array:
+        drive = Drive.of(self.speed)
+        return np.array([drive(time) for time in self.time.tolist()]).reshape(-1, 3)
+
+    @property
+    def car_body(self) -> Array:
+        """y, z m and roll rad (n, 3), z from the nominal height."""
+        return self.state[:, 0:3]
+
+    @property
+    def bogie(self) -> Array:
+        """y, z m and roll rad (n, 3), z from the nominal height."""
+        return self.state[:, 3:6]
+
+    @property
+    def wheelset(self) -> Array:
+        """y, z m, roll and pitch rad (n, 4), z from the nominal height, pitch from time zero."""
+        return _with_rolling(self.state[:, 6:COUNT], self.distance / self.radius)
+
+    @property
+    def car_body_rate(self) -> Array:
+        """m/s and rad/s (n, 3)."""
+        return self.state[:, COUNT : COUNT + 3]
+
+    @property
+    def bogie_rate(self) -> Array:
+        """m/s and rad/s (n, 3)."""
+        return self.state[:, COUNT + 3 : COUNT + 6]
+
+    @property
+    def wheelset_rate(self) -> Array:
+        """m/s and rad/s (n, 4); the pitch rate is positive rolling forward."""
+        return _with_rolling(self.state[:, COUNT + 6 : 2 * COUNT], self.speeds / self.radius)
+
+    @property
+    def series_deflection(self) -> Array:
+        """m, outwards, of the springs in series with dampers (n, m): those of the left side, then of the right side."""
+        return self.state[:, 2 * COUNT :]
+
+
+def _with_rolling(excess: Array, nominal: Array) -> Array:
+    total = excess.copy()
+    total[:, 3] += nominal
+    return total

@@ -1,0 +1,107 @@
+"""Turns accepted steps into rows of a history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.results.result import Patch
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
+from wheelrail.vehicle.dynamics.state import split
+from wheelrail.vehicle.integration.integrate import Step
+
+PatchPair = tuple[tuple[Patch, ...], tuple[Patch, ...]]
+
+
+class Outputs(NamedTuple):
+    """Everything beside the state that has a number; see `wheelrail.vehicle.simulation.history.History`."""
+
+    force: Array
+    moment: Array
+    approach: Array
+    yaw_reaction: Array
+    secondary_deflection: Array
+    bumpstop_deflection: Array
+    bumpstop_force: Array
+
+    @classmethod
+    def of(cls, dynamics: Dynamics, state: Array, at: Evaluation) -> Outputs:
+        position, rate, _, _, series = split(state)
+        contacts = [at.contacts[side] for side in SIDES]
+        forces = dynamics.suspension.forces(position, rate, series)
+        return cls(
+            force=np.array([c.force for c in contacts]),
+            moment=np.array([c.moment for c in contacts]),
+            approach=np.array([c.approach for c in contacts]),
+            yaw_reaction=np.array(at.yaw_reaction),
+            secondary_deflection=np.array(forces.secondary_deflection),
+            bumpstop_deflection=forces.deflection[-1, 0],
+            bumpstop_force=forces.force[-1, 0],
+        )
+
+    def blend(self, other: Outputs, share: float) -> Outputs:
+        return Outputs(*((1.0 - share) * a + share * b for a, b in zip(self, other, strict=True)))
+
+
+SHAPES = Outputs((2, 3), (2, 3), (2,), (), (), (), ())  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Row:
+    time: float
+    state: Array
+    outputs: Outputs
+    patches: PatchPair
+    contact_status: tuple[str, str]
+
+    @classmethod
+    def of(cls, dynamics: Dynamics, time: float, state: Array, at: Evaluation) -> Row:
+        left, right = (at.contacts[side] for side in SIDES)
+        outputs = Outputs.of(dynamics, state, at)
+        return cls(time, state, outputs, (tuple(left.patches), tuple(right.patches)), (left.status, right.status))
+
+
+@dataclass
+class Recorder:
+    """Rows at accepted steps, or every so many seconds: states by the step's cubic, outputs linear, patches of the
+    nearer end.
+    """
+
+    dynamics: Dynamics
+    every: float | None
+    rows: list[Row] = field(default_factory=list)
+    latest: list[Row] = field(default_factory=list)
+
+    def begin(self, time: float, state: Array, at: Evaluation) -> None:
+        """The first row, or where a run that has rows goes on."""
+        self.latest = [Row.of(self.dynamics, time, state, at)]
+        self.rows = self.rows or self.latest[:]
+
+    def add(self, step: Step[Evaluation]) -> None:
+        before, now = self.latest[0], Row.of(self.dynamics, step.t, step.x, step.end)
+        self.rows.extend([now] if self.every is None else self._between(step, before, now, self.every))
+        self.latest = [now]
+
+    def _between(self, step: Step[Evaluation], before: Row, now: Row, every: float) -> list[Row]:
+        origin, rows = self.rows[0].time, []
+        first = int(np.floor((step.t0 - origin) / every * (1 + 1e-12))) + 1
+        last = int(np.floor((step.t - origin) / every * (1 + 1e-12)))
+        for i in range(first, last + 1):
+            time = min(origin + i * every, step.t)
+            share = (time - step.t0) / (step.t - step.t0)
+            near = before if share < 0.5 else now
+            outputs = before.outputs.blend(now.outputs, share)
+            rows.append(Row(time, step.at(time), outputs, near.patches, near.contact_status))
+        return rows
+
+    def states(self) -> Array:
+        return np.array([row.state for row in self.rows]).reshape(-1, self.dynamics.size)
+
+    def outputs(self) -> Outputs:
+        """Columns of all rows."""
+        columns = zip(*(row.outputs for row in self.rows), strict=True) if self.rows else ([] for _ in SHAPES)
+        return Outputs(*(np.array(c).reshape(-1, *shape) for c, shape in zip(columns, SHAPES, strict=True)))

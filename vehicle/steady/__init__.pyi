@@ -1,0 +1,1 @@
+from .equilibrium import equilibrium as equilibrium

@@ -1,0 +1,107 @@
+"""Linear modes of the wagon about a state of equilibrium."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
+from wheelrail.vehicle.dynamics.jacobian import Jacobian
+from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, PITCH
+from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A motion Re(shape exp(eigenvalue t)) of the ten coordinates; eigenvalue 1/s, shape (10,) m and rad.
+
+    share (10,): of each coordinate in the kinetic energy; tells what moves.
+    """
+
+    eigenvalue: complex
+    shape: NDArray[np.complex128]
+    share: Array
+
+    @property
+    def frequency(self) -> float:
+        """|eigenvalue| / 2 pi, Hz; of a motion that does not swing 1 / 2 pi over its time constant."""
+        return abs(self.eigenvalue) / (2 * np.pi)
+
+    @property
+    def damping(self) -> float:
+        """Ratio to the critical one; 1 fades without swinging, negative grows."""
+        return -self.eigenvalue.real / (abs(self.eigenvalue) or 1.0)
+
+    @property
+    def swings(self) -> bool:
+        return self.eigenvalue.imag != 0.0
+
+    @property
+    def moving(self) -> str:
+        """Coordinates with a tenth of the kinetic energy or more, the largest first."""
+        order = [i for i in np.argsort(-self.share) if self.share[i] >= 0.1]
+        return ", ".join(f"{COORDINATES[i]} {self.share[i]:.0%}" for i in order)
+
+    def __str__(self) -> str:
+        return f"{self.frequency:9.4g} Hz  damping {self.damping:7.4f}  {self.moving}"
+
+
+def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.0) -> list[Mode]:
+    """All modes on the contact, the slowest first: of a pair that swings one, and each that does not.
+
+    at: an equilibrium for the time s, computed unless given. The contact counts with its tangent, creep included, or
+    with differences. The angle of rolling, on which nothing depends, is no mode; its rate is.
+    Raises EquilibriumError, and StepFailure where the contact cannot be solved.
+    """
+    found = at or equilibrium(dynamics, time=time)
+    return _of(dynamics, _matrix(dynamics, time, found), held=())
+
+
+def held_modes(wagon: Wagon) -> list[Mode]:
+    """Modes of car body and bogie on straight level track above a wheelset that is held: no contact is needed."""
+    dynamics = Dynamics(wagon, Track(), _Carried(wagon.wheel_load), speed=1.0)
+    rest = np.zeros(dynamics.size)
+    contacts = dynamics.solve_contacts(dynamics.track.frame(0.0, 1.0), rest, None)
+    return _of(dynamics, _matrix(dynamics, 0.0, Equilibrium(rest, contacts, 0, 0.0)), held=range(6, COUNT))
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """A constant load N on each wheel."""
+
+    load: float
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return ContactResult(np.array([0.0, 0.0, self.load]), np.zeros(3), status="converged")
+
+
+def _matrix(dynamics: Dynamics, time: float, at: Equilibrium) -> Array:
+    evaluation = Evaluation(np.zeros_like(at.state), at.contacts, 0.0)
+    return Jacobian(dynamics, Counts(), central=True)(time, at.state, evaluation).by_state
+
+
+def _of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list[Mode]:
+    """Modes of a first-order system: coordinates, their rates, and whatever else has a state of its own."""
+    gone = {i + part for i in held for part in (0, COUNT)}
+    kept = [i for i in range(len(matrix)) if i not in gone]
+    values, vectors = np.linalg.eig(matrix[np.ix_(kept, kept)])
+    shapes = np.zeros((len(matrix), len(values)), dtype=complex)
+    shapes[kept] = vectors
+    every = [_mode(dynamics, complex(values[i]), shapes[:COUNT, i]) for i in np.argsort(np.abs(values), kind="stable")]
+    return [m for m in every if m.eigenvalue.imag >= 0.0 and not (m.eigenvalue == 0.0 and m.share[PITCH] == 1.0)]
+
+
+def _mode(dynamics: Dynamics, value: complex, shape: NDArray[np.complex128]) -> Mode:
+    mass, roll, pitch, _, _ = dynamics.constants
+    energy = np.append(np.stack([mass, mass, roll], axis=1).ravel(), pitch[2]) * np.abs(shape) ** 2
+    return Mode(value, shape / shape[np.argmax(np.abs(shape))], energy / energy.sum())

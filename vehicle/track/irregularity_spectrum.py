@@ -1,0 +1,83 @@
+"""Random irregularities from the spectra of ERRI B176, low and high.
+
+The formulas and constants are those that public codes and the literature on track dynamics repeat for ORE / ERRI B176
+and for the German railways, with different names; the report itself was not at hand. The manual of GENSYS prints
+figures of the high class (www.gensys.se/doc_html/trc_ipsd.html) in m2/(1/m), 2 pi times the unit here: they agree to
+four digits, and its white spectrum shows that they are one-sided. The gauge is no part of B176: its spectrum is the one
+of the same form that goes with it in the Chinese literature.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.track.irregularity import Irregularities
+
+Class = Literal["low", "high"]
+
+CUT, LONG, ROLL = 0.8246, 0.0206, 0.4380  # rad/m: Omega_c, Omega_r, Omega_s
+WAVES = 600
+PER_WAVE = 20  # samples along the shortest wave, 1e-4 of which a cubic spline then misses
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """One-sided spectral densities m2/(rad/m) over the angular wave number Omega rad/m: the variance of a quantity is
+    their integral over the positive Omega alone.
+
+    alignment, level, gauge rad m: the constants A of S = A Oc^2 / ((O^2 + Or^2)(O^2 + Oc^2)), for the gauge times
+    O^2 / (O^2 + Os^2). The cross level as an angle has the level's over half_base^2 (m), times the latter; as a
+    difference of heights over 2 half_base it has four times that of the level.
+    """
+
+    alignment: float
+    level: float
+    gauge: float
+    half_base: float = 0.75
+
+    def __call__(self, wave_number: Array) -> Array:
+        """(..., 4) densities of alignment, level, cross level (as a height) and gauge."""
+        o2 = np.square(wave_number)
+        plain = CUT**2 / ((o2 + LONG**2) * (o2 + CUT**2))
+        rolling = plain * o2 / (o2 + ROLL**2)
+        angle = self.level / self.half_base**2 * rolling
+        height = (2.0 * self.half_base) ** 2 * angle
+        return np.stack([self.alignment * plain, self.level * plain, height, self.gauge * rolling], axis=-1)
+
+    def irregularities(
+        self, length: float, *, seed: int, wavelengths: tuple[float, float] = (3.0, 100.0), fade: float = 10.0
+    ) -> Irregularities:
+        """A realisation from 0 to a length m with waves of shortest to longest m, faded at both ends over `fade` m.
+
+        Cosines of random phase, one at a random place in each of bins that are equally wide in log(Omega), share the
+        variance of the bin. The same seed gives the same track, however long. Raises ValueError for wavelengths that do
+        not rise, or a track of less than two fades.
+        """
+        shortest, longest = wavelengths
+        if not 0.0 < shortest < longest < np.inf:
+            raise ValueError(f"wavelengths {shortest} to {longest} m: positive, the shortest first")
+        random = np.random.default_rng(seed)
+        edges = np.geomspace(2.0 * np.pi / longest, 2.0 * np.pi / shortest, WAVES + 1)
+        widths = np.diff(edges)
+        wave_number = edges[:-1] + random.random(WAVES) * widths
+        phase = random.uniform(0.0, 2.0 * np.pi, (WAVES, 4))
+        amplitude = np.sqrt(2.0 * self(np.sqrt(edges[1:] * edges[:-1])) * widths[:, None])
+        stations = np.linspace(0.0, length, int(np.ceil(length * PER_WAVE / shortest)) + 1, dtype=np.float64)
+        waves = amplitude * np.exp(1j * phase)
+        values = np.vstack(
+            [
+                (np.exp(1j * np.outer(part, wave_number)) @ waves).real
+                for part in np.array_split(stations, 1 + len(stations) // 2000)
+            ]
+        )
+        return Irregularities.faded(stations, values, fade=fade)
+
+
+ERRI: dict[Class, Spectrum] = {
+    "low": Spectrum(alignment=2.119e-7, level=4.032e-7, gauge=5.32e-8),
+    "high": Spectrum(alignment=6.125e-7, level=1.080e-6, gauge=1.032e-7),
+}

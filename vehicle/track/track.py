@@ -1,0 +1,152 @@
+"""Where a track runs in space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from math import asin, cos, sin, sqrt
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.track.alignment import Segment, courses
+from wheelrail.vehicle.track.frame import Frame
+from wheelrail.vehicle.track.irregularity import Irregularities
+from wheelrail.vehicle.track.piecewise import Course, Shape
+
+
+def centre_line(track: Track, length: float, *, spacing: float = 1.0) -> tuple[Array, Array]:
+    """Stations (n,) m from 0 to a length, at most `spacing` m apart, and points of the centre line there (n, 3) m.
+
+    x along the tangent at the start in plan, y to its left, z up. Four Gauss points for each interval, whose headings
+    are known beforehand: errors of an arc are of the order (spacing / radius)^8.
+    """
+    stations = np.linspace(0.0, length, int(np.ceil(length / spacing)) + 1, dtype=np.float64)
+    nodes, weights = np.polynomial.legendre.leggauss(4)  # type: ignore[no-untyped-call]
+    half = 0.5 * np.diff(stations)[:, None]
+    inner = (0.5 * (stations[1:] + stations[:-1])[:, None] + half * nodes).ravel()
+    heading = np.array([track.heading(s) for s in inner.tolist()])
+    gradient = np.array([track.gradient(s)[0] for s in inner.tolist()])
+    along = np.stack([np.cos(gradient) * np.cos(heading), np.cos(gradient) * np.sin(heading), np.sin(gradient)], axis=1)
+    steps = (half * weights)[:, :, None] * along.reshape(len(half), -1, 3)
+    return stations, np.concatenate([np.zeros((1, 3)), np.cumsum(steps.sum(axis=1), axis=0)])
+
+
+def _zero() -> Course:
+    return Course.constant(0.0)
+
+
+@dataclass(frozen=True)
+class Track:
+    """The centre line as courses of s.
+
+    curvature 1/m in plan, positive to the left; lift m: by how much the right rail lies above the left one (the cant of
+    a left-hand curve); gradient rad, positive uphill; base m, distance over which the lift is measured; irregularities
+    of the rails, if any. The plane of the rails turns about the centre line. Raises ValueError where the lift does not
+    fit the base.
+    """
+
+    curvature: Course = field(default_factory=_zero)
+    lift: Course = field(default_factory=_zero)
+    gradient: Course = field(default_factory=_zero)
+    base: float = 1.5
+    irregularities: Irregularities | None = None
+
+    def __post_init__(self) -> None:
+        if not self.base > max(abs(h) for h in self.lift.values):
+            raise ValueError(f"cant {self.lift.values} m does not fit a base of {self.base} m")
+
+    @classmethod
+    def curve(
+        cls,
+        *,
+        curvature: float,
+        cant: float = 0.0,
+        tangent: float = 0.0,
+        transition: float,
+        length: float,
+        exit_transition: float | None = None,
+        gradient: float = 0.0,
+        base: float = 1.5,
+        shape: Shape = "quintic",
+        corner: float = 3.0,
+    ) -> Track:
+        """Tangent, transition, full curve and, when exit_transition is given, back to a tangent without end.
+
+        curvature 1/m, positive to the left; cant m, positive raises the outer rail; gradient rad; lengths m.
+        Raises LayoutError, a ValueError, for lengths that are not positive.
+        """
+        segments = [Segment("tangent", tangent)] if tangent else []
+        segments += [Segment("transition", transition, shape=shape), Segment("arc", length, curvature, cant)]
+        if exit_transition is not None:
+            segments.append(Segment("transition", exit_transition, shape=shape))
+        segments[0] = replace(segments[0], gradient=gradient)
+        return cls.of(segments, base=base, corner=corner)
+
+    @classmethod
+    def of(
+        cls,
+        segments: Sequence[Segment],
+        *,
+        base: float = 1.5,
+        corner: float = 3.0,
+        irregularities: Irregularities | None = None,
+    ) -> Track:
+        """Segments one upon the other from s = 0 on; corner m: over which ends of straight ramps are rounded.
+
+        Raises LayoutError, a ValueError, for segments that do not meet.
+        """
+        found = courses(segments, corner=corner)
+        return cls(found.curvature, found.lift, found.gradient, base, irregularities)
+
+    def angle(self, s: float) -> tuple[float, float, float]:
+        """Roll of the rail plane about the tangent, positive raises the left rail, and two derivatives by s."""
+        h, dh, ddh = (-value / self.base for value in self.lift(s))
+        root = sqrt(1.0 - h * h)
+        return asin(h), dh / root, ddh / root + h * dh * dh / root**3
+
+    def frame(self, s: float, speed: float, acceleration: float = 0.0) -> Frame:
+        """Track frame at s for a vehicle at speed m/s with acceleration m/s2.
+
+        Orientation Rz(heading) Ry(-gradient) Rx(angle); rotation k and k' per length turn into w = V k and
+        dw/dt = V' k + V^2 k'.
+        """
+        p, dp, ddp = self.angle(s)
+        a, da, dda = self.gradient(s)
+        curvature, dcurvature, _ = self.curvature(s)
+        ca, sa, cp, sp = cos(a), sin(a), cos(p), sin(p)
+        turn = curvature * ca  # heading per arc length
+        dturn = dcurvature * ca - curvature * da * sa
+        across, dacross = turn * ca, dturn * ca - turn * da * sa  # its part normal to the tangent
+        k = (dp + turn * sa, across * sp - da * cp, across * cp + da * sp)
+        dk = (
+            ddp + dturn * sa + turn * da * ca,
+            dacross * sp + across * dp * cp - dda * cp + da * dp * sp,
+            dacross * cp - across * dp * sp + dda * sp + da * dp * cp,
+        )
+        v2 = speed * speed
+        return Frame(
+            speed,
+            acceleration,
+            rate=(speed * k[0], speed * k[1], speed * k[2]),
+            rate_dot=(
+                acceleration * k[0] + v2 * dk[0],
+                acceleration * k[1] + v2 * dk[1],
+                acceleration * k[2] + v2 * dk[2],
+            ),
+            down=(-sa, -ca * sp, -ca * cp),
+            rails=self.irregularities.rails(s) if self.irregularities else None,
+        )
+
+    def heading(self, s: float) -> float:
+        """Angle of the tangent in plan against that at s = 0, rad, by Gauss quadrature piece by piece."""
+        low, high = min(0.0, s), max(0.0, s)
+        breaks = sorted({low, high, *(x for c in (self.curvature, self.gradient) for x in c.breaks if low < x < high)})
+        nodes, weights = np.polynomial.legendre.leggauss(8)  # type: ignore[no-untyped-call]
+        total = 0.0
+        for a, b in pairwise(breaks):
+            points = (0.5 * (a + b) + 0.5 * (b - a) * nodes).tolist()
+            turns = [self.curvature(x)[0] * cos(self.gradient(x)[0]) for x in points]
+            total += 0.5 * (b - a) * float(weights @ np.array(turns))
+        return total if s >= 0.0 else -total

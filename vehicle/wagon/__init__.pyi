@@ -1,0 +1,2 @@
+from .components import Suspension as Suspension
+from .wagon import Wagon as Wagon

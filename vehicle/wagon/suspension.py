@@ -1,0 +1,127 @@
+"""Forces between car body, bogie and wheelset: springs, dampers, roll bar, bumpstop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.wagon.attachments import Joints
+from wheelrail.vehicle.wagon.components import Suspension
+from wheelrail.vehicle.wagon.elements import Element, Elements, Place
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+CAR_BODY, BOGIE, WHEELSET = 0, 1, 2
+
+LEFT_PRIMARY, LEFT_SECONDARY, OTHER_SIDE, STOP = 0, 2, 4, 8  # springs among the elements, dampers follow
+
+Row = tuple[float, ...]  # upper and lower body, y and height, preload, turn
+
+
+class SuspensionForces(NamedTuple):
+    """on_bodies (..., 3, 3): lateral and vertical force N, roll moment N m about the centre, on car body, bogie,
+    wheelset.
+
+    deflection (..., n, 2) m and force (..., n, 2) N of the elements, lateral and vertical in their own axes, force on
+    the upper body. Elements: primary spring and damper, secondary spring and damper of the left side, the same of the
+    right side, bumpstop. series_rate (..., m) m/s: of the springs in series with dampers.
+    """
+
+    on_bodies: Array
+    deflection: Array
+    force: Array
+    series_rate: Array
+
+    @property
+    def secondary_deflection(self) -> float:
+        """Lateral deflection at the secondary springs, mean of both sides, m."""
+        return float(0.5 * (self.deflection[2, 0] + self.deflection[6, 0]))
+
+
+def _rows(stage: Suspension, side: float, upper: int, lower: int, load: float) -> list[Row]:
+    """Spring and damper on one side (+1 left, -1 right) of a stage that carries a static load N."""
+    return [
+        (upper, lower, side * stage.spring_y, stage.spring_height, 0.5 * load, stage.turn),
+        (upper, lower, side * stage.damper_y, stage.damper_height, 0.0, stage.turn),
+    ]
+
+
+def _laws(stage: Suspension, spring: int) -> list[Element]:
+    """Springs and dampers on both sides of a stage, whose left spring is the given element."""
+    springs, dampers = (spring, spring + OTHER_SIDE), (spring + 1, spring + 1 + OTHER_SIDE)
+    return [
+        Element(Place(*springs, 0), spring=stage.lateral_stiffness),
+        Element(Place(*springs, 1), spring=stage.vertical_stiffness),
+        Element(Place(*dampers, 0), damper=stage.lateral_damping, series=stage.lateral_series_stiffness),
+        Element(Place(*dampers, 1), damper=stage.vertical_damping, series=stage.vertical_series_stiffness),
+    ]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """All n force elements of the plane wagon.
+
+    preload (n,) N, vertical; couple (2,) N m/rad between car body and bogie, bogie and wheelset. series in arguments:
+    deflections (..., m) of the springs in series with dampers as in `wheelrail.vehicle.wagon.elements`, none stretched
+    if not given.
+    """
+
+    joints: Joints
+    laws: Elements
+    preload: Array
+    couple: Array
+
+    @classmethod
+    def of(cls, wagon: Wagon) -> Assembly:
+        """Preloads hold the nominal position on straight level track."""
+        w = wagon.plane
+        body, both = w.gravity * w.car_body.mass, w.gravity * (w.car_body.mass + w.bogie.mass)
+        stop: Row = (CAR_BODY, BOGIE, 0.0, w.bumpstop_height, 0.0, w.secondary.turn)
+        sides = [
+            [*_rows(w.primary, side, BOGIE, WHEELSET, both), *_rows(w.secondary, side, CAR_BODY, BOGIE, body)]
+            for side in (1.0, -1.0)
+        ]
+        table = np.array([*sides[0], *sides[1], stop]).T
+        ends = table[:2].astype(np.int64)
+        heights = np.array([w.car_body.height, w.bogie.height, w.wheelset.height])
+        laws = [
+            *_laws(w.primary, LEFT_PRIMARY),
+            *_laws(w.secondary, LEFT_SECONDARY),
+            Element(Place(STOP, STOP, 0), spring=w.bumpstop),
+        ]
+        return cls(
+            joints=Joints(ends, np.stack([table[2], table[2]]), table[3] - heights[ends], table[5]),
+            laws=Elements.of(laws, len(table.T)),
+            preload=table[4],
+            couple=np.array([w.roll_bar + 2 * w.secondary.bending_stiffness, 2 * w.primary.bending_stiffness]),
+        )
+
+    def forces(self, position: Array, rate: Array, series: Array | None = None) -> SuspensionForces:
+        """Forces at position (..., 3, 3), y m, z m from the nominal height, roll rad of each body, and its rate."""
+        series = self._unstretched(position) if series is None else series
+        strain = self.joints.strain(position, rate)
+        force = self.laws.force(strain.deflection, strain.velocity, series)
+        force[..., 1] += self.preload
+        on_bodies = self.joints.on_bodies(force, strain)
+        couple = self.couple * (position[..., :2, 2] - position[..., 1:, 2])
+        on_bodies[..., :2, 2] -= couple
+        on_bodies[..., 1:, 2] += couple
+        return SuspensionForces(on_bodies, strain.deflection, force, self.laws.series_rate(strain.velocity, series))
+
+    def stored_energy(self, position: Array, series: Array | None = None) -> Array:
+        """Potential energy (...) J of springs, preloads, roll bar, bending and bumpstop; 0 in the nominal position."""
+        series = self._unstretched(position) if series is None else series
+        deflection = self.joints.strain(position, np.zeros(position.shape)).deflection
+        turned = position[..., :2, 2] - position[..., 1:, 2]
+        bent, lifted = 0.5 * turned**2 @ self.couple, deflection[..., 1] @ self.preload
+        return np.asarray(self.laws.energy(deflection, series) + bent - lifted)
+
+    def dissipated_power(self, position: Array, rate: Array, series: Array | None = None) -> Array:
+        """Power (...) W that the dampers turn into heat."""
+        series = self._unstretched(position) if series is None else series
+        return self.laws.dissipated(self.joints.strain(position, rate).velocity, series)
+
+    def _unstretched(self, position: Array) -> Array:
+        return np.zeros((*position.shape[:-2], self.laws.states))

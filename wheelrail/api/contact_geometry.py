@@ -1,0 +1,108 @@
+"""Contact geometry of rigid profiles: rolling radii, contact points and equivalent conicity over the displacement."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wheelrail.api.rigid_pair import contact_values, placed_pair
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+FINEST = 1e-4  # m, between lateral positions from which the conicity is computed
+
+
+# Variable by side: unit, meaning.
+BY_SIDE = {
+    "rolling_radius": ("m", "rolling radius"),
+    "contact_angle": ("rad", "turn of the contact plane about the track"),
+    "wheel_s": ("m", "arc length on the wheel's profile from the rolling circle, to the field side"),
+    "wheel_y": ("m", "lateral position on the wheel from the rolling circle, to the field side"),
+    "rail_s": ("m", "arc length on the rail's profile from its top as laid, to the field side"),
+    "rail_y": ("m", "lateral position on the rail from its top as laid, to the field side"),
+    "contact_x": ("m", "contact point ahead of the axle"),
+}
+
+
+def contact_geometry(
+    wheel: str | Path | Profile = "S1002",
+    rail: str | Path | Profile = "UIC60",
+    y: ArrayLike | None = None,
+    *,
+    yaw: float = 0.0,
+    **more: Any,
+) -> Dataset:
+    """Where a rigid wheelset touches its rigid rails, over its lateral position y (n,) m: -6 to 6 mm unless given.
+
+    wheel, rail: a name, a file or a profile. yaw rad. Further arguments place them, as for `wheelrail.Wheelset`:
+    laying_angle rad; gauge, gauge_height, flange_back_distance, flange_back and radius m.
+
+    A Dataset over y and side: rolling_radius m, contact_angle rad, contact points on both profiles m; over y: height z
+    m and roll rad of the wheelset, rolling_radius_difference m, left minus right; over amplitude m, the positive ones
+    of y: equivalent_conicity, that of cones whose wheelset runs in waves of the same length (EN 15302; Klingel's
+    formula for cones). Raises SceneError, and ValueError for a position at which no two points touch.
+    """
+    from xarray import Dataset
+
+    from wheelrail.contact.geometry.conicity import equivalent_conicity
+    from wheelrail.contact.geometry.first_contact import seats
+    from wheelrail.scenes.datasets.patches import means
+
+    places = np.atleast_1d(np.asarray(np.linspace(-6e-3, 6e-3, 121) if y is None else y, dtype=np.float64))
+    if places.ndim != 1 or not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 0.1:
+        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm are 0.002), got {y!r}")
+    pair = placed_pair(wheel, rail, **more)
+    found = seats(pair.rigid, pair.mounting, places, yaw)
+    values = {name: np.empty((len(places), len(SIDES))) for name in BY_SIDE}
+    for row, (_, touches) in enumerate(found):
+        for column, side in enumerate(SIDES):
+            for name, value in contact_values(pair, touches[side], -1.0 if side == "right" else 1.0).items():
+                values[name][row, column] = value
+    radii = values["rolling_radius"]
+    amplitude = np.unique(places[places > 0.0])
+    base = 2.0 * pair.mounting.wheel_y
+    conicity: Array = np.empty(0)
+    if amplitude.size:
+        fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
+        pairs = [found for _, found in seats(pair.rigid, pair.mounting, fine)]
+        left, right = (
+            np.array([contact_values(pair, one[side], 1.0)["rolling_radius"] for one in pairs]) for side in SIDES
+        )
+        conicity = equivalent_conicity(fine, left - right, amplitude, base=base, radius=pair.mounting.radius)
+    return Dataset(
+        {
+            **{name: (("y", "side"), values[name], means(units, text)) for name, (units, text) in BY_SIDE.items()},
+            "z": ("y", [state.z for state, _ in found], means("m", "height of the wheelset over the nominal one")),
+            "roll": ("y", [state.roll for state, _ in found], means("rad", "roll of the wheelset")),
+            "rolling_radius_difference": (
+                "y",
+                radii[:, 0] - radii[:, 1],
+                means("m", "rolling radius of the left wheel less that of the right one"),
+            ),
+            "equivalent_conicity": (
+                "amplitude",
+                conicity,
+                means("1", "equivalent conicity, from the length of the wave (EN 15302)"),
+            ),
+        },
+        coords={
+            "y": ("y", places, means("m", "lateral position of the wheelset, to the left")),
+            "side": ("side", list(SIDES)),
+            "amplitude": ("amplitude", amplitude, means("m", "amplitude of the lateral motion")),
+        },
+        attrs={
+            "title": "Contact geometry of rigid profiles",
+            "wheel": pair.rigid.wheel.name,
+            "rail": pair.rigid.rail.name,
+            "base": base,
+            "nominal_radius": pair.mounting.radius,
+            "yaw": yaw,
+        },
+    )

@@ -1,0 +1,60 @@
+"""Profiles of wheel and rail in a track, and their outlines where the rigid bodies touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
+from wheelrail.contact.kinematics.wheelset_state import Mounting
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.support.arrays import Array
+
+OUTLINE = 2e-4  # m, between points of a profile that is drawn
+
+
+@dataclass(frozen=True)
+class PlacedPair:
+    """Rigid left-hand pair of profiles, the rail as laid, and how both are mounted."""
+
+    rigid: RigidWheelRail
+    mounting: Mounting
+
+
+def placed_pair(wheel: str | Path | Profile = "S1002", rail: str | Path | Profile = "UIC60", **more: Any) -> PlacedPair:
+    """Profiles of a wheelset on its track; arguments as for `wheelrail.Wheelset`, which checks them."""
+    from wheelrail.api.wheelset import Wheelset
+
+    wheelset = Wheelset(wheel, rail, friction=0.0, model="standard", **more)
+    return PlacedPair(RigidWheelRail(*wheelset.profiles, wheelset.arguments["radius"]), wheelset.mounting)
+
+
+def contact_values(pair: PlacedPair, touch: Any, hand: float) -> dict[str, float]:
+    """What there is to say of a contact point; hand is -1 for the mirror image of a right-hand pair."""
+    (wheel_y, wheel_z), rail_y = pair.rigid.wheel.point(touch.wheel_s), pair.rigid.rail.point(touch.rail_s)[0]
+    return {
+        "rolling_radius": pair.rigid.radius + float(wheel_z),
+        "contact_angle": hand * float(np.arctan2(-touch.normal[1], touch.normal[2])),
+        "wheel_s": touch.wheel_s,
+        "wheel_y": float(wheel_y),
+        "rail_s": touch.rail_s,
+        "rail_y": float(rail_y),
+        "contact_x": float(touch.point[0]),
+    }
+
+
+def outlines_in_contact(pair: PlacedPair, y: float, yaw: float) -> tuple[Array, Array, Array, float]:
+    """Lowest line of the left wheel and its rail (n, 2) m, contact point (2,) m, in the frame of the rail, and contact
+    angle rad, where the wheelset at y m with a yaw rad just touches both rails.
+    """
+    from wheelrail.contact.geometry.first_contact import seats
+
+    (((state, touches)),) = seats(pair.rigid, pair.mounting, np.array([y]), yaw)
+    pose, _ = pair.mounting.left_pair(state)
+    wheel, rail = (profile.point(profile.samples(OUTLINE)) for profile in (pair.rigid.wheel, pair.rigid.rail))
+    lowest = np.column_stack([np.zeros(len(wheel)), wheel[:, 0], -(pair.rigid.radius + wheel[:, 1])])
+    placed = (lowest @ pose.rotation.T + pose.origin)[:, 1:]
+    return placed, rail, touches["left"].point[1:], contact_values(pair, touches["left"], 1.0)["contact_angle"]

@@ -1,0 +1,110 @@
+"""Contact solutions and runs as tables to read."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wheelrail.scenes.datasets.run import AXES
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+# Column: variable, what a unit of it is in SI, digits.
+COLUMNS: dict[str, tuple[str, float, int]] = {
+    "N [kN]": ("patch_normal_force", 1e3, 3),
+    "p max [MPa]": ("patch_max_pressure", 1e6, 1),
+    "area [mm²]": ("patch_area", 1e-6, 2),
+    "stick [mm²]": ("patch_stick_area", 1e-6, 2),
+    "a, x [mm]": ("patch_semi_axis_x", 1e-3, 3),
+    "b, y [mm]": ("patch_semi_axis_y", 1e-3, 3),
+    "Tx [kN]": ("patch_longitudinal_force", 1e3, 3),
+    "Ty [kN]": ("patch_lateral_force", 1e3, 3),
+    "wheel y [mm]": ("wheel_y", 1e-3, 3),
+    "rail y [mm]": ("rail_y", 1e-3, 3),
+}
+NAMES = (
+    *("patch_normal_force", "patch_max_pressure", "patch_area", "patch_stick_area"),
+    *("patch_semi_axis_x", "patch_semi_axis_y", "patch_longitudinal_force", "patch_lateral_force"),
+    *("patch_longitudinal_creepage", "patch_lateral_creepage", "patch_spin", "patch_frictional_power"),
+    *("patch_contact_angle", "patch_x", "wheel_s", "rail_s", "wheel_y", "rail_y"),
+)
+
+
+def patch_table(data: Dataset) -> DataFrame:
+    """A row for every patch, in SI units; columns as the variables, without "patch_" before their names."""
+    from pandas import DataFrame
+
+    there = _there(data)
+    columns = {name.removeprefix("patch_"): [float(data[name].values[place]) for place in there] for name in NAMES}
+    sides = data["side"].values
+    return DataFrame({"side": [str(sides[row]) for row, _ in there], "patch": [k for _, k in there], **columns})
+
+
+def text(data: Dataset) -> str:
+    """Status, forces by side, and a line for every patch."""
+    heads, rows = _cells(data)
+    widths = [max(len(row[i]) for row in (heads, *rows)) for i in range(len(heads))]
+    lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in (heads, *rows)]
+    return "\n".join([heading(data), *(lines if rows else ["no patch"]), *_sides(data)])
+
+
+def html(data: Dataset) -> str:
+    """The same in HTML, with the whole Dataset folded away below."""
+    heads, rows = _cells(data)
+    table = "".join(
+        "<tr>" + "".join(f"<{tag} style='text-align:right'>{escape(cell)}</{tag}>" for cell in row) + "</tr>"
+        for row, tag in ((heads, "th"), *((row, "td") for row in rows))
+    )
+    sides = "".join(f"<div>{escape(line)}</div>" for line in _sides(data))
+    return (
+        f"<div><b>{escape(heading(data))}</b><table>{table}</table>{sides}"
+        f"<details><summary>data</summary>{data._repr_html_()}</details></div>"
+    )
+
+
+def heading(data: Dataset) -> str:
+    """One line on the kind of contact and how its solve ended."""
+    attributes = data.attrs
+    words = [str(attributes["title"]), f"{attributes['model']} model", f"friction {attributes['friction']:g}"]
+    words += [f"{attributes[key]} {key}" for key in ("laws", "bodies", "points") if key in attributes]
+    return f"{', '.join(words)}: {attributes['status']}"
+
+
+def _there(data: Dataset) -> list[tuple[int, int]]:
+    return [(row, k) for row, count in enumerate(data["patches"].values) for k in range(int(count))]
+
+
+def _cells(data: Dataset) -> tuple[list[str], list[list[str]]]:
+    sides = data["side"].values
+    rows = [
+        [f"{sides[row]} {k + 1}"]
+        + [_number(float(data[name].values[row, k]) / unit, digits) for name, unit, digits in COLUMNS.values()]
+        for row, k in _there(data)
+    ]
+    return ["patch", *COLUMNS], rows
+
+
+def _number(value: float, digits: int) -> str:
+    """Rounded, and no minus before zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def _sides(data: Dataset) -> list[str]:
+    """A line for every side: its force, and how far off that may be."""
+    lines = []
+    for side in data["side"].values:
+        own = data.sel(side=side)
+        name = "upper body" if side == "contact" else f"{side} wheel"
+        if str(own["status"].item()) != "converged":
+            lines.append(f"{name}: {own['status'].item()}")
+            continue
+        force = ", ".join(_number(float(own[f"{axis}_force"]) / 1e3, 3) for axis in AXES)
+        line = f"{name}: force {force} kN forward, left, up"
+        if "force_error" in own and np.isfinite(own["force_error"]):
+            line += f", off by about {float(own['force_error']):.2g} N"
+        lines.append(f"{line}; {float(own['contact_seconds']):.2g} s")
+    return lines

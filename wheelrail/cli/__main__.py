@@ -1,0 +1,3 @@
+from wheelrail.cli.entry import main
+
+main()

@@ -1,0 +1,40 @@
+"""The command that all others belong to, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
+
+
+class Commands(TyperGroup):
+    """All commands: Ctrl-C wherever it comes, and results that nobody takes, are a line and an exit code, too."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            done = super().invoke(ctx)
+            sys.stdout.flush()
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+        except OSError as error:
+            print(f"standard output: {error.strerror or error}", file=sys.stderr)
+            with suppress(OSError, ValueError):  # what is left in the buffer would be tried again at the end
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(FAILED) from None
+        return done
+
+
+app = typer.Typer(
+    cls=Commands,
+    help="Detailed wheel-rail contact by finite elements, inside a vehicle simulation.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)

@@ -1,0 +1,22 @@
+"""The command `wheelrail`: its subcommands and its entry point."""
+
+from __future__ import annotations
+
+import os
+
+from wheelrail.cli import contact, run, study, templates, view  # noqa: F401 - each registers its commands, in this order
+from wheelrail.cli.app import app
+from wheelrail.cli.mpi_launcher import as_one
+
+__all__ = ["app", "main"]
+
+
+def main() -> None:
+    """Entry point.
+
+    One BLAS thread unless the environment says otherwise: the dense blocks are small, threads that wait cost more.
+    """
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    with as_one():
+        app()

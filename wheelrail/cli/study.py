@@ -1,0 +1,46 @@
+"""Studies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wheelrail.cli.app import app
+from wheelrail.cli.arguments import complaints, results_folder
+from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
+from wheelrail.support.terminal import progress_console, result_console, stdout_for_results
+
+
+@app.command()
+def study(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder of the results; results/<name of the study> without it."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", metavar="ADDRESS", help="Dask scheduler, as in tcp://host:8786; else this machine."
+        ),
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Compute cases anew that are done already.")] = False,
+) -> None:
+    """Solve all cases of a study in parallel; started again it computes only what is missing."""
+    from wheelrail.scenes.studies.plan import plan
+    from wheelrail.scenes.studies.run import run_plan
+    from wheelrail.scenes.studies.schema import load_study
+
+    folder = results_folder(out, Path("results", study.stem))
+    with complaints(""), progress_console().status("checking the cases"):
+        planned = plan(load_study(study), study)
+    with complaints("", f"{folder}: "), stdout_for_results():
+        outcome = run_plan(planned, folder, progress_console(), scheduler=scheduler, fresh=fresh)
+    for part in outcome.summary():
+        result_console().print(part, highlight=False, markup=False)
+    if outcome.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if outcome.failed:
+        raise typer.Exit(FAILED)

@@ -1,0 +1,1 @@
+"""From a checked scene to the objects of `contact` and `vehicle`."""

@@ -1,0 +1,1 @@
+"""Single contact solves of a scene, and their report."""

@@ -1,0 +1,1 @@
+"""Results as xarray Datasets with units, and NetCDF files."""

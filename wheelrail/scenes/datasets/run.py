@@ -1,0 +1,131 @@
+"""Results of a run as named variables with units, left and right as a coordinate."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.scenes.datasets.netcdf import machine, versions
+from wheelrail.scenes.datasets.patches import means, patch_variables
+from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
+from wheelrail.vehicle.track.irregularity import QUANTITIES
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from wheelrail.vehicle.simulation.history import History
+
+AXES = ("longitudinal", "lateral", "vertical")
+TURNS = ("roll", "spin", "yaw")
+IRREGULARITIES = {
+    "alignment": "irregularity of the track to the left",
+    "level": "irregularity of the track upwards",
+    "cross_level": "irregularity of the height of the right rail over the left",
+    "gauge": "irregularity of the gauge, wider",
+}
+
+
+def dataset(history: History, *, scene: str = "") -> Dataset:
+    """The history as a Dataset over time, side (left, right), patch (padded with NaN) and edge (low, high)."""
+    from xarray import Dataset
+
+    costs = [history.cost.contact[side] for side in SIDES]
+    every: dict[str, Any] = {
+        **_motion(history),
+        **_forces(history),
+        **patch_variables(
+            [patches for pair in history.patches for patches in pair], ("time", "side"), (len(history), len(SIDES))
+        ),
+        "in_contact": (
+            ("time", "side"),
+            np.array(history.contact_status) == "converged",
+            means("1", "wheel touches rail"),
+        ),
+        "contact_solves": ("side", [cost.solves for cost in costs], means("1", "contact problems solved")),
+        "failed_solves": ("side", [cost.failed for cost in costs], means("1", "of these, failed and tried again")),
+        "newton_iterations": ("side", [cost.newton for cost in costs], means("1", "Newton iterations in all")),
+        "linear_iterations": ("side", [cost.linear for cost in costs], means("1", "linear iterations in all")),
+        "contact_seconds": ("side", [cost.seconds for cost in costs], means("s", "time for all contact solves")),
+    }
+    coordinates = {
+        "time": ("time", history.time, {"units": "s", "long_name": "time"}),
+        "distance": ("time", history.distance, means("m", "distance along the track")),
+        "side": ("side", list(SIDES)),
+        "edge": ("edge", ["low", "high"]),
+    }
+    steps = history.cost.steps
+    attributes = {
+        "title": "Vehicle run on finite-element wheel-rail contact",
+        "frame": "moving with the track: x forward, y to the left, z up; forces act on the wheels",
+        "status": history.status,
+        "speed": float(history.speeds[0]),
+        "nominal_radius": history.radius,
+        "seconds": history.cost.seconds,
+        "steps_accepted": steps.accepted,
+        "steps_rejected": steps.rejected,
+        "steps_failed": steps.failed,
+        "evaluations": steps.evaluations,
+        "scene": scene,
+        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
+        "machine": machine(),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    return Dataset(every, coords=coordinates, attrs=attributes)
+
+
+def _motion(history: History) -> dict[str, Any]:
+    """Coordinates of the bodies and their rates, the track below them."""
+    found: dict[str, Any] = {}
+    state = history.state.copy()
+    state[:, 9] += history.distance / history.radius
+    state[:, 9 + COUNT] += history.speeds / history.radius
+    for index, name in enumerate(COORDINATES):
+        turns = name.endswith(("roll", "pitch"))
+        text = name.replace("_", " ") + (", from the nominal height" if name.endswith("z") else "")
+        found[name] = ("time", state[:, index], means("rad" if turns else "m", text))
+        rate = state[:, COUNT + index]
+        found[f"{name}_rate"] = ("time", rate, means("rad/s" if turns else "m/s", f"rate of {text}"))
+    if history.series_deflection.size:
+        text = "deflection outwards of the springs in series with dampers, of the left side, then of the right side"
+        found["series_deflection"] = (("time", "series"), history.series_deflection, means("m", text))
+    found["speed"] = ("time", history.speeds, means("m/s", "speed along the track"))
+    if history.irregularities is not None:
+        for index, name in enumerate(QUANTITIES):
+            found[f"irregularity_{name}"] = (
+                "time",
+                history.irregularities[:, index],
+                means("m", IRREGULARITIES[name]),
+            )
+    for source, name, units, text in (
+        (history, "curvature", "1/m", "curvature of the track, positive to the left"),
+        (history, "lift", "m", "height of the right rail over the left"),
+        (history.outputs, "yaw_reaction", "N m", "moment that replaces the yaw freedom of the wheelset"),
+        (history.outputs, "secondary_deflection", "m", "car body against bogie at the secondary springs, to the left"),
+        (history.outputs, "bumpstop_deflection", "m", "deflection of the lateral bumpstop, to the left"),
+        (history.outputs, "bumpstop_force", "N", "force of the bumpstop on the car body, to the left"),
+    ):
+        found[name] = ("time", getattr(source, name), means(units, text))
+    return found
+
+
+def _forces(history: History) -> dict[str, Any]:
+    """Contact forces on the wheels and moments about the wheelset's centre, in the track's axes."""
+    by_side = ("time", "side")
+    found: dict[str, Any] = {}
+    for index, (axis, turn) in enumerate(zip(AXES, TURNS, strict=True)):
+        found[f"{axis}_force"] = (
+            by_side,
+            history.outputs.force[:, :, index],
+            means("N", f"{axis} contact force on the wheel"),
+        )
+        text = f"{turn} moment of the contact force about the wheelset's centre"
+        found[f"{turn}_moment"] = (by_side, history.outputs.moment[:, :, index], means("N m", text))
+    found["approach"] = (
+        by_side,
+        history.outputs.approach,
+        means("m", "largest undeformed overlap; negative is a gap"),
+    )
+    return found

@@ -1,0 +1,161 @@
+"""Everything that a contact solve gives as one Dataset: results, where the bodies stand, their shapes, what it cost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.contact.analytical.hertz import modulus
+from wheelrail.contact.geometry.quadric_pair import curvature
+from wheelrail.scenes.builders.contact import laws
+from wheelrail.scenes.contacts.report import overall
+from wheelrail.scenes.contacts.solve import Solved, ways
+from wheelrail.scenes.datasets.contact import contact_dataset
+from wheelrail.scenes.datasets.netcdf import versions
+from wheelrail.scenes.datasets.patches import means
+from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from wheelrail.meshes.profiles.profile import Profile
+
+OUTLINE = 2e-4  # m, between the points that are kept of a profile
+
+
+def solution_dataset(
+    scene: HertzScene | WheelsetScene,
+    solved: Mapping[str, Solved],
+    profiles: Sequence[Profile] = (),
+    arguments: Mapping[str, Any] | None = None,
+) -> Dataset:
+    """The Dataset of `contact_dataset` with poses, costs and stresses, and the bodies' shapes: of a wheelset the
+    profiles of wheel and rail as laid. arguments: what was asked for, kept as text.
+    """
+    data = contact_dataset({side: found.result for side, found in solved.items()}, laws(scene))
+    data = data.assign(
+        **_stand(solved),
+        **_cost(solved),
+        **_curvatures(scene, solved, profiles),
+        **_outlines(profiles),
+        **_stress(solved),
+    )
+    bodies = (scene.upper, scene.lower) if isinstance(scene, HertzScene) else (scene, scene)
+    above, below = ((body.E, body.nu) for body in bodies)
+    sides = {side: {"status": found.result.status} for side, found in solved.items()}
+    described = {key: value for key, value in ways(scene).items() if value is not None}
+    return data.assign_attrs(
+        title="Wheel-rail contact" if profiles else "Contact of a Hertz pair",
+        frame="of each side's rail: x forward, y to the left, z up; forces act on the wheel",
+        status=overall(sides),
+        kind=scene.kind,
+        model=scene.model,
+        friction=scene.friction,
+        contact_modulus=modulus(above, below),
+        **({} if isinstance(scene, HertzScene) else {"nominal_radius": scene.wheelset.radius}),
+        **described,
+        arguments=json.dumps(dict(arguments or {}), default=str),
+        versions=", ".join(f"{name} {number}" for name, number in versions().items()),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+    )
+
+
+def _stand(solved: Mapping[str, Solved]) -> dict[str, Any]:
+    """Where the wheelset, and where each wheel stands in the frame of its rail."""
+    origin, rotation = np.full((len(solved), 3), np.nan), np.full((len(solved), 3, 3), np.nan)
+    for row, found in enumerate(solved.values()):
+        if found.pose is not None:
+            origin[row], rotation[row] = found.pose.origin, found.pose.rotation
+    turned = means("1", "axes of the wheel as columns")
+    return {
+        "z": ("side", [found.z for found in solved.values()], means("m", "height over the nominal one")),
+        "roll": ("side", [found.roll for found in solved.values()], means("rad", "roll of the wheelset")),
+        "wheel_origin": (("side", "axis"), origin, means("m", "centre of the wheel, in its rolling plane")),
+        "wheel_rotation": (("side", "axis", "wheel_axis"), rotation, turned),
+    }
+
+
+def _cost(solved: Mapping[str, Solved]) -> dict[str, Any]:
+    solves, seconds = ([getattr(found, name) for found in solved.values()] for name in ("solves", "seconds"))
+    return {
+        "contact_solves": ("side", solves, means("1", "contact problems solved")),
+        "contact_seconds": ("side", seconds, means("s", "time for all contact solves")),
+    }
+
+
+def _curvatures(
+    scene: HertzScene | WheelsetScene, solved: Mapping[str, Solved], profiles: Sequence[Profile]
+) -> dict[str, Any]:
+    """Coefficients A and B of the gap A x2 + B y2 between the rigid bodies in the middle of each patch: Hertz's."""
+    most = max([1, *(len(found.result.patches) for found in solved.values())])
+    found = np.full((len(solved), most, 2), np.nan)
+    for row, side in enumerate(solved.values()):
+        for k, patch in enumerate(side.result.patches):
+            if isinstance(scene, HertzScene):
+                found[row, k] = curvature(scene.upper.radii) + curvature(scene.lower.radii)
+            else:
+                found[row, k] = _local(scene, profiles, patch.wheel_s, patch.rail_s)
+    text = "half the relative curvature of the rigid bodies in the middle of the patch, {}"
+    return {
+        f"patch_gap_curvature_{name}": (("side", "patch"), found[:, :, axis], means("1/m", text.format(where)))
+        for axis, (name, where) in enumerate((("x", "along the track"), ("y", "across")))
+    }
+
+
+def _local(scene: WheelsetScene, profiles: Sequence[Profile], wheel_s: float, rail_s: float) -> Array:
+    """A and B, 1/m, of wheel and rail at arc lengths m: along the rail only the wheel is curved, on its rolling circle
+    of a radius r with a normal that leans away from it (Meusnier).
+    """
+    wheel, rail = profiles
+    if not (wheel.s_range[0] <= wheel_s <= wheel.s_range[1] and rail.s_range[0] <= rail_s <= rail.s_range[1]):
+        return np.full(2, np.nan)
+    across = float(wheel.curvature(wheel_s)) + float(rail.curvature(rail_s))
+    along = float(wheel.normal(wheel_s)[1]) / (scene.wheelset.radius + float(wheel.point(wheel_s)[1]))
+    return 0.5 * np.array([along, across])
+
+
+def _outlines(profiles: Sequence[Profile]) -> dict[str, Any]:
+    """The profiles as points."""
+    return {
+        f"{profile.kind}_profile": (
+            (f"{profile.kind}_point", "plane"),
+            profile.point(profile.samples(OUTLINE)),
+            means("m", f"profile of the {profile.kind} {profile.name}: y to the field side, z up"),
+        )
+        for profile in profiles
+    }
+
+
+def _stress(solved: Mapping[str, Solved]) -> dict[str, Any]:
+    """Stresses below the patches where they were asked for, over body and depth."""
+    bodies = list(dict.fromkeys(body for found in solved.values() for body in found.stress))
+    if not bodies:
+        return {}
+    below = [
+        (row, bodies.index(body), k, patch)
+        for row, found in enumerate(solved.values())
+        for body, under in found.stress.items()
+        for k, patch in enumerate(under.patches)
+    ]
+    depth = below[0][3].depth
+    shape = (len(solved), len(bodies), 1 + max(k for _, _, k, _ in below), len(depth))
+    mises, stress, position = (np.full(shape + more, np.nan) for more in ((), (3, 3), (3,)))
+    for row, body, k, patch in below:
+        mises[row, body, k], stress[row, body, k], position[row, body, k] = (
+            patch.von_mises,
+            patch.stress,
+            patch.position,
+        )
+    under = ("side", "body", "patch", "depth")
+    return {
+        "body": ("body", bodies),
+        "depth": ("depth", depth, means("m", "depth below the surface")),
+        "von_mises": (under, mises, means("Pa", "von Mises stress below the patch")),
+        "stress": ((*under, "axis", "other_axis"), stress, means("Pa", "stress below the patch")),
+        "stress_position": ((*under, "axis"), position, means("m", "where the stress is")),
+    }

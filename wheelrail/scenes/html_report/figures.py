@@ -1,0 +1,54 @@
+"""Pictures and views as they stand in a page."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Callable
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.scenes.html_report.elements import Picture, View
+from wheelrail.scenes.plots.style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LARGE = 250_000  # bytes of a picture in lines, beyond which its pixels take less
+
+
+def picture(draw: Callable[[], Figure | None], caption: str, alt: str) -> Picture | None:
+    """What draw makes, in lines where that is small; None where it makes nothing."""
+    from matplotlib import rc_context
+
+    with rc_context({**STYLE, "svg.hashsalt": "wheelrail"}):
+        figure = draw()
+        if figure is None:
+            return None
+        content, kind = _saved(figure, "svg"), "svg+xml"
+        if len(content) > LARGE:
+            content, kind = _saved(figure, "png"), "png"
+    return Picture(_uri(content, kind), caption, alt)
+
+
+def view(plotter: Any, caption: str, alt: str) -> View:
+    """A plotter's scene to turn, and how it looks at first; the plotter is closed."""
+    from matplotlib.image import imsave
+
+    from wheelrail.scenes.views.html import view_html
+
+    try:
+        still = BytesIO()
+        imsave(still, plotter.screenshot(None), format="png")
+        return View(view_html(plotter), _uri(still.getvalue(), "png"), caption, alt)
+    finally:
+        plotter.close()
+
+
+def _saved(figure: Figure, kind: str) -> bytes:
+    stream = BytesIO()
+    figure.savefig(stream, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    return stream.getvalue()
+
+
+def _uri(content: bytes, kind: str) -> str:
+    return f"data:image/{kind};base64,{b64encode(content).decode()}"

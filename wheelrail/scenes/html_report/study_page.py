@@ -1,0 +1,117 @@
+"""The page of a study."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.html_report.elements import Note, Page, Section, Table
+from wheelrail.scenes.html_report.figures import picture
+from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
+from wheelrail.scenes.html_report.views import case
+from wheelrail.scenes.studies.convergence import errors_of
+from wheelrail.scenes.studies.plan import SAMPLE, shown
+from wheelrail.scenes.studies.tables import case_table, error_table, flat, parameters
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+ROWS = 2000  # of a table of cases
+KINDS = {"hertz": "pairs of bodies", "wheelset": "wheelsets on rails", "run": "vehicle runs"}
+
+
+def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
+    """Of a study's data; file: the results. view: with one of a case to turn, which is solved once more."""
+    counts = {str(s): int((data["status"] == s).sum()) for s in np.unique(data["status"].values)}
+    spent = float(data["seconds"].sum())
+    sections = [
+        Section("What was varied", [parameter_table(data)]),
+        Section("Failed cases", [failures(data, file.name)]),
+        Section("Cases", [Table.of_rich(case_table(data, ROWS, f"in {file.name}"))]),
+        Section("Pictures", pictures(_pictures(data), "Nothing that is drawn varies from case to case.")),
+    ]
+    if errors_of(data):
+        sections.insert(2, Section("Convergence", [Table.of_rich(error_table(data))]))
+    if view:
+        sections.append(Section("In three dimensions", [case(data, file)]))
+    if not counts.get("failed"):
+        del sections[1]
+    return Page(
+        title=file.parent.resolve().name,
+        what=f"Study of {data['status'].size} cases, {KINDS.get(str(data.attrs.get('scene_kind')), 'scenes')}",
+        status=", ".join(f"{count} {status}" for status, count in counts.items()),
+        well=not counts.keys() & {"failed", "not computed"},
+        lead="",
+        facts={**origin(data.attrs), "took": f"{seconds(spent)} for all cases together", "results": file.name},
+        sources={
+            "The study": _toml(_without_defaults(json.loads(data.attrs["study"]))),
+            "The scene that it varies": _toml(json.loads(data.attrs["scene"])),
+        },
+        sections=sections,
+    )
+
+
+def parameter_table(data: Dataset) -> Table:
+    """Parameters, their dimension and values."""
+    rows = []
+    for name in parameters(data):
+        values, unit = data[name].values, data[name].attrs.get("units", "1")
+        texts = [shown(value.item() if hasattr(value, "item") else value) for value in values]
+        numbers = values.dtype.kind in "if" and len(values)
+        drawn = numbers and SAMPLE in data[name].dims
+        said = (
+            f"{len(values)} values from {shown(values.min())} to {shown(values.max())}" if drawn else ", ".join(texts)
+        )
+        dims = " x ".join(map(str, data[name].dims))
+        rows.append([str(data[name].attrs.get("long_name", name)), unit if unit != "1" else "–", dims, said])
+    return Table("Parameters", ["parameter", "unit", "dimension", "values"], rows, frozenset())
+
+
+def failures(data: Dataset, file: str) -> Table | Note:
+    """Parameters and error of every case that failed; file: what holds the rest of very many."""
+    names = parameters(data)
+    columns = [flat(data, name) for name in names]
+    failed, errors = np.flatnonzero(flat(data, "status") == "failed"), flat(data, "error")
+    if not failed.size:
+        return Note("None.")
+    rows = [[*(shown(column[k].item()) for column in columns), str(errors[k])] for k in failed[:ROWS]]
+    heads = [str(data[name].attrs.get("long_name", name)) for name in names]
+    note = f"and {failed.size - ROWS} more, in {file}" if failed.size > ROWS else ""
+    return Table("Cases that failed, and why", [*heads, "error"], rows, frozenset(range(len(heads))), note)
+
+
+def _pictures(data: Dataset) -> list[Any]:
+    from wheelrail.scenes.studies.plots import convergence, lines, sensitivity
+
+    sampled = SAMPLE in data.dims
+    said = (
+        "Rank correlation with every parameter, and the quantity over the one that matters most"
+        if sampled
+        else "The main quantities over what was varied"
+    )
+    errors = "Relative errors [%] over what is refined, and over the time for the contact solves [s]"
+    return [
+        picture(partial(sensitivity if sampled else lines, data), said, said),
+        picture(partial(convergence, data), errors, errors),
+    ]
+
+
+def _without_defaults(study: dict[str, Any]) -> dict[str, Any]:
+    """What says something; the scene has a text of its own where it is a table."""
+    kept = {key: value for key, value in study.items() if value not in (None, {}, [], False)}
+    return {key: value for key, value in kept.items() if not (key == "scene" and isinstance(value, dict))}
+
+
+def _toml(table: dict[str, Any]) -> str:
+    import tomli_w
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items() if item is not None}
+        return [plain(item) for item in value if item is not None] if isinstance(value, list) else value
+
+    return tomli_w.dumps(plain(table))

@@ -1,0 +1,85 @@
+"""From a folder of results to a page on disk."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.support.atomic_file import whole_file
+
+if TYPE_CHECKING:
+    from wheelrail.scenes.html_report.elements import Page
+
+RUN, STUDY, COMPARISON = "run.nc", "study.nc", "differences.json"
+ALLOWED = (
+    f"allowed: the folder of a run ({RUN}, by wheelrail run), of a study ({STUDY}, by wheelrail study), or of a "
+    f"comparison ({COMPARISON}, by wheelrail compare)"
+)
+PAGE = "report.html"
+
+
+def write_report(folder: str | Path, file: str | Path | None = None, *, view: bool = True) -> Path:
+    """Write the page of the run, the study or the comparison in a folder, whole or not at all; its path.
+
+    file: report.html in the folder unless given. The page needs no network. view: with a view in three dimensions,
+    some MB. Raises SceneError for a folder without such results or with damaged ones, OSError where the page cannot be
+    written.
+    """
+    folder = Path(folder)
+    made = page(folder, view=view)
+    target = folder / PAGE if file is None else Path(file)
+    with whole_file(target) as part:
+        part.write_text(rendered(made), encoding="utf-8")
+    return target
+
+
+def page(folder: Path, *, view: bool = True) -> Page:
+    """Raises SceneError."""
+    if not folder.is_dir():
+        raise SceneError(f"{folder}: {'is a file' if folder.exists() else 'no such folder'}; {ALLOWED}")
+    if (folder / RUN).exists():
+        from wheelrail.scenes.html_report.run_page import run_page
+        from wheelrail.scenes.views.view import read_run
+
+        return run_page(read_run(folder / RUN), folder / RUN, view=view)
+    if (folder / STUDY).exists():
+        from wheelrail.scenes.datasets.netcdf import read
+        from wheelrail.scenes.html_report.study_page import study_page
+
+        data = read(folder / STUDY)
+        if data.attrs.get("kind") != "study":
+            raise SceneError(f"{folder / STUDY}: holds no results of a study; {ALLOWED}")
+        return study_page(data, folder / STUDY, view=view)
+    if (folder / COMPARISON).exists():
+        from wheelrail.scenes.html_report.comparison_page import comparison_page
+        from wheelrail.scenes.views.view import read_run
+
+        names = _models(folder / COMPARISON)
+        runs = read_run(folder / names[0] / RUN), read_run(folder / names[1] / RUN)
+        return comparison_page(runs, names, folder, view=view)
+    raise SceneError(f"{folder}: holds no results; {ALLOWED}")
+
+
+def rendered(page: Page) -> str:
+    """As HTML, by the template beside this file."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html").render(page=page)
+
+
+def _models(file: Path) -> tuple[str, str]:
+    """Names of the two models that were compared, which their folders have."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+        return str(found["first"]), str(found["second"])
+    except (OSError, ValueError, KeyError, TypeError):
+        raise SceneError(f"{file}: cannot be read as the table of a comparison; {ALLOWED}") from None

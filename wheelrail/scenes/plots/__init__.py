@@ -1,0 +1,1 @@
+"""2D figures of contacts and runs, drawn from Datasets by Matplotlib."""

@@ -1,0 +1,158 @@
+"""Pictures of two runs on one axis, the paper's Figs. 11 to 20, T-gamma, numerical noise and the shakedown map."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.datasets.run_differences import rms, scatter, settled
+from wheelrail.scenes.plots.runs import along_track, named, patch_bands
+from wheelrail.scenes.plots.style import STYLE, save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from xarray import Dataset
+
+Runs = Sequence["Dataset"]  # two, or one where a picture makes sense of it
+Names = Sequence[str]
+
+LOOKS: tuple[dict[str, Any], dict[str, Any]] = (
+    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4},
+    {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.0},
+)
+DOTS = "#D55E00"
+
+
+def draw_comparison(runs: Runs, names: Names, folder: Path) -> Iterator[Path]:
+    """Write the pictures and yield their files."""
+    from matplotlib import rc_context
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, draw in PICTURES.items():
+        with rc_context(STYLE):
+            save(draw(runs, names), folder / f"{name}.png")
+        yield folder / f"{name}.png"
+
+
+def displacements(runs: Runs, names: Names) -> Figure:
+    """Lateral displacement of wheelset and car body, Figs. 11 and 12."""
+    figure, axes = along_track(runs[0], 2)
+    for ax, variable, title in zip(axes, ("wheelset_y", "car_body_y"), ("wheelset", "car body"), strict=True):
+        for data, label, look in zip(runs, names, LOOKS, strict=True):
+            ax.plot(data["distance"], 1e3 * data[variable], label=label, **look)
+        ax.set_title(f"Lateral displacement of the {title}")
+        ax.set_ylabel("y, to the left [mm]")
+    axes[0].legend(loc="best", ncols=2)
+    return figure
+
+
+def lateral_forces(runs: Runs, names: Names) -> Figure:
+    """Lateral contact force on each wheel, Figs. 13 and 15."""
+    return _by_side(runs, names, "lateral_force", 1e-3, "Lateral contact force", "Y, to the left [kN]")
+
+
+def vertical_forces(runs: Runs, names: Names) -> Figure:
+    """Vertical contact force on each wheel, Figs. 14 and 16."""
+    return _by_side(runs, names, "vertical_force", 1e-3, "Vertical contact force", "Q, upwards [kN]")
+
+
+def longitudinal_forces(runs: Runs, names: Names) -> Figure:
+    """Longitudinal contact force on each wheel."""
+    return _by_side(runs, names, "longitudinal_force", 1e-3, "Longitudinal contact force", "X, forward [kN]")
+
+
+def t_gamma(runs: Runs, names: Names) -> Figure:
+    """Heat of friction per metre of track, each wheel."""
+    return _by_side(runs, names, "t_gamma", 1.0, "T-gamma", "heat per metre [N]")
+
+
+def wheel_sections(runs: Runs, names: Names) -> Figure:
+    """Patches of the first model on the wheels as bands, contact points of the second on top, Figs. 17 and 18."""
+    return _sections(runs, names, "wheel", "from the rolling circle\nto the field side [mm]")
+
+
+def rail_sections(runs: Runs, names: Names) -> Figure:
+    """The same on the rails, Figs. 19 and 20."""
+    return _sections(runs, names, "rail", "from the top of the rail\nto the field side [mm]")
+
+
+def force_scatter(runs: Runs, names: Names) -> Figure:
+    """What is left of the vertical and lateral forces beside parabolas over a tenth of a second: where the motion is
+    steady, numerical noise.
+    """
+    figure, axes = along_track(runs[0], 4)
+    panels = [(name, side) for name in ("vertical_force", "lateral_force") for side in runs[0]["side"].values]
+    for ax, (variable, side) in zip(axes, panels, strict=True):
+        for data, label, look in zip(runs, names, LOOKS, strict=True):
+            left = scatter(data["time"].values, data[variable].sel(side=side).values)
+            style = {"color": look["color"], "linewidth": 0.6}
+            words = f"{label}, RMS {rms(left):.2g} N, {rms(left[settled(data)]):.2g} N in the full curve"
+            ax.plot(data["distance"], left, label=words, **style)
+        ax.set_title(f"Scatter of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
+        ax.set_ylabel("[N]")
+        ax.legend(loc="lower right", fontsize=7.5)
+    return figure
+
+
+def shakedown_map(runs: Runs, names: Names) -> Figure:
+    """Every patch of every sample: load factor over utilisation, with the limit of line contact."""
+    from matplotlib.figure import Figure
+
+    from wheelrail.contact.stress.shakedown import shakedown_limit
+
+    figure = Figure(figsize=(8.2, 4.2), layout="constrained")
+    axes = figure.subplots(1, 2, sharex=True, sharey=True)
+    most = 0.1
+    for ax, side in zip(axes, runs[0]["side"].values, strict=True):
+        for data, label, look, marker in zip(runs, names, LOOKS, ("o", "x"), strict=False):
+            used = data["patch_utilisation"].sel(side=side).values.ravel()
+            loaded = data["patch_load_factor"].sel(side=side).values.ravel()
+            most = max(most, float(np.nanmax(used, initial=0.0)))
+            ax.plot(used, loaded, marker, ms=3, color=look["color"], alpha=0.5, mfc="none", label=label)
+        ax.set_title(f"{named(str(side), runs[0])} wheel")
+        ax.set_xlabel("utilisation T / N")
+    friction = np.linspace(0.0, 1.3 * most, 60)
+    for ax in axes:
+        ax.plot(friction, [shakedown_limit(float(f)) for f in friction], color="0.2", label="shakedown, line contact")
+        ax.set_xlim(0.0, friction[-1])
+    axes[0].set_ylabel("load factor, peak pressure over yield in shear")
+    axes[0].legend(loc="best")
+    return figure
+
+
+PICTURES: dict[str, Callable[[Runs, Names], Figure]] = {
+    "compare_displacement": displacements,
+    "compare_lateral_force": lateral_forces,
+    "compare_vertical_force": vertical_forces,
+    "compare_longitudinal_force": longitudinal_forces,
+    "compare_on_wheel": wheel_sections,
+    "compare_on_rail": rail_sections,
+    "compare_t_gamma": t_gamma,
+    "compare_scatter": force_scatter,
+    "compare_shakedown": shakedown_map,
+}
+
+
+def _by_side(runs: Runs, names: Names, variable: str, scale: float, title: str, label: str) -> Figure:
+    figure, axes = along_track(runs[0], 2)
+    for ax, side in zip(axes, runs[0]["side"].values, strict=True):
+        for data, name, look in zip(runs, names, LOOKS, strict=True):
+            ax.plot(data["distance"], scale * data[variable].sel(side=side), label=name, **look)
+        ax.set_title(f"{title}, {named(str(side), runs[0])} wheel")
+        ax.set_ylabel(label)
+    axes[0].legend(loc="best", ncols=2)
+    return figure
+
+
+def _sections(runs: Runs, names: Names, body: str, label: str) -> Figure:
+    figure, axes = patch_bands(runs[0], body, label)
+    points = runs[1]
+    for ax, side in zip(axes, points["side"].values, strict=True):
+        place = 1e3 * points[f"{body}_y"].sel(side=side).values
+        distance = np.broadcast_to(points["distance"].values[:, None], place.shape)
+        ax.plot(distance.ravel(), place.ravel(), ".", ms=2.2, color=DOTS, label=f"contact points, {names[1]}")
+    axes[0].legend(loc="lower left", title=f"bands: patches, {names[0]}", alignment="left")
+    return figure

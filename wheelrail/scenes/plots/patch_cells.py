@@ -1,0 +1,118 @@
+"""Cells of a contact patch in its own plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+@dataclass(frozen=True)
+class PatchCells:
+    """Loaded cells of one patch seen from above in its contact plane, forward and to the left of its resultant:
+    corners (n, 4, 2) m, pressure (n,) Pa, traction (n, 2) Pa on the wheel or the upper body (on),
+    slip (n, 2) over speed, sticks (n,).
+    """
+
+    corners: Array
+    pressure: Array
+    traction: Array
+    slip: Array
+    sticks: NDArray[np.bool_]
+    on: str
+
+    @property
+    def middle(self) -> Array:
+        return np.asarray(self.corners.mean(axis=1))
+
+    @property
+    def areas(self) -> Array:
+        """Area (n,) m2."""
+        return np.asarray(np.prod(np.ptp(self.corners, axis=1), axis=-1))
+
+    def spread(self, count: int, only: NDArray[np.bool_] | None = None) -> NDArray[np.int64]:
+        """Some cells, about evenly over the patch, count to its longer side; only those marked (n,)."""
+        box = float(np.ptp(self.middle, axis=0).max()) / count or 1.0
+        among = np.arange(len(self.pressure)) if only is None else np.flatnonzero(only)
+        _, first = np.unique(np.floor(self.middle[among] / box), axis=0, return_index=True)
+        return np.asarray(among[first])
+
+    def stick_edge(self) -> Array:
+        """Pieces (k, 2, 2) m of the sides that cells which stick share with cells which slip."""
+        low, high = self.corners.min(axis=1), self.corners.max(axis=1)
+        size = high - low
+        pieces: list[Array] = []
+        for one, other in ((self.sticks, ~self.sticks), (~self.sticks, self.sticks)):
+            a, b = np.flatnonzero(one), np.flatnonzero(other)
+            for axis in (0, 1):  # a side of the first cell across this axis, and the cell beyond it
+                across = 1 - axis
+                apart = np.abs(high[a, None, axis] - low[b, axis])
+                start = np.maximum(low[a, None, across], low[b, across])
+                stop = np.minimum(high[a, None, across], high[b, across])
+                near = apart < 0.2 * np.minimum(size[a, None, axis], size[b, axis])
+                least = np.minimum(size[a, None, across], size[b, across])
+                i, j = np.nonzero(near & (stop - start > 1e-2 * least))
+                side = 0.5 * (high[a[i], axis] + low[b[j], axis])
+                ends = np.empty((len(i), 2, 2))
+                ends[..., axis] = side[:, None]
+                ends[:, 0, across], ends[:, 1, across] = start[i, j], stop[i, j]
+                pieces.append(ends)
+        return np.concatenate(pieces)
+
+    @classmethod
+    def of(cls, data: Dataset, side: str, patch: int) -> PatchCells:
+        """Cells in their true lengths, of a Dataset of `wheelrail.scenes.datasets.contact`."""
+        own = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
+        point, axes, pressure, area, step = (
+            data[name].values[own] for name in ("position", "axes", "pressure", "area", "step")
+        )
+        weight = pressure * area
+        up = -(weight @ axes[:, 2])
+        up /= np.linalg.norm(up)
+        forward = np.array([1.0, 0.0, 0.0]) - up[0] * up
+        forward /= np.linalg.norm(forward)
+        plane = np.column_stack([forward, np.cross(up, forward)])
+        half = 0.5 * np.stack([step, area / step], axis=1)[..., None] * axes[:, :2]
+        signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        middle = point - weight @ point / weight.sum()
+        corners = (middle[:, None] + np.einsum("ks,nsc->nkc", signs, half)) @ plane
+        traction, slip = (
+            np.einsum("ns,nsc->nc", data[name].values[own], axes[:, :2]) @ plane for name in ("traction", "slip")
+        )
+        return cls(corners, pressure, traction, slip, data["sticks"].values[own].astype(bool), upper_body(side))
+
+
+def upper_body(side: str) -> str:
+    """The body that pressure and traction act on: that of a pair of blocks has no name of its own."""
+    return "upper body" if side == "contact" else "wheel"
+
+
+def touching(data: Dataset) -> list[tuple[str, int]]:
+    """Side and number of every patch of a Dataset of `wheelrail.scenes.datasets.contact`."""
+    return [(str(side), k) for side in data["side"].values for k in range(int(data["patches"].sel(side=side)))]
+
+
+def chosen(data: Dataset, side: str | None, patch: int) -> tuple[str, int]:
+    """The patch of a side, of the first one that touches without a side. ValueError naming what there is."""
+    there = touching(data)
+    if not there:
+        raise ValueError("nothing touches: there is no patch to draw")
+    found = (there[0][0] if side is None else side, patch)
+    if found not in there:
+        known = ", ".join(f"side = {name!r} with patch = {k}" for name, k in there)
+        raise ValueError(f"side = {side!r}, patch = {patch!r}: no such patch; there is {known}")
+    return found
+
+
+def title(data: Dataset, side: str, patch: int) -> str:
+    """Names a patch: its side, its number where there are several, its load."""
+    name = "contact" if side == "contact" else f"{side} wheel"
+    which = f", patch {patch + 1}" if int(data["patches"].sel(side=side)) > 1 else ""
+    return f"{name}{which}: {1e-3 * float(data['patch_normal_force'].sel(side=side)[patch]):.3g} kN"

@@ -1,0 +1,99 @@
+"""Pressure and traction along a line through the middle of a patch, beside Hertz's pressure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelrail.scenes.plots.patch_cells import PatchCells, chosen, title, upper_body
+from wheelrail.scenes.plots.style import axes_of
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
+
+    from wheelrail.contact.analytical.hertz import Hertz
+
+PRESSURE, TRACTION, CLOSED = "#0072B2", "#009E73", "#D55E00"
+WORDS = {"x": "x from the patch's resultant, forward [mm]", "y": "y from the patch's resultant, to the left [mm]"}
+
+
+def section(
+    data: Dataset,
+    along: Literal["x", "y"] = "x",
+    *,
+    side: str | None = None,
+    patch: int = 0,
+    hertz: bool = True,
+    ax: Axes | None = None,
+) -> Axes:
+    """Pressure and traction MPa of a Dataset of `wheelrail.scenes.datasets.solution` in the cells next to the line x or
+    y through the resultant, over mm.
+
+    hertz: also Hertz's pressure under the same normal force between bodies as curved as these in the middle of the
+    patch, where both curvatures are known and positive. Raises ValueError for another line, or a patch that is not
+    there.
+    """
+    if along not in WORDS:
+        raise ValueError(f'along = {along!r}: must be "x" or "y"')
+    side, patch = chosen(data, side, patch)
+    cells, axis = PatchCells.of(data, side, patch), "xy".index(along)
+    ax = axes_of(ax)
+    at, row = through(cells, axis)
+    ax.plot(1e3 * at, 1e-6 * cells.pressure[row], "o-", ms=3.5, color=PRESSURE, label="pressure")
+    if cells.traction.any():
+        traction = np.hypot(*cells.traction[row].T)
+        ax.plot(1e3 * at, 1e-6 * traction, "s", ms=3, ls=(0, (5, 1.5)), color=TRACTION, label="traction")
+        bound = float(data.attrs.get("friction", 0.0)) * cells.pressure[row]
+        ax.plot(1e3 * at, 1e-6 * bound, color="0.45", lw=0.9, ls=(0, (1, 1)), label="friction times pressure")
+    exact = closed_form(data, side, patch) if hertz else None
+    if exact is not None:
+        half = exact.semi_axes[axis]
+        line = half * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 201))
+        zero = np.zeros_like(line)
+        values = exact.pressure(*((line, zero) if axis == 0 else (zero, line)))
+        label = f"Hertz, {1e-6 * exact.peak:.0f} MPa, half width {1e3 * half:.2f} mm"
+        ax.plot(1e3 * line, 1e-6 * values, color=CLOSED, ls=(0, (4, 1.5)), label=label)
+    ax.set_ylim(bottom=0.0)
+    ax.set_title(title(data, side, patch))
+    ax.set_xlabel(WORDS[along])
+    ax.set_ylabel(f"on the {upper_body(side)} [MPa]")
+    ax.legend(loc="best")
+    return ax
+
+
+def through(cells: PatchCells, axis: int) -> tuple[Array, NDArray[np.int64]]:
+    """Places (k,) m along an axis (0 forward, 1 left) in order, and the cells (k,) next to that axis: of each line of
+    cells across it the nearest one, where the line reaches the axis.
+    """
+    low, high = cells.corners.min(axis=1), cells.corners.max(axis=1)
+    across = 1 - axis
+    middle = cells.middle
+    if axis == 0:  # the strip of cells that lies under the axis
+        own = np.flatnonzero((low[:, 1] <= 0.0) & (high[:, 1] >= 0.0))
+        if not own.size:
+            own = np.array([int(np.abs(middle[:, 1]).argmin())])
+        row = np.abs(middle[:, 1] - middle[own[np.abs(middle[own, 1]).argmin()], 1]) < 1e-3 * np.ptp(low[:, 1]) + 1e-12
+        found = np.flatnonzero(row)
+    else:
+        found = np.flatnonzero((low[:, across] <= 0.0) & (high[:, across] > 0.0))
+    found = found[np.argsort(middle[found, axis], kind="stable")]
+    return middle[found, axis], found
+
+
+def closed_form(data: Dataset, side: str, patch: int) -> Hertz | None:
+    """Hertz's contact under the patch's normal force and with its curvatures, None where they are not known or not
+    both positive.
+    """
+    from wheelrail.contact.analytical.hertz import hertz
+
+    if "patch_gap_curvature_x" not in data:
+        return None
+    own = data.sel(side=side).isel(patch=patch)
+    A, B, force = (float(own[f"patch_{name}"]) for name in ("gap_curvature_x", "gap_curvature_y", "normal_force"))
+    if not (A > 0.0 and B > 0.0 and force > 0.0):
+        return None
+    return hertz(A, B, float(data.attrs["contact_modulus"]), force=force)

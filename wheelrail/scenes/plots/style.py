@@ -1,0 +1,83 @@
+"""One style for all figures, and their size where they are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.support.atomic_file import whole_file
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+STYLE = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "0.9",
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "lines.linewidth": 1.1,
+    "savefig.dpi": 150,
+}
+# Okabe and Ito's colours, told apart by every kind of sight; dashes say the same in black and white.
+SIDES: dict[str, dict[str, Any]] = {
+    "left": {"color": "#0072B2", "linestyle": "-"},
+    "right": {"color": "#D55E00", "linestyle": (0, (5, 1.5))},
+}
+PRESSURE_MAP = "viridis"
+REGIONS = {"stick": "#CFE5F2", "slip": "#FBE3CC"}  # light, below arrows; the one is bluish, the other reddish
+SERIES: tuple[dict[str, Any], ...] = (
+    {"color": "#0072B2", "marker": "o", "linestyle": "-"},
+    {"color": "#D55E00", "marker": "s", "linestyle": (0, (5, 1.5))},
+    {"color": "#009E73", "marker": "^", "linestyle": (0, (1, 1))},
+    {"color": "#CC79A7", "marker": "D", "linestyle": (0, (5, 1.5, 1, 1.5))},
+    {"color": "#E69F00", "marker": "v", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+    {"color": "#56B4E9", "marker": "P", "linestyle": "-"},
+    {"color": "0.2", "marker": "x", "linestyle": (0, (5, 1.5))},
+)
+
+
+def axes_of(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Axes:
+    """The axes, or those of a new figure of a size in inches."""
+    if ax is not None:
+        return ax
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=size, layout="constrained").subplots()
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """The style of all figures, inside the block."""
+    from matplotlib import rc_context
+
+    with rc_context(STYLE):
+        yield
+
+
+def shown(figure: Figure | None, size: tuple[float, float] | None = None) -> Figure:
+    """The figure, or a new one (size in inches) that pyplot knows of, so that a notebook shows it."""
+    if figure is not None:
+        return figure
+    from matplotlib import pyplot
+
+    made: Figure = pyplot.figure(figsize=size, layout="constrained")
+    return made
+
+
+def panels(figure: Figure) -> tuple[Axes, ...]:
+    """The axes of a figure but for its colour bars."""
+    return tuple(ax for ax in figure.axes if ax.get_label() != "<colorbar>")
+
+
+def save(figure: Figure, file: Path) -> None:
+    """Write a picture, whole or not at all; the ending names its format."""
+    with whole_file(file) as part:
+        figure.savefig(part)

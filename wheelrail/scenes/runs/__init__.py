@@ -1,0 +1,1 @@
+"""Vehicle runs of a scene: simulation, checkpoints, resume, comparison, steady states."""

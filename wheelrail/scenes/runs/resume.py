@@ -1,0 +1,105 @@
+"""Which run a folder holds, and whether a scene may go on with it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene
+
+if TYPE_CHECKING:
+    from wheelrail.scenes.runs.checkpoint_file import Journal
+    from wheelrail.vehicle.simulation.checkpoint import Checkpoint
+
+FREE = ("output.figures", "solver.workers")  # what may differ: it does not change what is computed
+
+
+def head(scene: RunScene) -> dict[str, Any]:
+    """What a journal says of its run: the scene, and the versions that compute it."""
+    from wheelrail.scenes.datasets.netcdf import versions
+
+    return {"versions": versions() | {"sources": sources()}, "scene": inputs(scene)}
+
+
+def inputs(scene: RunScene) -> dict[str, Any]:
+    """The scene, files in it by what they hold."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, str) and Path(value).is_file():
+            return f"a file of SHA-256 {hashlib.sha256(Path(value).read_bytes()).hexdigest()[:12]}"
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items()}
+        return value
+
+    found: dict[str, Any] = plain(json.loads(json.dumps(scene.model_dump())))
+    return found
+
+
+def sources() -> str:
+    """Hash of this package's own files, which change more often than its version."""
+    root, found = Path(__file__).parents[2], hashlib.sha256()
+    for package in ("support", "meshes", "forms", "contact", "vehicle", "scenes"):
+        for file in sorted((root / package).rglob("*.py")):
+            found.update(file.read_bytes())
+    return found.hexdigest()[:12]
+
+
+def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    """Keys of tables that differ, with both values."""
+    for key in {**then, **now}:
+        old, new, name = then.get(key), now.get(key), prefix + key
+        if isinstance(old, dict) and isinstance(new, dict):
+            yield from differences(old, new, name + ".")
+        elif old != new and name not in FREE:
+            yield f"{name}: {json.dumps(old)} then, {json.dumps(new)} now"
+
+
+def ended(scene: RunScene, folder: Path) -> bool:
+    """Whether a folder holds the results of the complete run; raises SceneError for another scene's."""
+    from xarray import open_dataset
+
+    file = folder / RESULTS
+    if (folder / CHECKPOINTS).exists() or not file.exists():
+        return False
+    try:
+        with open_dataset(file, engine="netcdf4") as data:
+            status, before = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
+    except (OSError, ValueError, RuntimeError):  # spoiled: as good as none
+        return False
+    if status != "completed":
+        return False
+    same_or_refused(before, inputs(scene), file)
+    return True
+
+
+def same_or_refused(then: Mapping[str, Any], now: Mapping[str, Any], file: Path) -> None:
+    """Raises SceneError that names what differs."""
+    if found := list(differences(then, now)):
+        raise SceneError(f"{'; '.join(found)}: {file} is of another run; without --resume this one starts anew")
+
+
+def latest(journal: Journal, tell: Callable[[str], None]) -> Checkpoint | None:
+    """The checkpoint to go on from, told about; None when there is none.
+
+    Raises SceneError for that of another scene or of another version of this package, OSError.
+    """
+    from wheelrail.scenes.runs.checkpoint_file import head_of
+
+    then, found = head_of(journal.file), None
+    if then is not None:
+        same_or_refused(then["scene"], journal.head["scene"], journal.file)
+        old, new = then["versions"], journal.head["versions"]
+        same_or_refused({"wheelrail": old["wheelrail"]}, {"wheelrail": new["wheelrail"]}, journal.file)
+        found = journal.latest()
+        if found is not None and (others := list(differences(old, new))):
+            tell(f"{'; '.join(others)}: the last bits of the results may differ")
+    if found is None:
+        tell(f"no checkpoint in {journal.file.parent}: the run starts from the beginning")
+    else:
+        tell(f"goes on from the checkpoint at {found.time:.6g} s")
+    return found

@@ -1,0 +1,177 @@
+"""A vehicle run of a scene: contact model, simulation with progress, results and pictures on disk."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
+from wheelrail.scenes.runs.progress import costs, progress_bar
+from wheelrail.scenes.schema.scene import RunScene
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+    from xarray import Dataset
+
+    from wheelrail.scenes.runs.checkpoint_file import Journal
+    from wheelrail.vehicle.dynamics.equations import Contact
+    from wheelrail.vehicle.simulation.checkpoint import Checkpoint
+    from wheelrail.vehicle.simulation.history import History
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run that ended: its history, and the files that were written."""
+
+    history: History
+    files: tuple[Path, ...]
+    resumable: bool = False
+
+    @property
+    def status(self) -> str:
+        return self.history.status
+
+    def summary(self) -> list[RenderableType]:
+        """What to print at the end: cost by side, how it ended, and where everything is."""
+        reached = f" at {self.history.distance[-1]:.1f} m" if len(self.history) else " before the first step"
+        lines = [f"{self.status}{reached}", *(f"  {file}" for file in self.files)]
+        if self.resumable:
+            lines.append("  with --resume the run goes on from its last checkpoint")
+        return [costs(self.history), "\n".join(lines)]
+
+
+def run_scene(
+    scene: RunScene,
+    text: str,
+    folder: Path,
+    console: Console,
+    *,
+    resume: bool = False,
+    checkpoints: Path | None = None,
+) -> Outcome:
+    """Run a scene and keep what it gives in a folder; text is the scene as written, kept with the results; checkpoints
+    go to a file in the folder unless another one is given.
+
+    An interrupted or failed run is kept up to where it came, and its checkpoints, from the latest of which resume goes
+    on; a complete one leaves none. Raises OSError when the folder cannot be written, SceneError for checkpoints of
+    another scene.
+    """
+    from wheelrail.scenes.runs.checkpoint_file import Journal, head_of
+    from wheelrail.scenes.runs.resume import head, latest
+
+    folder.mkdir(parents=True, exist_ok=True)
+    tell = partial(console.print, highlight=False, markup=False)
+    journal = Journal(checkpoints or folder / CHECKPOINTS, head(scene), tell)
+    if not resume and head_of(journal.file):
+        console.print(f"{folder} holds a run that was stopped; this one starts anew, --resume would go on with it")
+    start = latest(journal, journal.tell) if resume else None
+    history = _simulated(scene, console, journal, start)
+    if not len(history):
+        return Outcome(history, ())
+    with console.status("results and pictures"):
+        files = tuple(keep(history, text, folder, scene))
+    if history.status == "completed":
+        journal.remove()
+    return Outcome(history, files, resumable=history.status == "interrupted" and journal.file.exists())
+
+
+def simulate_scene(scene: RunScene, text: str, console: Console) -> tuple[History, Dataset | None]:
+    """Run a scene and write nothing: its history, and the results, which a run without a single step has not."""
+    history = _simulated(scene, console)
+    return history, gathered(history, text, scene) if len(history) else None
+
+
+def _simulated(
+    scene: RunScene, console: Console, journal: Journal | None = None, start: Checkpoint | None = None
+) -> History:
+    """The history of a scene; checkpoints go to the journal, the run goes on from a start."""
+    with console.status("meshes and stiffness of wheel and rail"):
+        contact = wheelset_contact(scene)
+    from wheelrail.support.progress import heard_by
+    from wheelrail.vehicle.simulation.checkpoint import Checkpoints
+    from wheelrail.vehicle.simulation.simulate import simulate
+    from wheelrail.vehicle.track.speed_profile import Drive
+
+    checkpoints = None
+    if journal is not None and scene.output.checkpoint:
+        checkpoints = Checkpoints(scene.output.checkpoint, journal.keep, start)
+    speed, length = scene.vehicle.drive, scene.track.length
+    end = Drive.of(speed).time_at(length)
+    gone = length * start.time / end if start else 0.0
+    with (
+        heard_by(partial(console.print, highlight=False, markup=False)),
+        _workers(contact, scene.solver.workers) as shared,
+        progress_bar(console, length, gone) as progress,
+    ):
+        return simulate(
+            wagon(scene),
+            track(scene),
+            shared,
+            speed=speed,
+            span=(0.0, end),
+            method=scene.solver.method,
+            rtol=scene.solver.rtol,
+            atol=scene.solver.atol,
+            every=scene.output.interval or None,
+            progress=progress,
+            checkpoints=checkpoints,
+        )
+
+
+def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator[Path]:
+    """Write results, then pictures; yields the files."""
+    from wheelrail.scenes.datasets.netcdf import write
+
+    with undisturbed():
+        data = gathered(history, text, scene)
+        write(data, folder / RESULTS)
+    yield folder / RESULTS
+    if scene.output.figures:
+        from wheelrail.scenes.plots.runs import draw_figures
+
+        try:
+            yield from draw_figures(data, folder)
+        except KeyboardInterrupt:  # whoever has no time for pictures keeps the results
+            return
+
+
+def gathered(history: History, text: str, scene: RunScene) -> Dataset:
+    """All results of a run, wear included; text is the scene as written."""
+    from wheelrail.scenes.datasets.run import dataset
+    from wheelrail.scenes.datasets.run_derived import wear, with_energy
+    from wheelrail.scenes.runs.resume import inputs
+
+    data = dataset(history, scene=text)
+    data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(inputs=json.dumps(inputs(scene)))
+    if scene.output.interval:  # between accepted steps forces are not known well enough
+        return data
+    return with_energy(data, history, wagon(scene), track(scene))
+
+
+def _workers(contact: Contact, count: int) -> AbstractContextManager[Contact]:
+    """The contact in this process, or with its right side in a second one."""
+    from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+
+    return nullcontext(contact) if count == 1 else in_parallel(contact)
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Let no impatient second Ctrl-C spoil what the first one was to keep."""
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except ValueError:  # not in the main thread, where no Ctrl-C arrives
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

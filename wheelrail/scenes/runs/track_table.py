@@ -1,0 +1,54 @@
+"""The layout of a run's track as a table to read."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from math import tan
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wheelrail.scenes.schema.scene import RunScene
+    from wheelrail.vehicle.track.speed_profile import Drive
+    from wheelrail.vehicle.track.track import Track
+
+
+def cant_deficiency(track: Track, drive: Drive, gravity: float, stations: list[float]) -> list[float]:
+    """By how much more the outer rail would have to be raised for no lateral acceleration in the rails' plane at these
+    stations m, in m; positive where a curve to the left has too little cant, or one to the right too much.
+    """
+    speeds = [drive(drive.time_at(s)).speed for s in stations]
+    return [
+        track.base * v * v * track.curvature(s)[0] / gravity - track.lift(s)[0]
+        for s, v in zip(stations, speeds, strict=True)
+    ]
+
+
+def segment_table(scene: RunScene) -> Table:
+    """A row for each segment: where it lies, and what it ends with."""
+    from rich.table import Table
+
+    from wheelrail.scenes.builders.vehicle import wagon
+    from wheelrail.vehicle.track.speed_profile import Drive
+
+    line, drive = scene.track, Drive.of(scene.vehicle.drive)
+    track, gravity = line.track(), wagon(scene).gravity
+    view = Table(title="Track; radius, cant, slope, speed and cant deficiency at the end of each segment")
+    for name in ("segment", "from m", "to m", "radius m", "cant mm", "slope ‰", "speed m/s", "cant deficiency mm"):
+        view.add_column(name, justify="left" if name == "segment" else "right")
+    ends = list(accumulate((segment.length for segment in line.layout), initial=0.0))
+    for segment, start, end in zip(line.layout, ends, ends[1:], strict=False):
+        curvature, hand = track.curvature(end)[0], 1.0 if track.curvature(end)[0] >= 0.0 else -1.0
+        deficiency = hand * cant_deficiency(track, drive, gravity, [end])[0]
+        view.add_row(
+            f"{segment.kind}, {segment.shape}" if segment.kind == "transition" else segment.kind,
+            f"{start:.1f}",
+            f"{end:.1f}",
+            f"{1.0 / curvature:.1f}" if curvature else "",
+            f"{1e3 * hand * track.lift(end)[0]:.0f}",
+            f"{1e3 * tan(track.gradient(end)[0]):.1f}",
+            f"{drive(drive.time_at(end)).speed:.1f}",
+            f"{1e3 * deficiency:.0f}",
+        )
+    return view

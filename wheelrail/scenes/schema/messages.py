@@ -1,0 +1,172 @@
+"""Words for a malformed scene: file, key, value and what is allowed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Container, Iterator, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.quantities import Range
+
+Keys = tuple[int | str, ...]
+
+
+def complain(
+    error: ValidationError,
+    model: type[BaseModel],
+    data: Mapping[str, Any],
+    path: str | Path,
+    unnamed: Container[str] = (),
+) -> SceneError:
+    """One error with a line for every entry at fault; tables that are unnamed are left out of its name."""
+    lines: dict[str, str] = {}
+    for item in error.errors(include_url=False):
+        ctx = item.get("ctx", {})
+        location = _in_data(item["loc"], data)
+        if item["type"] == "extra_forbidden":
+            key, says = location, f"unknown key{_nearest(location, model)}"
+        elif item["type"] == "scene":
+            inner = (int(part) if part.isdigit() else part for part in str(ctx["key"]).split(".") if part)
+            key = (*location, *inner)
+            says = str(ctx["allowed"])
+        else:
+            key, says = location, f"must be {allowed(model, location)}"
+        called = key[1:] if key[0] in unnamed else key
+        lines.setdefault(_dotted(called), f"{_dotted(called)}{_value(key, data)}: {says}")
+    return SceneError("\n".join(f"{path}: {line}" for line in lines.values()))
+
+
+def fault(key: Keys, data: Mapping[str, Any], says: str) -> str:
+    """The entry at fault, the value found, and what is said about it."""
+    return f"{_dotted(key)}{_value(key, data)}: {says}"
+
+
+def allowed(model: type[BaseModel], location: Keys) -> str:
+    """What the entry at a location may hold."""
+    return _describe(_type_at(model, location))
+
+
+def unit_of(model: type[BaseModel], location: Keys) -> str:
+    """The unit of the number at a location; nothing where there is none."""
+    kind = _type_at(model, location)
+    choices = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    ranges = [extra for choice in choices for extra in get_args(choice)[1:] if isinstance(extra, Range)]
+    return ranges[-1].unit if ranges else ""
+
+
+def whole(model: type[BaseModel], location: Keys) -> bool:
+    """Whether the entry at a location is a whole number."""
+    choices = list(_without_none(_type_at(model, location)))
+    return all(c is int or (get_origin(c) is Literal and all(type(v) is int for v in get_args(c))) for c in choices)
+
+
+def _describe(kind: Any) -> str:
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        ranges = [extra for extra in arguments[1:] if isinstance(extra, Range)]
+        return str(ranges[-1]) if ranges else _describe(arguments[0])
+    if origin is Literal:
+        return " or ".join(json.dumps(choice) for choice in arguments)
+    if origin in (Union, UnionType):
+        return ", or ".join(_describe(choice) for choice in arguments if choice is not type(None))
+    if origin is tuple and arguments[-1] is Ellipsis:
+        return f"an array of {_describe(arguments[0])}"
+    if origin is dict:
+        return f"a table of {_describe(arguments[1])}"
+    if origin is tuple:
+        return f"an array of {len(arguments)}: " + "; ".join(_describe(item) for item in arguments)
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return "a table with the keys " + ", ".join(kind.model_fields)
+    known = {
+        str: "a text",
+        bool: "true or false",
+        float: "a number",
+        int: "a whole number",
+        Any: "values, at least one",
+    }
+    return known.get(kind, "of another type")
+
+
+def _type_at(model: type[BaseModel], location: Keys) -> Any:
+    """The annotation of the entry, with the range that pydantic keeps apart put back."""
+    kind: Any = model
+    for part in location:
+        kind = next(_without_none(kind))
+        if isinstance(kind, type) and issubclass(kind, BaseModel) and part in kind.model_fields:
+            field = kind.model_fields[str(part)]
+            kind = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
+        elif get_origin(kind) is tuple and isinstance(part, int):
+            arguments = get_args(kind)
+            kind = arguments[0] if arguments[-1] is Ellipsis else arguments[min(part, len(arguments) - 1)]
+        elif get_origin(kind) is dict:
+            kind = get_args(kind)[1]
+    return kind
+
+
+def _without_none(kind: Any) -> Iterator[Any]:
+    """The alternatives of a type, seen through Annotated, None left out."""
+    if get_origin(kind) is Annotated:
+        kind = get_args(kind)[0]
+    if get_origin(kind) in (Union, UnionType):
+        for choice in get_args(kind):
+            if choice is not type(None):
+                yield from _without_none(choice)
+    else:
+        yield kind
+
+
+def _in_data(location: Keys, data: Any) -> Keys:
+    """The location without the parts that pydantic adds to tell the alternatives of a union apart."""
+    kept: list[int | str] = []
+    for place, part in enumerate(location):
+        inside = part in data if isinstance(data, Mapping) else isinstance(data, list) and isinstance(part, int)
+        if inside:
+            data = data[part] if isinstance(data, Mapping) or part < len(data) else None  # type: ignore[operator, index]
+            kept.append(part)
+        elif place == len(location) - 1 and isinstance(data, Mapping | list) and "[" not in str(part):
+            kept.append(part)  # the missing key itself
+    return tuple(kept)
+
+
+def _nearest(location: Keys, model: type[BaseModel]) -> str:
+    """A suggestion for an unknown key: a similar one of its table, or its place in another table."""
+    table = next(_without_none(_type_at(model, location[:-1])))
+    wrong = str(location[-1])
+    here = list(table.model_fields)
+    close = get_close_matches(wrong, here, n=1, cutoff=0.6) or [k for k in here if k.lower() == wrong.lower()]
+    if close:
+        return f"; did you mean {_dotted((*location[:-1], close[0]))}?"
+    elsewhere = [name for name in _all_keys(model) if name.split(".")[-1] == wrong]
+    return f"; did you mean {elsewhere[0]}?" if elsewhere else f"; allowed are {', '.join(here)}"
+
+
+def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        yield prefix + name
+        inner = next(_without_none(field.annotation))
+        if isinstance(inner, type) and issubclass(inner, BaseModel):
+            yield from _all_keys(inner, f"{prefix}{name}.")
+
+
+def _dotted(keys: Keys) -> str:
+    """profiles.wheel, upper.radii[0]."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in keys).lstrip(".") or "scene"
+
+
+def _value(keys: Keys, data: Any) -> str:
+    """The value found, or that it is missing."""
+    for part in keys:
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            return ": missing"
+    if isinstance(data, dict):
+        return ""
+    text = json.dumps(data, default=str, ensure_ascii=False)
+    return f" = {text if len(text) <= 60 else text[:57] + '...'}"

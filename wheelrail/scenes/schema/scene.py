@@ -1,0 +1,295 @@
+"""What a scene may say, checked on reading: a Hertz contact, a wheelset on its track, or a vehicle run."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Mapping
+from math import isinf
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import (
+    Strict,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
+
+from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.messages import complain
+from wheelrail.scenes.schema.tables import (
+    Axle,
+    BlockStress,
+    Body,
+    Falling,
+    Output,
+    Profiles,
+    Sides,
+    Solver,
+    Stress,
+    Table,
+    Track,
+    Vehicle,
+    Wheelset,
+)
+from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.schema.track import TrackLine
+
+MOST_SAMPLES = 1_000_000  # each of which takes kilobytes of memory
+ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
+
+
+class Contact(Table):
+    """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip.
+
+    laws: "exact", no penetration and Coulomb's law itself, takes no constants; "paper", the default of runs, is penalty
+    pressure and regularised Coulomb friction with the constants given. One of the two alone is exact in "paper" with
+    stiffness_per_area = inf or regularisation = 0. falling makes friction fall with the slip velocity. bodies: "solid",
+    meshes in 3D, the default for the paper's laws and model = "full"; "waveguide", endless bodies by wavenumbers, the
+    default for the exact ones; or "half-space", to compare with codes that know no others. degree of the displacements,
+    1 for solids unless given. points: "fitted", strips of cells that end where the contact ends, the default for the
+    exact normal law unless bodies are solid; or "grid", which half-spaces do not have. strips over a patch's width and
+    cells along each are those of fitted points, 12 and 16 unless given.
+    model = "standard" is the contact of multibody codes, without elements: it takes friction and falling of the laws,
+    ignores surface_size, and has normal and tangential of its own.
+    """
+
+    model: Literal["condensed", "full", "standard"] = "condensed"
+    laws: Literal["paper", "exact"] = "exact"
+    friction: q.Friction
+    falling: Falling | None = None
+    surface_size: q.SurfaceSize | None = None
+    normal: Literal["hertz", "kik-piotrowski"] | None = None
+    tangential: Literal["fastsim", "polach"] | None = None
+    merge_distance: q.MergeDistance | None = None
+    cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
+    bodies: Literal["solid", "waveguide", "half-space"] | None = None
+    degree: Literal[1, 2] | None = None
+    points: Literal["fitted", "grid"] | None = None
+    strips: q.Fineness | None = None
+    cells: q.Fineness | None = None
+    slip_order: Literal[1, 2] = 2
+    stiffness_per_area: q.StiffnessPerArea = 1e15
+    regularisation: q.Regularisation = 1e-5
+
+    @field_validator("*", mode="wrap")
+    @classmethod
+    def _once(cls, value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        """A table of the kind that is checked already is fine."""
+        fine = isinstance(value, Table) and type(value) is cls.model_fields[str(info.field_name)].annotation
+        return value if fine else check(value)
+
+    @model_validator(mode="after")
+    def _lawful(self) -> Contact:
+        if self.model == "standard":
+            for key in ELEMENTS:
+                if key in self.model_fields_set:
+                    raise q.refuse('only with model = "condensed" or "full"; the standard one has no elements', key)
+            return self
+        if self.surface_size is None:
+            raise q.refuse('must be given unless model = "standard"', "surface_size")
+        for key in ("normal", "tangential", "merge_distance"):
+            if getattr(self, key) is not None:
+                raise q.refuse('only with model = "standard"', key)
+        if self.laws == "exact":
+            for key in ("stiffness_per_area", "regularisation"):
+                if key in self.model_fields_set:
+                    raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
+        if self.bodies in ("waveguide", "half-space") and (self.model == "full" or self.cell == "hexahedron"):
+            raise q.refuse('"solid" with model = "full" or hexahedra, which need meshes in 3D', "bodies")
+        if self.bodies == "half-space" and self.placing == "grid":
+            raise q.refuse('"half-space" needs points = "fitted" and the exact normal law', "bodies")
+        if self.points == "fitted" and not self._fittable:
+            needs = 'bodies = "waveguide" and laws = "exact", or stiffness_per_area = inf'
+            raise q.refuse(f'"fitted" needs {needs}', "points")
+        for key in ("strips", "cells"):
+            if getattr(self, key) is not None and self.placing != "fitted":
+                raise q.refuse('only with points = "fitted"', key)
+        if self.slip_order == 1 and self.placing == "fitted":
+            raise q.refuse('1 only with points = "grid"; fitted points have second order', "slip_order")
+        return self
+
+    @property
+    def _fittable(self) -> bool:
+        return self.meshes != "solid" and (self.laws == "exact" or isinf(self.stiffness_per_area))
+
+    @property
+    def placing(self) -> Literal["fitted", "grid"]:
+        """Where contact points are: as given, or fitted to the patch where that is possible."""
+        return "fitted" if self._fittable and self.points != "grid" else "grid"
+
+    @property
+    def meshes(self) -> Literal["solid", "waveguide", "half-space"]:
+        """How the bodies are discretised: as given, or as suits the laws."""
+        if self.bodies is not None:
+            return self.bodies
+        meshed = self.laws == "paper" or self.model == "full" or self.cell == "hexahedron"
+        return "solid" if meshed else "waveguide"
+
+
+def _between(wheelset: Axle, gauge: float) -> None:
+    """Raises the error of a check unless the wheels' backs fit between the rails."""
+    if not wheelset.flange_back_distance < gauge:
+        raise q.refuse(f"must be less than the track's gauge of {gauge:g} m", "wheelset.flange_back_distance")
+
+
+NO_STRESS = 'only with model = "condensed" or "full"'
+
+
+class Solve(Contact):
+    """Keys of one contact solve; error_estimate: solve once more on half as many cells, to say how far off it is."""
+
+    error_estimate: bool = False
+
+    @model_validator(mode="after")
+    def _estimable(self) -> Solve:
+        if self.error_estimate and (self.placing != "fitted" or self.model == "standard"):
+            raise q.refuse('only with points = "fitted": error estimates need fitted points', "error_estimate")
+        return self
+
+
+class HertzScene(Solve):
+    """Two bodies with given principal radii under a load (N) or an approach (m); a frictionless one needs no motion.
+
+    With friction they roll at a speed (m/s) with a creepage, or are pushed once by a shift (m) of the upper body
+    against the lower one (Cattaneo, Mindlin).
+    """
+
+    kind: Literal["hertz"]
+    load: q.Load | None = None
+    approach: q.Approach | None = None
+    speed: q.Speed | None = None
+    creepage: Annotated[tuple[q.Creepage, q.Creepage, q.Spin], Strict(False)] | None = None
+    shift: Annotated[tuple[q.Shift, q.Shift], Strict(False)] | None = None
+    upper: Body
+    lower: Body
+    stress: BlockStress | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> HertzScene:
+        if (self.load is None) == (self.approach is None):
+            raise q.refuse("exactly one of load and approach must be given", "load")
+        for key in ("speed", "creepage"):
+            if self.shift is not None and getattr(self, key) is not None:
+                raise q.refuse("bodies roll or are shifted, not both: remove shift", key)
+            if self.shift is None and self.friction > 0.0 and getattr(self, key) is None:
+                raise q.refuse("must be given when friction is not 0", key)
+        if self.model == "standard" and self.merge_distance is not None:
+            raise q.refuse("not for a Hertz pair, which touches in one point", "merge_distance")
+        if self.model == "standard" and self.stress is not None:
+            raise q.refuse(NO_STRESS, "stress")
+        if self.shift is not None and self.model != "condensed":
+            raise q.refuse('only with model = "condensed"', "shift")
+        if self.shift is not None and (self.falling or (self.laws == "paper" and self.regularisation > 0.0)):
+            raise q.refuse('only with Coulomb\'s friction: regularisation = 0 or laws = "exact", not falling', "shift")
+        for name, one, other in zip("xy", self.upper.radii, self.lower.radii, strict=True):
+            if not 1.0 / one + 1.0 / other > 0.0:
+                text = (
+                    f"upper and lower must touch in one point: 1/upper + 1/lower in {name} must be greater than 0 1/m"
+                )
+                raise q.refuse(text, "upper.radii")
+        return self
+
+
+class WheelsetScene(Solve):
+    """One position of a wheelset on its track."""
+
+    kind: Literal["wheelset"]
+    sides: Sides = ("left", "right")
+    E: q.Young
+    nu: q.Poisson
+    profiles: Profiles
+    track: Track
+    wheelset: Wheelset
+    stress: Stress | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> WheelsetScene:
+        if len(set(self.sides)) != len(self.sides):
+            raise q.refuse("each side at most once", "sides")
+        if len(self.sides) == 1 and (self.wheelset.axle_load is not None or self.wheelset.roll == "solve"):
+            raise q.refuse('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
+        if self.model == "standard" and self.stress is not None:
+            raise q.refuse(NO_STRESS, "stress")
+        _between(self.wheelset, self.track.gauge)
+        for key in ("speed", "pitch_rate"):
+            if self.friction > 0.0 and getattr(self.wheelset, key) is None:
+                raise q.refuse("must be given when friction is not 0", f"wheelset.{key}")
+        return self
+
+
+class RunScene(Contact):
+    """A vehicle run along a track."""
+
+    kind: Literal["run"]
+    laws: Literal["paper", "exact"] = "paper"
+    E: q.Young
+    nu: q.Poisson
+    profiles: Profiles
+    track: TrackLine
+    wheelset: Axle
+    vehicle: Vehicle
+    solver: Solver = Solver()
+    output: Output = Output()
+
+    @model_validator(mode="after")
+    def _samples(self) -> RunScene:
+        from wheelrail.vehicle.track.speed_profile import Drive
+
+        _between(self.wheelset, self.track.gauge)
+        if self.output.interval:
+            shortest = Drive.of(self.vehicle.drive).time_at(self.track.length) / MOST_SAMPLES
+            if self.output.interval < shortest:
+                raise q.refuse(
+                    f"must be 0, or at least {shortest:.2g} s: at most {MOST_SAMPLES} samples", "output.interval"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _one_radius(self) -> RunScene:
+        if self.vehicle.changed and self.vehicle.on(self.wheelset.radius).radius != self.wheelset.radius:
+            raise q.refuse("wheelset.height of the wagon must be the scene's wheelset.radius", "vehicle")
+        return self
+
+
+Scene: TypeAlias = HertzScene | WheelsetScene | RunScene
+KINDS: dict[str, type[HertzScene] | type[WheelsetScene] | type[RunScene]] = {
+    "hertz": HertzScene,
+    "wheelset": WheelsetScene,
+    "run": RunScene,
+}
+
+
+def load_scene(path: str | Path) -> Scene:
+    """The scene in a TOML file.
+
+    Raises SceneError naming file, key, value and what is allowed.
+    """
+    return parse_scene(read_text(Path(path)), path)
+
+
+def parse_scene(text: str, path: str | Path = "scene") -> Scene:
+    """The scene in a TOML text; path names it in errors, and files in it are looked for beside it."""
+    return checked(parse(text, path), path)
+
+
+def checked(
+    data: Mapping[str, Any], path: str | Path = "scene", *, at_hand: Container[str] = (), unnamed: Container[str] = ()
+) -> Scene:
+    """The scene in tables; bodies whose profiles are at_hand have no file. Errors as `load_scene`, without the names of
+    tables that are unnamed.
+    """
+    kind = data.get("kind")
+    known = KINDS.get(kind) if isinstance(kind, str) else None
+    if known is None:
+        found = f"kind = {kind!r}" if "kind" in data else "kind: missing"
+        raise SceneError(f"{path}: {found}: must be one of {', '.join(map(repr, KINDS))}")
+    try:
+        return known.model_validate(data, context={"folder": Path(path).parent, "at_hand": at_hand})
+    except ValidationError as error:
+        raise complain(error, known, data, path, unnamed) from None
+
+
+__all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "checked", "load_scene", "parse_scene"]

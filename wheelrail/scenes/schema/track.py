@@ -1,0 +1,211 @@
+"""The track of a run, as a scene gives it: segments or their short form, and irregularities."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from math import atan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
+
+from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.schema.tables import Rails, Table
+
+if TYPE_CHECKING:
+    from wheelrail.vehicle.track.alignment import Segment
+    from wheelrail.vehicle.track.irregularity import Irregularities
+    from wheelrail.vehicle.track.track import Track
+
+LONGEST = 1e5  # m
+MOST_WAVES = 1e5  # of the shortest wavelength along a track: takes half a minute
+SHORT = ("curvature", "cant", "tangent", "transition_length", "curve")
+Shape = Literal["quintic", "clothoid", "bloss"]
+
+
+class SegmentTable(Table):
+    """One of a track's segments, length m.
+
+    An arc has a radius m or a curvature 1/m, positive to the left, and a cant m; a transition a shape, and what it ends
+    with only where another transition follows. slope is rise over run, that of the segment before unless given;
+    vertical_radius m rounds its change at the beginning of the segment.
+    """
+
+    kind: Literal["tangent", "transition", "arc"]
+    length: q.Length
+    radius: q.CurveRadius | None = None
+    curvature: q.Curvature | None = None
+    cant: q.Cant | None = None
+    shape: Shape | None = None
+    slope: q.Slope | None = None
+    vertical_radius: q.VerticalRadius | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> SegmentTable:
+        if self.radius is not None and self.curvature is not None:
+            raise q.refuse("one of radius and curvature, not both", "radius")
+        if self.shape is not None and self.kind != "transition":
+            raise q.refuse("only for a transition", "shape")
+        return self
+
+    def segment(self, shape: Shape) -> Segment:
+        """The same in the words of `vehicle`; shape: that of a transition that has none of its own."""
+        from wheelrail.vehicle.track.alignment import Segment
+
+        return Segment(
+            self.kind,
+            self.length,
+            curvature=1.0 / self.radius if self.radius is not None else self.curvature,
+            cant=self.cant,
+            shape=self.shape or shape,
+            gradient=None if self.slope is None else atan(self.slope),
+            vertical_radius=self.vertical_radius,
+        )
+
+
+class IrregularityTable(Table):
+    """Irregularities from a file, or from the spectrum ERRI B176 low or high by a seed, between two wavelengths m.
+
+    They grow from nothing over the first `fade` m.
+    """
+
+    file: str | None = None
+    spectrum: Literal["low", "high"] | None = None
+    seed: q.Seed = 0
+    wavelengths: Annotated[tuple[q.Wavelength, q.Wavelength], Strict(False)] = (3.0, 100.0)
+    fade: q.Fade = 10.0
+
+    @field_validator("file")
+    @classmethod
+    def _readable(cls, value: str | None, info: ValidationInfo) -> str | None:
+        """The file, relative to the scene's folder, as its full path."""
+        if value is None:
+            return None
+        from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_irregularities
+
+        file = Path((info.context or {}).get("folder", "."), value).resolve()
+        try:
+            read_irregularities(file)
+        except IrregularityFileError as error:
+            raise q.refuse(str(error)) from None
+        return str(file)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> IrregularityTable:
+        if (self.file is None) == (self.spectrum is None):
+            raise q.refuse("exactly one of file and spectrum must be given", "spectrum")
+        for key in ("seed", "wavelengths"):
+            if self.file is not None and key in self.model_fields_set:
+                raise q.refuse("only with spectrum", key)
+        if not self.wavelengths[0] < self.wavelengths[1]:
+            raise q.refuse("the shorter one first", "wavelengths")
+        return self
+
+    def irregularities(self, length: float) -> Irregularities:
+        """Along a track of a length m, to its very end where the data go on behind it."""
+        from wheelrail.scenes.schema.irregularity_file import read_irregularities
+        from wheelrail.vehicle.track.irregularity import Irregularities
+        from wheelrail.vehicle.track.irregularity_spectrum import ERRI
+
+        if self.file is not None:
+            return Irregularities.faded(*read_irregularities(self.file), fade=self.fade)
+        assert self.spectrum is not None
+        made = ERRI[self.spectrum].irregularities
+        return made(length + self.fade, seed=self.seed, wavelengths=self.wavelengths, fade=self.fade)
+
+
+class TrackLine(Rails):
+    """Segments one upon the other; or in short a tangent, a transition and a curve of constant curvature and cant.
+
+    Lengths in m. slope is rise over run of the short form; transition the shape of all that have none of their own;
+    corner the length over which the ends of "clothoid" transitions and of vertical curves are rounded.
+    """
+
+    curvature: q.Curvature | None = None
+    cant: q.Cant | None = None
+    cant_base: q.CantBase = 1.5
+    slope: q.Slope | None = None
+    transition: Shape = "quintic"
+    corner: q.Length = 3.0
+    tangent: q.Length | None = None
+    transition_length: q.Length | None = None
+    curve: q.Length | None = None
+    segments: Annotated[tuple[SegmentTable, ...], Strict(False), Field(min_length=1)] | None = None
+    irregularities: IrregularityTable | None = None
+
+    @cached_property
+    def layout(self) -> list[Segment]:
+        """All segments in the words of `vehicle`."""
+        tables = self._short if self.segments is None else self.segments
+        return [table.segment(self.transition) for table in tables if table.length > 0.0 or self.segments]
+
+    @property
+    def _short(self) -> tuple[SegmentTable, ...]:
+        assert self.tangent is not None
+        assert self.transition_length is not None
+        assert self.curve is not None
+        return (
+            SegmentTable(kind="tangent", length=self.tangent, slope=self.slope),
+            SegmentTable(kind="transition", length=self.transition_length, slope=self.slope),
+            SegmentTable(kind="arc", length=self.curve, curvature=self.curvature, cant=self.cant, slope=self.slope),
+        )
+
+    @cached_property
+    def length(self) -> float:
+        return float(sum(segment.length for segment in self.layout))
+
+    def track(self) -> Track:
+        """The track itself, with its irregularities."""
+        from wheelrail.vehicle.track.track import Track
+
+        table = self.irregularities
+        uneven = table.irregularities(self.length) if table else None
+        return Track.of(self.layout, base=self.cant_base, corner=self.corner, irregularities=uneven)
+
+    @model_validator(mode="after")
+    def _one_form(self) -> TrackLine:
+        for key in (*SHORT, "slope"):
+            if self.segments is not None and getattr(self, key) is not None:
+                raise q.refuse("not beside segments, which have their own", key)
+            if self.segments is None and getattr(self, key) is None and key != "slope":
+                raise q.refuse("must be given, or segments instead", key)
+        return self
+
+    @model_validator(mode="after")
+    def _fits(self) -> TrackLine:
+        if self.segments is None:
+            for key in ("transition_length", "curve"):
+                if getattr(self, key) <= 0.0:
+                    raise q.refuse("must be greater than 0 m", key)
+            assert self.transition_length is not None
+            if self.transition == "clothoid" and not 0.0 < self.corner <= 0.5 * self.transition_length:
+                raise q.refuse("must be greater than 0 m and at most half of transition_length", "corner")
+        for place, cant in [("", self.cant), *((f"segments.{i}.", s.cant) for i, s in enumerate(self.segments or ()))]:
+            if abs(cant or 0.0) > 0.5 * self.cant_base:
+                raise q.refuse("must be at most half of cant_base", f"{place}cant")
+        return self
+
+    @model_validator(mode="after")
+    def _meet(self) -> TrackLine:
+        from wheelrail.vehicle.track.alignment import LayoutError, courses
+
+        if self.length > LONGEST:
+            raise q.refuse(f"must be at most {LONGEST:g} m long, all in all", "segments" if self.segments else "curve")
+        if self.irregularities is not None and self.length > MOST_WAVES * self.irregularities.wavelengths[0]:
+            text = f"the shortest must be at least {self.length / MOST_WAVES:.3g} m: at most {MOST_WAVES:g} waves"
+            raise q.refuse(f"{text} along the track", "irregularities.wavelengths")
+        try:
+            courses(self.layout, corner=self.corner)
+        except LayoutError as error:
+            given = self.segments[error.index] if self.segments else None
+            key = "radius" if error.key == "curvature" and given and given.radius is not None else error.key
+            raise q.refuse(error.says, f"segments.{error.index}.{key}") from None
+        if self.irregularities is not None:
+            try:
+                if self.irregularities.file is not None:
+                    self.irregularities.irregularities(self.length)
+                elif self.irregularities.fade > self.length:
+                    raise ValueError(f"must be at most the track's length of {self.length:g} m")
+            except ValueError as error:
+                raise q.refuse(str(error), "irregularities.fade") from None
+        return self

@@ -1,0 +1,60 @@
+"""Wagons as TOML files: any value of the Manchester wagon replaced, and a whole wagon written down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic_core import PydanticCustomError
+
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.messages import fault
+from wheelrail.scenes.schema.override import overridden
+from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.schema.wagon_ranges import WAGON
+
+if TYPE_CHECKING:
+    from wheelrail.vehicle.wagon.wagon import Wagon
+
+
+def load_wagon(path: str | Path, base: Wagon | None = None) -> Wagon:
+    """The Manchester wagon, or another one, with the values in a TOML file in place of its own.
+
+    Raises SceneError naming file, key, value and what is allowed.
+    """
+    from wheelrail.vehicle.wagon.wagon import Wagon
+
+    data = parse(read_text(Path(path)), path)
+    try:
+        changed: Wagon = overridden(base or Wagon(), data)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        key = str(context["key"])
+        raise SceneError(f"{path}: {fault(tuple(key.split('.')), data, str(context['allowed']))}") from None
+    return changed
+
+
+def wagon_toml(wagon: Wagon) -> str:
+    """The wagon as TOML, units in comments; reading it gives the same wagon."""
+    return "\n".join(_lines(wagon)) + "\n"
+
+
+def _lines(part: Any, title: str = "") -> Iterator[str]:
+    """Values of a dataclass, then tables of the dataclasses in it."""
+    from wheelrail.vehicle.wagon.force_law import Characteristic
+
+    if title:
+        yield from ("", f"[{title}]")
+    values = {field.name: getattr(part, field.name) for field in fields(part)}
+    units = {name: known.unit for name, known in WAGON.items()}
+    for name, value in values.items():
+        unit = "share of it in the plane model" if title == "scaling" else units.get(name)
+        if isinstance(value, Characteristic):
+            yield from (f"{name} = [  # {unit}", *(f"  [{x!r}, {f!r}]," for x, f in value.points), "]")
+        elif isinstance(value, float | int):
+            yield f"{name} = {float(value)!r}  # {unit}"
+    for name, value in values.items():
+        if not isinstance(value, Characteristic | float | int):
+            yield from _lines(value, name)

@@ -1,0 +1,1 @@
+"""Many cases of one scene: plan, workers, store, results, convergence, figures."""

@@ -1,0 +1,129 @@
+"""The results of a study as one Dataset over its dimensions."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.datasets.netcdf import machine
+from wheelrail.scenes.studies.plan import Plan, numbers, shown
+from wheelrail.scenes.studies.quantities import MEANINGS
+from wheelrail.scenes.studies.solve import Found
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+def dataset(plan: Plan, found: Mapping[tuple[int, ...], Found]) -> Dataset:
+    """Parameters as coordinates, quantities by side where a scene has several; what is not known is NaN.
+
+    status of a case: "converged", "separated", "completed", "failed" with its error, or "not computed". The reference
+    of a convergence study, if it is a case, is the last one along its dimension.
+    """
+    from xarray import Dataset
+
+    build = Builder(plan, found)
+    data = Dataset(build.variables(), coords=build.coordinates(), attrs=_attributes(plan))
+    if plan.study.histories:
+        from wheelrail.scenes.studies.histories import histories
+
+        data = data.assign(histories(plan, found))
+    return data
+
+
+@dataclass(frozen=True)
+class Builder:
+    """Arrays over the dimensions of a plan."""
+
+    plan: Plan
+    found: Mapping[tuple[int, ...], Found]
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        return tuple(axis.name for axis in self.plan.axes)
+
+    @property
+    def sides(self) -> list[str]:
+        """Those of all cases, as scenes name them; none for a Hertz pair."""
+        if self.plan.kind == "hertz":
+            return []
+        if self.plan.kind == "run":
+            return ["left", "right"]
+        named = {side for case in self.plan.cases for side in getattr(case.scene, "sides", ())}
+        return [side for side in ("left", "right") if side in named]
+
+    def coordinates(self) -> dict[str, Any]:
+        """Every parameter along its dimension, texts for what is no number; a hypercube's samples by number."""
+        found: dict[str, Any] = {}
+        for axis in self.plan.axes:
+            for name, values in axis.values.items():
+                attrs = (
+                    {"long_name": name, "units": self.plan.units[name] or "1"}
+                    if numbers(values)
+                    else {"long_name": name}
+                )
+                listed = np.array(values if numbers(values) or _texts(values) else [shown(value) for value in values])
+                found[name.replace(".", "_")] = (axis.name, listed, attrs)
+            if axis.name not in found:
+                found[axis.name] = (axis.name, np.arange(len(axis)), {"long_name": "number of the sample"})
+        if self.sides:
+            found["side"] = ("side", self.sides)
+        return found
+
+    def variables(self) -> dict[str, Any]:
+        given = self.coordinates()
+        sided = [name for name in MEANINGS if any(name in one for f in self.found.values() for one in f.sides.values())]
+        whole = [name for name in MEANINGS if any(name in f.whole for f in self.found.values())]
+        found: dict[str, Any] = {}
+        for name in sided:
+            units, text = MEANINGS[name]
+            dims = (*self.dims, "side") if self.sides else self.dims
+            found[name + "_result" * (name in given)] = (dims, self._sided(name), {"units": units, "long_name": text})
+        for name in whole:
+            units, text = MEANINGS[name]
+            values = self._filled(lambda one, name=name: one.whole.get(name, np.nan), np.nan)  # type: ignore[misc]
+            found[name] = (self.dims, values, {"units": units, "long_name": text})
+        attrs = {"units": "s", "long_name": "time for the case, preparation included"}
+        found["seconds"] = (self.dims, self._filled(lambda one: one.seconds, np.nan), attrs)
+        for name, missing in (("status", "not computed"), ("error", ""), ("host", "")):
+            values = self._filled(lambda one, name=name: getattr(one, name), missing)  # type: ignore[misc]
+            found[name] = (self.dims, values.astype(str), {"long_name": f"{name} of the case"})
+        return found
+
+    def _sided(self, name: str) -> Any:
+        if not self.sides:
+            return self._filled(lambda one: one.sides.get("contact", {}).get(name, np.nan), np.nan)
+        columns = [self._filled(lambda one, s=s: one.sides.get(s, {}).get(name, np.nan), np.nan) for s in self.sides]  # type: ignore[misc]
+        return np.stack(columns, axis=-1)
+
+    def _filled(self, value: Any, missing: Any) -> Any:
+        values = np.full(self.plan.shape, missing, dtype=float if isinstance(missing, float) else object)
+        for place, one in self.found.items():
+            values[place] = value(one)
+        return values
+
+
+def _attributes(plan: Plan) -> dict[str, Any]:
+    from wheelrail.scenes.studies.job import computer
+
+    study = plan.study
+    return {
+        "title": f"Study of {Path(study.scene).name if isinstance(study.scene, str) else 'a scene'}",
+        "kind": "study",
+        "scene_kind": plan.kind,
+        "study": json.dumps(study.model_dump(), default=list),
+        "scene": json.dumps(plan.scene, default=list),
+        "versions": ", ".join(f"{name} {number}" for name, number in computer().items()),
+        "machine": machine(),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def _texts(values: Any) -> bool:
+    return all(isinstance(value, str) for value in values)

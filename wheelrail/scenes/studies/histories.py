@@ -1,0 +1,40 @@
+"""What runs did over time, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from wheelrail.scenes.studies.plan import Plan
+from wheelrail.scenes.studies.solve import Found
+
+
+def histories(plan: Plan, found: Mapping[tuple[int, ...], Found]) -> dict[str, Any]:
+    """Variables over the dimensions and `time`, NaN after the end of a run.
+
+    All runs keep one sample per interval, so that times are the same up to the end of the shortest; a last sample
+    between two of the longest is left out.
+    """
+    runs = {place: one.histories for place, one in found.items() if one.histories}
+    if not runs:
+        return {}
+    longest = max((run["time"]["values"] for run in runs.values()), key=lambda times: times[-1])
+    time = np.array(longest)
+    dims = (*(axis.name for axis in plan.axes), "time")
+    variables: dict[str, Any] = {}
+    for name, first in next(iter(runs.values())).items():
+        if name == "time":
+            continue
+        inner = np.shape(first["values"])[1:]
+        values = np.full((*plan.shape, len(time), *inner), np.nan)
+        for place, run in runs.items():
+            own = np.array(run["time"]["values"])
+            at = np.clip(np.searchsorted(time, own - 1e-9), 0, len(time) - 1)
+            same = np.abs(time[at] - own) < 1e-9
+            values[(*place, at[same])] = np.array(run[name]["values"])[same]
+        attrs = {"units": first["units"], "long_name": first["long_name"]}
+        variables[f"history_{name}"] = ((*dims, "side") if inner else dims, values, attrs)
+    variables["time"] = ("time", time, {"units": "s", "long_name": "time"})
+    return variables

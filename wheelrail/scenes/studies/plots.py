@@ -1,0 +1,196 @@
+"""Pictures of a study: quantities over what was varied, what they depend on, and how errors fall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.plots import errors as panels
+from wheelrail.scenes.plots.style import SERIES, STYLE, save
+from wheelrail.scenes.studies.convergence import counts_of, errors_of, worst_of
+from wheelrail.scenes.studies.plan import SAMPLE, shown
+from wheelrail.scenes.studies.quantities import MAIN, varying
+from wheelrail.scenes.studies.tables import dimensions, parameters
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from xarray import DataArray, Dataset
+
+COLOURS, MARKERS = zip(*((look["color"], look["marker"]) for look in SERIES), strict=True)
+SIDES: dict[Any, dict[str, Any]] = {"left": {}, "right": {"linestyle": "--", "fillstyle": "none"}}
+PANELS, LINES = 6, 12  # at most
+
+
+def draw_study(data: Dataset, folder: Path) -> list[Path]:
+    """Save what there is to see; returns the files: study.png, and convergence.png of a study of convergence."""
+    from matplotlib import rc_context
+
+    files = []
+    with rc_context(STYLE):
+        for name, draw in drawings(data).items():
+            figure = draw(data, None)
+            if figure is not None:
+                save(figure, folder / f"{name}.png")
+                files.append(folder / f"{name}.png")
+    return files
+
+
+def drawings(data: Dataset) -> dict[str, Callable[[Dataset, Figure | None], Figure | None]]:
+    """What can be drawn of a study, by name."""
+    found: dict[str, Callable[[Dataset, Figure | None], Figure | None]] = {
+        "study": sensitivity if SAMPLE in data.dims else lines
+    }
+    return found | ({"convergence": convergence} if errors_of(data) else {})
+
+
+def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
+    """The main quantities over the longest dimension of numbers, a colour for every case of the others."""
+    from matplotlib.lines import Line2D
+
+    names, dims = varying(data)[:PANELS], dimensions(data)
+    if not names:
+        return None
+    over = max([dim for dim in dims if data[dim].dtype.kind in "if"] or dims, key=lambda dim: data.sizes[dim])
+    others = [dim for dim in dims if dim != over]
+    chosen = list(np.ndindex(*(data.sizes[dim] for dim in others)))[:LINES]
+    figure, panels = _panels(figure, len(names))
+    for panel, name in zip(panels, names, strict=True):
+        label, scale, unit = MAIN[name]
+        for index, place in enumerate(chosen):
+            one = data[name].isel(dict(zip(others, place, strict=True)))
+            for side in data["side"].values if "side" in one.dims else [None]:
+                values = one if side is None else one.sel(side=side)
+                panel.plot(*_ordered(data[over], scale * values.values), **_look(index), **SIDES.get(side, {}))
+        panel.set_ylabel(f"{label} [{unit}]")
+        _along(panel, data[over])
+    handles = [Line2D([], [], label=_said(data, others, place), **_look(i)) for i, place in enumerate(chosen)]
+    handles = handles if others else []
+    if "side" in data.dims:
+        handles += [Line2D([], [], color="0.4", marker="o", markersize=4.0, label=s, **SIDES[s]) for s in SIDES]
+    if handles:
+        count = int(np.prod([data.sizes[dim] for dim in others]))
+        more = f"the first {LINES} of {count}" if count > LINES else None
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(5, len(handles)), title=more)
+    return figure
+
+
+def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
+    """Rank correlation (Spearman) of the main quantities with every parameter of the hypercube, and scatter over the
+    one that matters most.
+    """
+    from scipy.stats import spearmanr
+
+    names = varying(data)[:4]
+    drawn = [p for p in parameters(data) if data[p].dims == (SAMPLE,) and data[p].dtype.kind in "if"]
+    if not names or not drawn:
+        return None
+    figure, panels = _panels(figure, 2 * len(names), columns=2)
+    for row, name in enumerate(names):
+        label, scale, unit = MAIN[name]
+        columns = (
+            data[name].stack(line=[dim for dim in data[name].dims if dim != SAMPLE]) if data[name].ndim > 1 else None
+        )
+        series = [data[name].values] if columns is None else list(columns.transpose("line", SAMPLE).values[:4])
+        texts = (
+            [""] if columns is None else [", ".join(map(str, np.atleast_1d(i))) for i in columns.indexes["line"][:4]]
+        )
+        bars, dots = panels[2 * row], panels[2 * row + 1]
+        found = np.array([[spearmanr(data[p].values, y, nan_policy="omit")[0] for p in drawn] for y in series])
+        height = 0.8 / len(series)
+        for index, (values, text) in enumerate(zip(found, texts, strict=True)):
+            places = np.arange(len(drawn)) + height * (index - 0.5 * (len(series) - 1))
+            bars.barh(places, values, 0.9 * height, color=COLOURS[index], label=text)
+        bars.set_yticks(np.arange(len(drawn)), [data[p].attrs["long_name"] for p in drawn])
+        bars.invert_yaxis()
+        bars.set_xlim(-1.0, 1.0)
+        bars.axvline(0.0, color="0.4", linewidth=0.8)
+        bars.set_xlabel(f"rank correlation with {label} [-]")
+        most = drawn[int(np.nanargmax(np.abs(found).max(axis=0)))]
+        for index, (y, text) in enumerate(zip(series, texts, strict=True)):
+            look: dict[str, Any] = {"color": COLOURS[index], "marker": MARKERS[index]}
+            dots.plot(data[most].values, scale * y, linestyle="", markersize=3.0, label=text, **look)
+        dots.set_ylabel(f"{label} [{unit}]")
+        _along(dots, data[most])
+        if columns is not None:
+            dots.legend()
+    return figure
+
+
+def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
+    """Relative errors over the size, and over the time that they cost (work and precision), largest of all sides."""
+    if not errors_of(data):
+        return None
+    over = str(data.attrs["convergence_over"])
+    others = [dim for dim in data["seconds"].dims if dim != over]
+    seconds = data["solve_seconds" if "solve_seconds" in data else "seconds"]
+    seconds = seconds.sum("side") if "side" in seconds.dims else seconds
+    from matplotlib.ticker import NullLocator
+
+    figure, (left, right) = _panels(figure, 2)
+    worst = {name.replace("_", " "): 100.0 * error for name, error in worst_of(data).items()}
+    spent, label = seconds.mean(others), "relative error [%]"
+    panels.convergence(data[over].values.tolist(), worst, xlabel=_label(data[over]), ylabel=label, ax=left)
+    quickest = np.argsort(spent.values)
+    paid = {name: (spent.values[quickest].tolist(), error.values[quickest].tolist()) for name, error in worst.items()}
+    panels.work_precision(paid, xlabel="time for the contact solves [s]", ylabel=label, ax=right)
+    if not counts_of(data):
+        left.invert_xaxis()
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    left.set_xticks(data[over].values, [shown(value.item()) for value in data[over].values])
+    left.xaxis.set_minor_locator(NullLocator())
+    for panel in (left, right):
+        panel.grid(visible=True, which="minor", linewidth=0.3)
+    return figure
+
+
+def _panels(figure: Figure | None, count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]:
+    """A grid of panels, in a new figure unless one is given, which takes on the size that they need."""
+    from matplotlib.figure import Figure
+
+    columns = columns or min(count, 3 if count > 4 else 2)
+    rows = -(-count // columns)
+    figure = figure or Figure(layout="constrained")
+    figure.set_size_inches(4.0 * columns, 2.7 * rows + 0.4)
+    panels = figure.subplots(rows, columns, squeeze=False)
+    for panel in panels.flat[count:]:
+        panel.set_visible(False)
+    return figure, list(panels.flat[:count])
+
+
+def _look(index: int) -> dict[str, Any]:
+    """Of a line: colours, and markers that go on when these begin anew."""
+    marker = MARKERS[(index + index // len(COLOURS)) % len(MARKERS)]
+    return {"color": COLOURS[index % len(COLOURS)], "marker": marker, "markersize": 4.0}
+
+
+def _ordered(x: DataArray, y: Any) -> tuple[Any, Any]:
+    """Points by rising x; texts as they come."""
+    if x.dtype.kind not in "if":
+        return x.values.astype(str), y
+    order = np.argsort(x.values)
+    return x.values[order], np.asarray(y)[order]
+
+
+def _along(panel: Axes, x: DataArray) -> None:
+    panel.set_xlabel(_label(x))
+    values = x.values
+    if x.dtype.kind == "f" and len(values) > 2 and values.min() > 0 and values.max() / values.min() > 20:
+        panel.set_xscale("log")
+
+
+def _label(x: DataArray) -> str:
+    unit = x.attrs.get("units")
+    return f"{x.attrs.get('long_name', x.name)} [{'-' if unit in (None, '1') else unit}]"
+
+
+def _said(data: Dataset, dims: list[str], place: tuple[int, ...]) -> str:
+    values = (
+        f"{data[dim].attrs['long_name']} = {shown(data[dim].values[i].item())}"
+        for dim, i in zip(dims, place, strict=True)
+    )
+    return ", ".join(values)

@@ -1,0 +1,181 @@
+"""What of a case goes into the results of its study, with units and meanings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+# Name: unit, meaning. One value for each side of a contact scene.
+CONTACT = {
+    "normal_force": ("N", "normal force of all patches"),
+    "longitudinal_force": ("N", "contact force on the wheel or the upper body, forward"),
+    "lateral_force": ("N", "contact force on the wheel or the upper body, to the left"),
+    "vertical_force": ("N", "contact force on the wheel or the upper body, upwards"),
+    "roll_moment": ("N m", "moment of the contact force about the forward axis"),
+    "spin_moment": ("N m", "moment of the contact force about the lateral axis"),
+    "yaw_moment": ("N m", "moment of the contact force about the upward axis"),
+    "max_pressure": ("Pa", "peak pressure of all patches"),
+    "area": ("m2", "area of all patches"),
+    "approach": ("m", "approach of the bodies: largest undeformed overlap; negative is a gap"),
+    "semi_axis_x": ("m", "semi-axis along the track of the patch with the largest load"),
+    "semi_axis_y": ("m", "semi-axis across of the patch with the largest load"),
+    "stick_area": ("m2", "area that sticks"),
+    "frictional_power": ("W", "power of friction that turns into heat"),
+    "z": ("m", "height of the wheelset or the upper body"),
+    "roll": ("rad", "roll of the wheelset"),
+}
+ESTIMATES = {
+    "force_error_estimate": ("N", "estimated error of the contact force"),
+    "moment_error_estimate": ("N m", "estimated error of the moment"),
+    "max_pressure_error_estimate": ("Pa", "estimated error of the peak pressure"),
+    "area_error_estimate": ("m2", "estimated error of the area"),
+}
+STRESSES = {
+    f"largest_von_mises_{body}": ("Pa", f"largest von Mises stress at the depths asked for, {body}")
+    for body in ("wheel", "rail", "upper", "lower")
+}
+COST = {
+    "patches": ("1", "number of contact patches"),
+    "points": ("1", "contact points of the last solve"),
+    "contact_solves": ("1", "contact problems solved"),
+    "newton_iterations": ("1", "Newton iterations of the last solve, of a run in all"),
+    "solve_seconds": ("s", "time for all contact solves"),
+}
+# One value for each side of a run: variable, how it is summed up, unit, meaning.
+RUN_SIDES = {
+    "largest_lateral_force": (
+        "lateral_force",
+        "largest",
+        "N",
+        "largest lateral contact force on the wheel, either way",
+    ),
+    "largest_longitudinal_force": (
+        "longitudinal_force",
+        "largest",
+        "N",
+        "largest longitudinal contact force on the wheel, either way",
+    ),
+    "least_vertical_force": ("vertical_force", "least", "N", "least vertical contact force on the wheel"),
+    "greatest_vertical_force": ("vertical_force", "greatest", "N", "greatest vertical contact force on the wheel"),
+    "max_pressure": ("patch_max_pressure", "greatest", "Pa", "peak pressure of all patches"),
+    "greatest_t_gamma": ("t_gamma", "greatest", "N", "greatest T-gamma"),
+    "mean_t_gamma": ("t_gamma", "mean", "N", "T-gamma, mean over the samples"),
+}
+RUN = {
+    "largest_wheelset_y": ("wheelset_y", "largest", "m", "largest lateral displacement of the wheelset, either way"),
+    "largest_bogie_y": ("bogie_y", "largest", "m", "largest lateral displacement of the bogie, either way"),
+    "largest_car_body_y": ("car_body_y", "largest", "m", "largest lateral displacement of the car body, either way"),
+    "largest_car_body_roll": ("car_body_roll", "largest", "rad", "largest roll of the car body, either way"),
+    "largest_bumpstop_force": ("bumpstop_force", "largest", "N", "largest force of the bumpstop, either way"),
+    "distance": ("distance", "greatest", "m", "distance run"),
+}
+RUN_COST = {
+    "steps_accepted": ("1", "steps of the integrator"),
+    "steps_rejected": ("1", "steps rejected"),
+    "evaluations": ("1", "evaluations of the motion's derivative"),
+    "run_seconds": ("s", "time for the run without the contact's preparation"),
+}
+HISTORIES = ("distance", "wheelset_y", "wheelset_z", "wheelset_roll", "bogie_y", "car_body_y", "car_body_roll")
+SIDED_HISTORIES = ("longitudinal_force", "lateral_force", "vertical_force", "t_gamma")
+
+PHYSICAL = {
+    **CONTACT,
+    **STRESSES,
+    **{name: what[2:] for name, what in (RUN_SIDES | RUN).items()},
+}
+MEANINGS: dict[str, tuple[str, str]] = {**PHYSICAL, **ESTIMATES, **COST, **RUN_COST}
+# What tables and pictures show, where it is not the same in all cases: label, scale, unit.
+MAIN = {
+    "max_pressure": ("peak pressure", 1e-6, "MPa"),
+    "area": ("area", 1e6, "mm²"),
+    "lateral_force": ("lateral force", 1e-3, "kN"),
+    "longitudinal_force": ("longitudinal force", 1e-3, "kN"),
+    "approach": ("approach", 1e6, "µm"),
+    "normal_force": ("normal force", 1e-3, "kN"),
+    "largest_wheelset_y": ("largest wheelset y", 1e3, "mm"),
+    "largest_lateral_force": ("largest lateral force", 1e-3, "kN"),
+    "least_vertical_force": ("least vertical force", 1e-3, "kN"),
+    "greatest_t_gamma": ("greatest T-gamma", 1.0, "N"),
+    "largest_car_body_roll": ("largest car body roll", 1e3, "mrad"),
+}
+SAME = 1e-4  # relative differences below it are those of a load search
+SUMMED: dict[str, Callable[[Any], Any]] = {
+    "largest": lambda values: np.nanmax(np.abs(values)),
+    "greatest": np.nanmax,
+    "least": np.nanmin,
+    "mean": np.nanmean,
+}
+
+
+def of_contact(report: Mapping[str, Any]) -> dict[str, float]:
+    """Of one side of a contact scene's report (`wheelrail.scenes.contacts.report`); a side that failed has none."""
+    if "force" not in report:
+        return {}
+    patches, cost = report["patches"], report["statistics"]
+    main = max(patches, key=lambda patch: float(patch["normal_force"]), default=None)
+    found = {
+        "normal_force": report["normal_force"],
+        **dict(zip(("longitudinal_force", "lateral_force", "vertical_force"), report["force"], strict=True)),
+        **dict(zip(("roll_moment", "spin_moment", "yaw_moment"), report["moment"], strict=True)),
+        "max_pressure": max((patch["max_pressure"] for patch in patches), default=0.0),
+        **{name: sum(patch[name] for patch in patches) for name in ("area", "stick_area", "frictional_power")},
+        **{name: report[name] for name in ("approach", "z", "roll")},
+        **({"semi_axis_x": main["semi_axes"][0], "semi_axis_y": main["semi_axes"][1]} if main else {}),
+        **{f"{name}_error_estimate": value for name, value in report.get("error_estimate", {}).items()},
+        "patches": len(patches),
+        "points": cost["points"],
+        "contact_solves": cost["contact_solves"],
+        "newton_iterations": cost["newton"],
+        "solve_seconds": cost["seconds"]["all_solves"],
+    }
+    for body, stress in report.get("stress", {}).items():
+        largest = (patch["largest"]["von_mises"] for patch in stress["patches"])
+        found[f"largest_von_mises_{body}"] = max(largest, default=0.0)
+    return {name: float(value) for name, value in found.items()}
+
+
+def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
+    """Of a run's results, by side and in all."""
+    sides: dict[str, dict[str, float]] = {}
+    for side in map(str, data["side"].values):
+        one = data.sel(side=side)
+        sides[side] = {
+            name: _summed(one[variable].values, how) for name, (variable, how, _, _) in RUN_SIDES.items()
+        } | {
+            "contact_solves": float(one["contact_solves"]),
+            "newton_iterations": float(one["newton_iterations"]),
+            "solve_seconds": float(one["contact_seconds"]),
+        }
+    whole = {name: _summed(data[variable].values, how) for name, (variable, how, _, _) in RUN.items()}
+    whole |= {name: float(data.attrs[name]) for name in ("steps_accepted", "steps_rejected", "evaluations")}
+    return sides, whole | {"run_seconds": float(data.attrs["seconds"])}
+
+
+def histories_of(data: Dataset) -> dict[str, Any]:
+    """Of a run, by name: values (time) or (time, side), with unit and meaning."""
+    found = {}
+    for name in ("time", *HISTORIES, *SIDED_HISTORIES):
+        attrs = data[name].attrs
+        found[name] = {"values": data[name].values.tolist(), "units": attrs["units"], "long_name": attrs["long_name"]}
+    return found
+
+
+def _summed(values: Any, how: str) -> float:
+    finite = values[np.isfinite(values)]
+    return float(SUMMED[how](finite)) if finite.size else float("nan")
+
+
+def varying(data: Dataset) -> list[str]:
+    """The main quantities that are not the same in all cases."""
+    found = []
+    for name in MAIN:
+        if name in data and name not in data.coords:
+            values = data[name].values[np.isfinite(data[name].values)]
+            if values.size and np.ptp(values) > SAME * np.abs(values).max():
+                found.append(name)
+    return found

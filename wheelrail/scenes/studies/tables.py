@@ -1,0 +1,107 @@
+"""A study to read: its cases, and how errors fall."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.plots.fits import slope
+from wheelrail.scenes.studies.convergence import counts_of, errors_of, worst_of
+from wheelrail.scenes.studies.plan import SAMPLE, shown
+from wheelrail.scenes.studies.quantities import MAIN, varying
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+    from xarray import Dataset
+
+ROWS = 30  # of a table; more are in the results
+
+
+def dimensions(data: Dataset) -> list[str]:
+    """Names of the study's own dimensions."""
+    return [str(name) for name in data["status"].dims]
+
+
+def parameters(data: Dataset) -> list[str]:
+    """Names of the coordinates that are parameters."""
+    own = set(dimensions(data))
+    return [
+        str(name)
+        for name, values in data.coords.items()
+        if name != SAMPLE and values.ndim == 1 and set(values.dims) <= own
+    ]
+
+
+def tables(data: Dataset) -> list[RenderableType]:
+    """Cases, then convergence if the study is about it."""
+    return [case_table(data), *([error_table(data)] if errors_of(data) else [])]
+
+
+def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -> Table:
+    """A line for every case, up to so many; values of the sides one after the other. where: the rest is to be found."""
+    from rich.table import Table
+
+    names = parameters(data)
+    main = varying(data)[: 2 if "side" in data.dims and len(names) > 3 else 4]
+    sides = f", {' / '.join(map(str, data['side'].values))}" if "side" in data.dims else ""
+    view = Table(title=f"{data['status'].size} cases{sides}", title_justify="left")
+    for name in names:
+        unit = data[name].attrs.get("units", "1")
+        view.add_column(f"{data[name].attrs['long_name']}" + (f" [{unit}]" if unit != "1" else ""), justify="right")
+    for name in main:
+        view.add_column(f"{MAIN[name][0]} [{MAIN[name][2]}]", justify="right")
+    view.add_column("s", justify="right", no_wrap=True)
+    view.add_column("status", min_width=9)
+    values = {name: flat(data, name) for name in (*names, *main, "seconds", "status", "error")}
+    for index in range(min(data["status"].size, rows)):
+        one = {name: column[index] for name, column in values.items()}
+        cells = [_short(_plain(one[name])) for name in names]
+        for name in main:
+            cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(one[name])))
+        said = f"{one['status']}" + (f": {one['error']}" if str(one["error"]) else "")
+        view.add_row(*cells, f"{float(one['seconds']):.2g}", said)
+    if (more := data["status"].size - rows) > 0:
+        view.caption, view.caption_justify = f"and {more} more, {where}", "left"
+    return view
+
+
+def error_table(data: Dataset) -> Table:
+    """Relative errors in per cent along the dimension of convergence, of sides and other dimensions the largest, and
+    at the end the order to which these fall.
+    """
+    from rich.table import Table
+
+    over = str(data.attrs["convergence_over"])
+    worst = worst_of(data)
+    view = Table(title=f"Relative errors over {data[over].attrs['long_name']}", title_justify="left")
+    view.add_column(data[over].attrs["long_name"], justify="right")
+    for name in worst:
+        view.add_column(f"{name.replace('_', ' ')} [%]", justify="right")
+    for place, value in enumerate(data[over].values):
+        view.add_row(shown(_plain(value)), *(_number(100.0 * float(error[place])) for error in worst.values()))
+    view.add_section()
+    size = data[over].values ** (-1.0 if counts_of(data) else 1.0)
+    view.add_row("order", *(f"{slope(size, error.values):.2f}" for error in worst.values()))
+    return view
+
+
+def flat(data: Dataset, name: str) -> Any:
+    """Values of a variable, case by case; by side, too, if it has sides: an array of one or two dimensions."""
+    dims = dimensions(data)
+    there = [dim for dim in dims if dim not in data[name].dims]
+    values = data[name].expand_dims({dim: data.sizes[dim] for dim in there}).transpose(*dims, ...).values
+    return values.reshape(data["status"].size, *values.shape[len(dims) :])
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") else value
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else shown(value)
+
+
+def _number(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.4g}"

@@ -1,0 +1,1 @@
+"""3D views and animations by PyVista."""

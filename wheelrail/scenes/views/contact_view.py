@@ -1,0 +1,138 @@
+"""One contact in three dimensions: both bodies deformed, pressure on the rail, stress on cuts below the surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.views.body_meshes import (
+    MISES,
+    MOVED,
+    PRESSURE,
+    bodies_mesh,
+    deformed,
+    patch_pressure,
+    pressure_surface,
+    riding,
+    stress_cut,
+)
+from wheelrail.scenes.views.plotter import plotter as new_plotter
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from wheelrail.contact.results.result import ContactResult
+    from wheelrail.contact.stress.fields import BodyFields
+
+
+SHOWN = 6.0  # mm that the largest displacement is drawn as when no scale is given
+LIFT = 70.0  # mm between the bodies in the left pane
+HIGH = 110.0  # mm above the patch that the upper body is shown to there
+APART = 0.8  # half patch lengths between their cuts in the right pane
+REACH = 2.6  # half patch lengths that the cuts are shown to
+ANGLE = 30.0  # degrees, of the camera
+
+
+@dataclass(frozen=True)
+class SeenBody:
+    """Fields of one body: whole for the deformed picture, cuts for the stress; upper one or lower one."""
+
+    name: str
+    upper: bool
+    whole: BodyFields
+    cuts: tuple[BodyFields, ...]
+
+
+def contact_scene(
+    result: ContactResult,
+    bodies: tuple[SeenBody, ...],
+    *,
+    title: str,
+    scale: float | None = None,
+    mirrored: bool = False,
+    off_screen: bool | None = None,
+) -> Any:
+    """A pyvista plotter with two panes: bodies deformed and pressure; von Mises stress on cuts through the patch.
+
+    scale of displacements, a round one without it; mirrored for a right-hand pair, whose fields must be mirrored
+    already. Show it (`.show()`, also in a notebook), or write it with `save_view`. Raises ValueError without contact.
+    """
+    patch = pressure_surface(result, mirrored=mirrored)
+    middle = np.average(np.asarray(patch.cell_centers().points), axis=0, weights=patch[PRESSURE])
+    half = 0.5 * max(patch.bounds[1] - patch.bounds[0], patch.bounds[3] - patch.bounds[2])
+    view = new_plotter((1, 2), size=(1600, 900), off_screen=off_screen)
+    meshes = [(body, bodies_mesh(body.whole)) for body in bodies]
+    largest = max(float(mesh[MOVED].max()) for _, mesh in meshes)
+    scale = round_scale(SHOWN / (1e-3 * largest)) if scale is None else scale
+    _left(view, meshes, patch, middle, scale, largest)
+    peak = float(patch[PRESSURE].max())
+    view.title = (
+        f"{title}\nleft: bodies moved apart, displacements x {scale:g}; cells: pressure up to {peak:.0f} MPa (yellow)\n"
+        "right: von Mises stress on cuts along and across, below the patch"
+    )
+    view.add_text(
+        f"{title}\ndisplacements x {scale:g}, bodies apart\npressure of the cells up to {peak:.0f} MPa (yellow)",
+        font_size=10,
+        color="black",
+    )
+    view.subplot(0, 1)
+    _right(view, bodies, patch, middle, half)
+    view.add_text(
+        "von Mises stress below the patch\non cuts along and across, bodies apart", font_size=10, color="black"
+    )
+    view.subplot(0, 0)
+    return view
+
+
+def round_scale(value: float) -> float:
+    """The largest of 1, 2, 5, 10, 20 .. not above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-12)))
+
+
+def _left(
+    view: Any, meshes: list[tuple[SeenBody, Any]], patch: Any, middle: Array, scale: float, largest: float
+) -> None:
+    lower = None
+    for number, (body, mesh) in enumerate(meshes):
+        lift = LIFT if body.upper and len(meshes) > 1 else 0.0
+        deformed(view, mesh, scale=scale, lift=lift, top=middle[2] + HIGH, largest=largest, bar=number == 0)
+        if lower is None or not body.upper:
+            lower = mesh
+    patch_pressure(view, riding(patch, lower, scale))
+    _frame(view, direction=np.array([1.0, -0.9, 0.42]))
+
+
+def _right(view: Any, bodies: tuple[SeenBody, ...], patch: Any, middle: Array, half: float) -> None:
+    gap, reach = APART * half, REACH * half
+    cuts = [(body, bodies_mesh(cut)) for body in bodies for cut in body.cuts]
+    largest = max(float(mesh[MISES].max()) for _, mesh in cuts)
+    for number, (body, mesh) in enumerate(cuts):
+        lift = gap if body.upper and len(bodies) > 1 else 0.0
+        stress_cut(view, mesh, around=middle, reach=reach, largest=largest, lift=lift, bar=number == 0)
+    patch_pressure(view, patch)
+    _frame(view, direction=np.array([1.0, -1.15, 0.5]))
+
+
+def _frame(view: Any, direction: Array) -> None:
+    """Axes in mm, and the camera where all is seen, above the bars of the colours."""
+    view.add_axes(color="black", line_width=3, viewport=(0.0, 0.13, 0.16, 0.29))
+    view.show_bounds(
+        xtitle="x, forward [mm]",
+        ytitle="y, to the left [mm]",
+        ztitle="z, up [mm]",
+        font_size=9,
+        color="#404040",
+        location="outer",
+        n_xlabels=4,
+        n_ylabels=4,
+        n_zlabels=4,
+        fmt="%.0f",
+    )
+    bounds = np.array(view.bounds).reshape(3, 2)
+    centre, size = bounds.mean(axis=1), float(np.linalg.norm(np.ptp(bounds, axis=1)))
+    distance = 0.7 * size / np.tan(np.radians(0.5 * ANGLE))
+    view.camera.view_angle = ANGLE
+    focus = centre - [0.0, 0.0, 0.06 * size]
+    view.camera_position = [focus + distance * direction / np.linalg.norm(direction), focus, (0, 0, 1)]

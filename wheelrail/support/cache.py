@@ -1,0 +1,88 @@
+"""Arrays kept on disk under a hash of everything that shapes them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelrail.support.atomic_file import whole_file
+
+FORMAT = 3  # raise it when the meaning of stored arrays changes
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+def cache_folder() -> Path:
+    """Folder of the cache: $WHEELRAIL_CACHE, or the user's own cache folder."""
+    chosen = os.environ.get("WHEELRAIL_CACHE")
+    if chosen:
+        return Path(chosen)
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("wheelrail"))
+
+
+def digest(**parts: Any) -> str:
+    """Hash of named numbers, strings, tuples, dictionaries and arrays; floats count to 11 digits, arrays to 1e-11."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            exact = np.round(value, 11) + 0.0 if value.dtype.kind == "f" else value
+            return [str(value.dtype), value.shape, hashlib.sha256(np.ascontiguousarray(exact).tobytes()).hexdigest()]
+        if isinstance(value, np.generic):
+            return plain(value.item())
+        if isinstance(value, float):
+            return f"{value:.10e}"
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(item) for item in value]
+        if value is None or isinstance(value, str | int):
+            return value
+        raise TypeError(f"cannot hash a {type(value).__name__}")
+
+    text = json.dumps({"format": FORMAT, **plain(parts)}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def load(name: str) -> dict[str, NDArray[Any]] | None:
+    """Stored arrays, or None when there are none or the file is damaged (zip checks every array's CRC)."""
+    path = cache_folder() / f"{name}.npz"
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:  # which leaves a damaged one open
+            return {key: stored[key] for key in stored.files}
+    except Exception:
+        # Missing, unreadable or damaged: a flipped bit can make a zip raise almost anything. The caller builds it anew.
+        return None
+
+
+def store(name: str, arrays: Arrays) -> None:
+    """Write arrays so that a reader sees all of them or nothing; a cache that cannot be written costs time, not the
+    run.
+    """
+    path = cache_folder() / f"{name}.npz"
+    try:
+        with whole_file(path) as part, ZipFile(part, "w") as archive:  # as np.savez, but closed in order on a full disk
+            for key, values in arrays.items():
+                with archive.open(f"{key}.npy", "w", force_zip64=True) as file:
+                    np.save(file, values, allow_pickle=False)
+    except OSError as error:
+        warnings.warn(f"the cache {path.parent} cannot be written ({error}); going on without it", stacklevel=2)
+
+
+def cached(name: str, build: Callable[[], Arrays], wanted: Sequence[str]) -> Arrays:
+    """The wanted arrays from the cache, or built and stored."""
+    found = load(name)
+    if found is None or not set(wanted) <= set(found):
+        found = dict(build())
+        store(name, found)
+    return found
