@@ -203,7 +203,7 @@ PHASES = {
     "def at(name, *given):\n    if name == 'wheelrail.scenes.runs.run': stop()\n    return kept(name, *given)\n"
     "builtins.__import__ = at",
     "scene": "import wheelrail.scenes.schema.scene as m; m.read_text = stop",
-    "head": "import wheelrail.scenes.runs.resume as m; m.head = stop",
+    "header": "import wheelrail.scenes.runs.resume as m; m.header = stop",
     "contact": "import wheelrail.scenes.runs.run as m; m.wheelset_contact = stop",
     "equilibrium": "import wheelrail.vehicle.simulation.simulate as m; m.equilibrium = stop",
     "steps": "import wheelrail.vehicle.simulation.simulate as m; m.Recorder.add = after(m.Recorder.add, 25)",
@@ -214,7 +214,7 @@ PHASES = {
     "    return kept(to, data, at)\nos.pwrite = half",
     "results": "import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)",
     "results in place": "import os; os.replace = after(os.replace, 2)",
-    "end": "import wheelrail.scenes.runs.checkpoint_file as m; m.Journal.remove = stop",
+    "end": "import wheelrail.scenes.runs.checkpoint_file as m; m.CheckpointFile.remove = stop",
 }
 STOP = """
 import os, signal, time

@@ -25,8 +25,8 @@ from wheelrail.contact.kinematics.frames import Motion, Pose, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.scenes.runs.checkpoint_file import Journal, StillRunning, head_of
-from wheelrail.scenes.runs.checkpoint_format import Plain, Unreadable
+from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, StillRunning, read_header
+from wheelrail.scenes.runs.checkpoint_format import RestrictedUnpickler, Unreadable
 from wheelrail.scenes.runs.resume import differences
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.history import History
@@ -37,7 +37,7 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 SCENES = Path(__file__).parents[2] / "scenes"
 CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=20.0, length=200.0)
-HEAD = {"scene": {"solver": {"rtol": 1e-3}}, "versions": {"wheelrail": "1"}}
+HEADER = {"scene": {"solver": {"rtol": 1e-3}}, "versions": {"wheelrail": "1"}}
 
 
 def run(contact=CONTACT, *, checkpoints: Checkpoints | None = None, **options) -> History:  # type: ignore[no-untyped-def]
@@ -118,16 +118,16 @@ def test_warm_cells_in_two_processes_go_on_to_the_last_bit() -> None:
     assert_same(resumed(3, found[-1], warm_cells(), **options), whole)
 
 
-def journal(file: Path, told: list[str] | None = None) -> Journal:
-    return Journal(file, HEAD, [].append if told is None else told.append)
+def checkpoint_file(path: Path, messages: list[str] | None = None) -> CheckpointFile:
+    return CheckpointFile(path, HEADER, [].append if messages is None else messages.append)
 
 
-def written(file: Path) -> tuple[History, Journal, list[int]]:
-    """A run, its journal, and how long that was after each checkpoint."""
-    log, lengths = journal(file), []
+def written(file: Path) -> tuple[History, CheckpointFile, list[int]]:
+    """A run, its checkpoint file, and the file's size in bytes after each checkpoint."""
+    log, lengths = checkpoint_file(file), []
 
     def keep(at: Checkpoint) -> None:
-        log.keep(at)
+        log.append(at)
         lengths.append(file.stat().st_size)
 
     return run(checkpoints=Checkpoints(30, keep)), log, lengths
@@ -140,38 +140,38 @@ def test_a_file_that_was_torn_or_spoiled_holds_the_checkpoint_before(tmp_path: P
     assert steps[2:].max() < 1.2 * steps[2:].min()  # rows are written once
     times = []
     for count, length in enumerate(lengths):
-        for end in (length, length + 1, length + 300, length + 3000):  # into the next record, or not
+        for end in (length, length + 1, length + 300, length + 3000):  # into the next entry, or not
             (tmp_path / "torn").write_bytes(content[:end])
-            at = journal(tmp_path / "torn").latest()
+            at = checkpoint_file(tmp_path / "torn").latest()
             assert at is not None
             times.append((count, at.time, len(at.rows)))
     assert len(set(times)) == len(lengths)  # one for each, wherever the rest ends
     spoiled = bytearray(content)
     spoiled[lengths[1] + 500] ^= 1
     (tmp_path / "torn").write_bytes(spoiled)
-    log = journal(tmp_path / "torn")
+    log = checkpoint_file(tmp_path / "torn")
     at = log.latest()
     assert at is not None
     assert (1, at.time, len(at.rows)) in times
     # what goes on from there replaces what was spoiled
-    assert_same(run(checkpoints=Checkpoints(30, log.keep, at)), whole)
-    again = journal(tmp_path / "torn")
+    assert_same(run(checkpoints=Checkpoints(30, log.append, at)), whole)
+    again = checkpoint_file(tmp_path / "torn")
     log.stream.close()  # type: ignore[union-attr]
     at = again.latest()
     assert at is not None
     assert (len(lengths) - 1, at.time, len(at.rows)) in times
     (tmp_path / "torn").write_bytes(content[: lengths[0] - 1])
-    assert journal(tmp_path / "torn").latest() is None  # the very first was cut off
+    assert checkpoint_file(tmp_path / "torn").latest() is None  # the very first was cut off
     for other in (b"", b"{}\n", b"\xff\xfe", content[40:]):
         (tmp_path / "torn").write_bytes(other)
-        assert head_of(tmp_path / "torn") is None
+        assert read_header(tmp_path / "torn") is None
 
 
 def test_a_full_disk_does_not_end_a_run_nor_spoil_what_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told: list[str] = []
-    log, count, put = journal(tmp_path / "checkpoints", told), 0, os.pwrite
+    messages: list[str] = []
+    log, count, put = checkpoint_file(tmp_path / "checkpoints", messages), 0, os.pwrite
     full = range(3, 5)
 
     def pwrite(handle: int, data: bytes, at: int) -> int:
@@ -182,29 +182,29 @@ def test_a_full_disk_does_not_end_a_run_nor_spoil_what_is_there(
 
     def keep(at: Checkpoint) -> None:
         nonlocal count
-        log.keep(at)
+        log.append(at)
         count += 1
-        found.append(len(journal(tmp_path / "copy").latest().rows) if copied() else 0)  # type: ignore[union-attr]
+        found.append(len(checkpoint_file(tmp_path / "copy").latest().rows) if copied() else 0)  # type: ignore[union-attr]
 
     def copied() -> bool:
-        if log.file.exists():
-            (tmp_path / "copy").write_bytes(log.file.read_bytes())
-        return log.file.exists()
+        if log.path.exists():
+            (tmp_path / "copy").write_bytes(log.path.read_bytes())
+        return log.path.exists()
 
     found: list[int] = []
     monkeypatch.setattr(os, "pwrite", pwrite)
     whole = run(checkpoints=Checkpoints(30, keep))
     assert whole.status == "completed"
     assert found == [0, 31, 61, 61, 61, *range(151, 31 * len(found), 30)][: len(found)]
-    assert len(told) == 2
-    assert "No space left on device; the run goes on" in told[0]
+    assert len(messages) == 2
+    assert "not written: No space left on device; the run continues" in messages[0]
     full, count = range(9), 0
-    other = journal(tmp_path / "other", told)
-    assert run(checkpoints=Checkpoints(30, other.keep), span=(0.0, 0.02)).status == "completed"
+    other = checkpoint_file(tmp_path / "other", messages)
+    assert run(checkpoints=Checkpoints(30, other.append), span=(0.0, 0.02)).status == "completed"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["checkpoints", "copy"]
 
 
-def test_a_journal_runs_nothing_and_is_no_one_elses(tmp_path: Path) -> None:
+def test_a_checkpoint_file_runs_no_code_and_has_one_writer(tmp_path: Path) -> None:
     class Harm:
         def __reduce__(self) -> tuple[object, tuple[str]]:
             return os.mkdir, (str(tmp_path / "harmed"),)
@@ -213,19 +213,19 @@ def test_a_journal_runs_nothing_and_is_no_one_elses(tmp_path: Path) -> None:
     child = os.fork()
     if child == 0:
         try:
-            journal(log.file).latest()
+            checkpoint_file(log.path).latest()
         except StillRunning:
             os._exit(7)
         os._exit(0)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
     log._write(pickle.dumps(Harm()))
     log.stream.close()  # type: ignore[union-attr]
-    with pytest.raises(Unreadable, match="mkdir is no part of a checkpoint"):
-        journal(log.file).latest()
+    with pytest.raises(Unreadable, match="mkdir is not allowed in a checkpoint"):
+        checkpoint_file(log.path).latest()
     assert not (tmp_path / "harmed").exists()
     for imported in (b"perf_counter", b"Mapping"):
-        with pytest.raises(pickle.UnpicklingError, match="no part of a checkpoint"):
-            Plain(io.BytesIO(b"cvehicle.simulate\n" + imported + b"\n.")).load()
+        with pytest.raises(pickle.UnpicklingError, match="not allowed in a checkpoint"):
+            RestrictedUnpickler(io.BytesIO(b"cvehicle.simulate\n" + imported + b"\n.")).load()
 
 
 def test_what_differs_is_named() -> None:
@@ -300,7 +300,7 @@ def test_killed_again_and_again_it_ends_where_the_undisturbed_run_ends(tmp_path:
     assert (broken / "run.checkpoints").exists()
     done = command(broken, "--resume")
     assert done.exit_code == 0, done.stderr
-    assert "goes on from the checkpoint at 0." in done.stderr
+    assert "continues from the checkpoint at 0." in done.stderr
     assert "completed at 13.0 m" in done.stdout
     assert_same_results(whole, broken)
     assert sorted(file.name for file in broken.iterdir()) == ["run.nc", "scene.toml"]
@@ -316,7 +316,8 @@ def test_without_resume_a_run_starts_anew(tmp_path: Path) -> None:
     done = command(tmp_path, contact=Stopping(5, signal.SIGINT), rtol="2e-3")
     assert "--resume would go on with it" in done.stderr.replace("\n", " ")
     assert (tmp_path / "run.checkpoints").read_bytes() == before  # as long as the new run has none
-    assert "starts from the beginning" in command(tmp_path / "new", "--resume", rtol="2e-3", curve="0.5").stderr
+    other = command(tmp_path / "new", "--resume", rtol="2e-3", curve="0.5")
+    assert "starts from the beginning" in other.stderr.replace("\n", " ")
     assert command(tmp_path, rtol="2e-3", curve="0.5").exit_code == 0
     assert not (tmp_path / "run.checkpoints").exists()
     assert_same_results(tmp_path, tmp_path / "new")

@@ -1,5 +1,5 @@
-"""Checkpoints of a run in one file, to which every new one is appended: see
-`wheelrail.scenes.runs.checkpoint_format`.
+"""The checkpoint file of a run, to which every checkpoint is appended; `wheelrail.scenes.runs.checkpoint_format` has
+its format.
 """
 
 from __future__ import annotations
@@ -14,99 +14,103 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, Any
 
-from wheelrail.scenes.runs.checkpoint_format import digest, record, records
+from wheelrail.scenes.runs.checkpoint_format import checksum_of, entries, entry
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 from wheelrail.vehicle.simulation.recorder import Row
 
 
 class StillRunning(OSError):
-    """Another process goes on with this run."""
+    """Another process is computing this run."""
 
 
 @dataclass
-class Journal:
-    """The file of a run, which `head` describes; it comes into being with the first checkpoint, in one stroke.
+class CheckpointFile:
+    """The checkpoint file of a run, which `header` describes; it is created atomically with the first checkpoint.
 
-    A checkpoint that cannot be written is told, and the run goes on; what it holds is part of the next one.
+    A checkpoint that cannot be written is reported, and the run continues; the next one contains its rows.
+    end: offset of the next entry, bytes; rows: their number in the file; checksum: of the last entry.
     """
 
-    file: Path
-    head: Mapping[str, Any]
-    tell: Callable[[str], None]
+    path: Path
+    header: Mapping[str, Any]
+    report: Callable[[str], None]
     stream: IO[bytes] | None = field(default=None, init=False)
     end: int = field(default=0, init=False)
     rows: int = field(default=0, init=False)
-    digest: bytes = field(default=b"", init=False)
+    checksum: bytes = field(default=b"", init=False)
 
-    def keep(self, at: Checkpoint) -> None:
+    def append(self, checkpoint: Checkpoint) -> None:
         """Append a checkpoint; it is on disk when this returns."""
-        new = at.rows[self.rows :]
+        new = checkpoint.rows[self.rows :]
         try:
-            self.digest = self._write(pickle.dumps(replace(at, rows=new)))
+            self._write(pickle.dumps(replace(checkpoint, rows=new)))
         except OSError as error:
-            self.tell(f"{self.file}: no checkpoint at {at.time:.6g} s: {error.strerror or error}; the run goes on")
+            cause, time = error.strerror or error, f"{checkpoint.time:.6g} s"
+            self.report(f"{self.path}: checkpoint at {time} not written: {cause}; the run continues")
         else:
             self.rows += len(new)
 
     def latest(self) -> Checkpoint | None:
-        """The last checkpoint that is whole, with all rows up to it; those to come go after it.
+        """The last undamaged checkpoint with all rows up to it; the next one is appended after it.
 
         None when there is none. Raises OSError when the file cannot be read and written, StillRunning when another
-        process does so, Unreadable for checkpoints of other classes.
+        process has locked it, Unreadable for checkpoints of other classes.
         """
-        stream = open(self.file, "r+b", buffering=0)  # noqa: SIM115 - it stays open, which holds the lock
-        if not _locked(stream):
+        stream = open(self.path, "r+b", buffering=0)  # noqa: SIM115 - it stays open, which holds the lock
+        if not _lock(stream):
             stream.close()
-            raise StillRunning("the run goes on in another process")
-        found: Checkpoint | None = None
+            raise StillRunning("another process is computing this run")
+        checkpoint: Checkpoint | None = None
         rows: list[Row] = []
-        for end, seal, part in records(stream.read()):
-            found, self.end, self.digest = part, end, seal
+        for end, checksum, part in entries(stream.read()):
+            checkpoint, self.end, self.checksum = part, end, checksum
             rows += part.rows
-        if found is None:
+        if checkpoint is None:
             stream.close()
             return None
         self.stream, self.rows = stream, len(rows)
-        return replace(found, rows=rows)
+        return replace(checkpoint, rows=rows)
 
     def remove(self) -> None:
-        self.file.unlink(missing_ok=True)
+        self.path.unlink(missing_ok=True)
 
-    def _write(self, payload: bytes) -> bytes:
-        """The digest of what is on disk now."""
-        if self.stream is not None:
-            data, seal = record(self.digest, payload)
-            _put(self.stream, data, self.end)
-            self.end += len(data)
-            return seal
-        line = json.dumps(self.head).encode() + b"\n"
-        data, seal = record(digest(line), payload)
-        handle, temporary = tempfile.mkstemp(prefix=f".{self.file.name}.", dir=self.file.parent)
+    def _write(self, payload: bytes) -> None:
+        if self.stream is None:
+            self._create(payload)
+            return
+        data, checksum = entry(self.checksum, payload)
+        _write_at(self.stream, data, self.end)
+        self.end, self.checksum = self.end + len(data), checksum
+
+    def _create(self, payload: bytes) -> None:
+        """Replace the file by a new one with header and first entry."""
+        line = json.dumps(self.header).encode() + b"\n"
+        data, checksum = entry(checksum_of(line), payload)
+        handle, temporary = tempfile.mkstemp(prefix=f".{self.path.name}.", dir=self.path.parent)
         stream = open(handle, "r+b", buffering=0)  # noqa: SIM115 - as above
         try:
-            _locked(stream)
-            _put(stream, line + data, 0)
-            os.replace(temporary, self.file)
+            _lock(stream)
+            _write_at(stream, line + data, 0)
+            os.replace(temporary, self.path)
         except BaseException:
             stream.close()
             Path(temporary).unlink(missing_ok=True)
             raise
-        self.stream, self.end = stream, len(line) + len(data)
-        return seal
+        self.stream, self.end, self.checksum = stream, len(line) + len(data), checksum
 
 
-def head_of(file: Path) -> dict[str, Any] | None:
-    """What run a file is of; None when there is no file, or no journal in it."""
+def read_header(path: Path) -> dict[str, Any] | None:
+    """The header of a checkpoint file; None when there is no file, or it is none of checkpoints."""
     try:
-        with file.open("rb") as stream:
-            found = json.loads(stream.readline())
+        with path.open("rb") as stream:
+            header = json.loads(stream.readline())
     except (FileNotFoundError, ValueError):
         return None
-    return found if isinstance(found, dict) and {"scene", "versions"} <= set(found) else None
+    return header if isinstance(header, dict) and {"scene", "versions"} <= set(header) else None
 
 
-def _locked(stream: IO[bytes]) -> bool:
-    """Whether no other process has the file, from now on and as long as this process lives or the stream is open."""
+def _lock(stream: IO[bytes]) -> bool:
+    """Lock a file until it is closed or this process ends; False when another process has locked it."""
     try:
         fcntl.lockf(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (BlockingIOError, PermissionError):
@@ -116,8 +120,9 @@ def _locked(stream: IO[bytes]) -> bool:
     return True
 
 
-def _put(stream: IO[bytes], data: bytes, at: int) -> None:
+def _write_at(stream: IO[bytes], data: bytes, offset: int) -> None:
+    """Write all of the data and wait until it is on disk."""
     while data:
-        count = os.pwrite(stream.fileno(), data, at)
-        data, at = data[count:], at + count
+        count = os.pwrite(stream.fileno(), data, offset)
+        data, offset = data[count:], offset + count
     os.fsync(stream.fileno())

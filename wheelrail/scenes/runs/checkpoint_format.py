@@ -1,9 +1,10 @@
-"""What a file of checkpoints is made of.
+"""Format of a checkpoint file.
 
-A line of JSON that says what run this is, then records: length, SHA-256 of the record before and this one, and a
-checkpoint with the rows since the record before, pickled. A record that was cut off or spoiled ends the file for
-whoever reads it, so that the one before holds, and the next one is written over it. Pickle keeps every bit of
-whatever rows are made of; what it may make is held to plain data, so that a file from elsewhere cannot do harm.
+The first line is a header in JSON that describes the run. Entries follow: length of the payload (8 bytes, big-endian),
+checksum, payload. The payload is a pickled `Checkpoint` with the rows since the previous entry; the checksum is SHA-256
+of the previous checksum (of the header's for the first entry) and the payload. Reading ends at the first entry that is
+incomplete or damaged, and the next entry overwrites it. Pickle keeps every bit of the rows; the unpickler is restricted
+to classes of this package and to arrays, so that a file from elsewhere cannot run code.
 """
 
 from __future__ import annotations
@@ -17,53 +18,51 @@ from typing import Any
 
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 
-LENGTH, DIGEST = struct.Struct(">Q"), hashlib.sha256().digest_size
-OURS, ARRAYS = (
-    ("wheelrail.contact.", "wheelrail.vehicle."),
-    ("_reconstruct", "_frombuffer", "scalar", "ndarray", "dtype"),
-)
+LENGTH, CHECKSUM_SIZE = struct.Struct(">Q"), hashlib.sha256().digest_size
+OURS = ("wheelrail.contact.", "wheelrail.vehicle.")
+ARRAYS = ("_reconstruct", "_frombuffer", "scalar", "ndarray", "dtype")
 
 
 class Unreadable(OSError):
-    """A checkpoint that is whole, and is none of this version's."""
+    """An undamaged checkpoint that this version cannot unpickle."""
 
 
-class Plain(pickle.Unpickler):
-    """Makes objects of this package, and arrays."""
+class RestrictedUnpickler(pickle.Unpickler):
+    """Admits classes of this package and NumPy arrays only."""
 
     def find_class(self, module: str, name: str) -> Any:
         if module.split(".")[0] == "numpy" and name in ARRAYS:
             return super().find_class(module, name)
         if module.startswith(OURS):
-            found = super().find_class(module, name)
-            if isinstance(found, type) and found.__module__.startswith(OURS):  # and not imported there
-                return found
-        raise pickle.UnpicklingError(f"{module}.{name} is no part of a checkpoint")
+            member = super().find_class(module, name)
+            if isinstance(member, type) and member.__module__.startswith(OURS):  # defined there, not imported
+                return member
+        raise pickle.UnpicklingError(f"{module}.{name} is not allowed in a checkpoint")
 
 
-def records(content: bytes) -> Iterator[tuple[int, bytes, Checkpoint]]:
-    """Where every whole record ends, its digest and what it holds."""
-    at = content.find(b"\n") + 1
-    before = digest(content[:at])
-    while at and at + LENGTH.size + DIGEST <= len(content):
-        start = at + LENGTH.size + DIGEST
-        at = start + LENGTH.unpack_from(content, at)[0]
-        payload, seal = content[start:at], content[start - DIGEST : start]
-        if seal != digest(before, payload):
+def entries(content: bytes) -> Iterator[tuple[int, bytes, Checkpoint]]:
+    """End (offset in bytes), checksum and checkpoint of every undamaged entry of a file; raises Unreadable."""
+    end = content.find(b"\n") + 1
+    previous = checksum_of(content[:end])
+    while end and end + LENGTH.size + CHECKSUM_SIZE <= len(content):
+        start = end + LENGTH.size + CHECKSUM_SIZE
+        end = start + LENGTH.unpack_from(content, end)[0]
+        payload, checksum = content[start:end], content[start - CHECKSUM_SIZE : start]
+        if checksum != checksum_of(previous, payload):
             return
-        before = seal
+        previous = checksum
         try:
-            found = Plain(io.BytesIO(payload)).load()
+            checkpoint = RestrictedUnpickler(io.BytesIO(payload)).load()
         except (pickle.UnpicklingError, AttributeError, ImportError, TypeError) as error:
-            raise Unreadable(f"a checkpoint that cannot be read: {error}") from error
-        yield at, seal, found
+            raise Unreadable(f"unreadable checkpoint: {error}") from error
+        yield end, checksum, checkpoint
 
 
-def record(before: bytes, payload: bytes) -> tuple[bytes, bytes]:
-    """A record that follows one of a digest, or the head's, and its own digest."""
-    seal = digest(before, payload)
-    return LENGTH.pack(len(payload)) + seal + payload, seal
+def entry(previous: bytes, payload: bytes) -> tuple[bytes, bytes]:
+    """Bytes and checksum of an entry that follows the one, or the header, with the previous checksum."""
+    checksum = checksum_of(previous, payload)
+    return LENGTH.pack(len(payload)) + checksum + payload, checksum
 
 
-def digest(*parts: bytes) -> bytes:
+def checksum_of(*parts: bytes) -> bytes:
     return hashlib.sha256(b"".join(parts)).digest()

@@ -13,14 +13,14 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 
 if TYPE_CHECKING:
-    from wheelrail.scenes.runs.checkpoint_file import Journal
+    from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
     from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 
 FREE = ("output.figures", "solver.workers")  # what may differ: it does not change what is computed
 
 
-def head(scene: RunScene) -> dict[str, Any]:
-    """What a journal says of its run: the scene, and the versions that compute it."""
+def header(scene: RunScene) -> dict[str, Any]:
+    """Header of a run's checkpoint file: the scene, and the versions that compute it."""
     from wheelrail.scenes.datasets.netcdf import versions
 
     return {"versions": versions() | {"sources": sources()}, "scene": inputs(scene)}
@@ -83,23 +83,23 @@ def same_or_refused(then: Mapping[str, Any], now: Mapping[str, Any], file: Path)
         raise SceneError(f"{'; '.join(found)}: {file} is of another run; without --resume this one starts anew")
 
 
-def latest(journal: Journal, tell: Callable[[str], None]) -> Checkpoint | None:
-    """The checkpoint to go on from, told about; None when there is none.
+def latest(file: CheckpointFile, report: Callable[[str], None]) -> Checkpoint | None:
+    """The checkpoint to continue from, which is reported; None when there is none.
 
-    Raises SceneError for that of another scene or of another version of this package, OSError.
+    Raises SceneError for a checkpoint of another scene or of another version of this package, OSError.
     """
-    from wheelrail.scenes.runs.checkpoint_file import head_of
+    from wheelrail.scenes.runs.checkpoint_file import read_header
 
-    then, found = head_of(journal.file), None
+    then, checkpoint = read_header(file.path), None
     if then is not None:
-        same_or_refused(then["scene"], journal.head["scene"], journal.file)
-        old, new = then["versions"], journal.head["versions"]
-        same_or_refused({"wheelrail": old["wheelrail"]}, {"wheelrail": new["wheelrail"]}, journal.file)
-        found = journal.latest()
-        if found is not None and (others := list(differences(old, new))):
-            tell(f"{'; '.join(others)}: the last bits of the results may differ")
-    if found is None:
-        tell(f"no checkpoint in {journal.file.parent}: the run starts from the beginning")
+        same_or_refused(then["scene"], file.header["scene"], file.path)
+        old, new = then["versions"], file.header["versions"]
+        same_or_refused({"wheelrail": old["wheelrail"]}, {"wheelrail": new["wheelrail"]}, file.path)
+        checkpoint = file.latest()
+        if checkpoint is not None and (others := list(differences(old, new))):
+            report(f"{'; '.join(others)}: the last bits of the results may differ")
+    if checkpoint is None:
+        report(f"no checkpoint in {file.path.parent}: the run starts from the beginning")
     else:
-        tell(f"goes on from the checkpoint at {found.time:.6g} s")
-    return found
+        report(f"the run continues from the checkpoint at {checkpoint.time:.6g} s")
+    return checkpoint

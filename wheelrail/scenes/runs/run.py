@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from xarray import Dataset
 
-    from wheelrail.scenes.runs.checkpoint_file import Journal
+    from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
     from wheelrail.vehicle.dynamics.equations import Contact
     from wheelrail.vehicle.simulation.checkpoint import Checkpoint
     from wheelrail.vehicle.simulation.history import History
@@ -64,23 +64,24 @@ def run_scene(
     on; a complete one leaves none. Raises OSError when the folder cannot be written, SceneError for checkpoints of
     another scene.
     """
-    from wheelrail.scenes.runs.checkpoint_file import Journal, head_of
-    from wheelrail.scenes.runs.resume import head, latest
+    from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, read_header
+    from wheelrail.scenes.runs.resume import header, latest
 
     folder.mkdir(parents=True, exist_ok=True)
     tell = partial(console.print, highlight=False, markup=False)
-    journal = Journal(checkpoints or folder / CHECKPOINTS, head(scene), tell)
-    if not resume and head_of(journal.file):
+    checkpoint_file = CheckpointFile(checkpoints or folder / CHECKPOINTS, header(scene), tell)
+    if not resume and read_header(checkpoint_file.path):
         console.print(f"{folder} holds a run that was stopped; this one starts anew, --resume would go on with it")
-    start = latest(journal, journal.tell) if resume else None
-    history = _simulated(scene, console, journal, start)
+    start = latest(checkpoint_file, checkpoint_file.report) if resume else None
+    history = _simulated(scene, console, checkpoint_file, start)
     if not len(history):
         return Outcome(history, ())
     with console.status("results and pictures"):
         files = tuple(keep(history, text, folder, scene))
     if history.status == "completed":
-        journal.remove()
-    return Outcome(history, files, resumable=history.status == "interrupted" and journal.file.exists())
+        checkpoint_file.remove()
+    resumable = history.status == "interrupted" and checkpoint_file.path.exists()
+    return Outcome(history, files, resumable)
 
 
 def simulate_scene(scene: RunScene, text: str, console: Console) -> tuple[History, Dataset | None]:
@@ -90,9 +91,12 @@ def simulate_scene(scene: RunScene, text: str, console: Console) -> tuple[Histor
 
 
 def _simulated(
-    scene: RunScene, console: Console, journal: Journal | None = None, start: Checkpoint | None = None
+    scene: RunScene,
+    console: Console,
+    checkpoint_file: CheckpointFile | None = None,
+    start: Checkpoint | None = None,
 ) -> History:
-    """The history of a scene; checkpoints go to the journal, the run goes on from a start."""
+    """The history of a scene; checkpoints are appended to a file, the run continues from start."""
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
     from wheelrail.support.progress import heard_by
@@ -101,8 +105,8 @@ def _simulated(
     from wheelrail.vehicle.track.speed_profile import Drive
 
     checkpoints = None
-    if journal is not None and scene.output.checkpoint:
-        checkpoints = Checkpoints(scene.output.checkpoint, journal.keep, start)
+    if checkpoint_file is not None and scene.output.checkpoint:
+        checkpoints = Checkpoints(scene.output.checkpoint, checkpoint_file.append, start)
     speed, length = scene.vehicle.drive, scene.track.length
     end = Drive.of(speed).time_at(length)
     gone = length * start.time / end if start else 0.0

@@ -113,18 +113,18 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
 
 
 def goes_on(scene: RunScene, file: Path) -> bool:
-    """Whether there is a checkpoint of this very run; one that is spoiled, another's or in use is as good as none."""
-    from wheelrail.scenes.runs.checkpoint_file import Journal
-    from wheelrail.scenes.runs.resume import head, latest
+    """Whether a file has a checkpoint of this run; a damaged file, another run's or one in use counts as none."""
+    from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
+    from wheelrail.scenes.runs.resume import header, latest
 
-    journal = Journal(file, head(scene), lambda _: None)
+    checkpoint_file = CheckpointFile(file, header(scene), lambda _: None)
     try:
-        return latest(journal, lambda _: None) is not None
+        return latest(checkpoint_file, lambda _: None) is not None
     except Exception:
         return False
     finally:
-        if journal.stream is not None:
-            journal.stream.close()
+        if checkpoint_file.stream is not None:
+            checkpoint_file.stream.close()
 
 
 def _ended(status: str) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Finished cases, a file each as soon as it is done: what is there is whole, or is not read."""
+"""Results of finished cases, one file per case, written atomically and read only with a correct checksum."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from wheelrail.support.atomic_file import whole_file
 
 @dataclass(frozen=True)
 class Store:
-    """A folder of cases by the key of their job."""
+    """A folder of results by the key of the case's job."""
 
     folder: Path
 
     def load(self, key: str) -> Found | None:
-        """None for a case that is not there, or whose file is damaged or of another version: it is computed anew."""
+        """The result of a case; None if it is missing, damaged or of another version, so that it is computed again."""
         try:
-            seal, text = self._file(key).read_text(encoding="utf-8").split("\n", 1)
-            if seal != _seal(key, text):
+            checksum, text = self._file(key).read_text(encoding="utf-8").split("\n", 1)
+            if checksum != _checksum(key, text):
                 return None
             return Found(**json.loads(text))
         except (OSError, ValueError, TypeError):
             return None
 
     def keep(self, key: str, found: Found) -> None:
-        """On disk when this returns, in one stroke; checkpoints go then. Raises OSError."""
+        """Write a result atomically, on disk when this returns, and remove the case's checkpoints. Raises OSError."""
         text = found.text()
         with whole_file(self._file(key)) as part, part.open("w", encoding="utf-8") as stream:
-            stream.write(f"{_seal(key, text)}\n{text}")
+            stream.write(f"{_checksum(key, text)}\n{text}")
             stream.flush()
             os.fsync(stream.fileno())
         unfinished(self.folder, key).unlink(missing_ok=True)
@@ -44,7 +44,10 @@ class Store:
             file.unlink(missing_ok=True)
 
     def hardest_run(self, known: Mapping[str, Found]) -> str | None:
-        """The run with the largest peak pressure of those whose data are there, failed ones last; the others' go."""
+        """Key of the run with the largest peak pressure among those with data on disk; removes the data of all others.
+
+        A failed run is chosen only if no other has data.
+        """
         keys = [path.stem for path in self.folder.glob("*.nc") if path.stem in known]
         keys.sort(key=lambda key: (known[key].ok, known[key].peak_pressure, key))
         for key in keys[:-1]:
@@ -55,6 +58,6 @@ class Store:
         return self.folder / f"{key}.json"
 
 
-def _seal(key: str, text: str) -> str:
-    """The key, too: a file under another name is another case's."""
+def _checksum(key: str, text: str) -> str:
+    """SHA-256 of key and text, so that a renamed file does not pass for another case."""
     return hashlib.sha256(f"{key}\n{text}".encode()).hexdigest()
