@@ -1,5 +1,10 @@
 """The checkpoint file of a run, to which every checkpoint is appended; `wheelrail.scenes.runs.checkpoint_format` has
 its format.
+
+sqlite3 is not used, by measurement (SQLite 3.40, ext4). It needs the same checksums and would save about 30 of 188
+lines: for 969 of 1000 files with one bit flipped it returned changed data without an error. It lost all entries of 983
+of 1000 truncated files; here only those cut off are lost. An entry of scenes/curve.toml (0.19 MB) takes 12 ms with a
+rollback journal and 4 ms with WAL, which leaves entries in a second file after a kill, and 3.4 ms here.
 """
 
 from __future__ import annotations
