@@ -13,13 +13,14 @@ import fcntl
 import json
 import os
 import pickle
-import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, Any
 
 from wheelrail.scenes.runs.checkpoint_format import checksum_of, entries, entry
+from wheelrail.support.atomic_file import whole_file
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 from wheelrail.vehicle.simulation.recorder import Row
 
@@ -61,18 +62,18 @@ class CheckpointFile:
         None when there is none. Raises OSError when the file cannot be read and written, StillRunning when another
         process has locked it, Unreadable for checkpoints of other classes.
         """
-        stream = open(self.path, "r+b", buffering=0)  # noqa: SIM115 - it stays open, which holds the lock
-        if not _lock(stream):
-            stream.close()
-            raise StillRunning("another process is computing this run")
         checkpoint: Checkpoint | None = None
         rows: list[Row] = []
-        for end, checksum, part in entries(stream.read()):
-            checkpoint, self.end, self.checksum = part, end, checksum
-            rows += part.rows
-        if checkpoint is None:
-            stream.close()
-            return None
+        with ExitStack() as failure:
+            stream = failure.enter_context(open(self.path, "r+b", buffering=0))
+            if not _lock(stream):
+                raise StillRunning("another process is computing this run")
+            for end, checksum, part in entries(stream.read()):
+                checkpoint, self.end, self.checksum = part, end, checksum
+                rows += part.rows
+            if checkpoint is None:
+                return None
+            failure.pop_all()  # open from here on, which holds the lock
         self.stream, self.rows = stream, len(rows)
         return replace(checkpoint, rows=rows)
 
@@ -91,16 +92,12 @@ class CheckpointFile:
         """Replace the file by a new one with header and first entry."""
         line = json.dumps(self.header).encode() + b"\n"
         data, checksum = entry(checksum_of(line), payload)
-        handle, temporary = tempfile.mkstemp(prefix=f".{self.path.name}.", dir=self.path.parent)
-        stream = open(handle, "r+b", buffering=0)  # noqa: SIM115 - as above
-        try:
-            _lock(stream)
-            _write_at(stream, line + data, 0)
-            os.replace(temporary, self.path)
-        except BaseException:
-            stream.close()
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with ExitStack() as failure:
+            with whole_file(self.path) as part:
+                stream = failure.enter_context(open(part, "r+b", buffering=0))
+                _lock(stream)
+                _write_at(stream, line + data, 0)
+            failure.pop_all()  # open from here on, which holds the lock
         self.stream, self.end, self.checksum = stream, len(line) + len(data), checksum
 
 
