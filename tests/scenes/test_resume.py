@@ -26,7 +26,7 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, StillRunning, read_header
-from wheelrail.scenes.runs.checkpoint_format import RestrictedUnpickler, Unreadable
+from wheelrail.scenes.runs.checkpoint_format import RestrictedUnpickler, Unreadable, entries
 from wheelrail.scenes.runs.resume import differences
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.history import History
@@ -165,6 +165,39 @@ def test_a_file_that_was_torn_or_spoiled_holds_the_checkpoint_before(tmp_path: P
     for other in (b"", b"{}\n", b"\xff\xfe", content[40:]):
         (tmp_path / "torn").write_bytes(other)
         assert read_header(tmp_path / "torn") is None
+
+
+def test_a_flipped_bit_anywhere_is_detected(tmp_path: Path) -> None:
+    file = tmp_path / "checkpoints"
+    lengths = written(file)[2]
+    content = file.read_bytes()
+    header = content.find(b"\n") + 1
+    checkpoints = [pickle.dumps(at) for _, _, at in entries(content)]
+    assert len(checkpoints) == len(lengths)
+    places = np.random.default_rng(7).integers(0, len(content), 40).tolist()
+    for start in (header, *lengths[:-1]):
+        places += [start - 1, start, start + 7, start + 8, start + 40]  # length, checksum, payload
+    for place in places:
+        damaged = bytearray(content)
+        damaged[place] ^= 1 << place % 8
+        intact = sum(length <= place for length in lengths) if place >= header else 0
+        assert [pickle.dumps(at) for _, _, at in entries(bytes(damaged))] == checkpoints[:intact]
+
+
+def test_entries_of_two_writers_without_locks_do_not_mix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def lockf(*given: object) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr("fcntl.lockf", lockf)
+    first, *later = (pickle.loads(at) for at in kept(30)[1])
+    file = tmp_path / "checkpoints"
+    checkpoint_file(file).append(first)
+    writers = [checkpoint_file(file) for _ in range(2)]
+    for writer in writers:
+        assert writer.latest() is not None
+    for number, writer, read in ((0, 0, [0]), (0, 1, [1]), (1, 0, [1]), (2, 0, [1]), (1, 1, [1, 1])):
+        writers[writer].append(replace(later[number], error=float(writer)))
+        assert [at.error for _, _, at in entries(file.read_bytes())][1:] == read
 
 
 def test_a_full_disk_does_not_end_a_run_nor_spoil_what_is_there(

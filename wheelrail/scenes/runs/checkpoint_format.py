@@ -48,7 +48,7 @@ def entries(content: bytes) -> Iterator[tuple[int, bytes, Checkpoint]]:
         start = end + LENGTH.size + CHECKSUM_SIZE
         end = start + LENGTH.unpack_from(content, end)[0]
         payload, checksum = content[start:end], content[start - CHECKSUM_SIZE : start]
-        if checksum != checksum_of(previous, payload):
+        if end > len(content) or checksum != checksum_of(previous, payload):
             return
         previous = checksum
         try:
