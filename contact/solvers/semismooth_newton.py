@@ -8,7 +8,10 @@ import numpy as np
 
 from wheelrail.contact.laws.coulomb import TINY
 from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
-from wheelrail.contact.solvers.tangential import Friction, Trial
+from wheelrail.contact.solvers.tangential import (
+    Friction,
+    Trial,
+)
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.interrupts import look
 

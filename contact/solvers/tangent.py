@@ -95,14 +95,14 @@ class Linearisation:
         law = LawSlope.at(rho, p0, q0, s0, laws=self.laws, speed=self.speed)
         # a Newton step of `wheelrail.contact.solvers.tangential` from here left slip and pressure as functions of the
         # tractions
-        known = body.known.linearised if body.known.sets == 2 * active.tobytes() else None
-        if body.coupling is None or known is None:
+        stored = body.cache.linearised_for(active, active)
+        if body.coupling is None or stored is None:
             slip, slope = body.slip if a == n else body.slip[np.ix_(both, both)], None
             if body.coupling is not None:
                 slope = la.lu_solve(factor, body.coupling[np.ix_(index, both)], check_finite=False)
                 slip = slip + shift @ slope
         else:
-            _, slip, slope = known
+            _, slip, slope = stored
         jacobian, at = law.slip(slip), np.arange(a)
         for i in range(2):
             for j in range(2):

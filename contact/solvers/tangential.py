@@ -25,17 +25,33 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 NONE, NOTHING = np.empty((0, 0)), np.empty(0)
 
 
-@dataclass
-class Known:
-    """What solves with the same compliance leave for each other.
+# k points, their indices (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2 k), None without coupling
+SlipLinearisation = tuple[Nodes, Array, Array | None]
 
-    Sets of points as bytes, with the points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2
-    k); and LU factors of a Jacobian there.
+
+class SolverCache:
+    """Linearisation of slip and pressure on one set of points, and LU factors of a Jacobian there, shared by solves
+    with the same compliance.
     """
 
-    sets: bytes = b""
-    linearised: tuple[Nodes, Array, Array | None] | None = None
-    factors: tuple[Array, Nodes] | None = None
+    def __init__(self) -> None:
+        self.factors: tuple[Array, Nodes] | None = None
+        self._points = b""
+        self._linearisation: SlipLinearisation | None = None
+
+    def linearised_for(self, active: Mask, loaded: Mask) -> SlipLinearisation | None:
+        """The linearisation stored for these active points (n,) and these that carry or may carry traction (n,), if
+        any.
+        """
+        return self._linearisation if self._points == _key(active, loaded) else None
+
+    def store(self, active: Mask, loaded: Mask, linearisation: SlipLinearisation) -> None:
+        """Replaces what is stored for other points; their factors go, too."""
+        self._points, self._linearisation, self.factors = _key(active, loaded), linearisation, None
+
+
+def _key(active: Mask, loaded: Mask) -> bytes:
+    return active.tobytes() + loaded.tobytes()
 
 
 class Pressure(Protocol):
@@ -70,7 +86,7 @@ class Trial:
 
 class Friction:
     """F(q) and its derivative for n points: slip S (2 n, 2 n) 1/Pa of the tractions and rigid (2 n,); T (2 n, n) 1/Pa,
-    slip of the pressure (None: within rigid); speed m/s; known, what solves with the same compliance found before.
+    slip of the pressure (None: within rigid); speed m/s; cache, shared by solves with the same compliance.
     """
 
     def __init__(
@@ -81,14 +97,14 @@ class Friction:
         pressure: Pressure,
         laws: Laws,
         speed: float,
-        known: Known | None = None,
+        cache: SolverCache | None = None,
     ) -> None:
         n = len(rigid) // 2
         own = 0.5 * (np.diag(slip)[:n] + np.diag(slip)[n:])
         self.rho = np.maximum(own, 1e-3 * np.abs(own).max())
         self._slip, self._rigid, self._shift, self._pressure = slip, rigid, shift, pressure
         self._laws, self._speed = laws, speed
-        self._known = Known() if known is None else known
+        self._cache = SolverCache() if cache is None else cache
 
     @property
     def falls(self) -> bool:
@@ -110,7 +126,6 @@ class Friction:
     def step(self, t: Trial, options: NewtonOptions, count: Count) -> Array:
         """Newton's step (2, n) from a trial."""
         index, slip, slope = self._linearised(t, count)
-        known = self._known
         falls = bool(t.fall.any()) and not t.held
         jacobian = derivative(
             index,
@@ -129,35 +144,36 @@ class Friction:
         right = -t.F[:, index].ravel()
         if options.linear == "bicgstab" and (found := iterated(jacobian, right, options, count)) is not None:
             return _spread(found, index, t.q.shape)
-        known.factors = factorised(jacobian)
-        return _spread(la.lapack.dgetrs(*known.factors, right)[0], index, t.q.shape)
+        self._cache.factors = factors = factorised(jacobian)
+        return _spread(la.lapack.dgetrs(*factors, right)[0], index, t.q.shape)
 
     def chord(self, t: Trial, count: Count) -> Array | None:
         """The step (2, n) by the factors of an earlier Jacobian, if there are any for the same points."""
-        known = self._known
-        if known.factors is None or t.held:
+        cache = self._cache
+        if cache.factors is None or t.held:
             return None
         index, _, _ = self._linearised(t, count)
-        if known.factors is None:  # they were those of other points
+        if cache.factors is None:  # they were those of other points
             return None
-        return _spread(la.lapack.dgetrs(*known.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
+        return _spread(la.lapack.dgetrs(*cache.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
 
-    def _linearised(self, t: Trial, count: Count) -> tuple[Nodes, Array, Array | None]:
-        """Points inside (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2 k), of those."""
-        active, known = t.active, self._known
-        inside = active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
-        sets = active.tobytes() + inside.tobytes()
-        if known.linearised is None or sets != known.sets:
-            index = np.flatnonzero(inside)
-            both = np.concatenate([index, len(active) + index])
-            slip = self._slip if inside.all() else self._slip[np.ix_(both, both)]
-            steep, slope = self._pressure.slope(active, count), None
-            if steep is not None and self._shift is not None:
-                slope = np.zeros((len(index), len(both)))
-                slope[active[index]] = steep[:, both]
-                slip = slip + self._shift[np.ix_(both, np.flatnonzero(active))] @ slope[active[index]]
-            known.sets, known.linearised, known.factors = sets, (index, slip, slope), None
-        return known.linearised
+    def _linearised(self, t: Trial, count: Count) -> SlipLinearisation:
+        """Slip and pressure by the tractions of the points that carry or may carry any, with the pressure following."""
+        active = t.active
+        loaded = active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
+        stored = self._cache.linearised_for(active, loaded)
+        if stored is not None:
+            return stored
+        index = np.flatnonzero(loaded)
+        rows = np.concatenate([index, len(active) + index])
+        slip = self._slip if loaded.all() else self._slip[np.ix_(rows, rows)]
+        steep, slope = self._pressure.slope(active, count), None
+        if steep is not None and self._shift is not None:
+            slope = np.zeros((len(index), len(rows)))
+            slope[active[index]] = steep[:, rows]
+            slip = slip + self._shift[np.ix_(rows, np.flatnonzero(active))] @ slope[active[index]]
+        self._cache.store(active, loaded, (index, slip, slope))
+        return index, slip, slope
 
 
 def _spread(values: Array, index: Nodes, shape: tuple[int, ...]) -> Array:

@@ -19,7 +19,7 @@ from wheelrail.contact.laws.parameters import Laws
 from wheelrail.contact.solvers.active_set import ROUND_OFF, Coupled, Factors, Given, normal_contact
 from wheelrail.contact.solvers.options import Count, LinearSolver, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.semismooth_newton import tangential_contact
-from wheelrail.contact.solvers.tangential import Friction, Known
+from wheelrail.contact.solvers.tangential import Friction, SolverCache
 from wheelrail.support.arrays import Array, Mask
 
 __all__ = ["Count", "LinearSolver", "NewtonOptions", "NotConverged", "Tractions", "normal_contact", "solve_tractions"]
@@ -48,7 +48,7 @@ class Elastic:
         coupling = operator[-n:, :-n]  # overlap from tangential tractions
         coupled = coupling.size and np.abs(coupling).max() > ROUND_OFF * np.abs(normal).max()
         self.coupling = coupling if coupled else None
-        self.known = Known()
+        self.cache = SolverCache()
 
 
 def solve_tractions(
@@ -82,7 +82,7 @@ def solve_tractions(
     raised = overlap
     if body.coupling is not None:
         pressures = Coupled(body.normal, overlap, body.coupling)
-        friction = Friction(body.slip, rigid, body.shift, pressures, laws, speed, body.known)
+        friction = Friction(body.slip, rigid, body.shift, pressures, laws, speed, body.cache)
         found = tangential_contact(friction, q, active, options, count)
         q, pressure, active = found.q, found.pressure, found.active
         raised = overlap + body.coupling @ q.ravel()
@@ -90,7 +90,7 @@ def solve_tractions(
         pressure, active = normal_contact(body.normal, overlap, active, count)
         creep = rigid + body.shift @ pressure
         if active.all():
-            friction = Friction(body.slip, creep, None, Given(pressure), laws, speed, body.known)
+            friction = Friction(body.slip, creep, None, Given(pressure), laws, speed, body.cache)
             q = tangential_contact(friction, q, active, options, count).q
         else:
             index = np.flatnonzero(active)

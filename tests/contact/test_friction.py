@@ -19,7 +19,7 @@ from wheelrail.contact.solvers.active_set import Coupled, Factors
 from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.semismooth_newton import newton, tangential_contact
 from wheelrail.contact.solvers.tangential import Friction
-from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
+from wheelrail.contact.solvers.tractions import Elastic, Tractions, solve_tractions
 from wheelrail.support.arrays import Array
 
 STEEL = Steel(210e9, 0.3)
@@ -238,3 +238,27 @@ def test_full_steps_cross_a_kink_where_descent_creeps() -> None:
     assert fast.sum() == 2
     np.testing.assert_allclose(t[:, fast], -mu * p[fast] * s[:, fast] / np.hypot(*s)[fast], atol=1e-6)
     assert (np.hypot(*t)[~fast] < mu * p[~fast]).all()
+
+
+def test_cache_serves_the_points_that_it_was_filled_for() -> None:
+    # the tangent of a result asks for the points that carry pressure: Newton's last step was linearised there
+    body = Elastic(UNLIKE, len(OVERLAP), COULOMB)
+    assert body.coupling is not None
+    solution = solve_tractions(
+        body, OVERLAP, creepage(CELLS, 1e-3, -5e-4, 0.3), laws=COULOMB, speed=SPEED, count=Count()
+    )
+    active = solution.active
+    assert 0 < active.sum() < len(active)
+    stored = body.cache.linearised_for(active, active)
+    assert stored is not None
+    index, slip, slope = stored
+    np.testing.assert_array_equal(index, np.flatnonzero(active))
+    assert slope is not None
+    assert slip.shape == (2 * len(index), 2 * len(index))
+    assert body.cache.factors is not None
+    every = np.ones_like(active)
+    assert body.cache.linearised_for(active, every) is None
+    assert body.cache.linearised_for(every, active) is None
+    body.cache.store(every, every, stored)
+    assert body.cache.factors is None
+    assert body.cache.linearised_for(active, active) is None
