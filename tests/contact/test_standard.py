@@ -188,9 +188,9 @@ def test_polach_by_hand() -> None:
     G, a, b, bound, C = 8e10, 6e-3, 4e-3, 2e4, (4.0, 3.7, 1.5)
     e = 0.25 * G * np.pi * a * b * 4.0 * 1e-3 / bound
     force = 2 * bound / np.pi * (0.6 * e / (1 + (0.6 * e) ** 2) + np.arctan(0.2 * e))
-    assert polach(1e-3, 0.0, 0.0, a, b, bound, G, C, 0.6, 0.2) == pytest.approx((-force, 0.0))
+    assert polach((1e-3, 0.0, 0.0), (a, b), bound, G, C, (0.6, 0.2)) == pytest.approx((-force, 0.0))
     # pure spin in the limit: C23 is Kalker's
-    spin = polach(0.0, 0.0, 1e-3, a, b, bound, G, C, 1.0, 1.0)
+    spin = polach((0.0, 0.0, 1e-3), (a, b), bound, G, C, (1.0, 1.0))
     assert spin == pytest.approx((0.0, -G * (a * b) ** 1.5 * 1.5 * 1e-3), rel=1e-3)
 
 

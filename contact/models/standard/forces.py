@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.models.standard.creep_coefficients import Elasticity, coefficients
-from wheelrail.contact.models.standard.fastsim import bed, strip_tractions
+from wheelrail.contact.models.standard.fastsim import Bed, bed, strip_tractions
 from wheelrail.contact.models.standard.normal import Pressed
 from wheelrail.contact.models.standard.polach import effective, polach
 from wheelrail.support.arrays import Array, Mask
@@ -16,7 +16,7 @@ from wheelrail.support.compiled import compiled
 NO_FRICTION, FASTSIM, POLACH = 0, 1, 2
 
 
-class Friction(NamedTuple):
+class FrictionParameters(NamedTuple):
     """mu; share and rate s/m of `wheelrail.contact.laws.parameters.FallingFriction` (1 and 0: it does not fall);
     method, one of the above; reduction factors k_A and k_S of Polach's formula.
     """
@@ -25,11 +25,10 @@ class Friction(NamedTuple):
     share: float
     rate: float
     method: int
-    adhesion: float
-    slip: float
+    reduction: tuple[float, float]
 
 
-class Velocities(NamedTuple):
+class RigidVelocities(NamedTuple):
     """Rigid motion of wheel and rail, as in `wheelrail.contact.kinematics.frames.Twist`."""
 
     wheel: Array
@@ -40,7 +39,29 @@ class Velocities(NamedTuple):
     rail_at: Array
 
 
-class Cells(NamedTuple):
+class StripFrames(NamedTuple):
+    """Points (n, 3) m on the wheel's surface and axes (n, 3, 3) there, rows longitudinal, lateral and outward."""
+
+    point: Array
+    axes: Array
+
+
+class RollingPatch(NamedTuple):
+    """Speed m/s; longitudinal and lateral creepage, and spin 1/m, at the peak; semi-axes m along and across of the
+    ellipse with the pressure's second moments; load N; factor Pa/m2 of FASTSIM's paraboloid; Kalker's C11, C22, C23;
+    flexibilities.
+    """
+
+    speed: float
+    creepages: tuple[float, float, float]
+    semi_axes: tuple[float, float]
+    load: float
+    paraboloid: float
+    kalker: tuple[float, float, float]
+    flexibility: Bed
+
+
+class StripTractions(NamedTuple):
     """Force N and moment N m about the origin. By contact (k,): rolling speed m/s. By cell (n,), strip by strip from
     the trailing end: place (n, 3) m, length m; area m2 that counts; pressure and traction (n, 2) Pa; slip (n, 2) over
     the speed; whether it sticks.
@@ -70,13 +91,13 @@ def flow(turn: Array, at: Array, velocity: Array, point: Array, axis: Array) -> 
 
 
 @compiled
-def slipping(v: Velocities, point: Array, axis: Array) -> float:
+def slipping(v: RigidVelocities, point: Array, axis: Array) -> float:
     """Velocity along an axis of the wheel against the rail, m/s."""
     return flow(v.wheel_turn, v.wheel_at, v.wheel, point, axis) - flow(v.rail_turn, v.rail_at, v.rail, point, axis)
 
 
 @compiled
-def turning(v: Velocities, axis: Array) -> float:
+def turning(v: RigidVelocities, axis: Array) -> float:
     """Rotation about the upward normal, against an outward axis, of the wheel against the rail, rad/s."""
     return float(
         -(v.wheel_turn[0] - v.rail_turn[0]) * axis[0]
@@ -86,41 +107,59 @@ def turning(v: Velocities, axis: Array) -> float:
 
 
 @compiled
-def friction_at(law: Friction, velocity: float) -> float:
+def friction_at(law: FrictionParameters, velocity: float) -> float:
     """Friction coefficient at a slip velocity m/s."""
     return float(law.mu * ((1.0 - law.share) * np.exp(-law.rate * velocity) + law.share))
 
 
 @compiled
-def strip_forces(
-    strips: Pressed,
-    share: Array,
-    point: Array,
-    axes: Array,
-    peak: Array,
-    peak_axes: Array,
-    v: Velocities,
-    elastic: Elasticity,
-    law: Friction,
-    m: int,
-) -> Cells:
-    """Cells, m to a strip, of contacts that count by a share (k,) each; points (n, 3) m and axes (n, 3, 3), rows
-    longitudinal, lateral and outward from the wheel, of the strips' middles, and of the humps, which give creepages.
+def rolling_speed(v: RigidVelocities, point: Array, forward: Array) -> float:
+    """Mean speed m/s at which the material of both bodies flows backwards."""
+    return -0.5 * (
+        flow(v.wheel_turn, v.wheel_at, v.wheel, point, forward) + flow(v.rail_turn, v.rail_at, v.rail, point, forward)
+    )
 
-    A rolling speed that is not positive leaves its contact without tractions.
-    """
-    n, k = len(strips.s), len(share)
-    force, moment = np.zeros(3), np.zeros(3)
-    speed, creep = np.zeros(k), np.zeros(3)
-    place, length, area = np.empty((n * m, 3)), np.empty(n * m), np.empty(n * m)
-    pressure, traction, slip = np.empty(n * m), np.zeros((n * m, 2)), np.zeros((n * m, 2))
-    sticks = np.zeros(n * m, dtype=np.bool_)
-    bounds, arch, dome = np.empty(m), np.empty(m), np.empty(m)
-    for j in range(m):  # means over equal cells of sqrt(1 - t^2) and of 1 - t^2
-        low, high = 2.0 * j / m - 1.0, 2.0 * (j + 1) / m - 1.0
+
+@compiled
+def creepages(v: RigidVelocities, point: Array, axes: Array, speed: float) -> tuple[float, float, float]:
+    """Longitudinal and lateral creepage, and spin 1/m, at a point (3,) m with axes (3, 3); zero unless it rolls."""
+    if not speed > 0.0:
+        return 0.0, 0.0, 0.0
+    return slipping(v, point, axes[0]) / speed, slipping(v, point, axes[1]) / speed, turning(v, axes[2]) / speed
+
+
+@compiled
+def rolling_patch(
+    strips: Pressed, contact: int, start: int, stop: int, peaks: StripFrames, v: RigidVelocities, elastic: Elasticity
+) -> RollingPatch:
+    """The contact made of the strips from start up to stop."""
+    volume = 0.0
+    for i in range(start, stop):
+        volume += 4.0 / 3.0 * strips.half[i] ** 3 * strips.width[i]
+    point, axes = peaks.point[contact], peaks.axes[contact]
+    speed = rolling_speed(v, point, axes[0])
+    a, b, load = strips.along[contact], strips.across[contact], strips.load[contact]
+    kalker = coefficients(elastic.table, a / b)
+    return RollingPatch(
+        speed,
+        creepages(v, point, axes, speed),
+        (a, b),
+        load,
+        load / volume,
+        kalker,
+        bed(a, b, elastic.G, kalker),
+    )
+
+
+@compiled
+def half_ellipse_means(cells: int) -> tuple[Array, Array]:
+    """Means (m,) over m equal cells from -1 to 1 of sqrt(1 - t^2) and of 1 - t^2."""
+    arch, dome = np.empty(cells), np.empty(cells)
+    for j in range(cells):
+        low, high = 2.0 * j / cells - 1.0, 2.0 * (j + 1) / cells - 1.0
         arch[j] = (
             0.25
-            * m
+            * cells
             * (
                 high * np.sqrt(max(1.0 - high * high, 0.0))
                 + np.arcsin(min(high, 1.0))
@@ -129,79 +168,140 @@ def strip_forces(
             )
         )
         dome[j] = 1.0 - (high * high + high * low + low * low) / 3.0
+    return arch, dome
+
+
+@compiled
+def place_cells(strips: Pressed, i: int, frames: StripFrames, share: float, arch: Array, found: StripTractions) -> None:
+    """Fill the places, sizes and pressures of the cells of strip i, whose area counts by a share."""
+    m, half = len(arch), strips.half[i]
+    length = 2.0 * half / m
+    for j in range(m):
+        q, x = i * m + j, half * ((2.0 * j + 1.0) / m - 1.0)
+        found.length[q], found.area[q] = length, length * strips.width[i] * share
+        found.pressure[q] = strips.scale[i] * half * arch[j]
+        for d in range(3):
+            found.point[q, d] = frames.point[i, d] + x * frames.axes[i, 0, d]
+
+
+@compiled
+def fastsim_strip(
+    patch: RollingPatch,
+    half: float,
+    creepage: tuple[float, float, float],
+    law: FrictionParameters,
+    dome: Array,
+    traction: Array,
+    slip: Array,
+) -> None:
+    """Fill tractions (m, 2) and slips (m, 2) of a strip of a half length m by FASTSIM, from its own creepages."""
+    m = len(dome)
+    (xi, eta, _), (wx, wy, spin) = patch.creepages, creepage
+    bounds = np.empty(m)
+    for j in range(m):
+        x = half * ((2.0 * j + 1.0) / m - 1.0)
+        mu = friction_at(law, patch.speed * np.hypot(wx, wy + spin * x)) if law.rate > 0.0 else law.mu
+        bounds[j] = mu * patch.paraboloid * half * half * dome[j]
+    strip_tractions(half, (xi, eta), (wx - xi, wy - eta, spin), patch.flexibility, bounds, traction, slip)
+
+
+@compiled
+def polach_force(patch: RollingPatch, G: float, law: FrictionParameters) -> tuple[float, float]:
+    """Longitudinal and lateral force N on a patch by Polach's formula."""
+    xi, eta, phi = patch.creepages
+    mu = friction_at(law, patch.speed * np.hypot(xi, effective(eta, phi, patch.semi_axes[0])))
+    return polach(patch.creepages, patch.semi_axes, mu * patch.load, G, patch.kalker, law.reduction)
+
+
+@compiled
+def polach_strip(
+    force: tuple[float, float],
+    load: float,
+    half: float,
+    creepage: tuple[float, float, float],
+    pressure: Array,
+    traction: Array,
+    slip: Array,
+) -> None:
+    """Fill tractions (m, 2) of a strip, distributed like the pressure (m,), and rigid slips (m, 2)."""
+    m = len(pressure)
+    for j in range(m):
+        x = half * ((2.0 * j + 1.0) / m - 1.0)
+        traction[j, 0], traction[j, 1] = force[0] * pressure[j] / load, force[1] * pressure[j] / load
+        slip[j, 0], slip[j, 1] = creepage[0], creepage[1] + creepage[2] * x
+
+
+@compiled
+def integrate_tractions(found: StripTractions, axes: Array) -> None:
+    """Fill force and moment from tractions and pressures of the cells, axes (n, 3, 3) of their strips."""
+    force, moment, place = found.force, found.moment, found.point
+    m = len(found.area) // len(axes)
+    for q in range(len(found.area)):
+        f, l, u = axes[q // m, 0], axes[q // m, 1], axes[q // m, 2]
+        area, pressure, tx, ty = found.area[q], found.pressure[q], found.traction[q, 0], found.traction[q, 1]
+        px = area * (tx * f[0] + ty * l[0] - pressure * u[0])
+        py = area * (tx * f[1] + ty * l[1] - pressure * u[1])
+        pz = area * (tx * f[2] + ty * l[2] - pressure * u[2])
+        force[0] += px
+        force[1] += py
+        force[2] += pz
+        moment[0] += place[q, 1] * pz - place[q, 2] * py
+        moment[1] += place[q, 2] * px - place[q, 0] * pz
+        moment[2] += place[q, 0] * py - place[q, 1] * px
+
+
+@compiled
+def strip_forces(
+    strips: Pressed,
+    share: Array,
+    middles: StripFrames,
+    peaks: StripFrames,
+    v: RigidVelocities,
+    elastic: Elasticity,
+    law: FrictionParameters,
+    m: int,
+) -> StripTractions:
+    """Tractions on m cells to a strip, of contacts that count by a share (k,) each; frames in the middles of the n
+    strips, and at the k peaks of the overlap, which give the contacts' creepages.
+
+    A rolling speed that is not positive leaves its contact without tractions.
+    """
+    n, k = len(strips.s), len(share)
+    found = StripTractions(
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros(k),
+        np.empty((n * m, 3)),
+        np.empty(n * m),
+        np.empty(n * m),
+        np.empty(n * m),
+        np.zeros((n * m, 2)),
+        np.zeros((n * m, 2)),
+        np.zeros(n * m, dtype=np.bool_),
+    )
+    arch, dome = half_ellipse_means(m)
     start = 0
     for c in range(k):
-        stop, volume = start, 0.0
+        stop = start
         while stop < n and strips.contact[stop] == c:
-            volume += 4.0 / 3.0 * strips.half[stop] ** 3 * strips.width[stop]
             stop += 1
-        f, l, u = peak_axes[c, 0], peak_axes[c, 1], peak_axes[c, 2]
-        V = -0.5 * (
-            flow(v.wheel_turn, v.wheel_at, v.wheel, peak[c], f) + flow(v.rail_turn, v.rail_at, v.rail, peak[c], f)
-        )
-        speed[c] = V
-        rolls = law.method != NO_FRICTION and V > 0.0
-        a, b, parabola = strips.along[c], strips.across[c], strips.load[c] / volume
-        flexible, fx, fy = bed(a, b, elastic.G, coefficients(elastic.table, a / b)), 0.0, 0.0
-        creep[:] = 0.0
-        if V > 0.0:
-            creep[0], creep[1], creep[2] = (
-                slipping(v, peak[c], f) / V,
-                slipping(v, peak[c], l) / V,
-                turning(v, u) / V,
-            )
-        xi, eta, phi = creep
-        if rolls and law.method == POLACH:
-            mu = friction_at(law, V * np.hypot(xi, effective(eta, phi, a)))
-            fx, fy = polach(
-                xi,
-                eta,
-                phi,
-                a,
-                b,
-                mu * strips.load[c],
-                elastic.G,
-                coefficients(elastic.table, a / b),
-                law.adhesion,
-                law.slip,
-            )
+        patch = rolling_patch(strips, c, start, stop, peaks, v, elastic)
+        found.speed[c] = patch.speed
+        rolls = law.method != NO_FRICTION and patch.speed > 0.0
+        force = polach_force(patch, elastic.G, law) if rolls and law.method == POLACH else (0.0, 0.0)
         for i in range(start, stop):
+            place_cells(strips, i, middles, share[c], arch, found)
+            if not rolls:
+                continue
             own, half = slice(i * m, (i + 1) * m), strips.half[i]
-            f, l, u = axes[i, 0], axes[i, 1], axes[i, 2]
-            cell = 2.0 * half / m
-            grows, wx, wy = 0.0, 0.0, 0.0
-            if rolls:
-                wx, wy, grows = slipping(v, point[i], f) / V, slipping(v, point[i], l) / V, turning(v, u) / V
-                if law.method == FASTSIM:
-                    for j in range(m):
-                        x = half * ((2.0 * j + 1.0) / m - 1.0)
-                        mu = friction_at(law, V * np.hypot(wx, wy + grows * x)) if law.rate > 0.0 else law.mu
-                        bounds[j] = mu * parabola * half * half * dome[j]
-                    strip_tractions(
-                        half, (xi, eta), (wx - xi, wy - eta, grows), flexible, bounds, traction[own], slip[own]
-                    )
-            for j in range(m):
-                q = i * m + j
-                x = half * ((2.0 * j + 1.0) / m - 1.0)
-                length[q], area[q] = cell, cell * strips.width[i] * share[c]
-                pressure[q] = strips.scale[i] * half * arch[j]
-                if law.method == POLACH and rolls:
-                    traction[q, 0], traction[q, 1] = (
-                        fx * pressure[q] / strips.load[c],
-                        fy * pressure[q] / strips.load[c],
-                    )
-                    slip[q, 0], slip[q, 1] = wx, wy + grows * x
-                sticks[q] = rolls and slip[q, 0] == 0.0 and slip[q, 1] == 0.0
-                for d in range(3):
-                    place[q, d] = point[i, d] + x * f[d]
-                px = area[q] * (traction[q, 0] * f[0] + traction[q, 1] * l[0] - pressure[q] * u[0])
-                py = area[q] * (traction[q, 0] * f[1] + traction[q, 1] * l[1] - pressure[q] * u[1])
-                pz = area[q] * (traction[q, 0] * f[2] + traction[q, 1] * l[2] - pressure[q] * u[2])
-                force[0] += px
-                force[1] += py
-                force[2] += pz
-                moment[0] += place[q, 1] * pz - place[q, 2] * py
-                moment[1] += place[q, 2] * px - place[q, 0] * pz
-                moment[2] += place[q, 0] * py - place[q, 1] * px
+            traction, slip = found.traction[own], found.slip[own]
+            creepage = creepages(v, middles.point[i], middles.axes[i], patch.speed)
+            if law.method == FASTSIM:
+                fastsim_strip(patch, half, creepage, law, dome, traction, slip)
+            else:
+                polach_strip(force, patch.load, half, creepage, found.pressure[own], traction, slip)
+            for q in range(i * m, (i + 1) * m):
+                found.sticks[q] = found.slip[q, 0] == 0.0 and found.slip[q, 1] == 0.0
         start = stop
-    return Cells(force, moment, speed, place, length, area, pressure, traction, slip, sticks)
+    integrate_tractions(found, middles.axes)
+    return found

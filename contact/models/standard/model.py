@@ -16,7 +16,15 @@ from wheelrail.contact.kinematics.frames import Motion, Pose
 from wheelrail.contact.laws.material import Steel
 from wheelrail.contact.laws.parameters import Laws
 from wheelrail.contact.models.standard.creep_coefficients import Elasticity
-from wheelrail.contact.models.standard.forces import FASTSIM, NO_FRICTION, POLACH, Friction, Velocities, strip_forces
+from wheelrail.contact.models.standard.forces import (
+    FASTSIM,
+    NO_FRICTION,
+    POLACH,
+    FrictionParameters,
+    RigidVelocities,
+    StripFrames,
+    strip_forces,
+)
 from wheelrail.contact.models.standard.normal import hertzian, virtual_penetration
 from wheelrail.contact.models.standard.patches import StripContacts
 from wheelrail.contact.results.result import ContactResult, Statistics, Summaries
@@ -61,12 +69,12 @@ class StandardContact:
         return Elasticity.of(self.upper, self.lower)
 
     @cached_property
-    def law(self) -> Friction:
+    def law(self) -> FrictionParameters:
         """Friction for compiled code."""
         falling, method = self.laws.falling, FASTSIM if self.tangential == "fastsim" else POLACH
         share, rate = (1.0, 0.0) if falling is None else (falling.share, falling.rate)
-        return Friction(
-            self.laws.friction, share, rate, method if self.laws.friction > 0.0 else NO_FRICTION, *self.reduction
+        return FrictionParameters(
+            self.laws.friction, share, rate, method if self.laws.friction > 0.0 else NO_FRICTION, self.reduction
         )
 
     def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
@@ -88,12 +96,11 @@ class StandardContact:
         else:
             point, axes = point[:n], axes[:n]
         wheel, rail = motion.wheel, motion.rail
-        velocities = Velocities(
+        velocities = RigidVelocities(
             wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
         )
-        cells = strip_forces(
-            strips, zones.share, point, axes, peak, peak_axes, velocities, self.elasticity, self.law, self.cells
-        )
+        middles, peaks = StripFrames(point, axes), StripFrames(peak, peak_axes)
+        cells = strip_forces(strips, zones.share, middles, peaks, velocities, self.elasticity, self.law, self.cells)
         if self.law.method != NO_FRICTION and not cells.speed.min() > 0.0:
             return ContactResult.failed(
                 f"friction needs a wheel that rolls forward, but the material flows at {cells.speed.min():g} m/s; "

@@ -11,7 +11,7 @@ import numpy as np
 from wheelrail.contact.geometry.interpenetration import Zones
 from wheelrail.contact.kinematics.contact_points import Places
 from wheelrail.contact.kinematics.frames import Motion, Pose
-from wheelrail.contact.models.standard.forces import Cells
+from wheelrail.contact.models.standard.forces import StripTractions
 from wheelrail.contact.models.standard.normal import Pressed
 from wheelrail.contact.results.result import Fields, Patch
 from wheelrail.contact.results.resultants import Rubbing, summarise
@@ -27,7 +27,7 @@ class StripContacts:
 
     zones: Zones
     strips: Pressed
-    cells: Cells
+    cells: StripTractions
     point: Array
     axes: Array
     pose: Pose

@@ -19,22 +19,19 @@ def effective(eta: float, phi: float, a: float) -> float:
 
 @compiled
 def polach(
-    xi: float,
-    eta: float,
-    phi: float,
-    a: float,
-    b: float,
+    creepages: tuple[float, float, float],
+    semi_axes: tuple[float, float],
     bound: float,
     G: float,
     kalker: tuple[float, float, float],
-    adhesion: float,
-    slip: float,
+    reduction: tuple[float, float],
 ) -> tuple[float, float]:
     """Longitudinal and lateral force [N] on the body that is faster by the creepages xi, eta [-] and phi [1/m].
 
-    a, b m: semi-axes along and across; bound N: friction times load; G Pa; kalker: C11, C22, C23; adhesion and slip:
-    the reduction factors k_A and k_S, 1 on dry and clean rails.
+    semi_axes m along and across; bound N: friction times load; G Pa; kalker: C11, C22, C23; reduction factors k_A and
+    k_S, 1 on dry and clean rails.
     """
+    (xi, eta, phi), (a, b), (adhesion, slip) = creepages, semi_axes, reduction
     lateral = effective(eta, phi, a)
     total, plain = np.hypot(xi, lateral), np.hypot(xi, eta)
     if total == 0.0 or bound == 0.0:
