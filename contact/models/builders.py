@@ -19,7 +19,7 @@ from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Steel
 from wheelrail.contact.laws.parameters import Laws
 from wheelrail.contact.models.condensed import Condensed
-from wheelrail.contact.models.fitted.influence import HalfSpaceKernel, StripKernel
+from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.fitted.surfaces import ProfileStrips, QuadricStrips
@@ -113,7 +113,7 @@ def hertz_pair(
         lines = np.arange(-half_cells[1], half_cells[1] + 1, dtype=np.float64) * surface_size
         flat = np.column_stack([lines, np.zeros_like(lines)])
         steels = (upper_steel,) if lower_steel == upper_steel else (upper_steel, lower_steel)
-        halves = [HalfSpaceKernel.under(flat, lines, 5 * np.sqrt(depth / A), steel) for steel in steels]
+        halves = [HalfSpaceInfluence.under(flat, lines, 5 * np.sqrt(depth / A), steel) for steel in steels]
         operators = StripOperators(QuadricStrips(upper_radii, lower_radii), halves[0], halves[-1])
         return FittedContact(operators, laws, **options)
     if bodies == "waveguide":
@@ -179,14 +179,14 @@ def wheel_rail_pair(
     """
     fitted = _fitted(model, bodies, points, laws, order)
     if bodies == "half-space":
-        kernels: list[StripKernel] = []
+        kernels: list[HalfSpaceInfluence] = []
         for outline, ends in (
             (wheel_outline(wheel_profile, radius), wheel_touches(wheel_profile)),
             (rail_outline(rail_profile), rail_touches(rail_profile)),
         ):
             arc = Strip.over(outline, ends, half_length=surface_size, size=surface_size).arc
             steel = rail_steel if kernels else wheel_steel
-            kernels.append(HalfSpaceKernel.under(outline.surface(arc), arc, REACH, steel))
+            kernels.append(HalfSpaceInfluence.under(outline.surface(arc), arc, REACH, steel))
         return FittedContact(
             StripOperators(ProfileStrips(wheel_profile, rail_profile, radius), *kernels), laws, **options
         )
@@ -245,18 +245,18 @@ def _kernel(
     steel: Steel,
     degree: int | None,
     unit: float = 1.0,
-) -> StripKernel:
+) -> ElementInfluence:
     """Compliance between strips of a body, from the spectrum behind its grid."""
-    return StripKernel(
-        body.spectrum,
+    return ElementInfluence(
         lines,
         arc,
         reach,
         steel.nu,
-        partial(surface_error, steel.nu, degree or 2),
         radius=body.radius,
         unit=unit,
         scale=body.scale,
+        spectrum=body.spectrum,
+        error=partial(surface_error, steel.nu, degree or 2),
     )
 
 

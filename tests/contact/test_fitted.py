@@ -21,7 +21,7 @@ from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import Bodies, hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.fitted.edge_rules import CAUTION, TIP, edge_rules, line_contact, tip
 from wheelrail.contact.models.fitted.friction_penetration import Raised, settling
-from wheelrail.contact.models.fitted.influence import StripKernel
+from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
 from wheelrail.contact.models.fitted.influence_tables import means
 from wheelrail.contact.models.fitted.layout import Layout, marks
 from wheelrail.contact.models.fitted.model import FittedContact
@@ -96,7 +96,7 @@ def test_strips_of_a_half_space_by_quadrature() -> None:
 @pytest.mark.parametrize("place", [0.0, 0.37])
 def test_cells_of_any_size_and_place(bodies: Bodies, place: float) -> None:
     # a cell on itself and on its neighbours, beside Boussinesq's and Cerruti's closed form at 8 x 8 points of each
-    kernel: StripKernel = pair(bodies=bodies).operators.upper
+    kernel: HalfSpaceInfluence = pair(bodies=bodies).operators.upper
     G = STEEL.E / 2 / (1 + STEEL.nu)
     assert G > 0
     fine, width, length = 8, 1.5e-3, 0.4e-3

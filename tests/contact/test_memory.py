@@ -19,7 +19,7 @@ from wheelrail.contact.elasticity.waveguide.element_correction import FAR, surfa
 from wheelrail.contact.laws.material import Steel
 from wheelrail.contact.laws.parameters import Laws
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.fitted.influence import StripKernel
+from wheelrail.contact.models.fitted.influence import ElementInfluence
 from wheelrail.contact.models.full.model import Full
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.models.full.preconditioner import Preconditioner
@@ -75,18 +75,18 @@ def test_parts_of_a_surface_are_kept_up_to_a_bound(monkeypatch: pytest.MonkeyPat
     # the block that the elements' error is measured on, too
     block, grid = block_waveguide((1, 2 * FAR), Steel(1.0, 0.3), size=1.0, half_width=512.0, degree=2)
     lines, error = grid.position[0, :, 1:], partial(surface_error, 0.3, 2)
-    kernel = StripKernel(block.spectrum, lines, lines[:, 0], 10.0, 0.3, error)
+    kernel = ElementInfluence(lines, lines[:, 0], 10.0, 0.3, spectrum=block.spectrum, error=error)
     places = np.linspace(0.6 * kernel.arc[0], 0.6 * kernel.arc[-1], 9)
     strips = [place + 0.5 * np.array([[0.0, 1.0], [1.0, 2.0]]) for place in places]
     free = [kernel.normal(sides, 5.0) for sides in strips]
-    parts = [part.size for part in kernel._known.values()]
+    parts = [part.size for part in kernel._cache.values()]
     assert len(parts) >= 4
     bound = 2 * max(parts)
     monkeypatch.setattr(wheelrail.contact.models.fitted.influence, "KEPT", bound)
-    kernel._known.clear()
+    kernel._cache.clear()
     for sides, table in zip(strips, free, strict=True):
         assert np.array_equal(kernel.normal(sides, 5.0), table)
-        assert sum(part.size for part in kernel._known.values()) <= bound
-    last = list(kernel._known.values())[-1]
+        assert sum(part.size for part in kernel._cache.values()) <= bound
+    last = list(kernel._cache.values())[-1]
     kernel.normal(strips[-1], 5.0)
-    assert list(kernel._known.values())[-1] is last  # what is in use is not made again
+    assert list(kernel._cache.values())[-1] is last  # what is in use is not made again

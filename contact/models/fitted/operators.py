@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideGrid, Places
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.models.fitted.influence import StripKernel
+from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
 from wheelrail.contact.models.fitted.influence_tables import add_all_means, add_normal_means
 from wheelrail.contact.models.fitted.layout import Layout
 from wheelrail.contact.models.fitted.surfaces import StripSurfaces
@@ -28,8 +28,8 @@ class StripOperators:
     """
 
     surfaces: StripSurfaces
-    upper: StripKernel
-    lower: StripKernel
+    upper: HalfSpaceInfluence
+    lower: HalfSpaceInfluence
 
     def area(self, layout: Layout) -> Array:
         """Area (n,) m2 of the cells."""
@@ -52,7 +52,7 @@ class StripOperators:
         """Whether one body's compliance along the normals is that of the other: level surfaces of the same steel."""
         return self.lower is self.upper
 
-    def _bodies(self, pose: Pose, layout: Layout) -> Iterator[tuple[StripKernel, Array, Array | float]]:
+    def _bodies(self, pose: Pose, layout: Layout) -> Iterator[tuple[HalfSpaceInfluence, Array, Array | float]]:
         """The bodies that differ, sides (S, 2) m of the strips on them, and lengths along them over the circle's."""
         yield self.upper, layout.sides, 1.0
         if not self.alike:
