@@ -43,10 +43,10 @@ log = logging.getLogger(__name__)
 
 FOLLOWED = 5.0  # times the tolerance, for cells that follow the contact as a whole
 BEYOND = "the wheel overlaps the rail beyond the part of its surface that carries contact points"
-ROUNDS = 6  # of fitting and solving, where friction changes the overlap
-RAISED = 1e-2  # of the approach, that friction may still change it by
-ASIDE = 0.1  # of the approach, that rounds without rest may be off by for warm solves to go on from them
-FADING = 0.99  # of that, left by every warm solve
+ROUNDS = 6  # of the fixed-point iteration between layout and tractions
+RAISED = 1e-2  # of the approach: its convergence tolerance of the penetration due to friction
+ASIDE = 0.1  # of the approach: largest unconverged remainder that warm solves start from
+FADING = 0.99  # of that remainder, left by every warm solve
 LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
 
 
@@ -104,110 +104,36 @@ class FittedContact:
             return ContactResult.separated(approach)
         if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
             return ContactResult.failed(BEYOND, approach)
-        known = None if guess is None or self.tangential == "shift" else guess.warm_start
-        starts = (known, None) if isinstance(known, Cells) and known.covers(ridge) else (None,)
+        earlier = None if guess is None or self.tangential == "shift" else guess.warm_start
+        starts = (earlier, None) if isinstance(earlier, Cells) and earlier.covers(ridge) else (None,)
         reason = ""
         for start in starts:
             try:
-                return self._found(pose, motion, ridge, start, count, clock)
+                return self._iterated(LayoutIteration(self, pose, motion, ridge, start, count, clock))
             except (OutsideGrid, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
                 reason = str(error)
         return ContactResult.failed(reason, approach)
 
-    def _found(
-        self, pose: Pose, motion: Motion, ridge: Ridge, start: Cells | None, count: Count, clock: Clock
-    ) -> ContactResult:
-        """The result from cells to start from, if any: cells and tractions in turn until friction moves cells no more.
-
-        Raises NotConverged, OutsideGrid, NotRolling.
-        """
-        surfaces, approach = self.operators.surfaces, float(ridge.overlap.max())
-        known, raised, settled = start, None if start is None else start.raised, True
-        q = None if start is None else start.traction
-        before: tuple[Raised | None, Raised] | None = None
-        aside = None if start is None else start.aside
-        rounds: list[tuple[float, Cells, Linearisation]] = []
-        for _ in range(ROUNDS):
-            fitted = self._fitted(pose, ridge, known, raised, count)
-            if fitted is None:
-                if start is not None:
-                    raise NotConverged("cells that were fitted before lose all their pressure")
-                return ContactResult.separated(approach)
-            cells, pressure, settled = fitted
-            known = cells
-            if start is not None and not settled:
-                raise NotConverged("cells that were fitted before do not settle")
-            clock.ends("fit")
-            layout, gathered, scale = cells.layout, cells.gathered, cells.scale
-            places = replace(surfaces.places(pose, layout), overlap=mean_overlap(surfaces, pose, layout).ravel())
-            speed, rigid = self._rigid(places, motion)
-            body = self._compliance(gathered, rigid is not None)
-            clock.ends("compliance")
-            n = len(places.area)
-            if q is None or len(q) != 2 * n:
-                q = np.zeros(2 * n)
-            # what a scale does to displacements it undoes to the overlap
-            found = solve_tractions(
-                body,
-                places.overlap / scale,
-                rigid,
-                laws=self.laws,
-                speed=speed,
-                guess=(np.maximum(pressure.ravel(), 0.0), q),
-                options=self.options,
-                count=count,
-            )
-            clock.ends("solve")
-            cells = replace(cells, raised=raised, traction=found.tangential.T.ravel())
-            around = Linearisation(
-                places, pose.origin, motion, body, rigid, speed, self.laws, found, self.fineness.cells, scale
-            )
-            if rigid is None:
-                break
-            # friction presses the bodies together or apart, where one patch pushes another one sideways, too
-            by_friction = scale * (gathered.displacement[2 * n :, : 2 * n] @ found.tangential.T.ravel())
-            by_friction = by_friction.reshape(len(layout.sides), -1)
-            after = Raised.by(layout, by_friction if aside is None else by_friction - approach * aside.at(layout))
-            held = added(raised, layout)
-            change = float(np.abs(after.at(layout) - held).max())
-            log.debug("friction changes the overlap by %.1e of the approach", change / approach)
-            if change <= RAISED * approach:
-                if aside is not None:
-                    cells = replace(cells, aside=aside.times(FADING).between(layout, RAISED, ASIDE))
-                    settled = False
-                break
-            off = Raised.by(layout, (by_friction - held) / approach).between(layout, RAISED, ASIDE)
-            rounds.append((change, replace(cells, aside=off), around))
-            now = raised, after
-            raised, q = after if before is None else settling(layout, before, now), found.tangential.T.ravel()
-            before = now
-        else:
-            settled = False
-            if start is None:
-                cells = replace(cells, raised=raised)
-            else:  # two answers may bring about each other's cells: stay with what is nearest to rest
-                _, cells, around = min(rounds, key=lambda found: found[0])
+    def _iterated(self, iteration: LayoutIteration) -> ContactResult:
+        """The result of an iteration. Raises NotConverged, OutsideGrid, NotRolling."""
+        if not iteration.run():
+            return ContactResult.separated(iteration.approach)
+        solution, count = iteration.solution, iteration.count
         statistics = Statistics(
             newton=count.newton,
             linear=count.linear,
-            points=len(around.places.area),
+            points=len(solution.places.area),
             residual=count.residual,
-            settled=settled,
-            seconds=clock.spent,
+            settled=iteration.settled,
+            seconds=iteration.clock.spent,
         )
-        return self._result(around, cells, approach, statistics)
+        return self._result(solution, iteration.cells, iteration.approach, statistics)
 
     @cached_property
     def _lines(self) -> Array:
         """Where the overlap is looked for, m: more finely than the lines of the compliance."""
         arc = self.operators.upper.arc
         return np.asarray(np.linspace(arc[0], arc[-1], max(2 * len(arc), LINES)))
-
-    def _compliance(self, gathered: Gathered, tangential: bool) -> Elastic:
-        """Compliance for the tractions, and what earlier solves made of it."""
-        if not tangential:
-            return gathered.frictionless
-        return gathered.shifting if self.tangential == "shift" else gathered.rolling
 
     def _result(
         self,
@@ -243,54 +169,201 @@ class FittedContact:
         )
         return replace(sharpened(result, layout, bound), force_tangent=tangent_of(around), warm_start=cells)
 
-    def _fitted(
-        self, pose: Pose, ridge: Ridge, start: Cells | None, raised: Raised | None, count: Count
-    ) -> tuple[Cells, Array, bool] | None:
-        """Cells, their pressures (S, M) Pa under an overlap raised by friction, and whether they settled; None without
-        contact. From cells to start from, which may do as a whole, or from a first look.
+
+class LayoutIteration:
+    """Fixed-point iteration between the layout of cells and the tractions on them: friction changes the penetration to
+    which the layout is fitted.
+
+    start: cells of an earlier solve to start from, if any. After `run`: cells, the solution on them, and whether the
+    iteration converged (settled).
+    """
+
+    cells: Cells
+    pressure: Array  # (S, M) Pa on the cells, without friction
+    solution: Linearisation
+    settled: bool
+
+    def __init__(
+        self,
+        model: FittedContact,
+        pose: Pose,
+        motion: Motion,
+        ridge: Ridge,
+        start: Cells | None,
+        count: Count,
+        clock: Clock,
+    ) -> None:
+        self.model, self.pose, self.motion, self.ridge, self.start = model, pose, motion, ridge, start
+        self.count, self.clock, self.approach = count, clock, float(ridge.overlap.max())
+        # penetration due to friction: as assumed for the layout, and the remainder that earlier solves left unconverged
+        self.penetration = None if start is None else start.raised
+        self.remainder = None if start is None else start.aside
+        self.traction = None if start is None else start.traction  # (2 n,) Pa, initial guess
+        self.previous: tuple[Raised | None, Raised] | None = None  # penetration assumed, and caused then
+        self.rounds: list[tuple[float, Cells, Linearisation]] = []  # the first one m: residual of the penetration
+
+    def run(self) -> bool:
+        """Iterates to convergence, or through all rounds; False without contact.
+
+        Raises NotConverged, OutsideGrid, NotRolling.
         """
-        surfaces = self.operators.surfaces
+        cells = self.start
+        for _ in range(ROUNDS):
+            if not self.fit(cells):
+                return False
+            self.solve()
+            if self.solution.rigid is None or self.update():
+                return True
+            cells = self.cells
+        self.stop()
+        return True
 
-        def normal(layout: Layout) -> Factors:
-            return Factors(self.operators.normal(pose, layout))
+    def fit(self, start: Cells | None) -> bool:
+        """Fits the layout to the penetration, from cells to start from, if any; False without contact.
 
-        def gather(layout: Layout) -> Gathered:
-            return Gathered(self.operators, pose, layout, self.laws)
+        Raises NotConverged when an earlier solve's cells do not serve.
+        """
+        fitted = self._fitted(start)
+        if fitted is None:
+            if self.start is not None:
+                raise NotConverged("cells that were fitted before lose all their pressure")
+            return False
+        self.cells, self.pressure, self.settled = fitted
+        if self.start is not None and not self.settled:
+            raise NotConverged("cells that were fitted before do not settle")
+        self.clock.ends("fit")
+        return True
 
-        def overlap(layout: Layout) -> Array:
-            free = mean_overlap(surfaces, pose, layout)
-            return free if raised is None else free + raised.at(layout)
+    def solve(self) -> None:
+        """Solves for the tractions on the cells. Raises NotConverged, NotRolling."""
+        model, cells, scale = self.model, self.cells, self.cells.scale
+        surfaces = model.operators.surfaces
+        overlap = mean_overlap(surfaces, self.pose, cells.layout).ravel()
+        places = replace(surfaces.places(self.pose, cells.layout), overlap=overlap)
+        speed, rigid = self._rigid(places)
+        body = self._compliance(rigid is not None)
+        self.clock.ends("compliance")
+        n = len(places.area)
+        if self.traction is None or len(self.traction) != 2 * n:
+            self.traction = np.zeros(2 * n)
+        tractions = solve_tractions(
+            body,
+            overlap / scale,  # displacements grow with the scale: the solution is that of an overlap divided by it
+            rigid,
+            laws=model.laws,
+            speed=speed,
+            guess=(np.maximum(self.pressure.ravel(), 0.0), self.traction),
+            options=model.options,
+            count=self.count,
+        )
+        self.clock.ends("solve")
+        self.cells = replace(cells, raised=self.penetration, traction=tractions.tangential.T.ravel())
+        self.solution = Linearisation(
+            places,
+            self.pose.origin,
+            self.motion,
+            body,
+            rigid,
+            speed,
+            model.laws,
+            tractions,
+            model.fineness.cells,
+            scale,
+        )
 
-        if start is not None and self.warm:
-            start, pressures = follow(overlap, start, gather, tolerance=FOLLOWED * self.tolerance, count=count)
+    def update(self) -> bool:
+        """Compares the penetration that friction causes with the one assumed: True if they agree; if not, a better one
+        is assumed for the next round.
+        """
+        cells, layout, n = self.cells, self.cells.layout, len(self.cells.traction) // 2
+        # friction presses the bodies together or apart, where one patch pushes another one sideways, too
+        caused = cells.scale * (cells.gathered.displacement[2 * n :, : 2 * n] @ cells.traction)
+        caused = caused.reshape(len(layout.sides), -1)
+        remainder = self.remainder
+        target = Raised.by(layout, caused if remainder is None else caused - self.approach * remainder.at(layout))
+        assumed = added(self.penetration, layout)
+        residual = float(np.abs(target.at(layout) - assumed).max())
+        log.debug("friction changes the overlap by %.1e of the approach", residual / self.approach)
+        if residual <= RAISED * self.approach:
+            if remainder is not None:
+                self.cells = replace(cells, aside=remainder.times(FADING).between(layout, RAISED, ASIDE))
+                self.settled = False
+            return True
+        unconverged = Raised.by(layout, (caused - assumed) / self.approach).between(layout, RAISED, ASIDE)
+        self.rounds.append((residual, replace(cells, aside=unconverged), self.solution))
+        now = self.penetration, target
+        self.penetration = target if self.previous is None else settling(layout, self.previous, now)
+        self.previous, self.traction = now, cells.traction
+        return False
+
+    def stop(self) -> None:
+        """Ends an iteration that does not converge."""
+        self.settled = False
+        if self.start is None:
+            self.cells = replace(self.cells, raised=self.penetration)
+        else:  # the iteration alternates between two layouts: keep the one with the smaller residual
+            _, self.cells, self.solution = min(self.rounds, key=lambda entry: entry[0])
+
+    def _rigid(self, places: Places) -> tuple[float, Array | None]:
+        """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""
+        if not self.model.laws.friction:
+            return 0.0, None
+        shifts = self.model.tangential == "shift"
+        return (0.0, shift(places, self.motion)) if shifts else creepage(places, self.motion)
+
+    def _compliance(self, tangential: bool) -> Elastic:
+        """Compliance for the tractions, and what earlier solves made of it."""
+        gathered = self.cells.gathered
+        if not tangential:
+            return gathered.frictionless
+        return gathered.shifting if self.model.tangential == "shift" else gathered.rolling
+
+    def _fitted(self, start: Cells | None) -> tuple[Cells, Array, bool] | None:
+        """Cells, their pressures (S, M) Pa without friction, and whether their ends converged; None without contact.
+
+        From cells to start from, moved and scaled as a whole if that suffices, or from the initial layout.
+        """
+        model = self.model
+        if start is not None and model.warm:
+            tolerance = FOLLOWED * model.tolerance
+            start, pressures = follow(self._overlap, start, self._gathered, tolerance=tolerance, count=self.count)
             if pressures is not None:
                 return start, pressures, True
-        rolls = self.laws.friction > 0 and self.tangential == "rolling"
-        full, tolerance = marks(self.fineness.cells, rolling=rolls), self.tolerance
-        # equal cells find the ends from afar; those that shrink towards the leading end only from near
-        few = marks(max(self.fineness.cells // 2, 4), rolling=False)
-
-        def fitted(layout: Layout | None, cells: Array, near: float) -> Fitted | None:
-            if layout is None:
-                return None
-            return fit(overlap, normal, replace(layout, marks=cells), self.fineness, tolerance=near, count=count)
-
-        if start is not None:
-            found = fitted(start.layout, full, tolerance)
-        else:
-            found = fitted(single(ridge, self.fineness, few), few, 5 * tolerance)
-            if found is not None:
-                found = fitted(recounted(found.layout, self.fineness), full, tolerance)
-            if found is None or not found.settled or found.divided:
-                found = fitted(patches(*coarse(ridge, overlap, normal, count), self.fineness, few), few, 5 * tolerance)
-                found = None if found is None else fitted(found.layout, full, tolerance)
-        if found is None:
+        rolls = model.laws.friction > 0 and model.tangential == "rolling"
+        full = marks(model.fineness.cells, rolling=rolls)
+        fitted = self._fit_initial(full) if start is None else self._fit(start.layout, full, model.tolerance)
+        if fitted is None:
             return None
-        gathered = Gathered(self.operators, pose, found.layout, self.laws, found.normal)
-        return Cells(found.layout, raised, gathered, 1.0, np.zeros(0)), found.pressure, found.settled
+        gathered = Gathered(model.operators, self.pose, fitted.layout, model.laws, fitted.normal)
+        return Cells(fitted.layout, self.penetration, gathered, 1.0, np.zeros(0)), fitted.pressure, fitted.settled
 
-    def _rigid(self, places: Places, motion: Motion) -> tuple[float, Array | None]:
-        """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""
-        if not self.laws.friction:
-            return 0.0, None
-        return (0.0, shift(places, motion)) if self.tangential == "shift" else creepage(places, motion)
+    def _fit_initial(self, full: Array) -> Fitted | None:
+        """From the rigid surfaces where they suggest one patch, else from pressures on the initial layout."""
+        fineness, tolerance = self.model.fineness, self.model.tolerance
+        # equal cells find the ends from afar; those that shrink towards the leading end only from near
+        few = marks(max(fineness.cells // 2, 4), rolling=False)
+        fitted = self._fit(single(self.ridge, fineness, few), few, 5 * tolerance)
+        if fitted is not None:
+            fitted = self._fit(recounted(fitted.layout, fineness), full, tolerance)
+        if fitted is None or not fitted.settled or fitted.divided:
+            initial = coarse(self.ridge, self._overlap, self._normal, self.count)
+            fitted = self._fit(patches(*initial, fineness, few), few, 5 * tolerance)
+            fitted = None if fitted is None else self._fit(fitted.layout, full, tolerance)
+        return fitted
+
+    def _fit(self, layout: Layout | None, cell_marks: Array, tolerance: float) -> Fitted | None:
+        if layout is None:
+            return None
+        start, fineness = replace(layout, marks=cell_marks), self.model.fineness
+        return fit(self._overlap, self._normal, start, fineness, tolerance=tolerance, count=self.count)
+
+    def _overlap(self, layout: Layout) -> Array:
+        """Undeformed overlap (S, M) m of the cells, with what friction adds."""
+        free = mean_overlap(self.model.operators.surfaces, self.pose, layout)
+        return free if self.penetration is None else free + self.penetration.at(layout)
+
+    def _normal(self, layout: Layout) -> Factors:
+        return Factors(self.model.operators.normal(self.pose, layout))
+
+    def _gathered(self, layout: Layout) -> Gathered:
+        return Gathered(self.model.operators, self.pose, layout, self.model.laws)
