@@ -142,17 +142,18 @@ builtins.__import__ = at
 """
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "wheelrail.support.interrupts",
-        "wheelrail.cli.main",
-        "typer",
-        "wheelrail.cli.mpi_launcher",
-        "wheelrail.scenes.schema.messages",
-    ],
-)
-@pytest.mark.parametrize("start", ["wheelrail.cli.entry", "wheelrail.cli.main"])
+WHILE_LOADING = [
+    *(
+        ("wheelrail.cli.entry", name)
+        for name in ("wheelrail.support.interrupts", "wheelrail.cli.main", "typer", "wheelrail.cli.mpi_launcher")
+    ),
+    # python -m wheelrail.cli loads its own imports before it reaches the entry point
+    *(("wheelrail.cli.main", name) for name in ("wheelrail.support.interrupts", "wheelrail.cli.main")),
+    *((start, "wheelrail.scenes.schema.messages") for start in ("wheelrail.cli.entry", "wheelrail.cli.main")),
+]
+
+
+@pytest.mark.parametrize(("start", "name"), WHILE_LOADING)
 def test_ctrl_c_while_the_command_is_loaded(name: str, start: str, tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(LOADING.format(name=name))
     way = ["-m", start] if start == "wheelrail.cli.main" else ["-c", f"from {start} import main; main()"]

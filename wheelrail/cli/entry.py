@@ -1,4 +1,4 @@
-"""The way into the command: Ctrl-C while it is loaded is a line and an exit code, too."""
+"""Entry point of the command `wheelrail`: Ctrl-C while modules load ends it with one line and an exit code."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ def main() -> None:
     try:
         from wheelrail.support.interrupts import later
 
-        with later():  # libraries in C do not load by halves
+        with later():  # an interrupted import leaves C extensions half initialised
             from wheelrail.cli.main import main as command
         command()
     except KeyboardInterrupt:

@@ -1,8 +1,7 @@
-"""Exit codes of the command."""
+"""Exit codes of the command `wheelrail`; 0 is success."""
 
 from __future__ import annotations
 
-FAILED, BAD_INPUT = 1, 2  # exit codes
-
-
-INTERRUPTED = 130  # exit code
+FAILED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130

@@ -1,4 +1,4 @@
-"""The command `wheelrail`: its subcommands and its entry point."""
+"""The command `wheelrail`: the app with all its commands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["app", "main"]
 
 
 def main() -> None:
-    """Entry point.
+    """Run the app, under `mpirun` too.
 
     One BLAS thread unless the environment says otherwise: the dense blocks are small, threads that wait cost more.
     """
