@@ -127,7 +127,7 @@ def row(one: Run, tight: Run, fine: Run) -> list[str]:
         d = differences(one, other)
         apart += ["", ""] if one is other else [f"{d[0]:.4f} / {d[1]:.3f}", f"{d[2]:.3f} / {d[3]:.2f}"]
     sides = [cost.contact[side] for side in SIDES]
-    # what the tally of the second process sees is only the time spent on waiting for it
+    # of the side that a second process solves, this is only the time spent waiting for it
     spent = [1e3 * sum(side.phases.values()) / side.solves for side in sides]
     return [
         v.name if one.history.status == "completed" else f"{v.name}: {one.history.status}",

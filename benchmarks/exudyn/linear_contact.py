@@ -9,10 +9,11 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 
 
 @dataclass(frozen=True)
-class LinearContact:
+class LinearContact(VehicleContact):
     """Spring and damper between the ground and the wheel's lowest point, both in the ground's axes.
 
     across m from the wheelset's centre to the wheels, radius m; lateral, vertical (stiffness N/m, damping N s/m); load

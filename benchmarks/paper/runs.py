@@ -15,15 +15,15 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.contact import wheelset_contact
-from wheelrail.vehicle.dynamics.equations import Contact
 from wheelrail.vehicle.simulation.history import RunCost
 
 FAILURES = (RuntimeError, ValueError, ArithmeticError, np.linalg.LinAlgError)
 
 
 @dataclass(frozen=True)
-class BySide:
+class BySide(VehicleContact):
     """A model of its own for each wheel: that of Eq. (12) starts from its own last displacements."""
 
     contacts: dict[Side, WheelsetContact]
@@ -68,7 +68,7 @@ class Runs:
     def _run(self, variant: Variant) -> Ran:
         part, options = self.part(variant.body, self.length(variant)), dict(variant.options)
         self.say(f"  {part.missing or 'reference run'}")  # fills the compliances, so that no run pays for them
-        contact: Contact = self._whole(part, options) if variant.full else part.tuned(options)
+        contact: VehicleContact = self._whole(part, options) if variant.full else part.tuned(options)
         dynamics = part.dynamics(contact)
         dynamics(part.start, part.initial)  # factorisations and compiled kernels are made outside the clock
         return part.compared(part.run(variant.method, options, contact=contact))

@@ -17,11 +17,12 @@ import numpy as np
 
 from benchmarks.paper.error import Ran, difference
 from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.contact import wheelset_contact
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contact, Dynamics
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
@@ -75,7 +76,7 @@ class Part:
         model: Any = self.contact.model
         return replace(self.contact, model=replace(model, options=replace(model.options, **options)))
 
-    def dynamics(self, contact: Contact) -> Dynamics:
+    def dynamics(self, contact: VehicleContact) -> Dynamics:
         return Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.drive)
 
     @cached_property
@@ -105,7 +106,7 @@ class Part:
         except RuntimeError as error:
             return str(error)
 
-    def run(self, method: str, options: dict[str, Any], *, contact: Contact | None = None) -> History:
+    def run(self, method: str, options: dict[str, Any], *, contact: VehicleContact | None = None) -> History:
         """One run at the scene's own tolerances; contact other than this part's, for Eq. (12)."""
         solver = self.scene.solver
         return self._run(contact or self.tuned(options), method, solver.rtol, solver.atol)
@@ -124,7 +125,7 @@ class Part:
         """Static wheel load, N."""
         return float(self.reference.outputs.force[:, :, 2].mean())
 
-    def _run(self, contact: Contact, method: str, rtol: float, atol: float, patience: float = np.inf) -> History:
+    def _run(self, contact: VehicleContact, method: str, rtol: float, atol: float, patience: float = np.inf) -> History:
         began = perf_counter()
 
         def hurry(share: float, _: Mapping[str, float]) -> None:

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.contact import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contact, Dynamics
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
@@ -65,7 +66,7 @@ class Case:
         uneven = ERRI["high"].irregularities(self.speed * self.span[1] + 50.0, seed=self.seed)
         return Track(smooth.curvature, smooth.lift, smooth.gradient, smooth.base, uneven)
 
-    def start(self, wagon: Wagon, contact: Contact) -> Array | None:
+    def start(self, wagon: Wagon, contact: VehicleContact) -> Array | None:
         """The state after the kick, if there is one."""
         if not self.kick:
             return None

@@ -10,6 +10,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Motion, Pose, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.support.arrays import Array
 
@@ -17,7 +18,7 @@ ContactModel = Callable[[Pose, Motion, ContactResult | None], ContactResult]
 
 
 @dataclass(frozen=True)
-class WheelsetContact:
+class WheelsetContact(VehicleContact):
     """Contact of one side: state of the wheelset in, `ContactResult` in the track's axes out.
 
     The moment is about the wheelset's centre. `guess` is an earlier result of the same side.

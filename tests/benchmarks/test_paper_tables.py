@@ -20,7 +20,7 @@ from benchmarks.paper.variants import ETAS, LU, SOLID, WAVES_EXACT, Variant, kry
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.solvers.options import NewtonOptions
-from wheelrail.vehicle.simulation.contact_cost import SideCost
+from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.history import RunCost
 
 SECONDS = 0.002
@@ -116,7 +116,7 @@ def test_printed_tables_stand_as_in_the_paper() -> None:
 
 
 def test_picture(tmp_path: Path) -> None:
-    sides = {side: SideCost(solves=10, newton=20, linear=60, seconds=0.1) for side in SIDES}
+    sides = {side: ContactCost(solves=10, newton=20, linear=60, seconds=0.1) for side in SIDES}
     ran = Ran(RunCost(contact=sides, seconds=0.3), 1e-6, 1e-3)
     picture(tmp_path / "x.png", [(v, ran, 0.1) for v in (*table("9"), *table("7"))])
     assert (tmp_path / "x.png").read_bytes()[1:4] == b"PNG"

@@ -20,10 +20,11 @@ from wheelrail.contact.models.fitted.surfaces import Ridge
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.contact.solvers.active_set import Coupled, Factors
 from wheelrail.contact.solvers.options import Count
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.vehicle.dynamics.equations import Contact, Dynamics
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR, ROLL, Y, Z
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, wheels
@@ -45,7 +46,7 @@ def standard(friction: float = 0.3) -> WheelsetContact:
     return WheelsetContact(StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), Laws(friction=friction)), MOUNTING)
 
 
-def kicked(contact: Contact, **rates: float) -> np.ndarray:
+def kicked(contact: VehicleContact, **rates: float) -> np.ndarray:
     """Rest on straight track, and rates m/s or rad/s given at once."""
     state = equilibrium(Dynamics(Wagon(), Track(), contact, V)).state
     for name, rate in rates.items():
@@ -53,7 +54,9 @@ def kicked(contact: Contact, **rates: float) -> np.ndarray:
     return state
 
 
-def run(contact: Contact, seconds: float, track: Track | None = None, *, rtol: float = 3e-3, **options) -> History:  # type: ignore[no-untyped-def]
+def run(  # type: ignore[no-untyped-def]
+    contact: VehicleContact, seconds: float, track: Track | None = None, *, rtol: float = 3e-3, **options
+) -> History:
     return simulate(
         Wagon(),
         track or Track(),
@@ -215,7 +218,7 @@ def test_pressure_without_a_point_that_carries_has_no_slope() -> None:
 
 
 @dataclass(frozen=True)
-class Ending:
+class Ending(VehicleContact):
     """The smooth contact; that of the right wheel fails from a shift m to the right on."""
 
     shift: float = 1e-3

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Motion, Pose
-from wheelrail.contact.kinematics.wheelset_state import Mounting
+from wheelrail.contact.kinematics.frames import Motion, Pose, Side
+from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult, Statistics
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 
 MOUNTING = Mounting(wheel_y=0.75, rail_y=0.75, radius=0.46)
 STIFFNESS = 1.2e9  # N/m at the static load
@@ -70,6 +72,16 @@ class TwoPointContact:
         force = 8e10 * depth**1.5 * np.array([0.0, -self.slope, 1.0]) / np.hypot(1.0, self.slope)
         moment = np.cross([0.0, -0.03, -0.005], force)
         return replace(result, force=result.force + force, moment=result.moment + moment, status="converged")
+
+
+@dataclass(frozen=True)
+class FunctionContact(VehicleContact):
+    """A contact given as a function of state, side and guess, without a tangent."""
+
+    solve: Callable[[WheelsetState, Side, ContactResult | None], ContactResult]
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return self.solve(state, side, guess)
 
 
 CONTACT = WheelsetContact(SmoothContact(), MOUNTING)

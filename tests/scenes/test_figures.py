@@ -24,7 +24,7 @@ from wheelrail.scenes.plots.patch_cells import PatchCells
 from wheelrail.scenes.plots.patches import draw_patches, patches_figure
 from wheelrail.vehicle.dynamics.state import COORDINATES
 from wheelrail.vehicle.integration.step_control import Counts
-from wheelrail.vehicle.simulation.contact_cost import SideCost
+from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.history import History, RunCost
 from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair
 
@@ -58,7 +58,7 @@ def history(rows: int = N, curvature: float = 1 / 1200) -> History:
         contact_status=[("separated" if not left else "converged", "converged") for left, _ in patches],
         cost=RunCost(
             Counts(accepted=rows - 1, rejected=2, failed=1, evaluations=130),
-            {"left": SideCost(300, 1, 600, 1200, 3.0), "right": SideCost(301, 0, 700, 1500, 4.0)},
+            {"left": ContactCost(300, 1, 600, 1200, 3.0), "right": ContactCost(301, 0, 700, 1500, 4.0)},
             9.0,
         ),
     )

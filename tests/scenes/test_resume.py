@@ -25,6 +25,7 @@ from wheelrail.contact.kinematics.frames import Motion, Pose, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, StillRunning, read_header
 from wheelrail.scenes.runs.checkpoint_format import RestrictedUnpickler, Unreadable, entries
 from wheelrail.scenes.runs.resume import differences
@@ -89,7 +90,7 @@ def test_checkpoints_change_no_more_than_the_tolerances_do() -> None:
 
 
 @dataclass
-class Clinging:
+class Clinging(VehicleContact):
     """Solves from a result before, but from nothing only now and then; and what it gives depends on the guess."""
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:

@@ -9,7 +9,7 @@ from math import asin, cos, inf, nan, sin
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from standin_contact import CONTACT
+from standin_contact import CONTACT, FunctionContact
 
 import wheelrail.vehicle.steady.equilibrium
 from benchmarks.exudyn.linear_contact import LinearContact
@@ -17,7 +17,7 @@ from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.vehicle.dynamics.static_residual import Balance
-from wheelrail.vehicle.simulation.contact_cost import Tally
+from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.steady.curving import Steady, curving, curving_over
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError
 from wheelrail.vehicle.track.constant_curve import Curve
@@ -188,7 +188,7 @@ def test_right_hand_curve_is_the_mirror_image(contact) -> None:  # type: ignore[
 def test_over_speeds_each_from_the_one_before() -> None:
     speeds = np.linspace(20.0, 50.0, 7)
     curves = [replace(PAPER, speed=float(v)) for v in speeds]
-    together, alone = Tally(CONTACT), Tally(CONTACT)
+    together, alone = CountedContact(CONTACT), CountedContact(CONTACT)
     found = curving_over(WAGON, together, curves)
     each = [curving(WAGON, alone, curve) for curve in curves]
     assert [s.curve for s in found] == curves
@@ -220,6 +220,7 @@ def test_a_run_into_the_curve_shows_the_way(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_no_steady_position_is_told_with_its_curve() -> None:
+    @FunctionContact
     def nothing(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         return ContactResult.separated()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from standin_contact import CONTACT
+from standin_contact import CONTACT, FunctionContact
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
@@ -18,6 +18,7 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 BRAKES = Drive.through((0.0, 4.0), (40.0, 30.0))
 
 
+@FunctionContact
 def no_contact(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
     return ContactResult.separated()
 

@@ -6,18 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standin_contact import CONTACT, SmoothContact, TwoPointContact
+from standin_contact import CONTACT, FunctionContact, SmoothContact, TwoPointContact
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.vehicle.dynamics.equations import Contact, Dynamics, Wrench
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.state import MIRROR
 from wheelrail.vehicle.integration.explicit import ODE45
 from wheelrail.vehicle.integration.integrate import integrate
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.simulation.contact_cost import Tally
+from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
 from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.piecewise import Course
@@ -30,11 +31,12 @@ CURVE = Track.curve(curvature=1 / R, cant=CANT, tangent=50.0, transition=100.0, 
 IN_CURVE = 250.0 / V
 
 
+@FunctionContact
 def no_contact(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
     return ContactResult.separated()
 
 
-def dynamics(track: Track = CURVE, contact: Contact = CONTACT, wagon: Wagon | None = None) -> Dynamics:
+def dynamics(track: Track = CURVE, contact: VehicleContact = CONTACT, wagon: Wagon | None = None) -> Dynamics:
     return Dynamics(wagon or Wagon(), track, contact, V)
 
 
@@ -94,7 +96,7 @@ def test_curve_loads_balance_as_a_whole() -> None:
 
 
 def test_equilibrium_needs_few_contact_solves() -> None:
-    straight, curve = Tally(CONTACT), Tally(CONTACT)
+    straight, curve = CountedContact(CONTACT), CountedContact(CONTACT)
     equilibrium(dynamics(contact=straight))
     assert straight.costs["left"].solves == straight.costs["right"].solves <= 25
     equilibrium(dynamics(contact=curve), time=IN_CURVE)
@@ -105,7 +107,7 @@ def test_equilibrium_needs_few_contact_solves() -> None:
 @pytest.mark.parametrize(("radius", "speed"), [(600.0, 45.0), (1200.0, 45.0), (1200.0, 20.0), (-1200.0, 20.0)])
 def test_equilibrium_with_a_second_contact_point(radius: float, speed: float, slope: float) -> None:
     track = Track.curve(curvature=1 / radius, cant=CANT, transition=100.0, length=200.0)
-    contact = Tally(WheelsetContact(TwoPointContact(slope=slope), CONTACT.mounting))
+    contact = CountedContact(WheelsetContact(TwoPointContact(slope=slope), CONTACT.mounting))
     found = equilibrium(Dynamics(Wagon(), track, contact, speed), time=150.0 / speed)
     assert found.residual < 1e-6
     assert contact.costs["left"].solves <= 150
@@ -120,10 +122,10 @@ def test_equilibrium_does_without_contacts_deeper_than_the_model_goes() -> None:
 
 def test_equilibrium_goes_on_from_a_guess() -> None:
     first = equilibrium(dynamics(), time=IN_CURVE)
-    tally = Tally(CONTACT)
-    again = equilibrium(dynamics(contact=tally), time=IN_CURVE, guess=first.state)
+    counted = CountedContact(CONTACT)
+    again = equilibrium(dynamics(contact=counted), time=IN_CURVE, guess=first.state)
     assert again.iterations == 0
-    assert tally.costs["left"].solves == 1
+    assert counted.costs["left"].solves == 1
 
 
 def test_without_rest_there_is_an_error() -> None:
@@ -219,15 +221,19 @@ def test_energy_of_the_undamped_free_wagon(track: Track) -> None:
 
 
 def test_failed_or_senseless_contact_results_are_not_used() -> None:
+    @FunctionContact
     def failing(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         return replace(ContactResult.separated(), status="failed: no convergence")
 
+    @FunctionContact
     def infinite(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         return ContactResult(np.full(3, np.inf), np.zeros(3), status="converged")
 
+    @FunctionContact
     def raising(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         raise RuntimeError("linear solver broke down")
 
+    @FunctionContact
     def wrong(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         raise TypeError("a mistake in the program")
 
@@ -245,6 +251,7 @@ def test_failed_or_senseless_contact_results_are_not_used() -> None:
 def test_the_contact_sees_the_wheelset_and_the_frame() -> None:
     seen: list[WheelsetState] = []
 
+    @FunctionContact
     def contact(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         seen.append(state)
         return CONTACT(state, side, guess)

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 from scipy.integrate import solve_ivp
-from standin_contact import CONTACT, MOUNTING, SmoothContact
+from standin_contact import CONTACT, MOUNTING, FunctionContact, SmoothContact
 
 from wheelrail.contact.kinematics.frames import Motion, Pose, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.progress import costs
 from wheelrail.scenes.schema.tables import Solver
 from wheelrail.vehicle.dynamics.equations import Dynamics
@@ -25,7 +26,7 @@ from wheelrail.vehicle.dynamics.jacobian import COLUMNS, KEPT, SEEN, Jacobian, L
 from wheelrail.vehicle.integration.integrate import integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
 from wheelrail.vehicle.integration.step_control import Counts
-from wheelrail.vehicle.simulation.contact_cost import Tally
+from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import Parallel, WorkerLost, in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate, tolerances
@@ -118,7 +119,7 @@ def test_stiffness_does_not_bound_the_step() -> None:
 
 
 @dataclass(frozen=True)
-class Tangential:
+class Tangential(VehicleContact):
     """The smooth contact, with its tangent by differences: as a model that knows its own."""
 
     inner: WheelsetContact = CONTACT
@@ -156,7 +157,7 @@ def test_the_wagons_jacobian(contact, within: float) -> None:  # type: ignore[no
 
 def test_the_wagons_derivative_by_time() -> None:
     """Contacts held: a contact that is not there at all makes it exact."""
-    d, t, x = curving(lambda state, side, guess=None: ContactResult.separated())
+    d, t, x = curving(FunctionContact(lambda state, side, guess: ContactResult.separated()))
     linear = Jacobian(d, Counts())(t, x, d(t, x))
     expected = (d(t + 1e-4, x).rate - d(t - 1e-4, x).rate) / 2e-4
     np.testing.assert_allclose(linear.by_time, expected, atol=1e-3 * np.abs(expected).max())
@@ -302,7 +303,7 @@ def test_tolerances_of_rates() -> None:
 
 def test_an_interrupted_implicit_run_keeps_everything() -> None:
     @dataclass
-    class Impatient:
+    class Impatient(VehicleContact):
         calls: list[Side] = field(default_factory=list)
 
         def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
@@ -317,7 +318,7 @@ def test_an_interrupted_implicit_run_keeps_everything() -> None:
 
 
 @dataclass
-class Remembering:
+class Remembering(VehicleContact):
     """Passes guesses on visibly: the approach counts how many results stand behind a result."""
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
@@ -401,7 +402,7 @@ def test_the_other_process_ends_with_the_first() -> None:
     os.close(writing)
 
 
-class Pid:
+class Pid(VehicleContact):
     """A contact whose approach is the number of the process that it runs in."""
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
@@ -418,11 +419,51 @@ def alive(process: int) -> bool:
 
 def test_sides_run_in_two_processes() -> None:
     with in_parallel(Pid()) as contact:
-        tally = Tally(contact)
-        d = Dynamics(Wagon(), CURVE, tally, V)
+        counted = CountedContact(contact)
+        d = Dynamics(Wagon(), CURVE, counted, V)
         found = d(0.0, np.zeros(20)).contacts
         assert found["left"].approach == os.getpid() != found["right"].approach
         assert isinstance(contact, Parallel)
-        assert (tally.costs["left"].solves, tally.costs["right"].solves) == (1, 1)
+        assert (counted.costs["left"].solves, counted.costs["right"].solves) == (1, 1)
         other = int(found["right"].approach)
     assert not alive(other)
+
+
+@dataclass(frozen=True)
+class Announced(Tangential):
+    """Records what is called, in order."""
+
+    calls: list[str] = field(default_factory=list)
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        self.calls.append(side)
+        return super().__call__(state, side, guess)
+
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> np.ndarray:
+        self.calls.append(f"tangent {side}")
+        return super().tangent(state, side, result)
+
+    def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
+        self.calls.append("ahead")
+
+    def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
+        self.calls.append("ahead_tangent")
+
+
+def test_the_right_side_is_announced_before_the_left_one_through_a_counted_contact() -> None:
+    contact = Announced()
+    counted = CountedContact(contact)
+    d, t, x = curving(counted)
+    at = d(t, x)
+    assert Jacobian(d, Counts()).known(d.wheelset_state(d.frame(t), x), at.contacts) is not None
+    assert contact.calls == ["ahead", "left", "right", "ahead_tangent", "tangent left", "tangent right"]
+    assert [(cost.solves, cost.tangents) for cost in counted.costs.values()] == [(1, 1), (1, 1)]
+
+
+def test_a_contact_without_a_tangent_says_so_through_a_counted_contact() -> None:
+    state = WheelsetState(z=-6e-5, pitch_rate=V / 0.46, speed=V)
+    counted = CountedContact(Pid())
+    result = counted(state, "left")
+    with pytest.raises(ValueError, match="no tangent"):
+        counted.tangent(state, "left", result)
+    assert counted.costs["left"].tangents == 0

@@ -9,11 +9,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from standin_contact import CONTACT
+from standin_contact import CONTACT, FunctionContact
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -25,7 +26,7 @@ CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=20.0, length=200.0)
 
 
 @dataclass
-class Watched:
+class Watched(VehicleContact):
     """Passes on to the smooth contact, remembers guesses and results, and fails where it is told to."""
 
     fail_at: range = range(0)
@@ -206,6 +207,7 @@ def test_progress_is_told() -> None:
 
 
 def test_mistakes_are_not_swallowed() -> None:
+    @FunctionContact
     def wrong(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         raise TypeError("a mistake in the program")
 

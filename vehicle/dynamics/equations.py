@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import look
 from wheelrail.vehicle.dynamics.state import COUNT, split
@@ -22,26 +22,7 @@ from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import Wagon
 
-Contact = Callable[[WheelsetState, Side, ContactResult | None], ContactResult]
 Contacts = dict[Side, ContactResult]
-
-
-@runtime_checkable
-class HasTangent(Protocol):
-    """A contact that knows how force and moment (6,) follow the wheelset (6, 8), see
-    `wheelrail.contact.models.wheelset`.
-    """
-
-    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array: ...
-
-
-@runtime_checkable
-class WorksAhead(Protocol):
-    """A contact that can begin with the right side before it is asked for the left one."""
-
-    def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None: ...
-
-    def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None: ...
 
 
 @dataclass(frozen=True)
@@ -87,7 +68,7 @@ class Dynamics:
 
     wagon: Wagon
     track: Track
-    contact: Contact
+    contact: VehicleContact
     speed: float | Drive
 
     def __post_init__(self) -> None:
@@ -162,8 +143,7 @@ class Dynamics:
 
     def solve_wheelset(self, wheelset: WheelsetState, guess: Contacts | None) -> Contacts:
         """The same at a state of the wheelset."""
-        if isinstance(self.contact, WorksAhead):
-            self.contact.ahead(wheelset, guess["right"] if guess else None)
+        self.contact.ahead(wheelset, guess["right"] if guess else None)
         return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
 
     def _solve(self, wheelset: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:

@@ -9,7 +9,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, HasTangent, WorksAhead, Wrench
+from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import Counts
@@ -95,13 +95,10 @@ class Jacobian:
     def known(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
         """The same from the contact itself, if it can tell."""
         contact = self.dynamics.contact
-        if not isinstance(contact, HasTangent):
-            return None
         try:
-            if isinstance(contact, WorksAhead):
-                contact.ahead_tangent(wheelset, contacts["right"])
+            contact.ahead_tangent(wheelset, contacts["right"])
             found = np.array([contact.tangent(wheelset, side, contacts[side]) for side in SIDES])
-        except ValueError:  # not every model's results carry one
+        except ValueError:  # not every model, and not every result, has one
             return None
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
             raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error

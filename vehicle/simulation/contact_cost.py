@@ -1,21 +1,19 @@
-"""Counts what the contact solves of a run cost."""
+"""Cost of the contact solves of a run."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
 from time import perf_counter
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contact
 
 
 @dataclass
-class SideCost:
+class ContactCost:
     """Solves (failed ones included), failed ones, Newton and linear iterations, seconds, tangents included, as this
     process waited for them; seconds by phase; tangents.
     """
@@ -30,11 +28,11 @@ class SideCost:
 
 
 @dataclass
-class Tally:
-    """A contact that passes calls on to another one and adds up what they cost; it can what the other one can."""
+class CountedContact(VehicleContact):
+    """Contact model that counts and times the calls to the model it wraps."""
 
-    contact: Contact
-    costs: dict[Side, SideCost] = field(default_factory=lambda: {"left": SideCost(), "right": SideCost()})
+    contact: VehicleContact
+    costs: dict[Side, ContactCost] = field(default_factory=lambda: {"left": ContactCost(), "right": ContactCost()})
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         cost, start, result = self.costs[side], perf_counter(), None
@@ -50,24 +48,17 @@ class Tally:
             cost.phases[phase] = cost.phases.get(phase, 0.0) + seconds
         return result
 
-    def __post_init__(self) -> None:
-        # what only some contacts can: a method would promise it for all of them
-        for name in ("tangent", "ahead", "ahead_tangent"):
-            if hasattr(self.contact, name):
-                inner = getattr(self.contact, name)
-                setattr(self, name, partial(self._tangent, inner) if name == "tangent" else inner)
-
-    def _tangent(
-        self,
-        inner: Callable[[WheelsetState, Side, ContactResult], Array],
-        state: WheelsetState,
-        side: Side,
-        result: ContactResult,
-    ) -> Array:
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
         cost, start = self.costs[side], perf_counter()
         try:
-            found = inner(state, side, result)
+            tangent = self.contact.tangent(state, side, result)
             cost.tangents += 1
-            return found
+            return tangent
         finally:
             cost.seconds += perf_counter() - start
+
+    def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
+        self.contact.ahead(state, guess)
+
+    def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
+        self.contact.ahead_tangent(state, result)

@@ -10,6 +10,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import split
@@ -59,7 +60,7 @@ class EnergyBalance:
 
 def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalance:
     """Of a run of this wagon on this track, with rows at its accepted steps."""
-    dynamics = Dynamics(wagon, track, _solved, history.speed)
+    dynamics = Dynamics(wagon, track, _RecordedContact(), history.speed)
     position, rate, _, pitch_rate, series = split(history.state)
     suspension, n = dynamics.suspension, len(history)
     frames = [dynamics.frame(t) for t in history.time.tolist()]
@@ -81,5 +82,8 @@ def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalanc
     return EnergyBalance(history.time, kinetic + suspension.stored_energy(position, series), power)
 
 
-def _solved(state: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
-    raise AssertionError("the history knows the contact forces")
+class _RecordedContact(VehicleContact):
+    """Contact of a run whose forces are in the history: never solved."""
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        raise AssertionError("the history knows the contact forces")

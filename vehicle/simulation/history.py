@@ -11,7 +11,7 @@ from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.integration.step_control import Counts
-from wheelrail.vehicle.simulation.contact_cost import SideCost
+from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair, Recorder
 from wheelrail.vehicle.track.speed_profile import Drive
 
@@ -23,7 +23,7 @@ class RunCost:
     """
 
     steps: Counts = field(default_factory=Counts)
-    contact: dict[Side, SideCost] = field(default_factory=dict)
+    contact: dict[Side, ContactCost] = field(default_factory=dict)
     seconds: float = 0.0
 
 

@@ -16,9 +16,9 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult, Patch, Summaries
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import ignore, later
-from wheelrail.vehicle.dynamics.equations import Contact, HasTangent
 
 HERE: Side = "left"
 THERE: Side = "right"
@@ -46,7 +46,7 @@ class Remote(ContactResult):
 
 
 @dataclass
-class Parallel:
+class Parallel(VehicleContact):
     """A contact that solves left here and right in a second process; `in_parallel` makes and ends it.
 
     `ahead` sets the other process to work on what the next call for its side will ask. A guess goes over as a key: the
@@ -55,7 +55,7 @@ class Parallel:
     process died.
     """
 
-    contact: Contact
+    contact: VehicleContact
     pipe: Connection
     asked: int = 0
     pending: tuple[str, WheelsetState, ContactResult | None] | None = None
@@ -73,7 +73,7 @@ class Parallel:
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
         """As the contact's own; raises ValueError when that has none."""
         if side == HERE:
-            return _tangent(self.contact, state, side, result)
+            return self.contact.tangent(state, side, result)
         return np.asarray(self._asked_for("tangent", state, result))
 
     def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
@@ -127,7 +127,7 @@ class Parallel:
 
 
 @contextmanager
-def in_parallel(contact: Contact) -> Iterator[Parallel]:
+def in_parallel(contact: VehicleContact) -> Iterator[Parallel]:
     """Fork a second process that has the contact as it is now; ended on leaving, and when this process dies.
 
     Raises ValueError where processes cannot be forked.
@@ -163,7 +163,7 @@ def _broken_pipes_told() -> Iterator[None]:
         signal.signal(signal.SIGPIPE, before)
 
 
-def _serve(contact: Contact, parents: Connection, pipe: Connection) -> None:
+def _serve(contact: VehicleContact, parents: Connection, pipe: Connection) -> None:
     """Answer questions (number, what, state, key of a result, keys to forget) until the other end is closed."""
     ignore()  # Ctrl-C goes to both; the parent decides
     parents.close()  # else the pipe would never end
@@ -189,17 +189,16 @@ def _serve(contact: Contact, parents: Connection, pipe: Connection) -> None:
 
 
 def _answered(
-    contact: Contact, kept: dict[int, ContactResult], number: int, what: str, state: WheelsetState, key: int | None
+    contact: VehicleContact,
+    kept: dict[int, ContactResult],
+    number: int,
+    what: str,
+    state: WheelsetState,
+    key: int | None,
 ) -> Any:
     known = None if key is None else kept[key]
     if what == "solve":
         kept[number] = contact(state, THERE, known)
         return replace(kept[number], patches=(), fields=None, force_tangent=None, warm_start=None)
     assert known is not None
-    return known.patches if what == "patches" else _tangent(contact, state, THERE, known)
-
-
-def _tangent(contact: Contact, state: WheelsetState, side: Side, result: ContactResult) -> Array:
-    if not isinstance(contact, HasTangent):
-        raise ValueError("the contact has no tangent")
-    return contact.tangent(state, side, result)
+    return known.patches if what == "patches" else contact.tangent(state, THERE, known)

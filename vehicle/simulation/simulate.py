@@ -9,9 +9,10 @@ from time import perf_counter
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import later
-from wheelrail.vehicle.dynamics.equations import Contact, Dynamics, Evaluation
+from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, graded
 from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
@@ -21,7 +22,7 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, Rosenbrock
 from wheelrail.vehicle.integration.step_control import Control
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
-from wheelrail.vehicle.simulation.contact_cost import SideCost, Tally
+from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
 from wheelrail.vehicle.simulation.history import History, RunCost
 from wheelrail.vehicle.simulation.limits import LIMITS, Limits, OutOfBounds, whereabouts
 from wheelrail.vehicle.simulation.recorder import Recorder
@@ -38,7 +39,7 @@ METHODS: dict[str, Tableau | Rosenbrock] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
 def simulate(
     wagon: Wagon,
     track: Track,
-    contact: Contact,
+    contact: VehicleContact,
     *,
     speed: float | Drive,
     span: tuple[float, float] = (0.0, 10.0),
@@ -71,8 +72,8 @@ def simulate(
         raise ValueError(f"every = {every} s: positive, or None for all accepted steps")
     (t0, t1), status = span, "completed"
     at = checkpoints.latest if checkpoints else None
-    cost = deepcopy(at.cost) if at else RunCost(contact={side: SideCost() for side in SIDES})
-    dynamics = Dynamics(wagon, track, Tally(contact, cost.contact), speed)
+    cost = deepcopy(at.cost) if at else RunCost(contact={side: ContactCost() for side in SIDES})
+    dynamics = Dynamics(wagon, track, CountedContact(contact, cost.contact), speed)
     if initial is not None and np.shape(initial) != (dynamics.size,):
         raise ValueError(f"initial: shape {np.shape(initial)}: a state of this wagon has {dynamics.size} numbers")
     recorder = Recorder(dynamics, every, list(at.rows) if at else [])

@@ -10,8 +10,9 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.results.result import Patch
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contact, Dynamics, Wrench
+from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, equilibrium
 from wheelrail.vehicle.track.constant_curve import Curve
@@ -95,7 +96,7 @@ class Steady:
         return {side: tuple(self.equilibrium.contacts[side].patches) for side in SIDES}
 
 
-def curving(wagon: Wagon, contact: Contact, curve: Curve, *, before: Steady | None = None) -> Steady:
+def curving(wagon: Wagon, contact: VehicleContact, curve: Curve, *, before: Steady | None = None) -> Steady:
     """Steady position in a curve; one found before, in a curve much like this, saves contact solves.
 
     Raises EquilibriumError.
@@ -105,7 +106,7 @@ def curving(wagon: Wagon, contact: Contact, curve: Curve, *, before: Steady | No
     return Steady.of(dynamics, curve, equilibrium(dynamics, guess=guess))
 
 
-def curving_over(wagon: Wagon, contact: Contact, curves: Iterable[Curve]) -> list[Steady]:
+def curving_over(wagon: Wagon, contact: VehicleContact, curves: Iterable[Curve]) -> list[Steady]:
     """Steady positions in curves, each from the one before: over speeds, radii or cants in order.
 
     Raises EquilibriumError naming the curve.

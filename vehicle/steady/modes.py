@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
@@ -76,7 +77,7 @@ def held_modes(wagon: Wagon) -> list[Mode]:
 
 
 @dataclass(frozen=True)
-class _Carried:
+class _Carried(VehicleContact):
     """A constant load N on each wheel."""
 
     load: float

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from xarray import Dataset
 
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
-    from wheelrail.vehicle.dynamics.equations import Contact
     from wheelrail.vehicle.simulation.checkpoint import Checkpoint
     from wheelrail.vehicle.simulation.history import History
 
@@ -160,7 +160,7 @@ def gathered(history: History, text: str, scene: RunScene) -> Dataset:
     return with_energy(data, history, wagon(scene), track(scene))
 
 
-def _workers(contact: Contact, count: int) -> AbstractContextManager[Contact]:
+def _workers(contact: VehicleContact, count: int) -> AbstractContextManager[VehicleContact]:
     """The contact in this process, or with its right side in a second one."""
     from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 
