@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from wheelrail.contact.models.standard.polach import polach
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import SOURCES, compiled
 
 ROOT = Path(__file__).parents[2]
 USES = "from wheelrail.support.compiled import compiled\n"
-OUTER = USES + "from wheelrail.contact.inner import inner\n@compiled\ndef outer(x):\n    return inner(x)\n"
+OUTER = USES + "from wheelrail.contact.deep.inner import inner\n@compiled\ndef outer(x):\n    return inner(x)\n"
 INNER = USES + "@compiled\ndef inner(x):\n    return {} * x\n"
 
 
@@ -34,18 +35,59 @@ def said(folder: Path) -> str:
 
 def test_a_change_in_a_called_file_is_seen(tmp_path: Path) -> None:
     root = tmp_path / "wheelrail"
-    for package in (root, root / "support", root / "meshes", root / "contact"):
+    for package in (root, root / "support", root / "meshes", root / "contact", root / "contact" / "deep"):
         package.mkdir()
         (package / "__init__.py").touch()
-    shutil.copy(ROOT / "wheelrail" / "support" / "compiled.py", root / "support")
+    for name in ("compiled.py", "cache.py", "atomic_file.py"):
+        shutil.copy(ROOT / "wheelrail" / "support" / name, root / "support")
     (root / "contact" / "outer.py").write_text(OUTER)
-    (root / "contact" / "inner.py").write_text(INNER.format(3.0))
+    (root / "contact" / "deep" / "inner.py").write_text(INNER.format(3.0))
     assert said(tmp_path) == "6.0 0 ''"
     assert said(tmp_path) == "6.0 1 ''"
-    (root / "contact" / "inner.py").write_text(INNER.format(5.0))
+    (root / "contact" / "deep" / "inner.py").write_text(INNER.format(5.0))
     assert said(tmp_path) == "10.0 0 ''"
     (kept,) = root.glob("support/__pycache__/compiled-*")  # of older sources nothing is left
     assert any(kept.rglob("*.nbc"))
+
+
+def test_sources_of_all_compiled_functions_are_hashed() -> None:
+    packages = ("contact", "forms", "meshes", "scenes", "vehicle", "wheelrail")
+    files = [file for package in packages for file in (ROOT / package).rglob("*.py")]
+    using = [file for file in files if re.search(r"^from \S*compiled import", file.read_text(), re.MULTILINE)]
+    assert len(using) > 10
+    assert [file for file in using if not any(file.is_relative_to(folder) for folder in SOURCES)] == []
+
+
+PLACES = """
+import sys
+from pathlib import Path
+from numba import config
+from wheelrail.support.compiled import compiled, folder
+config.CACHE_DIR = sys.argv[1]
+@compiled
+def twice(x):
+    return 2.0 * x
+assert twice(3.0) == 6.0
+print(folder(), twice.stats.cache_path)
+"""
+
+
+def test_where_no_cache_can_be_written_the_next_folder_is_taken_or_none(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    script = tmp_path / "script.py"
+    script.write_text(PLACES)
+
+    def places(numba: Path, own: Path) -> list[str]:
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "WHEELRAIL_CACHE": str(own)}
+        line = [sys.executable, str(script), str(numba)]
+        return subprocess.run(line, env=environment, capture_output=True, text=True, check=True).stdout.split()
+
+    chosen, used = places(blocked / "numba", tmp_path / "own")
+    assert Path(chosen).parent == tmp_path / "own"
+    assert Path(used).parent == Path(chosen)
+    assert places(blocked / "numba", blocked / "own") == ["None", "None"]
+    assert not list(ROOT.rglob("script.twice-*.nbi"))
 
 
 MANY = """

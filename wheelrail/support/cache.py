@@ -7,6 +7,7 @@ import json
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -52,6 +53,17 @@ def digest(**parts: Any) -> str:
 
     text = json.dumps({"format": FORMAT, **plain(parts)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+@cache
+def source_digest(*folders: Path) -> str:
+    """Hash of all Python files in folders, at any depth, by path and content, as they are at the first call."""
+    found = hashlib.sha256()
+    for folder in folders:
+        for file in sorted(folder.rglob("*.py")):
+            found.update(f"{folder.name}/{file.relative_to(folder).as_posix()}\n".encode())
+            found.update(file.read_bytes())
+    return found.hexdigest()[:12]
 
 
 def load(name: str) -> dict[str, NDArray[Any]] | None:

@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING, Any
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
+from wheelrail.support.cache import source_digest
 
 if TYPE_CHECKING:
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
     from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("support", "meshes", "forms", "contact", "vehicle", "scenes")
 FREE = ("output.figures", "solver.workers")  # what may differ: it does not change what is computed
 
 
@@ -42,11 +45,7 @@ def inputs(scene: RunScene) -> dict[str, Any]:
 
 def sources() -> str:
     """Hash of this package's own files, which change more often than its version."""
-    root, found = Path(__file__).parents[2], hashlib.sha256()
-    for package in ("support", "meshes", "forms", "contact", "vehicle", "scenes"):
-        for file in sorted((root / package).rglob("*.py")):
-            found.update(file.read_bytes())
-    return found.hexdigest()[:12]
+    return source_digest(*(ROOT / package for package in PACKAGES))
 
 
 def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
