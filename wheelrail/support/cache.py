@@ -57,11 +57,11 @@ def digest(**parts: Any) -> str:
 
 @cache
 def source_digest(*folders: Path) -> str:
-    """Hash of all Python files in folders, at any depth, by path and content, as they are at the first call."""
+    """Hash of all Python files in folders, at any depth, by name and content, as they are at the first call."""
     found = hashlib.sha256()
     for folder in folders:
         for file in sorted(folder.rglob("*.py")):
-            found.update(f"{folder.name}/{file.relative_to(folder).as_posix()}\n".encode())
+            found.update(file.name.encode())
             found.update(file.read_bytes())
     return found.hexdigest()[:12]
 

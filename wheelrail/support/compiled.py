@@ -100,7 +100,7 @@ def _remove_damaged(place: Path) -> None:
         with suppress(OSError):
             with path.open("rb") as file:
                 written, content = os.fstat(file.fileno()).st_mtime_ns, file.read()
-            key, checksum = f"{path.relative_to(place)} {written}", hashlib.sha256(content).hexdigest()
+            key, checksum = f"{path.parent.name}/{path.name} {written}", hashlib.sha256(content).hexdigest()
             if content.endswith(b".") and before.get(key, checksum) == checksum:
                 checksums[key] = checksum
             else:
