@@ -15,7 +15,7 @@ from rich.console import Console
 from benchmarks.common.machine import stated
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.builders.contact import wheelset_contact
 from wheelrail.scenes.builders.vehicle import track, wagon
@@ -31,7 +31,7 @@ SETTLED = 0.1  # s, after which a run has left its start
 
 
 @dataclass(frozen=True)
-class Variant:
+class CurveVariant:
     """Cells of the contact, tolerance of the stepper, whether solves start from earlier ones, processes."""
 
     name: str
@@ -43,22 +43,22 @@ class Variant:
 
 
 VARIANTS = (
-    Variant("scenes/curve.toml", (4, 10), 3e-3),
-    Variant("one process", (4, 10), 3e-3, workers=1),
-    Variant("tighter", (4, 10), 1e-3),
-    Variant("6 x 8 cells", (6, 8), 3e-3),
-    Variant("6 x 12 cells", (6, 12), 3e-3),
-    Variant("6 x 12 cells, tighter", (6, 12), 1e-3),
+    CurveVariant("scenes/curve.toml", (4, 10), 3e-3),
+    CurveVariant("one process", (4, 10), 3e-3, workers=1),
+    CurveVariant("tighter", (4, 10), 1e-3),
+    CurveVariant("6 x 8 cells", (6, 8), 3e-3),
+    CurveVariant("6 x 12 cells", (6, 12), 3e-3),
+    CurveVariant("6 x 12 cells, tighter", (6, 12), 1e-3),
 )
-TIGHT = Variant("tight tolerance", (4, 10), 1e-4)
-FINE = Variant("finer cells", (8, 14), 3e-4)
+TIGHT = CurveVariant("tight tolerance", (4, 10), 1e-4)
+FINE = CurveVariant("finer cells", (8, 14), 3e-4)
 
 
 @dataclass(frozen=True)
-class Run:
+class TimedRun:
     """A variant that was run: its history and the seconds that it took."""
 
-    variant: Variant
+    variant: CurveVariant
     history: History
     seconds: float
 
@@ -68,10 +68,10 @@ class Run:
         return 1e3 * self.history.state[own, 6], self.history.outputs.force[own].reshape(-1, 6)
 
 
-def run(scene: RunScene, contact: WheelsetContact, variant: Variant, seconds: float) -> Run:
+def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, seconds: float) -> TimedRun:
     """The scene's first seconds, on prepared bodies."""
     assert isinstance(contact.model, FittedContact)
-    model = replace(contact.model, fineness=Fineness(*variant.fineness), warm=variant.warm)
+    model = replace(contact.model, fineness=Resolution(*variant.fineness), warm=variant.warm)
     own = replace(contact, model=model)
     with in_parallel(own) if variant.workers == 2 else nullcontext(own) as both:
         began = perf_counter()
@@ -86,10 +86,10 @@ def run(scene: RunScene, contact: WheelsetContact, variant: Variant, seconds: fl
             atol=1e-3 * variant.rtol,
             every=EVERY,
         )
-        return Run(variant, history, perf_counter() - began)
+        return TimedRun(variant, history, perf_counter() - began)
 
 
-def differences(one: Run, other: Run) -> tuple[float, float, float, float]:
+def differences(one: TimedRun, other: TimedRun) -> tuple[float, float, float, float]:
     """RMS and worst difference of the lateral displacement, mm, and of the forces, % of the mean wheel load."""
     (y, forces), (y0, forces0) = one.channels(), other.channels()
     n = min(len(y), len(y0))
@@ -120,7 +120,7 @@ COLUMNS = (
 )
 
 
-def row(one: Run, tight: Run, fine: Run) -> list[str]:
+def row(one: TimedRun, tight: TimedRun, fine: TimedRun) -> list[str]:
     cost, v = one.history.cost, one.variant
     apart = []
     for other in (tight, fine):
@@ -142,7 +142,7 @@ def row(one: Run, tight: Run, fine: Run) -> list[str]:
     ]
 
 
-def draw(runs: list[Run], tight: Run, fine: Run, path: Path) -> None:
+def draw(runs: list[TimedRun], tight: TimedRun, fine: TimedRun, path: Path) -> None:
     """Lateral displacement and vertical forces of the first run and of the fine one; error against time of all."""
     import matplotlib
 
@@ -183,7 +183,7 @@ def main() -> None:
     console = Console(stderr=True)
     contact = wheelset_contact(scene)
     run(scene, contact, VARIANTS[0], 0.02)  # compiled, and compliance made ready
-    runs: list[Run] = []
+    runs: list[TimedRun] = []
     for variant in (TIGHT, VARIANTS[0]) if given.quick else (FINE, TIGHT, *VARIANTS):
         with console.status(f"{variant.name}, {variant.fineness[0]} x {variant.fineness[1]} cells"):
             runs.append(run(scene, contact, variant, given.seconds))

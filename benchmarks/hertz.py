@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.common.hertz_pairs import CIRCULAR, ELLIPTIC, HEAVY, Timed, clocked, creep_force, errors, rolling, timed
 from benchmarks.common.machine import stated
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import Bodies, Model
 
@@ -52,7 +52,7 @@ def normal_table(sizes: Sequence[float]) -> None:
     cases = [(pair, across) for pair in (CIRCULAR, ELLIPTIC) for across in sizes]
     for pair, across in [*cases, (HEAVY, max(sizes))]:
         for bodies, stiffness in product(BODIES, (EXACT, PENALTY)):
-            found = timed(pair, across, Laws(stiffness, friction=0.0), rolling(0.0), bodies)
+            found = timed(pair, across, ContactLaws(stiffness, friction=0.0), rolling(0.0), bodies)
             row = f"{across:g} | {found.points} | {percent(errors(pair, found))} | {seconds(found)}"
             print(f"| {pair.name} | {bodies} | {law_name(stiffness)} | {row} |", flush=True)
     heading("What the penalty itself leaves", "pair | p0 MPa | p0/K um | of the approach %")
@@ -71,7 +71,7 @@ def slopes() -> None:
     )
     size = np.log([CIRCULAR.size(across) for across in SLOPE_SIZES])
     for bodies in BODIES:
-        laws = Laws(EXACT, friction=0.0)
+        laws = ContactLaws(EXACT, friction=0.0)
         solved = (timed(CIRCULAR, across, laws, rolling(0.0), bodies) for across in SLOPE_SIZES)
         found = np.array([errors(CIRCULAR, one) for one in solved])
         axes = np.sqrt((found[:, 1:3] ** 2).mean(axis=1))
@@ -86,7 +86,7 @@ def rolling_table(sizes: Sequence[float]) -> None:
         f"Rolling ({CIRCULAR.name}), creepage {CREEPAGE:g}, friction {FRICTION:g}: CONTACT gives {reference:.0f} N",
         "bodies | laws | across | points | creep force N | error % | lateral N | Newton | cold s | cached s | solve ms",
     )
-    kinds = {"exact": Laws(EXACT, FRICTION, 0.0), "paper": Laws(PENALTY, FRICTION, 1e-5)}
+    kinds = {"exact": ContactLaws(EXACT, FRICTION, 0.0), "paper": ContactLaws(PENALTY, FRICTION, 1e-5)}
     for across, bodies, name in product(sizes, BODIES, kinds):
         found = timed(CIRCULAR, across, kinds[name], rolling(CREEPAGE), bodies)
         along, lateral = found.patch.tangential_force
@@ -105,7 +105,7 @@ def full_table() -> None:
     for friction in (0.0, FRICTION):
         values = []
         for name in MODELS:
-            model = CIRCULAR.model(FULL_SIZE, Laws(PENALTY, friction, 1e-5), model=name)
+            model = CIRCULAR.model(FULL_SIZE, ContactLaws(PENALTY, friction, 1e-5), model=name)
             (cold, _), (again, result) = (clocked(lambda m=model: m(pose, motion, None)) for _ in range(2))  # type: ignore[misc]
             count, peak = result.statistics, result.patches[0].max_pressure
             values.append(np.append(result.force, peak))
@@ -127,7 +127,7 @@ def main() -> None:
     began = perf_counter()
     with tempfile.TemporaryDirectory() as cache:
         os.environ["WHEELRAIL_CACHE"] = cache  # empty, so that cold is cold
-        first, _ = clocked(lambda: CIRCULAR.model(3.0, Laws(friction=0.0))(hertz_pose(2e-5), rolling(0.0), None))
+        first, _ = clocked(lambda: CIRCULAR.model(3.0, ContactLaws(friction=0.0))(hertz_pose(2e-5), rolling(0.0), None))
         print(f"First solve of all, with imports and the compilation of forms: {first:.1f} s", flush=True)
         normal_table(sizes)
         slopes()

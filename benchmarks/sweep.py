@@ -18,9 +18,9 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.common.machine import stated
-from benchmarks.common.models import STEEL, Track, wheelset_model
+from benchmarks.common.models import STEEL, PairTrack, wheelset_model
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
@@ -106,7 +106,9 @@ def main() -> None:
     given.add_argument("--json", type=Path)
     args = given.parse_args()
     print(stated())
-    contact = wheelset_model(Track(STEEL), Laws(friction=args.friction), 1e-3 * args.size, points=args.points)
+    contact = wheelset_model(
+        PairTrack(STEEL), ContactLaws(friction=args.friction), 1e-3 * args.size, points=args.points
+    )
     positions = 1e-3 * np.arange(args.low, args.high + 0.5 * args.step, args.step)
     forces, patches, missed, seconds = sweep(contact, positions)
     scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD

@@ -6,6 +6,6 @@ from .simulation.simulate import simulate as simulate
 from .steady.equilibrium import equilibrium as equilibrium
 from .track.alignment import Segment as Segment
 from .track.irregularity import Irregularities as Irregularities
-from .track.speed_profile import Drive as Drive
+from .track.speed_profile import SpeedProfile as SpeedProfile
 from .track.track import Track as Track
 from .wagon.wagon import Wagon as Wagon

@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.accuracy.contact_frames import state
 from benchmarks.accuracy.wheelset import SIZE, seated, track_of
 from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, pressed, rolling, solved
-from benchmarks.common.reference_table import Section, measure, reference
+from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.kalker import kalker
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.results.result import ContactResult
@@ -47,12 +47,12 @@ def lateral_shift(result: ContactResult) -> float:
     return float(1e6 * weight @ fields.displacement[:, 1] / weight.sum())
 
 
-def bulk_section(quick: bool, say: Say) -> Section:
+def bulk_section(quick: bool, say: Say) -> TableSection:
     """Of wheel and rail, frictionless otherwise, and of the blocks of the Hertz pairs."""
     data = reference("wheelset")
     given = data["input"]
     track = track_of(given)
-    section = Section(
+    section = TableSection(
         "bulk",
         "Creepage that bulk compression of the finite bodies makes (zero for half-spaces)",
         ("pair", "points", "longitudinal", "lateral", "spin 1/m", "force it makes, % of mu F_n", "lateral shift um"),

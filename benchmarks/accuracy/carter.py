@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, pressed, rolling, solved
-from benchmarks.common.reference_table import Section, measure, reference
+from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.carter import carter
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -59,9 +59,9 @@ def band(result: ContactResult, b: float) -> tuple[Array, ...]:
     )
 
 
-def carter_section(quick: bool, say: Say) -> Section:
+def carter_section(quick: bool, say: Say) -> TableSection:
     """The stick lengths of the reference, on one ellipse."""
-    section = Section(
+    section = TableSection(
         "carter",
         f"Carter: strips within {BAND:g} b of the centre line of an ellipse a / b = {RATIO:g}, {ACROSS:g} points along",
         (
@@ -78,7 +78,7 @@ def carter_section(quick: bool, say: Say) -> Section:
     forces, areas, tractions = [], [], []
     data = reference("carter2d")["cases"]
     friction = 0.3
-    pair = Ellipse.of_ratio(RATIO, 0.46, 57e3, Steel(2.1e11, 0.3))
+    pair = Ellipse.of_ratio(RATIO, 0.46, 57e3, Material(2.1e11, 0.3))
     size = pair.size(across=ACROSS)
     depth, _ = pressed(pair, size)
     model = hertz_model(pair, frictional(friction), size)

@@ -9,23 +9,23 @@ import numpy as np
 
 from benchmarks.common.hertz_cases import lacking
 from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, pressed, solved
-from benchmarks.common.reference_table import Section, measure, reference
+from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.cattaneo import cattaneo
-from wheelrail.contact.kinematics.frames import Motion, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 
 Say = Callable[[str], None]
 POINTS = 285  # of a grid as fine as the lines on the blocks
-FINENESS = Fineness(24, 24)
+FINENESS = Resolution(24, 24)
 
 
-def push(distance: float) -> Motion:
+def push(distance: float) -> RigidMotion:
     """The upper body goes so far [m] along x."""
     origin = np.zeros(3)
-    return Motion(Twist(np.array([distance, 0.0, 0.0]), origin, origin), Twist(origin, origin, origin))
+    return RigidMotion(Twist(np.array([distance, 0.0, 0.0]), origin, origin), Twist(origin, origin, origin))
 
 
 def pushed(model: ContactModel, depth: float, force: float, start: float) -> tuple[float, ContactResult]:
@@ -42,9 +42,9 @@ def pushed(model: ContactModel, depth: float, force: float, start: float) -> tup
     raise RuntimeError(f"a push of {force:g} N was not found")
 
 
-def cattaneo_section(quick: bool, say: Say) -> Section:
+def cattaneo_section(quick: bool, say: Say) -> TableSection:
     """The reference's spheres of steel under its forces, and the polyethylene one."""
-    section = Section(
+    section = TableSection(
         "cattaneo",
         "Cattaneo and Mindlin: a sphere pushed by a force, errors beside the closed form",
         (
@@ -64,7 +64,7 @@ def cattaneo_section(quick: bool, say: Say) -> Section:
     areas, tractions, shifts = [], [], []
     for case in reference("cattaneo")["cases"][1 if quick else 0 :: 2 if quick else 1]:
         say(f"Cattaneo {case['name']}")
-        pair = Ellipse((1e-3 * case["R"], 1e-3 * case["R"]), case["Fn"], Steel(1e6 * case["E"], case["nu"]))
+        pair = Ellipse((1e-3 * case["R"], 1e-3 * case["R"]), case["Fn"], Material(1e6 * case["E"], case["nu"]))
         exact = cattaneo(
             pair.exact.semi_axes[0],
             pair.exact.peak,

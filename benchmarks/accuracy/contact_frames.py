@@ -37,7 +37,7 @@ def rail_place(y: float, side: Side) -> float:
 
 
 @dataclass(frozen=True)
-class Difference:
+class FrameDifference:
     """Ours less theirs: place m (of the patch that differs most, each of theirs beside the nearest of ours), patches
     (ours, theirs), area and peak as ratios - 1, forces (longitudinal, lateral in the track's axes) N, share of the
     normal force in their heaviest patch.
@@ -55,7 +55,7 @@ class Difference:
         return self.patches[0] == self.patches[1]
 
 
-def difference(result: ContactResult, theirs: dict[str, Any], side: Side) -> Difference:
+def difference(result: ContactResult, theirs: dict[str, Any], side: Side) -> FrameDifference:
     """A result in the track's axes beside one side of a case."""
     islands = theirs["islands"]
     ours = np.array([patch.rail_y for patch in result.patches])
@@ -64,7 +64,7 @@ def difference(result: ContactResult, theirs: dict[str, Any], side: Side) -> Dif
     apart = ours[nearest] - places
     force = result.force - wheel_force(theirs["force"])
     normal = np.array([patch.normal_force for patch in result.patches])
-    return Difference(
+    return FrameDifference(
         place=float(apart[np.abs(apart).argmax()]),
         patches=(len(result.patches), len(islands)),
         area=1e6 * sum(p.area for p in result.patches) / sum(i["area"] for i in islands) - 1,

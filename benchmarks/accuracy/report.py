@@ -17,10 +17,10 @@ from benchmarks.accuracy.rolling import creep_section, kalker_section
 from benchmarks.accuracy.wheelset import half_space_section, manchester_section, wheelset_section
 from benchmarks.common.hertz_cases import hertz_section
 from benchmarks.common.machine import stated
-from benchmarks.common.reference_table import Section, show
+from benchmarks.common.reference_table import TableSection, show
 
 Say = Callable[[str], None]
-SECTIONS: dict[str, Callable[[bool, Say], Section]] = {
+SECTIONS: dict[str, Callable[[bool, Say], TableSection]] = {
     "hertz": lambda quick, _: hertz_section(quick),
     "cattaneo": cattaneo_section,
     "carter": carter_section,
@@ -33,7 +33,7 @@ SECTIONS: dict[str, Callable[[bool, Say], Section]] = {
 }
 
 
-def run(name: str, *, quick: bool = False, say: Say = lambda _: None) -> Section:
+def run(name: str, *, quick: bool = False, say: Say = lambda _: None) -> TableSection:
     """One section, timed."""
     start = perf_counter()
     section = SECTIONS[name](quick, say)

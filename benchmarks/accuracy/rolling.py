@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, loads, pressed, rolling, solved
-from benchmarks.common.reference_table import Section, measure, reference
+from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.kalker import Name, kalker
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.support.arrays import Array
 
 Say = Callable[[str], None]
 POINTS = 285  # of a grid as fine as the lines on the blocks
-FINENESS = Fineness()
-ROUGHER = tuple(Fineness(*n) for n in ((4, 6), (6, 8), (8, 10), (10, 13)))  # for the slope of the error
+FINENESS = Resolution()
+ROUGHER = tuple(Resolution(*n) for n in ((4, 6), (6, 8), (8, 10), (10, 13)))  # for the slope of the error
 RATIOS = (0.3, 0.5, 0.7, 1.0, 1 / 0.7, 2.0, 1 / 0.3)
 NAMES: tuple[Name, ...] = ("C11", "C22", "C23", "C33")
 STICKING = 1e3  # friction at which everything sticks
@@ -30,7 +30,9 @@ def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
     depth, _ = pressed(pair, size)
     a, b = pair.exact.semi_axes
     # at most 288 points: 24 cells along, as traction is singular where the contact ends, on at most 12 strips
-    model = hertz_model(pair, frictional(STICKING), size, fineness=Fineness(max(4, int(12 * min(1, a / b / 0.75))), 24))
+    model = hertz_model(
+        pair, frictional(STICKING), size, fineness=Resolution(max(4, int(12 * min(1, a / b / 0.75))), 24)
+    )
     c, small = np.sqrt(a * b), 1e-4
     found = [solved(model, depth, rolling(*creep)) for creep in np.diag([small, small, small / c])]
     (fx, *_), (_, fy, mz, _), (_, fy_spin, mz_spin, _) = (
@@ -39,10 +41,10 @@ def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
     return np.array([-fx, -fy, -fy_spin, mz, -mz_spin]), carrying(found[0])
 
 
-def kalker_section(quick: bool, say: Say) -> Section:
+def kalker_section(quick: bool, say: Say) -> TableSection:
     """Ratios from 0.3 to 1 / 0.3."""
     contact = {(k["ratio"], k["nu"]): k for k in reference("creep_curves")["kalker"]}
-    section = Section(
+    section = TableSection(
         "kalker",
         "Kalker's coefficients, everything sticks: errors in % of Table E.3 (of CONTACT, extrapolated)",
         (
@@ -69,7 +71,7 @@ def kalker_section(quick: bool, say: Say) -> Section:
         cases += [(ratio, nu) for nu in (0.0, 0.3) for ratio in (0.5, 1.0, 2.0)]
     for ratio, nu in cases:
         say(f"Kalker a/b {ratio:.2f}, nu {nu:g}")
-        pair = Ellipse.of_ratio(ratio, 0.46, 57e3, Steel(2.1e11, nu))
+        pair = Ellipse.of_ratio(ratio, 0.46, 57e3, Material(2.1e11, nu))
         C, points = coefficients(pair, pair.size(points=POINTS))
         section.count(points)
         table = [kalker(name, ratio, nu) for name in NAMES[:3]]
@@ -95,9 +97,9 @@ def kalker_section(quick: bool, say: Say) -> Section:
     return section
 
 
-def curve_errors(curve: dict[str, Any], fineness: Fineness, every: int = 1) -> tuple[Array, int]:
+def curve_errors(curve: dict[str, Any], fineness: Resolution, every: int = 1) -> tuple[Array, int]:
     """Errors (cases, 3) of Fx, Fy in mu F_n and Mz in mu F_n sqrt(a b); how many points carried pressure."""
-    pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Steel(curve["E"] * 1e6, curve["nu"]))
+    pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
     size = pair.size(points=POINTS)
     depth, _ = pressed(pair, size)
     model = hertz_model(pair, frictional(curve["mu"]), size, fineness=fineness)
@@ -110,10 +112,10 @@ def curve_errors(curve: dict[str, Any], fineness: Fineness, every: int = 1) -> t
     return np.array(errors), count
 
 
-def creep_section(quick: bool, say: Say) -> Section:
+def creep_section(quick: bool, say: Say) -> TableSection:
     """All curves at fewer than 300 points, and a slope from fewer ones."""
     curves, every = reference("creep_curves")["curves"], 6 if quick else 1
-    section = Section(
+    section = TableSection(
         "creep",
         f"Creep curves, {'every sixth' if quick else 'all'} of 132 cases: errors in % of mu F_n (moment: "
         "of the largest moment of its ratio)",

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy.contact_frames import Difference, difference, state, wheel_force
-from benchmarks.common.models import Track, carrying, frictional, frictionless, wheelset_model
-from benchmarks.common.reference_table import Measure, Section, measure, reference
+from benchmarks.accuracy.contact_frames import FrameDifference, difference, state, wheel_force
+from benchmarks.common.models import PairTrack, carrying, frictional, frictionless, wheelset_model
+from benchmarks.common.reference_table import Measure, TableSection, measure, reference
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.contact.loading.load_search import LoadError
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.results.result import ContactResult
@@ -40,7 +40,7 @@ class Compared:
     y: float
     side: Side
     result: ContactResult
-    differs: Difference
+    differs: FrameDifference
     bound: float
     variants: Array | None = None
 
@@ -59,7 +59,7 @@ class Compared:
 
 
 def seated(
-    track: Track, friction: float, at: WheelsetState, side: Side, load: float, size: float, **options: Any
+    track: PairTrack, friction: float, at: WheelsetState, side: Side, load: float, size: float, **options: Any
 ) -> ContactResult:
     """One wheel under its load, the roll given; with friction from the height of the frictionless one."""
     free = wheelset_model(track, frictionless(), size, **options)
@@ -70,10 +70,10 @@ def seated(
     return wheel_under_load(held, seat.state, side, load, expected=EXPECTED, rtol=RTOL).results[side]
 
 
-def track_of(given: dict[str, float]) -> Track:
+def track_of(given: dict[str, float]) -> PairTrack:
     """The track and bodies of a reference, mm and MPa."""
-    return Track(
-        Steel(1e6 * given["E"], given["nu"]),
+    return PairTrack(
+        Material(1e6 * given["E"], given["nu"]),
         *(1e-3 * given[name] for name in ("gauge", "gauge_height", "wheel_y", "radius")),
     )
 
@@ -113,17 +113,17 @@ def measures(kind: str, cases: Iterable[Compared], *, targets: bool) -> list[Mea
     return found
 
 
-def half_space_section(quick: bool, say: Say) -> Section:
+def half_space_section(quick: bool, say: Say) -> TableSection:
     """The same on half-spaces: what is left of the differences is not due to finite bodies."""
     return wheelset_section(quick, say, bodies="half-space")
 
 
-def wheelset_section(quick: bool, say: Say, size: float = SIZE, bodies: str = "waveguide") -> Section:
+def wheelset_section(quick: bool, say: Say, size: float = SIZE, bodies: str = "waveguide") -> TableSection:
     """y = 0 to 6 mm, frictionless and rolling."""
     data = reference("wheelset")
     given, series = data["input"], data["series"]
     track = track_of(given)
-    section = Section(
+    section = TableSection(
         "wheelset" if bodies == "waveguide" else bodies,
         f"S1002 on UIC60, bodies {bodies}, 57 kN on each wheel, {1e3 * size:g} mm: differences from CONTACT (0.2 mm)",
         (*COLUMNS, *FORCES, "share of heaviest %"),
@@ -164,12 +164,12 @@ def wheelset_section(quick: bool, say: Say, size: float = SIZE, bodies: str = "w
     return section
 
 
-def manchester_section(quick: bool, say: Say, size: float = SMALL) -> Section:
+def manchester_section(quick: bool, say: Say, size: float = SMALL) -> TableSection:
     """Case A-2.2 up to y = 6 mm; beyond it one wheel climbs the flange."""
     data = reference("manchester")
     given = data["input"]
     track = track_of(given)
-    section = Section(
+    section = TableSection(
         "manchester",
         f"Manchester benchmark A-2.2, 10 kN on each wheel, {1e3 * size:g} mm: differences from CONTACT (0.2 mm)",
         (*COLUMNS, *FORCES, "share of heaviest %"),

@@ -7,16 +7,16 @@ from functools import cache
 import numpy as np
 
 from benchmarks.common.models import Ellipse, carrying, pressed
-from benchmarks.common.reference_table import Section, measure, reference
+from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 
 ACROSS = 20.0
 WIDTHS = (80.0, 160.0, 320.0)  # half widths in surface sizes, for what a finite block lacks
 RING = (6.0, 7.5)  # distances in surface sizes from a loaded cell: far from it, near for the block
 
 
-def pair_of(case: dict[str, float], steel: Steel) -> Ellipse:
+def pair_of(case: dict[str, float], steel: Material) -> Ellipse:
     """The pair of a case: curvatures in 1/mm."""
     return Ellipse((5e-4 / case["A"], 5e-4 / case["B"]), case["Fn"], steel)
 
@@ -32,7 +32,7 @@ def lacking(nu: float, direction: int = 2) -> tuple[float, float]:
     """
 
     def moved(width: float) -> float:
-        body, grid = block_waveguide((8, 8), Steel(1.0, nu), size=1.0, half_width=width)
+        body, grid = block_waveguide((8, 8), Material(1.0, nu), size=1.0, half_width=width)
         distance = np.hypot(*grid.position.reshape(-1, 3)[:, :2].T)
         ring = np.flatnonzero((distance >= RING[0]) & (distance < RING[1]))
         column = body.block(np.append(ring, int(np.argmin(distance))), (direction,))[:-1, -1]
@@ -43,12 +43,12 @@ def lacking(nu: float, direction: int = 2) -> tuple[float, float]:
     return found[0], found[1] / found[0] - 1
 
 
-def hertz_section(quick: bool) -> Section:
+def hertz_section(quick: bool) -> TableSection:
     """All cases at 20 points across the short axis."""
     data = reference("hertz")
-    steel = Steel(data["material"]["E"], data["material"]["nu"])
+    steel = Material(data["material"]["E"], data["material"]["nu"])
     kappa, spread = lacking(steel.nu)
-    section = Section(
+    section = TableSection(
         "hertz",
         f"Hertz, frictionless, {ACROSS:g} points across the short axis: errors in % (CONTACT's beside)",
         ("case", "points", "p0", "(CONTACT)", "a", "b", "(a)", "(b)", "area", "(area)", "approach", "raw approach"),

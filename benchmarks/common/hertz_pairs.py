@@ -13,9 +13,9 @@ import numpy as np
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.contact.kinematics.frames import Motion, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import Bodies, Model, hertz_pair
 from wheelrail.contact.models.wheelset import ContactModel
@@ -23,7 +23,7 @@ from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cache_folder
 
-STEEL = Steel(2.1e11, 0.3)
+STEEL = Material(2.1e11, 0.3)
 REPEATS = 9
 
 # Creep force of a circular patch over mu F_n, by creepage in units of mu F_n / (a b G C11) with C11 = 4.300 (nu = 0.3):
@@ -53,7 +53,9 @@ class Pair:
         """Surface size [m] that puts so many points across the short axis."""
         return 2 * min(self.exact.semi_axes) / across
 
-    def model(self, across: float, laws: Laws, *, model: Model = "condensed", bodies: Bodies = "solid") -> ContactModel:
+    def model(
+        self, across: float, laws: ContactLaws, *, model: Model = "condensed", bodies: Bodies = "solid"
+    ) -> ContactModel:
         """The pair, meshed."""
         return hertz_pair(
             self.upper,
@@ -74,11 +76,11 @@ ELLIPTIC = Pair("elliptic, 50 kN", (0.46, 0.3), (np.inf, 0.3), 50e3)
 HEAVY = Pair("elliptic, 60 kN", (0.46, 0.3), (np.inf, 0.3), 60e3)
 
 
-def rolling(creepage: float, speed: float = 10.0) -> Motion:
+def rolling(creepage: float, speed: float = 10.0) -> RigidMotion:
     """Both materials flow backwards at the speed [m/s], the upper one slower by the longitudinal creepage."""
     forward, zero = np.array([speed, 0.0, 0.0]), np.zeros(3)
     upper, lower = (Twist((-1 + part) * forward, zero, zero) for part in (0.5 * creepage, -0.5 * creepage))
-    return Motion(upper, lower)
+    return RigidMotion(upper, lower)
 
 
 def creep_force(pair: Pair, creepage: float, friction: float) -> float:
@@ -119,7 +121,7 @@ class Timed:
         return 0 if fields is None else int((fields.pressure > 0).sum())
 
 
-def timed(pair: Pair, across: float, laws: Laws, motion: Motion, bodies: Bodies = "solid") -> Timed:
+def timed(pair: Pair, across: float, laws: ContactLaws, motion: RigidMotion, bodies: Bodies = "solid") -> Timed:
     """The pair under its load on the condensed model."""
 
     def start() -> ContactModel:

@@ -10,10 +10,10 @@ import numpy as np
 from scipy.special import ellipe, ellipk
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
-from wheelrail.contact.kinematics.frames import Motion, Twist
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
@@ -23,15 +23,15 @@ from wheelrail.support.arrays import Array
 
 OPTIONS: dict[str, Any] = {"bodies": "waveguide"}  # of every pair: bodies, degree, order, discretisation ..
 EXACT = np.inf  # N/m3
-STEEL = Steel()
+STEEL = Material()
 
 
-def frictionless() -> Laws:
-    return Laws(EXACT, 0.0, 0.0)
+def frictionless() -> ContactLaws:
+    return ContactLaws(EXACT, 0.0, 0.0)
 
 
-def frictional(friction: float) -> Laws:
-    return Laws(EXACT, friction, 0.0)
+def frictional(friction: float) -> ContactLaws:
+    return ContactLaws(EXACT, friction, 0.0)
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Ellipse:
 
     radii: tuple[float, float]
     load: float
-    steel: Steel = STEEL
+    steel: Material = STEEL
 
     @cached_property
     def exact(self) -> Hertz:
@@ -63,7 +63,7 @@ class Ellipse:
         return float(size * 2.0 ** np.ceil(np.log2(40 * max(self.exact.semi_axes) / size)))
 
     @classmethod
-    def of_ratio(cls, ratio: float, radius: float, load: float, steel: Steel) -> Ellipse:
+    def of_ratio(cls, ratio: float, radius: float, load: float, steel: Material) -> Ellipse:
         """The pair with semi-axes in the ratio a / b and the radius [m] along the rolling direction."""
         k = min(ratio, 1 / ratio)
         m = 1 - k * k
@@ -71,7 +71,7 @@ class Ellipse:
         return cls((radius, float(radius * low if ratio > 1 else radius / low)), load, steel)
 
 
-def hertz_model(pair: Ellipse, laws: Laws, size: float, **options: Any) -> ContactModel:
+def hertz_model(pair: Ellipse, laws: ContactLaws, size: float, **options: Any) -> ContactModel:
     """Contact model of a pair with surface size [m]."""
     return hertz_pair(
         pair.radii,
@@ -86,10 +86,10 @@ def hertz_model(pair: Ellipse, laws: Laws, size: float, **options: Any) -> Conta
 
 
 @dataclass(frozen=True)
-class Track:
+class PairTrack:
     """What a wheelset runs on and is made of: gauge m 14 mm below the rail's top, wheel_y m, radius m."""
 
-    steel: Steel
+    steel: Material
     gauge: float = 1.435
     gauge_height: float = 0.014
     wheel_y: float = 0.75
@@ -97,7 +97,7 @@ class Track:
 
 
 @cache
-def wheelset_model(track: Track, laws: Laws, size: float, **options: Any) -> WheelsetContact:
+def wheelset_model(track: PairTrack, laws: ContactLaws, size: float, **options: Any) -> WheelsetContact:
     """S1002 on UIC60 (inclined 1/40 as given) with surface size [m]."""
     wheel, rail = load_profile("S1002", "wheel"), load_profile("UIC60-benchmark", "rail")
     model = wheel_rail_pair(
@@ -115,11 +115,11 @@ def wheelset_model(track: Track, laws: Laws, size: float, **options: Any) -> Whe
     )
 
 
-def rolling(xi: float, eta: float = 0.0, phi: float = 0.0) -> Motion:
+def rolling(xi: float, eta: float = 0.0, phi: float = 0.0) -> RigidMotion:
     """Both materials flow backwards at 1 m/s; the upper one is faster by the creepages xi, eta and phi [rad/m]."""
     flow, slip, origin = np.array([-1.0, 0.0, 0.0]), np.array([xi, eta, 0.0]), np.zeros(3)
     spin = np.array([0.0, 0.0, phi])
-    return Motion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
+    return RigidMotion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
 
 
 def pressed(pair: Ellipse, size: float) -> tuple[float, ContactResult]:
@@ -130,7 +130,7 @@ def pressed(pair: Ellipse, size: float) -> tuple[float, ContactResult]:
     return found.depth, found.results[0]
 
 
-def solved(model: ContactModel, depth: float, motion: Motion) -> ContactResult:
+def solved(model: ContactModel, depth: float, motion: RigidMotion) -> ContactResult:
     """One contact at a depth [m]; raises RuntimeError when it fails."""
     result = model(hertz_pose(depth), motion, None)
     if result.status != "converged":

@@ -48,7 +48,7 @@ def measure(
 
 
 @dataclass
-class Section:
+class TableSection:
     """One part of the benchmark; points is the smallest and largest number that carried pressure."""
 
     name: str
@@ -88,7 +88,7 @@ def target(value: float | None) -> str:
     return "" if value is None else f" (target {value:g})"
 
 
-def show(section: Section) -> str:
+def show(section: TableSection) -> str:
     """The section as Markdown."""
     lines = [f"\n## {section.title}", ""]
     if section.rows:

@@ -11,12 +11,12 @@ import numpy as np
 from benchmarks.common.hertz_cases import lacking
 from benchmarks.common.models import EXACT, Ellipse, hertz_model, rolling, solved
 from benchmarks.common.reference_table import reference
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_under_load
 from wheelrail.contact.models.builders import Bodies, Model
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
@@ -25,7 +25,7 @@ LINES = 285  # points of a grid as fine as the lines that carry fitted cells
 
 
 @dataclass(frozen=True)
-class Case:
+class TimedCase:
     """A pair rolling with friction mu, creepages xi, eta and spin phi [rad/m]; known: (Fx, Fy) over mu F_n by CONTACT,
     extrapolated.
     """
@@ -50,7 +50,7 @@ class Case:
 
 
 @cache
-def yardstick() -> Case:
+def yardstick() -> TimedCase:
     """The ellipse that CONTACT's times are known for; its forces from the two finest grids, first order in dx."""
     given = reference("timing")
     case, rows = given["case"], sorted(given["rows"], key=lambda row: float(row["dx"]))
@@ -58,23 +58,23 @@ def yardstick() -> Case:
     part = near["dx"] / (far["dx"] - near["dx"])
     bound = case["mu"] * case["Fn"]
     fx, fy = ((near[name] + part * (near[name] - far[name])) / bound for name in ("Fx", "Fy"))
-    pair = Ellipse.of_ratio(case["ratio"], 1e-3 * case["Rx"], case["Fn"], Steel(1e6 * case["E"], case["nu"]))
-    return Case(pair, case["mu"], (case["xi"], case["eta"], 1e3 * case["phi"]), (fx, fy))
+    pair = Ellipse.of_ratio(case["ratio"], 1e-3 * case["Rx"], case["Fn"], Material(1e6 * case["E"], case["nu"]))
+    return TimedCase(pair, case["mu"], (case["xi"], case["eta"], 1e3 * case["phi"]), (fx, fy))
 
 
 @cache
-def creep_cases(every: int) -> tuple[Case, ...]:
+def creep_cases(every: int) -> tuple[TimedCase, ...]:
     """One in so many of the 132 cases, from linear to saturated, at three ratios of the semi-axes."""
     found = []
     for curve in reference("creep_curves")["curves"]:
-        pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Steel(curve["E"] * 1e6, curve["nu"]))
+        pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
         for _, xi, eta, phi, fx, fy, *_ in curve["cases"][::every]:
-            found.append(Case(pair, curve["mu"], (xi, eta, 1e3 * phi), (fx, fy)))
+            found.append(TimedCase(pair, curve["mu"], (xi, eta, 1e3 * phi), (fx, fy)))
     return tuple(found)
 
 
 @dataclass(frozen=True)
-class Variant:
+class ModelVariant:
     """A contact model: cells of a fineness, or a regular grid of so many points in the ellipse, on bodies.
 
     order of the slip formula; stiffness K [N/m3] and regularisation eps of the laws; warm: from the result of a pose
@@ -83,7 +83,7 @@ class Variant:
 
     family: str
     bodies: Bodies
-    fineness: Fineness | None = None
+    fineness: Resolution | None = None
     points: int = LINES
     order: int = 2
     stiffness: float = EXACT
@@ -104,10 +104,10 @@ class Variant:
 
     def of(self, pair: Ellipse, friction: float) -> ContactModel:
         """The model of a pair."""
-        laws = Laws(self.stiffness, friction, self.regularisation if friction else 0.0)
+        laws = ContactLaws(self.stiffness, friction, self.regularisation if friction else 0.0)
         if self.fineness is None:
             return _made(pair, laws, replace(self, family="", regularisation=0.0))
-        model = _made(pair, Laws(), replace(self, family="", fineness=Fineness(), warm=False))
+        model = _made(pair, ContactLaws(), replace(self, family="", fineness=Resolution(), warm=False))
         assert isinstance(model, FittedContact)
         return replace(model, laws=laws, fineness=self.fineness, warm=self.warm)
 
@@ -124,13 +124,13 @@ class Variant:
 
 
 @cache
-def _loaded(variant: Variant, pair: Ellipse) -> float:
+def _loaded(variant: ModelVariant, pair: Ellipse) -> float:
     expected = variant.hertz_depth(pair) + pair.exact.peak / variant.stiffness
     return hertz_under_load(variant.of(pair, 0.0), rolling(0.0), pair.load, expected=expected, rtol=1e-7).depth
 
 
 @lru_cache(maxsize=8)  # with friction and without, of all pairs: finenesses share them, and grids are large
-def _made(pair: Ellipse, laws: Laws, variant: Variant) -> ContactModel:
+def _made(pair: Ellipse, laws: ContactLaws, variant: ModelVariant) -> ContactModel:
     """Meshes, spectra and tables are shared by all finenesses."""
     options: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
     return hertz_model(

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.common.measurement import Row
 from benchmarks.common.models import carrying, rolling
-from benchmarks.error_vs_time.cases import Case, Variant, yardstick
+from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, yardstick
 from benchmarks.error_vs_time.reference import Reference, rms
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.results.result import ContactResult
@@ -21,7 +21,7 @@ DEEPER, FASTER = 1e-3, 1e-2  # a step of a vehicle: changes of approach and of c
 Solve = Callable[[float, ContactResult | None], ContactResult]  # steps away from the pose in question, guess
 
 
-def normal_row(variant: Variant) -> Row:
+def normal_row(variant: ModelVariant) -> Row:
     """Force, peak pressure and area at Hertz's approach, in % of Hertz; seconds."""
     pair = yardstick().pair
     model, depth = variant.of(pair, 0.0), variant.hertz_depth(pair)
@@ -38,7 +38,9 @@ def normal_row(variant: Variant) -> Row:
     return row
 
 
-def rolling_row(variant: Variant, against: Reference, cases: tuple[Case, ...], *, patience: float = np.inf) -> Row:
+def rolling_row(
+    variant: ModelVariant, against: Reference, cases: tuple[TimedCase, ...], *, patience: float = np.inf
+) -> Row:
     """Creep forces under the load, in % of mu F_n: of the timed case the larger error; of the other cases RMS and
     worst, unless a solve takes longer than the patience [s]; seconds.
     """
@@ -56,7 +58,7 @@ def rolling_row(variant: Variant, against: Reference, cases: tuple[Case, ...], *
     return row
 
 
-def _solve(variant: Variant, case: Case) -> Solve:
+def _solve(variant: ModelVariant, case: TimedCase) -> Solve:
     model, depth = variant.of(case.pair, case.friction), variant.loaded_depth(case.pair)
 
     def solve(steps: float, guess: ContactResult | None) -> ContactResult:
@@ -66,7 +68,7 @@ def _solve(variant: Variant, case: Case) -> Solve:
     return solve
 
 
-def _timed(variant: Variant, solve: Solve) -> tuple[Row, ContactResult]:
+def _timed(variant: ModelVariant, solve: Solve) -> tuple[Row, ContactResult]:
     """Least and median seconds, phases of the median solve, and the result at the pose in question.
 
     Warm solves are the steps of a walk that ends there, each from the one before, so that none starts from what an

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from benchmarks.common.measurement import Row
 from benchmarks.common.models import EXACT
-from benchmarks.error_vs_time.cases import Case, Variant
+from benchmarks.error_vs_time.cases import ModelVariant, TimedCase
 from benchmarks.error_vs_time.measure import normal_row, rolling_row
 from benchmarks.error_vs_time.reference import Reference, Say
 from wheelrail.contact.models.builders import Bodies, Model
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 
 FINENESSES = ((4, 6), (6, 8), (6, 12), (8, 12), (12, 16), (20, 24))
 QUICK_FINENESSES = ((4, 6), (6, 12), (12, 16))
@@ -25,35 +25,35 @@ MODELS: tuple[Model, Model] = ("condensed", "full")
 PATIENCE = 1.0  # s that a solve may take to be tried on all cases
 
 
-def fitted(quick: bool) -> Iterator[Variant]:
+def fitted(quick: bool) -> Iterator[ModelVariant]:
     """Cells fitted to the patch, cold and warm."""
     for bodies in BODIES:
         for warm in (False, True):
             for n in QUICK_FINENESSES if quick else FINENESSES:
                 name = f"fitted, {bodies}" + (", warm" if warm else "")
-                yield Variant(name, bodies, Fineness(*n), warm=warm)
+                yield ModelVariant(name, bodies, Resolution(*n), warm=warm)
 
 
-def grids(quick: bool) -> Iterator[Variant]:
+def grids(quick: bool) -> Iterator[ModelVariant]:
     """Exact laws by size of the surface and order of the slip formula."""
     for order in (1, 2):
         for points in QUICK_SIZES if quick else SIZES:
-            yield Variant(f"grid, order {order}", "waveguide", points=points, order=order)
+            yield ModelVariant(f"grid, order {order}", "waveguide", points=points, order=order)
 
 
-def laws(quick: bool) -> Iterator[Variant]:
+def laws(quick: bool) -> Iterator[ModelVariant]:
     """The exact laws softened, one and then both."""
-    exact = Variant("grid, soft laws", "waveguide", points=SOFT)
+    exact = ModelVariant("grid, soft laws", "waveguide", points=SOFT)
     pairs = [(K, 0.0) for K in STIFFNESSES] + [(EXACT, eps) for eps in REGULARISATIONS] + [PAPER]
     for K, eps in pairs[1::2] if quick else pairs:
         yield replace(exact, stiffness=K, regularisation=eps)
 
 
-def solids() -> Iterator[Variant]:
+def solids() -> Iterator[ModelVariant]:
     """All displacements beside what is condensed to the surface: the same mesh of tetrahedra, the paper's laws."""
     for model in MODELS:
         K, eps = PAPER
-        yield Variant(f"{model}, solid", "solid", points=FULL, stiffness=K, regularisation=eps, model=model)
+        yield ModelVariant(f"{model}, solid", "solid", points=FULL, stiffness=K, regularisation=eps, model=model)
 
 
 def measured(quick: bool, against: Reference, say: Say) -> Iterator[Row]:
@@ -68,7 +68,7 @@ def measured(quick: bool, against: Reference, say: Say) -> Iterator[Row]:
             yield from rows(variant, against, cases)
 
 
-def rows(variant: Variant, against: Reference, cases: tuple[Case, ...]) -> Iterator[Row]:
+def rows(variant: ModelVariant, against: Reference, cases: tuple[TimedCase, ...]) -> Iterator[Row]:
     """Normal contact alone, and rolling."""
     given: Row = {"family": variant.family, "division": variant.division, "laws": variant.laws, "order": variant.order}
     try:

@@ -9,8 +9,8 @@ import numpy as np
 
 from benchmarks.common.measurement import Row
 from benchmarks.common.reference_table import reference
-from benchmarks.error_vs_time.cases import Case, Variant, yardstick
-from wheelrail.contact.models.fitted.resolution import Fineness
+from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, yardstick
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.support.arrays import Array
 
 Say = Callable[[str], None]
@@ -20,13 +20,13 @@ Say = Callable[[str], None]
 class Reference:
     """Forces (cases, 2) over mu F_n, extrapolated at an order from the two finest; left: RMS of what that added."""
 
-    finest: Fineness
-    cases: tuple[Case, ...]
+    finest: Resolution
+    cases: tuple[TimedCase, ...]
     forces: Array
     order: float
     left: float
 
-    def of(self, case: Case) -> Array:
+    def of(self, case: TimedCase) -> Array:
         """Forces (2,) of a case."""
         return np.asarray(self.forces[self.cases.index(case)])
 
@@ -49,13 +49,13 @@ class Reference:
         )
 
 
-def extrapolated(finest: Fineness, cases: Sequence[Case], say: Say) -> Reference:
+def extrapolated(finest: Resolution, cases: Sequence[TimedCase], say: Say) -> Reference:
     """The order is that by which the RMS of differences falls as cells are halved, of three solutions."""
     every = (yardstick(), *cases)
     levels = [finest.halved().halved(), finest.halved(), finest]
     found = []
     for fineness in levels:
-        variant = Variant("reference", "half-space", fineness)
+        variant = ModelVariant("reference", "half-space", fineness)
         forces = []
         for k, case in enumerate(every):
             say(f"reference, {fineness.strips} x {fineness.cells} cells, case {k + 1} of {len(every)}")

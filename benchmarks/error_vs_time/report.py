@@ -22,9 +22,9 @@ from benchmarks.error_vs_time.cases import creep_cases, yardstick
 from benchmarks.error_vs_time.plan import measured
 from benchmarks.error_vs_time.reference import contact_rows, extrapolated
 from benchmarks.scaling.report import progress
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 
-FINEST, QUICK_FINEST = Fineness(24, 32), Fineness(16, 20)
+FINEST, QUICK_FINEST = Resolution(24, 32), Resolution(16, 20)
 TITLES = {"normal": "Normal contact alone", "rolling": "Rolling with xi, eta and spin"}
 EVERY, QUICK_EVERY = 6, 15  # of the 132 cases, one in so many
 

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.paper.error import Ran
-from benchmarks.paper.variants import SOLID, Variant
+from benchmarks.paper.variants import SOLID, PaperVariant
 
 # Okabe and Ito's colours, told apart by all kinds of sight; shapes say the stepper
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = {"ode23": "o", "ode45": "s"}
 
 
-def picture(path: Path, done: list[tuple[Variant, Ran, float]]) -> None:
+def picture(path: Path, done: list[tuple[PaperVariant, Ran, float]]) -> None:
     """Draw what was run: variant, outcome, and length s of its part. Variants on the short part are left out."""
     import matplotlib
 
@@ -32,7 +32,7 @@ def picture(path: Path, done: list[tuple[Variant, Ran, float]]) -> None:
     plt.close(figure)
 
 
-def _fig_9(axes: Any, long: list[tuple[Variant, Ran, float]]) -> None:
+def _fig_9(axes: Any, long: list[tuple[PaperVariant, Ran, float]]) -> None:
     krylov = [(dict(v.options), r) for v, r, _ in long if (v.body, v.method) == (SOLID, "ode23")]
     etas = sorted(((float(o["forcing"]), r) for o, r in krylov if "linear" in o), key=lambda pair: -pair[0])
     axes.set(xscale="log", xlabel="forcing term eta, Eq. (18)", ylabel="time of the run, s", title="Fig. 9 again")
@@ -53,7 +53,7 @@ def _fig_9(axes: Any, long: list[tuple[Variant, Ran, float]]) -> None:
     )
 
 
-def _precision(axes: Any, long: list[tuple[Variant, Ran, float]]) -> None:
+def _precision(axes: Any, long: list[tuple[PaperVariant, Ran, float]]) -> None:
     axes.set(
         xlabel="RMS error of the contact force, % of the wheel load",
         ylabel="time of the run, s",

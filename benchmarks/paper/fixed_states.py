@@ -11,7 +11,7 @@ from time import perf_counter
 
 import numpy as np
 
-from benchmarks.paper.segment import TIGHT_NEWTON, Part
+from benchmarks.paper.segment import TIGHT_NEWTON, TrackSegment
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
@@ -48,7 +48,7 @@ class State:
     before: ContactResult
 
 
-def states(part: Part, run: History, count: int) -> list[State]:
+def states(part: TrackSegment, run: History, count: int) -> list[State]:
     """States at accepted steps all along a run, with the step before each. Raises RuntimeError where no contact is."""
     contact = part.tuned({"tolerance": TIGHT_NEWTON})
     dynamics = part.dynamics(contact)
@@ -63,7 +63,7 @@ def states(part: Part, run: History, count: int) -> list[State]:
     return found
 
 
-def accuracies(part: Part, chosen: list[State]) -> list[Accuracy]:
+def accuracies(part: TrackSegment, chosen: list[State]) -> list[Accuracy]:
     """All tolerances, cold and warm."""
     return [
         at_tolerance(part.tuned({"tolerance": tolerance}), chosen, tolerance, warm, part.scene.friction)

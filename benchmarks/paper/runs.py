@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.paper.error import Ran, difference
-from benchmarks.paper.segment import Body, Part
-from benchmarks.paper.variants import FITTED, Variant
+from benchmarks.paper.segment import PaperBody, TrackSegment
+from benchmarks.paper.variants import FITTED, PaperVariant
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
@@ -40,20 +40,20 @@ class Runs:
     seconds: float
     short: float
     say: Callable[[str], None] = print
-    _parts: dict[tuple[Body, float], Part] = field(default_factory=dict)
+    _parts: dict[tuple[PaperBody, float], TrackSegment] = field(default_factory=dict)
     _done: dict[tuple[Any, ...], Ran] = field(default_factory=dict)
-    _full: dict[Body, WheelsetContact] = field(default_factory=dict)
-    variants: list[tuple[Variant, Ran, float]] = field(default_factory=list)
+    _full: dict[PaperBody, WheelsetContact] = field(default_factory=dict)
+    variants: list[tuple[PaperVariant, Ran, float]] = field(default_factory=list)
 
-    def length(self, variant: Variant) -> float:
+    def length(self, variant: PaperVariant) -> float:
         """Length of the part that a variant runs, s."""
         return self.short if variant.full or variant.short else self.seconds
 
-    def part(self, body: Body, seconds: float) -> Part:
-        """The part of a contact model; raises as `Part` does when its reference cannot be had."""
-        return self._parts.setdefault((body, seconds), Part(body, self.start, seconds))
+    def part(self, body: PaperBody, seconds: float) -> TrackSegment:
+        """The part of a contact model; raises as `TrackSegment` does when its reference cannot be had."""
+        return self._parts.setdefault((body, seconds), TrackSegment(body, self.start, seconds))
 
-    def of(self, variant: Variant) -> Ran:
+    def of(self, variant: PaperVariant) -> Ran:
         """Outcome of a variant."""
         if variant.key not in self._done:
             self.say(f"{variant.name}, {variant.body.name}")
@@ -65,7 +65,7 @@ class Runs:
             self.variants.append((variant, ran, self.length(variant)))
         return self._done[variant.key]
 
-    def _run(self, variant: Variant) -> Ran:
+    def _run(self, variant: PaperVariant) -> Ran:
         part, options = self.part(variant.body, self.length(variant)), dict(variant.options)
         self.say(f"  {part.missing or 'reference run'}")  # fills the compliances, so that no run pays for them
         contact: VehicleContact = self._whole(part, options) if variant.full else part.tuned(options)
@@ -73,7 +73,7 @@ class Runs:
         dynamics(part.start, part.initial)  # factorisations and compiled kernels are made outside the clock
         return part.compared(part.run(variant.method, options, contact=contact))
 
-    def _whole(self, part: Part, options: dict[str, Any]) -> BySide:
+    def _whole(self, part: TrackSegment, options: dict[str, Any]) -> BySide:
         """Eq. (12) on the meshes of the part."""
         if part.body not in self._full:
             self._full[part.body] = wheelset_contact(part.scene.model_copy(update={"model": "full"}))

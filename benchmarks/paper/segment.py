@@ -33,7 +33,7 @@ ACCEPTABLE = 0.05  # of the axle load, left at the start: all variants of a mode
 
 
 @dataclass(frozen=True)
-class Body:
+class PaperBody:
     """A contact model: its name in tables, and what it changes in the scene."""
 
     name: str
@@ -52,13 +52,13 @@ class Body:
 
 
 @dataclass
-class Part:
+class TrackSegment:
     """A stretch of the scene's run from start s over so many seconds, on one contact model.
 
     patience: s that its reference may take.
     """
 
-    body: Body
+    body: PaperBody
     start: float
     seconds: float
     patience: float = 120.0

@@ -6,7 +6,7 @@ from typing import Any
 
 from benchmarks.paper.error import Ran
 from benchmarks.paper.published import TABLES
-from benchmarks.paper.variants import Variant
+from benchmarks.paper.variants import PaperVariant
 
 HEAD = (
     "variant|contact model|part s|#cps R|#cps L|#New R|#New L|New/cp|lin/New|RHS|steps|time s|ms/cp|"
@@ -24,7 +24,7 @@ def markdown(head: str, rows: list[list[Any]]) -> str:
     return "\n".join(line(cells) for cells in (titles, ["---"] * len(titles), *rows))
 
 
-def row(variant: Variant, ran: Ran, seconds: float) -> list[Any]:
+def row(variant: PaperVariant, ran: Ran, seconds: float) -> list[Any]:
     """One variant of a table."""
     form = [variant.name, variant.body.name, f"{seconds:g}"]
     cost, steps = ran.cost, ran.cost.steps

@@ -6,24 +6,24 @@ from dataclasses import dataclass
 from typing import Any
 
 import wheelrail.vehicle.simulation.simulate
-from benchmarks.paper.segment import Body
+from benchmarks.paper.segment import PaperBody
 
 TOLERANCE = 1e-8  # relative residual of Newton's method in all runs but the references
 ETAS = (0.5, 1e-1, 1e-2, 1e-3, 1e-4)
-SOLID = Body("solids 2 mm, paper's laws")
-COARSE = Body("solids 4 mm, paper's laws", (("surface_size", 4e-3),))
-SOLID_EXACT = Body("solids 2 mm, exact laws", (("laws", "exact"), ("bodies", "solid")))
-WAVES = Body("waveguides 2 mm on a grid, paper's laws", (("bodies", "waveguide"),))
-WAVES_EXACT = Body("waveguides 2 mm on a grid, exact laws", (("laws", "exact"), ("points", "grid")))
-FITTED = Body("waveguides 2 mm, fitted points, exact laws", (("laws", "exact"),))
+SOLID = PaperBody("solids 2 mm, paper's laws")
+COARSE = PaperBody("solids 4 mm, paper's laws", (("surface_size", 4e-3),))
+SOLID_EXACT = PaperBody("solids 2 mm, exact laws", (("laws", "exact"), ("bodies", "solid")))
+WAVES = PaperBody("waveguides 2 mm on a grid, paper's laws", (("bodies", "waveguide"),))
+WAVES_EXACT = PaperBody("waveguides 2 mm on a grid, exact laws", (("laws", "exact"), ("points", "grid")))
+FITTED = PaperBody("waveguides 2 mm, fitted points, exact laws", (("laws", "exact"),))
 
 
 @dataclass(frozen=True)
-class Variant:
+class PaperVariant:
     """One run. full: Eq. (12) instead of (15), on the short part; short: Eq. (15) on that part."""
 
     name: str
-    body: Body
+    body: PaperBody
     method: str
     options: tuple[tuple[str, Any], ...]
     full: bool = False
@@ -51,41 +51,41 @@ def implicit() -> list[str]:
     return [name for name in vars(wheelrail.vehicle.simulation.simulate)["METHODS"] if name not in ("ode23", "ode45")]
 
 
-def both_forms(method: str) -> list[Variant]:
+def both_forms(method: str) -> list[PaperVariant]:
     """Rows of Tables 5 and 6."""
     name = method.upper()
     return [
-        Variant(f"Eq. (12), {name}, BiCGStab", COARSE, method, sparse(), full=True),
-        Variant(f"Eq. (15), {name}, BiCGStab", COARSE, method, krylov(), short=True),
-        Variant(f"Eq. (15), {name}, BiCGStab", SOLID, method, krylov()),
+        PaperVariant(f"Eq. (12), {name}, BiCGStab", COARSE, method, sparse(), full=True),
+        PaperVariant(f"Eq. (15), {name}, BiCGStab", COARSE, method, krylov(), short=True),
+        PaperVariant(f"Eq. (15), {name}, BiCGStab", SOLID, method, krylov()),
     ]
 
 
-def lacking() -> list[Variant]:
+def lacking() -> list[PaperVariant]:
     """Rows that the paper has not."""
     return [
         *(
-            Variant("Eq. (15), ODE23, LU", body, "ode23", LU)
+            PaperVariant("Eq. (15), ODE23, LU", body, "ode23", LU)
             for body in (SOLID, SOLID_EXACT, WAVES, WAVES_EXACT, FITTED)
         ),
         *(
-            Variant(f"Eq. (15), {method}, LU", body, method, LU)
+            PaperVariant(f"Eq. (15), {method}, LU", body, method, LU)
             for method in implicit()
             for body in (SOLID, WAVES_EXACT, FITTED)
         ),
         both_forms("ode23")[0],
-        Variant("Eq. (12), ODE23, product by differences (20)", COARSE, "ode23", sparse("difference"), full=True),
+        PaperVariant("Eq. (12), ODE23, product by differences (20)", COARSE, "ode23", sparse("difference"), full=True),
     ]
 
 
-def table(name: str) -> list[Variant]:
+def table(name: str) -> list[PaperVariant]:
     """Rows of a table: "5", "6", "7", "9" for Fig. 9, or "new"."""
     if name in ("5", "6"):
         return both_forms({"5": "ode23", "6": "ode45"}[name])
     if name == "7":
-        return [Variant("Eq. (15), ODE23, LU", SOLID, "ode23", LU), both_forms("ode23")[-1]]
+        return [PaperVariant("Eq. (15), ODE23, LU", SOLID, "ode23", LU), both_forms("ode23")[-1]]
     if name == "9":
-        return [Variant(f"Eq. (15), ODE23, eta = {eta:g}", SOLID, "ode23", krylov(eta)) for eta in ETAS]
+        return [PaperVariant(f"Eq. (15), ODE23, eta = {eta:g}", SOLID, "ode23", krylov(eta)) for eta in ETAS]
     if name == "new":
         return lacking()
     raise ValueError(f"no table {name}; there are 5, 6, 7, 9, new")

@@ -27,7 +27,7 @@ OF_ELEMENTS = ("laws", "surface_size", "strips", "cells")  # keys that the stand
 
 
 @dataclass(frozen=True)
-class Case:
+class RobustnessCase:
     """A run: radius m and cant m of the curve after `tangent` and `transition` m, seed of irregularities of the class
     high or None, rates m/s or rad/s by coordinate that the wagon starts with beside its equilibrium; whether a run at a
     tenth of the tolerances is set beside it; s of wall time that it gets, if more than others.
@@ -93,13 +93,13 @@ def contact_of(model: str, friction: float) -> WheelsetContact:
     return wheelset_contact(scene(model, friction))
 
 
-def cases() -> list[Case]:
+def cases() -> list[RobustnessCase]:
     """All of them, cheap ones first."""
-    found: list[Case] = []
+    found: list[RobustnessCase] = []
     for model in (STANDARD, ELASTIC):
         cheap = model == STANDARD
         found += [
-            Case(
+            RobustnessCase(
                 "curve",
                 model,
                 speed,
@@ -110,17 +110,23 @@ def cases() -> list[Case]:
             for speed, friction in product((40.0, 50.0, 60.0), (0.05, 0.3, 0.6))
         ]
         found += [
-            Case("irregular", model, speed, seconds=1.5, seed=seed, quick=cheap and (speed, seed) == (40.0, 1))
+            RobustnessCase(
+                "irregular", model, speed, seconds=1.5, seed=seed, quick=cheap and (speed, seed) == (40.0, 1)
+            )
             for speed, seed in product((40.0, 60.0), (1, 2) if cheap else (1,))
         ]
         found += [
-            Case("blow on a wheel", model, 45.0, seconds=0.2, kick={"wheelset_roll": 0.3}, quick=cheap),
-            Case(
+            RobustnessCase("blow on a wheel", model, 45.0, seconds=0.2, kick={"wheelset_roll": 0.3}, quick=cheap),
+            RobustnessCase(
                 "wheel lifted, landed", model, 45.0, seconds=0.7, kick={"car_body_roll": 1.1}, again=cheap, quick=False
             ),
-            Case("body pushed aside", model, 45.0, seconds=2.0, kick={"car_body_y": -1.2}, again=cheap, quick=False),
-            Case("curve too fast", model, 45.0, radius=430.0, cant=0.0, tangent=20.0, seconds=5.0, quick=cheap),
-            Case(
+            RobustnessCase(
+                "body pushed aside", model, 45.0, seconds=2.0, kick={"car_body_y": -1.2}, again=cheap, quick=False
+            ),
+            RobustnessCase(
+                "curve too fast", model, 45.0, radius=430.0, cant=0.0, tangent=20.0, seconds=5.0, quick=cheap
+            ),
+            RobustnessCase(
                 "overturning",
                 model,
                 45.0,
@@ -132,8 +138,8 @@ def cases() -> list[Case]:
                 quick=cheap,
                 patience=None if cheap else 80.0,
             ),
-            Case("overturning, low friction", model, 60.0, 0.05, 500.0, 0.0, 20.0, seconds=5.0, quick=cheap),
-            Case("blow aside", model, 45.0, 0.6, seconds=0.2, kick={"wheelset_y": -2.0}, quick=cheap),
-            Case("thrown off", model, 45.0, 0.3, seconds=0.5, kick={"wheelset_y": -4.0}, quick=cheap),
+            RobustnessCase("overturning, low friction", model, 60.0, 0.05, 500.0, 0.0, 20.0, seconds=5.0, quick=cheap),
+            RobustnessCase("blow aside", model, 45.0, 0.6, seconds=0.2, kick={"wheelset_y": -2.0}, quick=cheap),
+            RobustnessCase("thrown off", model, 45.0, 0.3, seconds=0.5, kick={"wheelset_y": -4.0}, quick=cheap),
         ]
     return found

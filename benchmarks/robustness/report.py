@@ -13,7 +13,7 @@ from time import perf_counter
 from rich.console import Console
 
 from benchmarks.common.machine import stated
-from benchmarks.robustness.cases import ELASTIC, Case, cases, contact_of, scene
+from benchmarks.robustness.cases import ELASTIC, RobustnessCase, cases, contact_of, scene
 from benchmarks.robustness.diagnostics import APART, Findings, apart
 from wheelrail.scenes.builders.vehicle import wagon
 from wheelrail.vehicle.simulation.history import History
@@ -28,7 +28,7 @@ PATIENCE = 25.0  # s of wall time that a run gets
 class Done:
     """A case that was run: history, findings, wall time s, and how far a run at tighter tolerances is from it."""
 
-    case: Case
+    case: RobustnessCase
     history: History
     findings: Findings
     seconds: float
@@ -39,7 +39,7 @@ class Done:
         return not self.findings.wrong and all(self.differences.get(name, 0.0) <= APART[name] for name in APART)
 
 
-def run(case: Case, rtol: float = RTOL) -> History:
+def run(case: RobustnessCase, rtol: float = RTOL) -> History:
     """Rows at accepted steps; the right-hand contact of elastic bodies in a process of its own. A run that takes too
     long is interrupted.
     """
@@ -66,7 +66,7 @@ def run(case: Case, rtol: float = RTOL) -> History:
         )
 
 
-def examined(case: Case) -> Done:
+def examined(case: RobustnessCase) -> Done:
     """Run, and run again where that is asked for."""
     began = perf_counter()
     history = run(case)

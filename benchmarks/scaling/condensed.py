@@ -14,13 +14,13 @@ from benchmarks.common.hertz_cases import lacking
 from benchmarks.common.measurement import Row
 from benchmarks.common.models import Ellipse, carrying, frictional, frictionless, hertz_model, rolling
 from benchmarks.common.reference_table import reference
-from wheelrail.contact.kinematics.frames import Motion
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.kinematics.frames import RigidMotion
+from wheelrail.contact.laws.material import Material
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import Bodies, Points
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import LinearSolver, NewtonOptions
 
@@ -41,18 +41,20 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
     """
     curve = reference("creep_curves")["curves"][CURVE]
     _, xi, eta, phi, *known = [case for case in curve["cases"] if case[0] == "mixed"][CASE]
-    pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Steel(curve["E"] * 1e6, curve["nu"]))
+    pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
     size = pair.size(points=wanted if points == "grid" else LINES)
     depth = pair.exact.approach
     if bodies == "waveguide":  # the blocks end somewhere
         depth -= 2 * lacking(pair.steel.nu)[0] * pair.load / (pair.steel.E * pair.half_width(size))
     strips = max(4, round(np.sqrt(wanted / ALONG)))
-    options: dict[str, Any] = {} if points == "grid" else {"fineness": Fineness(strips, max(4, round(wanted / strips)))}
+    options: dict[str, Any] = (
+        {} if points == "grid" else {"fineness": Resolution(strips, max(4, round(wanted / strips)))}
+    )
     laws = frictional(curve["mu"])  # with room upstream
     model = hertz_model(pair, laws, size, bodies=bodies, points=points, **options)
-    assert isinstance(model, Condensed | FittedContact)
+    assert isinstance(model, CondensedContact | FittedContact)
     # what all solves share, spectra, tables and compiled kernels, is made by a first one
-    few = replace(model, fineness=Fineness(4, 8)) if isinstance(model, FittedContact) else model
+    few = replace(model, fineness=Resolution(4, 8)) if isinstance(model, FittedContact) else model
     if isinstance(model, FittedContact):
         few(hertz_pose(depth), rolling(xi), None)
     replace(few, laws=frictionless())(hertz_pose(depth), rolling(0.0), None)
@@ -82,7 +84,7 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
 
 
 def timed(
-    model: Callable[..., ContactResult], depth: float, motion: Motion
+    model: Callable[..., ContactResult], depth: float, motion: RigidMotion
 ) -> tuple[ContactResult, float, dict[str, float], float]:
     """Result, median seconds, those by phase, and MB allocated at most during one solve."""
     pose = hertz_pose(depth)

@@ -9,9 +9,9 @@ from benchmarks.common.hertz_cases import lacking
 from benchmarks.common.hertz_pairs import STEEL, creep_force, rolling
 from benchmarks.common.measurement import Row, peak
 from benchmarks.scaling.refined_body import PAIR, depth, pair
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.models.full.preconditioner import Preconditioner
 
@@ -34,7 +34,7 @@ def newton(*, method: str, across: int, friction: bool) -> Iterator[Row]:
     Without friction under a nearly exact law, with friction under the paper's.
     """
     known, package = METHODS[method]
-    laws = Laws.paper(FRICTION) if friction else Laws(STIFF, 0.0)
+    laws = ContactLaws.penalty(FRICTION) if friction else ContactLaws(STIFF, 0.0)
     model = pair(across, laws, FullOptions(preconditioner=known))
     start = perf_counter()
     stiffness = (model.wheel.stiffness, model.rail.stiffness)
@@ -66,7 +66,7 @@ def newton(*, method: str, across: int, friction: bool) -> Iterator[Row]:
     yield row
 
 
-def _prepared(model: Full, package: str) -> None:
+def _prepared(model: FullContact, package: str) -> None:
     """Preconditioner set up before the solve, by another package if one is named."""
     pc = model.solver.krylov_solver.getPC()
     if package == "mumps":

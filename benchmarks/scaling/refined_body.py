@@ -6,10 +6,10 @@ import numpy as np
 
 from benchmarks.common.hertz_pairs import CIRCULAR, STEEL
 from wheelrail.contact.elasticity.solid_body import ElasticBody
-from wheelrail.contact.geometry.quadric_pair import Quadrics
+from wheelrail.contact.geometry.quadric_pair import QuadricPair
 from wheelrail.contact.geometry.surface_grid import ContactGrid
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.solids import block
@@ -32,8 +32,8 @@ def body(across: int) -> Solid:
     return units.mapped(lambda points: points * size)
 
 
-def pair(across: int, laws: Laws, options: FullOptions) -> Full:
+def pair(across: int, laws: ContactLaws, options: FullOptions) -> FullContact:
     """Contact of all displacements of two such blocks."""
     solid = body(across)
-    geometry = Quadrics(ContactGrid.on(solid, 1), PAIR.upper, PAIR.lower)
-    return Full(geometry, ElasticBody(solid, STEEL), ElasticBody(solid, STEEL), laws, options=options)
+    geometry = QuadricPair(ContactGrid.on(solid, 1), PAIR.upper, PAIR.lower)
+    return FullContact(geometry, ElasticBody(solid, STEEL), ElasticBody(solid, STEEL), laws, options=options)

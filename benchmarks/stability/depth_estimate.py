@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from benchmarks.stability.sample import RADIUS, Case
+from benchmarks.stability.sample import RADIUS, SampledCase
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.fitted.surfaces import ProfileStrips
 from wheelrail.meshes.bodies.solids import wheel_touches
 from wheelrail.meshes.profiles.named import named_profile
@@ -28,7 +28,7 @@ class NoDepth(ValueError):
     """The load has no depth within the profiles."""
 
 
-def depth_for(case: Case) -> float:
+def depth_for(case: SampledCase) -> float:
     """Depth m from nominal height. Raises NoDepth with the reason."""
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
 
@@ -51,7 +51,7 @@ def depth_for(case: Case) -> float:
     return float(brentq(excess, first, first + high, xtol=1e-9))
 
 
-def overlap_outside(case: Case, pose: Pose, bands: list[tuple[float, float]]) -> float:
+def overlap_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, float]]) -> float:
     """Largest undeformed overlap outside lateral bands [m] of the wheel's profile over that inside, or a line aside."""
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
     overlap = surfaces.ridge(pose, LINES).overlap
@@ -64,9 +64,9 @@ def overlap_outside(case: Case, pose: Pose, bands: list[tuple[float, float]]) ->
     return float(overlap[~inside].max(initial=0.0)) / within if within > 0 else np.inf
 
 
-def _load(surfaces: ProfileStrips, case: Case, depth: float) -> float:
+def _load(surfaces: ProfileStrips, case: SampledCase, depth: float) -> float:
     """Vertical force N."""
-    steel = Steel()
+    steel = Material()
     pose = case.at(depth)[0]
     ridge = surfaces.ridge(pose, LINES)
     deepest = int(np.argmax(ridge.overlap))

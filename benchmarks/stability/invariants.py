@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.stability.depth_estimate import overlap_outside
-from benchmarks.stability.sample import Case
+from benchmarks.stability.sample import SampledCase
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -23,10 +23,10 @@ LIMITS = {
     "penetration": 1e-7,
     "missed": 1.0,
 }
-G = Steel().E / (2 + 2 * Steel().nu)  # Pa
+G = Material().E / (2 + 2 * Material().nu)  # Pa
 
 
-def findings(case: Case, pose: Pose, result: ContactResult) -> dict[str, float]:
+def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, float]:
     """Figures by name, see LIMITS.
 
     residual of the solve; force and moment (about the wheel's own origin) of the result less those of the tractions

@@ -16,15 +16,15 @@ from rich.progress import Progress, TimeElapsedColumn, TimeRemainingColumn
 
 from benchmarks.common.machine import stated
 from benchmarks.stability.invariants import LIMITS
-from benchmarks.stability.sample import Case, cases
-from benchmarks.stability.solve import Outcome, legitimate, solve
+from benchmarks.stability.sample import SampledCase, cases
+from benchmarks.stability.solve import SolveOutcome, legitimate, solve
 from wheelrail.support.arrays import Array
 
 TWIN = 20  # every so many cases are compared with an independent solution, and all whose cells did not settle
 OUTLIERS = {"force": 0.02, "area": 0.1}
 
 
-def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -> list[Outcome]:
+def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -> list[SolveOutcome]:
     """Solve so many cases, or only some of them by number; those of one model together, so that few are in memory."""
     chosen = [case for case in cases(count, seed) if not only or case.number in only]
     chosen.sort(key=lambda case: (case.rail, case.size, np.isfinite(case.stiffness_per_area), case.number))
@@ -41,15 +41,15 @@ def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -
     return sorted(found, key=lambda outcome: outcome.case.number)
 
 
-def attempt(case: Case, *, twin: bool) -> Outcome:
+def attempt(case: SampledCase, *, twin: bool) -> SolveOutcome:
     """The case; what no model should ever raise is a failure of that case, not the end of the test."""
     try:
         return solve(case, twin=twin)
     except Exception as error:
-        return Outcome(case, "failed", f"{type(error).__name__}: {error}")
+        return SolveOutcome(case, "failed", f"{type(error).__name__}: {error}")
 
 
-def show(found: list[Outcome]) -> str:
+def show(found: list[SolveOutcome]) -> str:
     """Tables in Markdown."""
     lines = []
     for name, part in (("fitted", [o for o in found if o.fitted]), ("grid", [o for o in found if not o.fitted])):
@@ -89,11 +89,11 @@ def show(found: list[Outcome]) -> str:
     return "\n".join(lines)
 
 
-def kind(outcome: Outcome) -> str:
+def kind(outcome: SolveOutcome) -> str:
     return "fitted" if outcome.fitted else "grid"
 
 
-def trouble(outcome: Outcome) -> str:
+def trouble(outcome: SolveOutcome) -> str:
     """What is wrong with an outcome, in a few words; nothing if nothing is."""
     if outcome.kind == "failed":
         return outcome.reason if outcome.settled else f"{outcome.reason} (cells did not settle)"

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import qmc
 
-from wheelrail.contact.kinematics.frames import Motion, Pose, Twist
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.meshes.profiles.named import named_profile
 
 RADIUS, SPEED, WHEEL_Y = 0.46, 20.0, 0.75
@@ -23,7 +23,7 @@ AREA = 1.9e-7  # m2 of overlap by N^(2/3), about
 
 
 @dataclass(frozen=True)
-class Case:
+class SampledCase:
     """One contact. y m, roll and yaw rad, load N, longitudinal and lateral creepage, spin 1/m beyond that of the
     contact angle, friction, stiffness_per_area N/m3 (inf: exact), regularisation, size m of the surface.
     """
@@ -43,8 +43,8 @@ class Case:
     size: float
 
     @property
-    def laws(self) -> Laws:
-        return Laws(self.stiffness_per_area, self.friction, self.regularisation)
+    def laws(self) -> ContactLaws:
+        return ContactLaws(self.stiffness_per_area, self.friction, self.regularisation)
 
     @property
     def state(self) -> WheelsetState:
@@ -58,7 +58,7 @@ class Case:
             speed=SPEED,
         )
 
-    def at(self, depth: float) -> tuple[Pose, Motion]:
+    def at(self, depth: float) -> tuple[Pose, RigidMotion]:
         """Pose of the left wheel lowered by a depth m, and motion with the spin about a vertical axis through the
         wheel's nominal contact.
         """
@@ -72,7 +72,7 @@ class Case:
         return pose, replace(motion, wheel=Twist(velocity, wheel.rotation + turn, wheel.reference))
 
 
-def cases(count: int, seed: int) -> list[Case]:
+def cases(count: int, seed: int) -> list[SampledCase]:
     """A Latin hypercube of so many cases; logarithmic in the load, stiffness and regularisation."""
     names = ("rail", "y", "roll", "yaw", "load", "xi", "eta", "spin", "mu", "K", "eps", "size")
     unit = qmc.LatinHypercube(len(names), seed=seed).random(count)
@@ -90,7 +90,7 @@ def cases(count: int, seed: int) -> list[Case]:
         at = dict(zip(names, map(float, row), strict=True))
         K, eps, mu = above(at["K"], EXACT_K), above(at["eps"], EXACT_EPS), above(at["mu"], NO_MU)
         found.append(
-            Case(
+            SampledCase(
                 number=number,
                 rail=RAILS[int(at["rail"] * len(RAILS))],
                 y=9e-3 * (2 * at["y"] - 1),

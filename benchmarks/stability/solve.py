@@ -11,30 +11,30 @@ import numpy as np
 
 from benchmarks.stability.depth_estimate import NoDepth, depth_for
 from benchmarks.stability.invariants import broken, findings
-from benchmarks.stability.sample import RADIUS, SIZES, Case
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from benchmarks.stability.sample import RADIUS, SIZES, SampledCase
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
 
-TWIN_FINENESS = Fineness(16, 24)
+TWIN_FINENESS = Resolution(16, 24)
 LEAVES = "beyond the part of its surface"  # said by models when the contact leaves what is meshed
 LONG = "longer than what fitted cells"
 BETWEEN = "separated: the contact lies between the grid's points"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SolveOutcome:
     """A case and what came of it: kind "converged", "no answer" (with the reason) or "failed"; seconds of the solve;
     settled, whether the cells' ends did; load N, the vertical part of the pressure; figures of `stability_check` and
     those beyond their limits; status of its twin, if it has one, and differences from it of force and area over
     their size.
     """
 
-    case: Case
+    case: SampledCase
     kind: str
     reason: str = ""
     depth: float = np.nan
@@ -56,14 +56,14 @@ class Outcome:
         return asdict(self)
 
 
-def solve(case: Case, *, twin: bool = False) -> Outcome:
+def solve(case: SampledCase, *, twin: bool = False) -> SolveOutcome:
     """One case, and if asked, or if its cells did not settle, an independent solution of the same: finer cells on finer
     lines, or half the size.
     """
     try:
         depth = depth_for(case)
     except NoDepth as error:
-        return Outcome(case, "no answer", str(error))
+        return SolveOutcome(case, "no answer", str(error))
     model = model_of(case)
     pose, motion = case.at(depth)
     start = perf_counter()
@@ -71,7 +71,7 @@ def solve(case: Case, *, twin: bool = False) -> Outcome:
     seconds = perf_counter() - start
     statistics = result.statistics
     settled = bool(getattr(statistics, "settled", True))
-    outcome = Outcome(case, "failed", result.status, depth, seconds, statistics.newton, settled)
+    outcome = SolveOutcome(case, "failed", result.status, depth, seconds, statistics.newton, settled)
     if result.status == "separated":
         return outcome if outcome.fitted else replace(outcome, kind="no answer", reason=BETWEEN)
     if not result.ok:
@@ -107,12 +107,12 @@ def area(result: ContactResult) -> float:
     return float(sum(patch.area for patch in result.patches))
 
 
-def model_of(case: Case) -> ContactModel:
+def model_of(case: SampledCase) -> ContactModel:
     model: ContactModel = replace(_pair(case.rail, case.size, np.isfinite(case.stiffness_per_area)), laws=case.laws)
     return model
 
 
-def twin_of(case: Case) -> ContactModel:
+def twin_of(case: SampledCase) -> ContactModel:
     if np.isfinite(case.stiffness_per_area):
         grid: ContactModel = replace(_pair(case.rail, max(case.size / 2, SIZES[0]), True), laws=case.laws)
         return grid
@@ -127,9 +127,9 @@ def _pair(rail: str, size: float, grid: bool) -> Any:
         named_profile("S1002"),
         named_profile(rail),
         radius=RADIUS,
-        wheel_steel=Steel(),
-        rail_steel=Steel(),
+        wheel_steel=Material(),
+        rail_steel=Material(),
         surface_size=size,
-        laws=Laws(1e15 if grid else np.inf, 0.0, 0.0),
+        laws=ContactLaws(1e15 if grid else np.inf, 0.0, 0.0),
         bodies="waveguide",
     )

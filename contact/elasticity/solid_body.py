@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from wheelrail.contact.geometry.surface_grid import ContactGrid
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.forms import compat
 from wheelrail.forms.elasticity import lame, stiffness
 from wheelrail.meshes.bodies.extrusion import Solid
@@ -30,7 +30,7 @@ class ElasticBody:
     than the mesh has parts for.
     """
 
-    def __init__(self, solid: Solid, steel: Steel, *, degree: int = 1, ranks: Ranks = ALONE) -> None:
+    def __init__(self, solid: Solid, steel: Material, *, degree: int = 1, ranks: Ranks = ALONE) -> None:
         self.solid, self.steel, self.degree, self.ranks = solid, steel, degree, ranks
         given = slice(None) if ranks.first else slice(0)  # dolfinx hands out what the first rank gives
         self.mesh = compat.mesh_from_arrays(ranks.comm, solid.cell, solid.cells[given], solid.points[given])

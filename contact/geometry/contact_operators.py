@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from wheelrail.contact.geometry.grid_points import ContactPoints, Interpolation
+from wheelrail.contact.geometry.grid_points import GridPoints, Interpolation
 from wheelrail.support.arrays import Array, Nodes
 
 
 @dataclass(frozen=True)
-class Coupling:
+class ContactOperators:
     """Operators B of one body on the d Cartesian directions of its nodes (m,): displacement (c n, d m) in the local
     axes of the points, component by component, and slip (2 n, d m), the elastic slip over the rolling speed by
     upstream differences (None without friction). Directions that no local axis has a part in are left out.
@@ -30,7 +30,7 @@ class Coupling:
 UPSTREAM = {1: (1.0, -1.0), 2: (1.5, -2.0, 0.5)}
 
 
-def couple(points: ContactPoints, interpolation: Interpolation, axes: Array, order: int) -> Coupling:
+def contact_operators(points: GridPoints, interpolation: Interpolation, axes: Array, order: int) -> ContactOperators:
     """Operators from the nodal values that an interpolation (row by row of points.upstream) takes, eqs. (1) and (5).
 
     axes (n, 3, 3) are the local axes in the body's own frame; order 0 leaves out everything tangential.
@@ -55,15 +55,17 @@ def couple(points: ContactPoints, interpolation: Interpolation, axes: Array, ord
 
     displacement = operator([rows(c, place[0], weight[0]) for c in components])
     if order == 0:
-        return Coupling(used, tuple(directions.tolist()), displacement, None)
+        return ContactOperators(used, tuple(directions.tolist()), displacement, None)
     factors = np.array(UPSTREAM[order])[:, None, None] / points.step[None, :, None]
     many = np.moveaxis(place, 0, 1).reshape(n, -1)
     weighted = np.moveaxis(weight * factors, 0, 1).reshape(n, -1)
-    return Coupling(used, tuple(directions.tolist()), displacement, operator([rows(c, many, weighted) for c in (0, 1)]))
+    return ContactOperators(
+        used, tuple(directions.tolist()), displacement, operator([rows(c, many, weighted) for c in (0, 1)])
+    )
 
 
-def couple_both(points: ContactPoints, order: int) -> tuple[Coupling, Coupling]:
+def pair_operators(points: GridPoints, order: int) -> tuple[ContactOperators, ContactOperators]:
     """Operators of wheel and rail for the same points: relative displacement is B_w U_w - B_r U_r."""
     own = Interpolation(points.upstream.reshape(-1, 1), np.ones((points.upstream.size, 1)))
-    wheel = couple(points, own, points.axes @ points.wheel_rotation, order)
-    return wheel, couple(points, points.rail, points.axes, order)
+    wheel = contact_operators(points, own, points.axes @ points.wheel_rotation, order)
+    return wheel, contact_operators(points, points.rail, points.axes, order)

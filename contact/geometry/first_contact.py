@@ -21,7 +21,7 @@ LEAN = 1e-3  # cosine: a contact plane as steep as this carries nothing
 
 
 @dataclass(frozen=True)
-class Touch:
+class FirstContact:
     """Contact point of one wheel: arc lengths m on the profiles of wheel and rail, x m along the rail from the axle;
     point (3,) m and normal (3,) out of the rail, in the frame of the left pair's rail; overlap m.
     """
@@ -34,7 +34,7 @@ class Touch:
     overlap: float
 
 
-def touch(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> Touch:
+def touch(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> FirstContact:
     """Point of the largest overlap of the left pair. Raises ValueError where the wheel is beside the rail.
 
     Bodies that stay apart are moved together along the normal meanwhile: the search refines what overlaps.
@@ -48,7 +48,7 @@ def touch(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> Tou
     return replace(closer, point=closer.point + apart * found.normal, overlap=closer.overlap - apart)
 
 
-def _nearest(pair: RigidWheelRail, pose: Pose) -> Touch:
+def _nearest(pair: RigidWheelRail, pose: Pose) -> FirstContact:
     """The highest hump, or the line that comes nearest without any."""
     rotation = np.ascontiguousarray(pose.rotation)
     wheel, rail, lines = pair.wheel.shape, pair.rail.shape, pair.lines
@@ -63,10 +63,12 @@ def _nearest(pair: RigidWheelRail, pose: Pose) -> Touch:
             raise ValueError("the wheel leaves the rail")
     (point,), _ = pair.at(pose, np.array([s]), np.array([x]))
     foot = float(pair.rail.closest(point[None, 1:]).s[0])
-    return Touch(float(s), foot, float(x), point, np.array([0.0, *pair.rail.normal(foot)]), float(depth))
+    return FirstContact(float(s), foot, float(x), point, np.array([0.0, *pair.rail.normal(foot)]), float(depth))
 
 
-def seated(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> tuple[WheelsetState, dict[Side, Touch]]:
+def seated(
+    pair: RigidWheelRail, mounting: Mounting, state: WheelsetState
+) -> tuple[WheelsetState, dict[Side, FirstContact]]:
     """The state with height and roll at which both wheels just touch, from those of the state, by Newton's method.
 
     Contact points of the right pair are those of its mirror image. Raises ValueError where there is no such place.
@@ -74,7 +76,7 @@ def seated(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> tu
     for _ in range(MOST):
         seen = {"left": state, "right": state.mirrored()}
         try:
-            touches: dict[Side, Touch] = {side: touch(pair, mounting, seen[side]) for side in SIDES}
+            touches: dict[Side, FirstContact] = {side: touch(pair, mounting, seen[side]) for side in SIDES}
         except ValueError as error:
             raise ValueError(f"y = {state.y:.6g} m: {error}") from None
         excess = np.array([touches[side].overlap - TOUCH for side in SIDES])
@@ -90,7 +92,7 @@ def seated(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> tu
     raise ValueError(f"y = {state.y:.6g} m: there is no height and roll at which both wheels touch")
 
 
-def _slope(mounting: Mounting, state: WheelsetState, found: Touch) -> tuple[float, float]:
+def _slope(mounting: Mounting, state: WheelsetState, found: FirstContact) -> tuple[float, float]:
     """Change of a left pair's overlap by height [1] and roll [m/rad]: of two maxima, the place does not matter."""
     centre = mounting.centre(state) - np.array([0.0, mounting.rail_y, 0.0])
     axis = np.array([np.cos(state.yaw), np.sin(state.yaw), 0.0])
@@ -100,12 +102,12 @@ def _slope(mounting: Mounting, state: WheelsetState, found: Touch) -> tuple[floa
 
 def seats(
     pair: RigidWheelRail, mounting: Mounting, y: Array, yaw: float = 0.0
-) -> list[tuple[WheelsetState, dict[Side, Touch]]]:
+) -> list[tuple[WheelsetState, dict[Side, FirstContact]]]:
     """`seated` at every lateral position y (n,) m, each reached in small steps from the middle of the track.
 
     Raises ValueError naming the first position, from the middle, that cannot be reached.
     """
-    found: dict[int, tuple[WheelsetState, dict[Side, Touch]]] = {}
+    found: dict[int, tuple[WheelsetState, dict[Side, FirstContact]]] = {}
     middle = seated(pair, mounting, WheelsetState(yaw=yaw))
     for hand in (1.0, -1.0):
         state = middle[0]

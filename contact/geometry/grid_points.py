@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from wheelrail.contact.kinematics.contact_points import Places
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.support.arrays import Array, Nodes
 
@@ -19,7 +19,7 @@ class Interpolation:
 
 
 @dataclass(frozen=True)
-class ContactPoints(Places):
+class GridPoints(SurfacePoints):
     """The n points of the wheel's grid that overlap the rail, and the places upstream that their slip looks at.
 
     node (n,) on the wheel's grid; upstream (k, n) nodes of the wheel's grid at 0, 1, .. steps upstream; rail the
@@ -31,10 +31,10 @@ class ContactPoints(Places):
     rail: Interpolation
 
 
-class Geometry(Protocol):
+class SurfacePair(Protocol):
     """Surfaces of a pair of bodies."""
 
-    def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
+    def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
         """Candidates with so many steps upstream (None without overlap), and the largest overlap [m] (negative:
         distance).
 

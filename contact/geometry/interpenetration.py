@@ -31,7 +31,7 @@ LEAST = 1e-15  # m: overlap of a strip at the very edge, which still has a lengt
 STEEPEST = 0.05  # cosine: where a wheel's surface is as steep as this it does not get flatter along the rail
 
 
-class Zones(NamedTuple):
+class PenetrationRegions(NamedTuple):
     """Contacts (k,): place of the hump on the upper body's profile, m, and x there, m; overlap m; share that counts, 0
     to 1. Strips (n,) across, contact by contact: contact; place m, x m; width m; virtual overlap m; radius along x m.
     """
@@ -141,7 +141,7 @@ def wheel_zones(
 
 def profile_zones(
     wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines, merge: float
-) -> tuple[Zones | None, float]:
+) -> tuple[PenetrationRegions | None, float]:
     """Zones (None without overlap) of a wheel of nominal radius m on a rail, looked for at lines of its
     profile, and the largest overlap m. Raises ValueError for an overlap beyond the lines.
     """
@@ -154,10 +154,12 @@ def profile_zones(
         return None, approach
     peak, peak_x, depth, share = contacts.T
     place, x, width, overlap, radii = strips.T
-    return Zones(peak, peak_x, depth, share, contact, place, x, width, overlap, radii), approach
+    return PenetrationRegions(peak, peak_x, depth, share, contact, place, x, width, overlap, radii), approach
 
 
-def quadric_zones(upper: tuple[float, float], lower: tuple[float, float], pose: Pose) -> tuple[Zones | None, float]:
+def quadric_zones(
+    upper: tuple[float, float], lower: tuple[float, float], pose: Pose
+) -> tuple[PenetrationRegions | None, float]:
     """The same of two bodies with principal radii [m] in x and y, see `wheelrail.contact.geometry.quadric_pair`."""
     above, below = curvature(upper), curvature(lower)
     x, y = pose.origin[:2] * above / (above + below)
@@ -168,7 +170,7 @@ def quadric_zones(upper: tuple[float, float], lower: tuple[float, float], pose: 
     half = np.sqrt(VIRTUAL * approach / B)
     away = half * np.concatenate([-PLACES, PLACES])
     ones = np.ones_like(away)
-    return Zones(
+    return PenetrationRegions(
         np.array([y]),
         np.array([x]),
         np.array([approach]),

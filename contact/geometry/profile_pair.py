@@ -11,18 +11,18 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.geometry.grid_points import ContactPoints, Interpolation
+from wheelrail.contact.geometry.grid_points import GridPoints, Interpolation
 from wheelrail.contact.geometry.surface_grid import ContactGrid
-from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.kinematics.sensitivity import OnRail
+from wheelrail.contact.kinematics.sensitivity import WheelPointSensitivity
 from wheelrail.meshes.bodies.solids import Strip
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
 
 
 @dataclass(frozen=True)
-class WheelRail:
+class ProfilePair:
     """Surfaces of a left-hand pair: profiles, strips that carry contact points, grids on them; radius of the wheel, m.
 
     degree 1 or 2 of the displacements: a grid of quadratic displacements is twice as fine as its strip.
@@ -71,8 +71,8 @@ class WheelRail:
         return point, np.stack([forward, np.cross(forward, normal), normal], axis=1)
 
     @cached_property
-    def _follows(self) -> OnRail:
-        return OnRail.of(self.rail)
+    def _follows(self) -> WheelPointSensitivity:
+        return WheelPointSensitivity.of(self.rail)
 
     @cached_property
     def skyline(self) -> tuple[Array, Array]:
@@ -82,8 +82,8 @@ class WheelRail:
         rising = np.concatenate([[True], y[1:] > np.maximum.accumulate(y)[:-1]])
         return y[rising], z[rising]
 
-    def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
-        """Candidates where wheel points lie inside the undeformed rail; see `Geometry`."""
+    def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
+        """Candidates where wheel points lie inside the undeformed rail; see `SurfacePair`."""
         point = pose.origin + self.surface[0] @ pose.rotation.T
         # A point below the rail's top line is inside the rail; where the rail has no top there is nothing to touch.
         depth = np.interp(point[:, 1], *self.skyline, left=-np.inf, right=-np.inf) - point[:, 2]
@@ -96,10 +96,10 @@ class WheelRail:
         if picture[0].any() or picture[last:].any():
             reach = 1e3 * self.radius * self.angle[last]
             way = f"it passes {reach:.3g} mm along the rail, where grids of solids end before those of waveguides"
-            raise OutsideGrid(_beyond(depth, way))
+            raise OutsideSurface(_beyond(depth, way))
         if picture[:, 0].any() or picture[:, -1].any():
             end = "flange's tip" if picture[:, 0].any() else "end of the tread"
-            raise OutsideGrid(_beyond(depth, f"it passes the last line towards the {end}"))
+            raise OutsideSurface(_beyond(depth, f"it passes the last line towards the {end}"))
         node = np.flatnonzero((depth > 0) & (self.wheel_grid.weight.ravel() > 0))
         if not len(node):
             return None, float(depth.max())
@@ -122,7 +122,7 @@ class WheelRail:
         where = where.ravel()
         line = node % ns
         return (
-            ContactPoints(
+            GridPoints(
                 node=node,
                 point=point[node],
                 axes=axes,
@@ -159,7 +159,7 @@ def _beyond(depth: Array, way: str) -> str:
 def _cells(place: Array, count: int, degree: int) -> tuple[Nodes, Array]:
     """First node of the cells that hold places (m,) counted in nodes, and their shape functions (m, degree + 1)."""
     if place.min() < 0 or place.max() > count - 1:
-        raise OutsideGrid("the wheel touches the rail beyond the part of its surface that carries contact points")
+        raise OutsideSurface("the wheel touches the rail beyond the part of its surface that carries contact points")
     first = np.minimum((place // degree).astype(np.int64) * degree, count - 1 - degree)
     return first, _shape(place - first, degree)
 

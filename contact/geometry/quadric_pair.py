@@ -6,18 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.geometry.grid_points import ContactPoints, Interpolation
+from wheelrail.contact.geometry.grid_points import GridPoints, Interpolation
 from wheelrail.contact.geometry.surface_grid import ContactGrid
-from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.kinematics.sensitivity import UnderApex
+from wheelrail.contact.kinematics.sensitivity import QuadricSensitivity
 from wheelrail.support.arrays import Array
 
 UPSIDE_DOWN = np.diag([1.0, 1.0, -1.0])  # the upper block is the lower one's reflection
 
 
 @dataclass(frozen=True)
-class Quadrics:
+class QuadricPair:
     """Two bodies with principal radii [m] in x and y (inf straight, negative hollow), on one flat grid of contact
     points.
 
@@ -28,7 +28,7 @@ class Quadrics:
     upper: tuple[float, float]
     lower: tuple[float, float]
 
-    def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
+    def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
         """Candidates of the undeformed overlap -(z_upper - z_lower), Hertz's parabolas."""
         place = self.grid.position.reshape(-1, 3)[:, :2]
         overlap = (
@@ -44,7 +44,7 @@ class Quadrics:
             or picture[:, -1].any()
             or picture[-1 - steps * self.grid.stride :].any()
         ):
-            raise OutsideGrid(
+            raise OutsideSurface(
                 "the bodies overlap beyond the meshed strip; the approach is larger than the mesh was made for"
             )
         node = np.flatnonzero(inside & (self.grid.weight.ravel() > 0))
@@ -55,7 +55,7 @@ class Quadrics:
         spacing = self.grid.position[self.grid.stride, 0, 0] - self.grid.position[0, 0, 0]
         across = np.repeat(place[node, 1:], 2, axis=1)
         return (
-            ContactPoints(
+            GridPoints(
                 node=node,
                 point=point,
                 axes=axes,
@@ -67,7 +67,7 @@ class Quadrics:
                 step=np.full(n, spacing),
                 wheel_place=across,
                 rail_place=across,
-                follows=UnderApex(self.upper),
+                follows=QuadricSensitivity(self.upper),
             ),
             float(-pose.origin[2]),
         )

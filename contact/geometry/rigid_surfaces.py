@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import Zones, profile_zones, quadric_zones
+from wheelrail.contact.geometry.interpenetration import PenetrationRegions, profile_zones, quadric_zones
 from wheelrail.contact.geometry.rigid_search import Lines
 from wheelrail.contact.geometry.wheel_surface import wheel_places
 from wheelrail.contact.kinematics.frames import Pose
@@ -23,12 +23,12 @@ MERGE = 4e-3  # m: half the width of a patch on a rail head; two ellipses of tha
 class RigidPair(Protocol):
     """Two rigid surfaces that overlap."""
 
-    def zones(self, pose: Pose) -> tuple[Zones | None, float]:
+    def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         """Zones of contact (None without overlap) and the largest overlap m. Raises ValueError for one beyond reach."""
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
-        """Points (n, 3) m and axes (n, 3, 3), as in `wheelrail.contact.kinematics.contact_points.Places`, of places on
-        the upper body.
+        """Points (n, 3) m and axes (n, 3, 3), as in `wheelrail.contact.kinematics.contact_points.SurfacePoints`, of
+        places on the upper body.
         """
 
     def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
@@ -54,7 +54,7 @@ class RigidWheelRail:
         s = np.linspace(start, stop, int(np.ceil((stop - start) / SPACING)) + 1, dtype=np.float64)
         return Lines.of(self.wheel, self.rail, s)
 
-    def zones(self, pose: Pose) -> tuple[Zones | None, float]:
+    def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_zones(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
@@ -73,7 +73,7 @@ class RigidQuadrics:
     upper: tuple[float, float]
     lower: tuple[float, float]
 
-    def zones(self, pose: Pose) -> tuple[Zones | None, float]:
+    def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return quadric_zones(self.upper, self.lower, pose)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:

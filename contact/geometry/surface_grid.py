@@ -47,23 +47,25 @@ class ContactGrid:
 
 
 @dataclass(frozen=True)
-class Rule:
+class FaceQuadrature:
     """Quadrature on a face whose points are displacement nodes: their shares of the corners; weights that add to 1."""
 
     corners: Array
     weights: Array
 
 
-def _tensor(values: Array, weights: Array) -> Rule:
+def _tensor(values: Array, weights: Array) -> FaceQuadrature:
     """Rule on a quadrilateral from one on a line, corners in the order of dolfinx."""
     ends = np.stack([1 - values, values])
-    return Rule(np.einsum("xa,yb->abxy", ends, ends).reshape(len(values) ** 2, 4), (weights[:, None] * weights).ravel())
+    return FaceQuadrature(
+        np.einsum("xa,yb->abxy", ends, ends).reshape(len(values) ** 2, 4), (weights[:, None] * weights).ravel()
+    )
 
 
 # by corners of the face and degree of the displacements; exact for the shape functions
-RULES: dict[tuple[int, int], Rule] = {
-    (3, 1): Rule(np.eye(3), np.full(3, 1 / 3)),
-    (3, 2): Rule(np.array([[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]]), np.full(3, 1 / 3)),
+RULES: dict[tuple[int, int], FaceQuadrature] = {
+    (3, 1): FaceQuadrature(np.eye(3), np.full(3, 1 / 3)),
+    (3, 2): FaceQuadrature(np.array([[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]]), np.full(3, 1 / 3)),
     (4, 1): _tensor(np.array([0.0, 1.0]), np.array([0.5, 0.5])),
     (4, 2): _tensor(np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6),
 }

@@ -8,18 +8,18 @@ from typing import Protocol
 from wheelrail.support.arrays import Array
 
 
-class Following(Protocol):
+class PointSensitivity(Protocol):
     """How points follow the wheel's frame, see `wheelrail.contact.kinematics.sensitivity`: riding on it or at rest."""
 
     @property
     def rides(self) -> bool: ...
 
-    def overlap(self, places: Places, origin: Array, /) -> Array:
+    def overlap(self, places: SurfacePoints, origin: Array, /) -> Array:
         """Change (6, n) of the overlap by translation of the frame and by rotation about its origin (3,) m."""
 
 
 @dataclass(frozen=True)
-class Places:
+class SurfacePoints:
     """Where n contact points of a pose are.
 
     point (n, 3) m and axes (n, 3, 3) in the rail frame, rows longitudinal, lateral, normal outward from the wheel; area
@@ -36,8 +36,8 @@ class Places:
     step: Array
     wheel_place: Array
     rail_place: Array
-    follows: Following | None = field(default=None, kw_only=True)
+    follows: PointSensitivity | None = field(default=None, kw_only=True)
 
 
-class OutsideGrid(ValueError):
+class OutsideSurface(ValueError):
     """The bodies overlap where no contact points were meshed."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.contact.kinematics.contact_points import Places
-from wheelrail.contact.kinematics.frames import Motion
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.support.arrays import Array
 
 
@@ -13,7 +13,7 @@ class NotRolling(ValueError):
     """Steady slip needs bodies that roll forward."""
 
 
-def creepage(points: Places, motion: Motion) -> tuple[float, Array]:
+def creepage(points: SurfacePoints, motion: RigidMotion) -> tuple[float, Array]:
     """Rolling speed V [m/s] and rigid slip over V, (2 n,) longitudinal then lateral.
 
     V is the mean speed at which both materials flow backwards through the contact. Raises NotRolling unless V > 0.
@@ -29,7 +29,7 @@ def creepage(points: Places, motion: Motion) -> tuple[float, Array]:
     return speed, shift(points, motion) / speed
 
 
-def shift(points: Places, motion: Motion) -> Array:
+def shift(points: SurfacePoints, motion: RigidMotion) -> Array:
     """Tangential part of the motion of wheel against rail (2 n,), longitudinal then lateral, in the motion's unit."""
     wheel, rail = motion.wheel.at(points.point), motion.rail.at(points.point)
     return np.asarray(np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail).ravel())

@@ -47,7 +47,7 @@ class Twist:
 
 
 @dataclass(frozen=True)
-class Motion:
+class RigidMotion:
     """Rigid velocity fields of wheel material (spin included) and rail material, in the rail frame, eq. (5)."""
 
     wheel: Twist

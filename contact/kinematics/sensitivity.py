@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.kinematics.contact_points import Places
-from wheelrail.contact.kinematics.frames import Motion
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.meshes.curves.curve import Curve
 from wheelrail.support.arrays import Array
 
@@ -38,18 +38,18 @@ def carried(arms: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class OnRail:
+class WheelPointSensitivity:
     """Points of a wheel above the section of a rail: they move with the wheel, the foot slides along the rail."""
 
     rail: Curve
     rides: bool = True
 
     @classmethod
-    def of(cls, rail: Curve) -> OnRail:
+    def of(cls, rail: Curve) -> WheelPointSensitivity:
         """By a bare copy of the rail's curve, without what it remembers."""
         return cls(Curve(rail.breaks, rail.coefficients))
 
-    def overlap(self, places: Places, origin: Array) -> Array:
+    def overlap(self, places: SurfacePoints, origin: Array) -> Array:
         """Change (6, n) of the overlap (x - r) n_wheel: the foot's tangential part falls out of the point's way."""
         s, wheel = places.rail_place[:, 0], places.axes[:, 2, 1:]
         normal = self.rail.normal(s)
@@ -62,13 +62,13 @@ class OnRail:
 
 
 @dataclass(frozen=True)
-class UnderApex:
+class QuadricSensitivity:
     """Points at rest under the paraboloid of an upper body with radii [m], which the pose moves and does not turn."""
 
     radii: tuple[float, float]
     rides: bool = False
 
-    def overlap(self, places: Places, origin: Array) -> Array:
+    def overlap(self, places: SurfacePoints, origin: Array) -> Array:
         """Change (6, n) of the overlap -Z - (x - X)^2 / 2 R_x - (y - Y)^2 / 2 R_y - .."""
         change = np.zeros((6, len(places.point)))
         change[:2] = ((places.point - origin)[:, :2] / self.radii).T
@@ -76,7 +76,7 @@ class UnderApex:
         return change
 
 
-def rigid_slip(places: Places, origin: Array, motion: Motion, overlap: Array) -> tuple[Array, Array]:
+def rigid_slip(places: SurfacePoints, origin: Array, motion: RigidMotion, overlap: Array) -> tuple[Array, Array]:
     """Change (12, 2 n) of what `wheelrail.contact.kinematics.creepage.shift` gives, and (12,) of the rolling speed of
     `creepage`.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Motion, Pose, Twist
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.support.arrays import Array
 
 RailShift = tuple[tuple[float, float], tuple[float, float]]
@@ -78,7 +78,7 @@ class Mounting:
         """Wheelset centre (3,) in the track frame, m."""
         return np.array([0.0, state.y, self.radius + state.z])
 
-    def left_pair(self, state: WheelsetState) -> tuple[Pose, Motion]:
+    def left_pair(self, state: WheelsetState) -> tuple[Pose, RigidMotion]:
         """Pose and velocities of the left pair, in the left rail's frame (parallel to the track frame), eq. (5)."""
         rail = np.array([0.0, self.rail_y, 0.0])
         if state.rail_shift is not None:
@@ -93,4 +93,4 @@ class Mounting:
         )
         # The rail rests in inertial space: seen from the moving frame it flows backwards and turns against the frame.
         moving = Twist(velocity=np.array([-state.speed, 0.0, 0.0]), rotation=-frame_rate, reference=-rail)
-        return Pose(centre + self.wheel_y * axle - rail, rotation), Motion(wheel, moving)
+        return Pose(centre + self.wheel_y * axle - rail, rotation), RigidMotion(wheel, moving)

@@ -1,3 +1,3 @@
-from .material import Steel as Steel
+from .material import Material as Material
+from .parameters import ContactLaws as ContactLaws
 from .parameters import FallingFriction as FallingFriction
-from .parameters import Laws as Laws

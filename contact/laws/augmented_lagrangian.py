@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.support.arrays import Array
 
 PENALTY = 30.0  # times Young's modulus over the surface size: the stiffest ripple of the surface has about 3
@@ -19,7 +19,7 @@ REGULARISATION = 1e-5
 LOOPS = 60
 
 
-def softened(laws: Laws, *, modulus: float, size: float) -> Laws:
+def softened(laws: ContactLaws, *, modulus: float, size: float) -> ContactLaws:
     """The laws with a finite penalty and regularisation: their own, or some that make multipliers converge fast.
 
     modulus Pa and surface size m.
@@ -28,7 +28,7 @@ def softened(laws: Laws, *, modulus: float, size: float) -> Laws:
     return soft if laws.normal_compliance else replace(soft, stiffness_per_area=PENALTY * modulus / size)
 
 
-def offset(laws: Laws, soft: Laws, traction: Array, slip: Array, speed: float) -> Array:
+def offset(laws: ContactLaws, soft: ContactLaws, traction: Array, slip: Array, speed: float) -> Array:
     """What multipliers add to overlap and slip (n, c), from tractions (n, c) Pa, along the wheel's normal first, and
     the slip (n, c - 1) that they belong to.
     """

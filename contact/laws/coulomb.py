@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
 
 @dataclass(frozen=True, eq=False)
-class LawSlope:
+class LinearisedFriction:
     """Factors at a points: own and by_slip (2, 2, a), by_pressure and by_speed (2, a); slides (a,)."""
 
     own: Array
@@ -26,14 +26,14 @@ class LawSlope:
     slides: Mask
 
     @classmethod
-    def at(cls, rho: Array, p: Array, q: Array, s: Array, *, laws: Laws, speed: float) -> LawSlope:
+    def at(cls, rho: Array, p: Array, q: Array, s: Array, *, laws: ContactLaws, speed: float) -> LinearisedFriction:
         """Around pressures (a,), tractions and slips (2, a); rho (a,) 1/Pa as in
         `wheelrail.contact.solvers.tangential`, any will do.
         """
         size = np.hypot(*s)
         mu, fall = laws.friction_at(size, speed)
         b, eps = mu * p, laws.regularisation
-        y, longest, slides, _, _ = misfit(np.ascontiguousarray(q), np.ascontiguousarray(s), b, rho, eps)
+        y, longest, slides, _, _ = residual(np.ascontiguousarray(q), np.ascontiguousarray(s), b, rho, eps)
         u = y / np.maximum(np.hypot(*y), TINY)
         along = np.where(slides, u, y * eps / longest**2)
         across = b / longest * (np.eye(2)[..., None] - slides * u[:, None] * u)
@@ -63,8 +63,8 @@ TINY = 1e-300
 
 
 @compiled
-def misfit(q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, Array, Mask, Array, float]:
-    """y, the larger of |y| and b rho + eps, where it is |y|, F and its norm, see `Trial`."""
+def residual(q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, Array, Mask, Array, float]:
+    """y, the larger of |y| and b rho + eps, where it is |y|, F and its norm, see `FrictionState`."""
     n = len(b)
     y, F, longest, slides = np.empty((2, n)), np.empty((2, n)), np.empty(n), np.empty(n, dtype=np.bool_)
     total = 0.0

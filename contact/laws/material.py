@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Steel:
+class Material:
     """Isotropic elastic material: Young's modulus [Pa] and Poisson's ratio. Raises ValueError for impossible values."""
 
     E: float = 2.1e11

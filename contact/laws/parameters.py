@@ -29,7 +29,7 @@ class FallingFriction:
 
 
 @dataclass(frozen=True)
-class Laws:
+class ContactLaws:
     """Contact laws: no penetration and Coulomb's friction, each of which may be softened as in eqs. (4) and (6).
 
     stiffness_per_area K [N/m3] of the penalty pressure (inf: no penetration at all); friction mu (0 skips all
@@ -51,7 +51,7 @@ class Laws:
             raise ValueError(f"the regularising creepage must be finite and not negative, got {self.regularisation}")
 
     @classmethod
-    def paper(cls, friction: float = 0.3) -> Laws:
+    def penalty(cls, friction: float = 0.3) -> ContactLaws:
         """Penalty and regularisation with the paper's constants, 1e15 N/m3 and 1e-5."""
         return cls(1e15, friction, 1e-5)
 

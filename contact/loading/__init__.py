@@ -1,6 +1,6 @@
 """The depth, or the position of a wheelset, at which given loads are carried.
 
-`lower_until` searches the depth of one pair or of a whole wheelset; `hertz_under_load` is for quadrics,
+`find_depth_for_load` searches the depth of one pair or of a whole wheelset; `hertz_under_load` is for quadrics,
 `wheel_under_load`, `wheels_under_load` and `axle_under_load` are for a wheelset on its rails.
 """
 

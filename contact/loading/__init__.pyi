@@ -1,10 +1,10 @@
 from .hertz import hertz_pose as hertz_pose
 from .hertz import hertz_under_load as hertz_under_load
 from .hertz import sphere_approach as sphere_approach
-from .load_search import Loaded as Loaded
 from .load_search import LoadError as LoadError
-from .load_search import lower_until as lower_until
-from .wheelset import Seat as Seat
+from .load_search import LoadSolution as LoadSolution
+from .load_search import find_depth_for_load as find_depth_for_load
+from .wheelset import WheelsetEquilibrium as WheelsetEquilibrium
 from .wheelset import axle_under_load as axle_under_load
 from .wheelset import placed as placed
 from .wheelset import wheel_under_load as wheel_under_load

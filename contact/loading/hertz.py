@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.loading.load_search import (
     RTOL,
-    Loaded,
+    LoadSolution,
     Results,
-    lower_until,
+    find_depth_for_load,
 )
 from wheelrail.contact.models.wheelset import ContactModel
 
@@ -28,11 +28,11 @@ def hertz_pose(approach: float) -> Pose:
 
 
 def hertz_under_load(
-    model: ContactModel, motion: Motion, load: float, *, expected: float, rtol: float = RTOL
-) -> Loaded:
+    model: ContactModel, motion: RigidMotion, load: float, *, expected: float, rtol: float = RTOL
+) -> LoadSolution:
     """Approach (the depth) at which a Hertz pair carries the load N, starting from the expected approach m."""
 
     def lowered(depth: float, guess: Results | None) -> Results:
         return (model(hertz_pose(depth), motion, guess[0] if guess else None),)
 
-    return lower_until(lowered, load, expected=expected, start=expected, rtol=rtol)
+    return find_depth_for_load(lowered, load, expected=expected, start=expected, rtol=rtol)

@@ -29,7 +29,7 @@ class LoadError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Loaded:
+class LoadSolution:
     """Depth m (downwards from the start of the scale), the results there, error of the load relative to it, number of
     trials, and the slope of F^(2/3) by depth, N^(2/3)/m."""
 
@@ -58,7 +58,7 @@ def check(results: Results) -> Results:
     return results
 
 
-def lower_until(
+def find_depth_for_load(
     contact: Lowered,
     load: float,
     *,
@@ -67,7 +67,7 @@ def lower_until(
     rtol: float = RTOL,
     deepest: float = 0.1,
     guess: Results | None = None,
-) -> Loaded:
+) -> LoadSolution:
     """Lower the upper body from a start depth m until the vertical force equals the load N.
 
     expected m is the approach that the load should need; deepest m bounds the search below the start. Raises LoadError
@@ -77,7 +77,7 @@ def lower_until(
     below, above = -np.inf, np.inf  # depths that carry less; more, or where the contact fails
     depth, stride, slope = start, expected, target / expected
     last: tuple[float, float] | None = None  # depth and F^(2/3) of the last solve in contact
-    best, width = Loaded(start, (), np.inf, 0, slope), np.inf
+    best, width = LoadSolution(start, (), np.inf, 0, slope), np.inf
     for trial in range(1, MOST + 1):
         results = contact(depth, guess)
         overlap = max(result.approach for result in results)
@@ -99,7 +99,7 @@ def lower_until(
             last = depth, value
         stalled = best.error <= NOISE and error >= 0.5 * best.error
         if error < best.error:
-            best = Loaded(depth, results, error, trial, slope)
+            best = LoadSolution(depth, results, error, trial, slope)
         if error <= rtol or stalled:
             return replace(best, trials=trial)
         if above - below <= max(0.1 * rtol * expected, 8.0 * np.spacing(abs(depth))):
@@ -120,5 +120,5 @@ def lower_until(
     raise LoadError(f"{load:g} N not reached in {MOST} solves, nearest {_nearest(best)}")
 
 
-def _nearest(best: Loaded) -> str:
+def _nearest(best: LoadSolution) -> str:
     return f"{vertical(best.results):g} N" if best.results else "none"

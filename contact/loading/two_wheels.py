@@ -10,7 +10,7 @@ from wheelrail.contact.loading.load_search import MOST, NOISE, RTOL, LoadError, 
 from wheelrail.support.arrays import Array
 
 
-def balance(
+def find_depths_for_loads(
     contact: Callable[[Array, Results | None], Results],
     loads: Array,
     *,

@@ -13,12 +13,12 @@ from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
 from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide, rail_waveguide, wheel_waveguide
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.element_correction import surface_error
-from wheelrail.contact.geometry.profile_pair import WheelRail
-from wheelrail.contact.geometry.quadric_pair import Quadrics, curvature
+from wheelrail.contact.geometry.profile_pair import ProfilePair
+from wheelrail.contact.geometry.quadric_pair import QuadricPair, curvature
 from wheelrail.contact.geometry.surface_grid import ContactGrid
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.operators import StripOperators
@@ -41,14 +41,14 @@ Made = TypeVar("Made")
 REACH = 0.2  # m along the rolling direction, between the ends of what fitted cells can cover
 
 
-def elastic_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:
+def elastic_body(solid: Solid, steel: Material, degree: int) -> ElasticBody:
     """Imports dolfinx only when a stiffness is needed."""
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
     return ElasticBody(solid, steel, degree=degree)
 
 
-def spread_body(solid: Solid, steel: Steel, degree: int) -> ElasticBody:
+def spread_body(solid: Solid, steel: Material, degree: int) -> ElasticBody:
     """The same, split over all processes that `mpirun` started."""
     from wheelrail.contact.elasticity.solid_body import ElasticBody
     from wheelrail.support.mpi import everyone
@@ -65,7 +65,7 @@ def _meshed(model: Model, make: Callable[[], Made]) -> Made:
     return everyone().shared(make)
 
 
-def compliance(solid: Solid, key: str, steel: Steel, degree: int, *, scale: float = 1.0) -> SurfaceCompliance:
+def compliance(solid: Solid, key: str, steel: Material, degree: int, *, scale: float = 1.0) -> SurfaceCompliance:
     """Surface compliance of a meshed body, kept on disk under the mesh's key, the material and the degree."""
     grid = ContactGrid.on(solid, degree)
     name = digest(mesh=key, E=steel.E, nu=steel.nu, degree=degree)
@@ -76,12 +76,12 @@ def hertz_pair(
     upper_radii: tuple[float, float],
     lower_radii: tuple[float, float],
     *,
-    upper_steel: Steel,
-    lower_steel: Steel,
+    upper_steel: Material,
+    lower_steel: Material,
     load: float | None = None,
     approach: float | None = None,
     surface_size: float,
-    laws: Laws,
+    laws: ContactLaws,
     model: Model = "condensed",
     bodies: Bodies = "solid",
     degree: int | None = None,
@@ -118,7 +118,7 @@ def hertz_pair(
         return FittedContact(operators, laws, **options)
     if bodies == "waveguide":
 
-        def endless(steel: Steel) -> tuple[WaveguideCompliance, ContactGrid]:
+        def endless(steel: Material) -> tuple[WaveguideCompliance, ContactGrid]:
             return block_waveguide(half_cells, steel, size=surface_size, half_width=float(width), degree=degree or 2)
 
         above, shared = endless(upper_steel)
@@ -131,26 +131,28 @@ def hertz_pair(
             ]
             operators = StripOperators(QuadricStrips(upper_radii, lower_radii), kernels[0], kernels[-1])
             return FittedContact(operators, laws, **options)
-        return Condensed(Quadrics(shared, upper_radii, lower_radii), above, below, laws, order=order, **options)
+        return CondensedContact(
+            QuadricPair(shared, upper_radii, lower_radii), above, below, laws, order=order, **options
+        )
     degree = degree or 1
     solid, key = _meshed(model, partial(block, half_cells, half_width=float(width), cell=cell))
     grid = ContactGrid.on(solid, degree)
     scaled = ContactGrid(grid.position * surface_size, grid.weight * surface_size**2, grid.stride)
-    geometry = Quadrics(scaled, upper_radii, lower_radii)
+    geometry = QuadricPair(scaled, upper_radii, lower_radii)
     if model == "full":
-        from wheelrail.contact.models.full.model import Full
+        from wheelrail.contact.models.full.model import FullContact
 
         upper_body, lower_body = (
             spread_body(solid.mapped(partial(np.multiply, surface_size)), s, degree) for s in (upper_steel, lower_steel)
         )
-        return Full(geometry, upper_body, lower_body, laws, order=order, **options)
+        return FullContact(geometry, upper_body, lower_body, laws, order=order, **options)
 
-    def of(steel: Steel) -> SurfaceCompliance:
-        return compliance(solid, key, Steel(1.0, steel.nu), degree, scale=1 / (steel.E * surface_size))
+    def of(steel: Material) -> SurfaceCompliance:
+        return compliance(solid, key, Material(1.0, steel.nu), degree, scale=1 / (steel.E * surface_size))
 
     upper = of(upper_steel)
     lower = upper if lower_steel == upper_steel else of(lower_steel)
-    return Condensed(geometry, upper, lower, laws, order=order, **options)
+    return CondensedContact(geometry, upper, lower, laws, order=order, **options)
 
 
 def wheel_rail_pair(
@@ -158,10 +160,10 @@ def wheel_rail_pair(
     rail_profile: Profile,
     *,
     radius: float,
-    wheel_steel: Steel,
-    rail_steel: Steel,
+    wheel_steel: Material,
+    rail_steel: Material,
     surface_size: float,
-    laws: Laws,
+    laws: ContactLaws,
     model: Model = "condensed",
     bodies: Bodies = "solid",
     degree: int | None = None,
@@ -203,14 +205,14 @@ def wheel_rail_pair(
                 _kernel(below, rail_section.surface(rail_strip.arc), rail_strip.arc, REACH, rail_steel, degree),
             )
             return FittedContact(operators, laws, **options)
-        surfaces = WheelRail(wheel_profile, rail_profile, radius, wheel_strip, rail_strip, wheel_grid, rail_grid)
-        return Condensed(surfaces, above, below, laws, order=order, **options)
+        surfaces = ProfilePair(wheel_profile, rail_profile, radius, wheel_strip, rail_strip, wheel_grid, rail_grid)
+        return CondensedContact(surfaces, above, below, laws, order=order, **options)
     degree = degree or 1
     rim = rim_outline(wheel_profile, radius)
     wheel_solid, wheel_strip, wheel_key = _meshed(model, partial(wheel, rim, size=surface_size, cell=cell))
     outline = rail_outline(rail_profile, chord_error=min(0.5 * surface_size, 5e-4))
     rail_solid, rail_strip, rail_key = _meshed(model, partial(rail, outline, size=surface_size, cell=cell))
-    geometry = WheelRail(
+    geometry = ProfilePair(
         wheel_profile,
         rail_profile,
         radius,
@@ -221,13 +223,13 @@ def wheel_rail_pair(
         degree,
     )
     if model == "full":
-        from wheelrail.contact.models.full.model import Full
+        from wheelrail.contact.models.full.model import FullContact
 
         wheel_body, rail_body = (
             spread_body(s, steel, degree) for s, steel in ((wheel_solid, wheel_steel), (rail_solid, rail_steel))
         )
-        return Full(geometry, wheel_body, rail_body, laws, order=order, **options)
-    return Condensed(
+        return FullContact(geometry, wheel_body, rail_body, laws, order=order, **options)
+    return CondensedContact(
         geometry,
         compliance(wheel_solid, wheel_key, wheel_steel, degree),
         compliance(rail_solid, rail_key, rail_steel, degree),
@@ -242,7 +244,7 @@ def _kernel(
     lines: Array,
     arc: Array,
     reach: float,
-    steel: Steel,
+    steel: Material,
     degree: int | None,
     unit: float = 1.0,
 ) -> ElementInfluence:
@@ -260,7 +262,7 @@ def _kernel(
     )
 
 
-def _fitted(model: Model, bodies: Bodies, points: Points | None, laws: Laws, order: int) -> bool:
+def _fitted(model: Model, bodies: Bodies, points: Points | None, laws: ContactLaws, order: int) -> bool:
     """Whether cells are fitted. Raises ValueError for what does not go together."""
     if model == "full" and bodies != "solid":
         raise ValueError("the full model needs meshed solids")

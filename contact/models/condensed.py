@@ -9,22 +9,22 @@ from typing import Literal
 import numpy as np
 
 from wheelrail.contact.elasticity.compliance import Compliance
-from wheelrail.contact.geometry.contact_operators import Coupling, couple_both
-from wheelrail.contact.geometry.grid_points import Geometry
-from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
+from wheelrail.contact.geometry.grid_points import SurfacePair
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
-from wheelrail.contact.kinematics.frames import Motion, Pose
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.results.result import ContactResult, Statistics
-from wheelrail.contact.results.resultants import connected, outcome
-from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
-from wheelrail.contact.solvers.tangent import Linearisation, tangent_of
-from wheelrail.contact.solvers.tractions import Elastic, solve_tractions
+from wheelrail.contact.results.resultants import assemble_result, connected
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
+from wheelrail.contact.solvers.tractions import ContactCompliance, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
 
 
 @dataclass(frozen=True)
-class Condensed:
+class CondensedContact:
     """Contact model on surface compliances: pose and velocities in, `ContactResult` out.
 
     order of the upstream slip: 1 or 2. tangential: steady "rolling", or a "shift": one step of tangential loading from
@@ -34,10 +34,10 @@ class Condensed:
     coupled and the active points change. Raises ValueError for other friction in a shift.
     """
 
-    geometry: Geometry
+    geometry: SurfacePair
     wheel: Compliance
     rail: Compliance
-    laws: Laws
+    laws: ContactLaws
     order: int = 2
     options: NewtonOptions = field(default_factory=NewtonOptions)
     tangential: Literal["rolling", "shift"] = "rolling"
@@ -46,13 +46,13 @@ class Condensed:
         if self.tangential == "shift" and (self.laws.regularisation > 0 or self.laws.falling is not None):
             raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         start = perf_counter()
         shifts = self.tangential == "shift"
         order = 0 if not self.laws.friction else 1 if shifts else self.order
         try:
             points, approach = self.geometry.contact_points(pose, order)
-        except OutsideGrid as error:
+        except OutsideSurface as error:
             return ContactResult.failed(str(error))
         if points is None:
             return ContactResult.separated(approach)
@@ -63,7 +63,7 @@ class Condensed:
         except NotRolling as error:
             return ContactResult.failed(str(error), approach)
         found = perf_counter()
-        wheel, rail = couple_both(points, order)
+        wheel, rail = pair_operators(points, order)
         if shifts:
             wheel, rail = replace(wheel, slip=None), replace(rail, slip=None)
         columns = np.tile(points.area, 3 if order else 1)
@@ -78,8 +78,8 @@ class Condensed:
         n = len(points.node)
         normal = displacement[-n:]
         # a pressure pushes along the inward normal: the last columns count -p
-        operator = Elastic(np.vstack([slip, normal]), n, self.laws)
-        count = Count()
+        operator = ContactCompliance(np.vstack([slip, normal]), n, self.laws)
+        count = IterationCount()
         for attempt in (warm(guess, points.node), None):  # what a stale guess led astray may converge from nothing
             try:
                 found_tractions = solve_tractions(
@@ -101,7 +101,7 @@ class Condensed:
         loads = np.concatenate([*q.T, -p]) if order else -p
         moved = np.zeros((n, 3))
         moved[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
-        result = outcome(
+        result = assemble_result(
             points,
             node=points.node,
             patch=connected(points.node, p > 0, self.wheel.shape),
@@ -121,11 +121,11 @@ class Condensed:
                 seconds={"points": found - start, "compliance": gathered - found, "solve": solved - gathered},
             ),
         )
-        around = Linearisation(points, pose.origin, motion, operator, rigid, speed, self.laws, found_tractions)
+        around = TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, found_tractions)
         return replace(result, force_tangent=tangent_of(around))
 
 
-def condense(coupling: Coupling, compliance: Compliance) -> tuple[Array, Array]:
+def condense(coupling: ContactOperators, compliance: Compliance) -> tuple[Array, Array]:
     """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by
     component.
     """

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Motion, Pose, Side
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.support.arrays import Array
 
-ContactModel = Callable[[Pose, Motion, ContactResult | None], ContactResult]
+ContactModel = Callable[[Pose, RigidMotion, ContactResult | None], ContactResult]
 
 
 @dataclass(frozen=True)

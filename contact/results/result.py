@@ -58,7 +58,7 @@ class Patch:
         )
 
 
-class Summaries(Sequence[Patch]):
+class LazyPatches(Sequence[Patch]):
     """Patches that are summed up when they are first looked at: a vehicle asks for forces alone most of the time."""
 
     def __init__(self, made: Callable[[], tuple[Patch, ...]]) -> None:
@@ -207,7 +207,7 @@ class ContactResult:
             self,
             force=MIRROR * self.force,
             moment=-MIRROR * self.moment,
-            patches=Summaries(partial(_mirrored, self.patches)),
+            patches=LazyPatches(partial(_mirrored, self.patches)),
             force_tangent=None if self.force_tangent is None else self.force_tangent.mirrored(),
         )
 

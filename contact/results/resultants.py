@@ -8,22 +8,22 @@ from functools import cached_property, partial
 import numpy as np
 from scipy import ndimage
 
-from wheelrail.contact.kinematics.contact_points import Places
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.creepage import shift
-from wheelrail.contact.kinematics.frames import Motion
-from wheelrail.contact.results.result import ContactResult, Fields, Patch, Statistics, Summaries
+from wheelrail.contact.kinematics.frames import RigidMotion
+from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch, Statistics
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 
-def outcome(
-    points: Places,
+def assemble_result(
+    points: SurfacePoints,
     *,
     node: Nodes,
     patch: Nodes,
     pressure: Array,
     traction: Array,
     slip: Array,
-    motion: Motion,
+    motion: RigidMotion,
     speed: float,
     displacement: Array,
     approach: float,
@@ -47,7 +47,7 @@ def outcome(
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=Summaries(partial(_summarised, points, patch, forces, pressure, traction, bound, motion, speed)),
+        patches=LazyPatches(partial(_summarised, points, patch, forces, pressure, traction, bound, motion, speed)),
         fields=Fields(
             node,
             patch,
@@ -68,15 +68,15 @@ def outcome(
 
 
 @dataclass(frozen=True)
-class Rubbing:
+class FrictionalWork:
     """Places, tractions (n, 2) Pa on the wheel, where the surfaces stick (n,), the bodies' motion and rolling speed
     m/s.
     """
 
-    points: Places
+    points: SurfacePoints
     traction: Array
     sticks: Mask
-    motion: Motion
+    motion: RigidMotion
     speed: float
 
     @cached_property
@@ -101,17 +101,17 @@ class Rubbing:
 
 
 def _summarised(
-    points: Places,
+    points: SurfacePoints,
     patch: Nodes,
     forces: Array,
     pressure: Array,
     traction: Array,
     bound: Array,
-    motion: Motion,
+    motion: RigidMotion,
     speed: float,
 ) -> tuple[Patch, ...]:
     """Every patch, by falling load."""
-    rubbing = Rubbing(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
+    rubbing = FrictionalWork(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
     return tuple(
         summarise(points, patch == k, forces=forces, pressure=pressure, rubbing=rubbing)
         for k in range(patch.max(initial=-1) + 1)
@@ -137,7 +137,7 @@ def components(nodes: Nodes, grid: tuple[int, int]) -> Nodes:
     return np.asarray(labels[i, j] - 1)
 
 
-def summarise(points: Places, inside: Mask, *, forces: Array, pressure: Array, rubbing: Rubbing) -> Patch:
+def summarise(points: SurfacePoints, inside: Mask, *, forces: Array, pressure: Array, rubbing: FrictionalWork) -> Patch:
     """One patch: its resultant, place, angle and shape from the pressure's moments."""
     area, p = points.area[inside], pressure[inside]
     weight = p * area

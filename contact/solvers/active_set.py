@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.solvers.options import Count, NotConverged
+from wheelrail.contact.solvers.options import IterationCount, NotConverged
 from wheelrail.support.arrays import Array, Mask
 
 ROUND_OFF = 1e-12
 PATIENCE = 5  # steps without progress before points change sides one by one
 
 
-class Factors:
+class CachedFactors:
     """LU factors of a compliance on sets of active points, the last few kept."""
 
     KEPT = 4
@@ -26,7 +26,7 @@ class Factors:
         self.compliance = compliance
         self._known: dict[bytes, Any] = {}
 
-    def of(self, active: Mask, count: Count) -> Any:
+    def of(self, active: Mask, count: IterationCount) -> Any:
         key = active.tobytes()
         if key not in self._known:
             count.newton += 1
@@ -41,14 +41,16 @@ class Factors:
         return self._known[key]
 
 
-def normal_contact(compliance: Array | Factors, overlap: Array, active: Mask, count: Count) -> tuple[Array, Mask]:
+def normal_contact(
+    compliance: Array | CachedFactors, overlap: Array, active: Mask, count: IterationCount
+) -> tuple[Array, Mask]:
     """Pressure p >= 0 with N p >= d0, p (N p - d0) = 0 by a primal-dual active set, N (n, n) m/Pa holding 1/K.
 
     Each step is a Newton step of the semi-smooth complementarity. Should the number of offending points not fall for
     some steps, single points change sides until it does, which ends for certain as N is positive definite: block
     principal pivoting, Judice and Pires, doi:10.1016/0305-0548(94)90106-6. Raises NotConverged.
     """
-    factors = compliance if isinstance(compliance, Factors) else Factors(compliance)
+    factors = compliance if isinstance(compliance, CachedFactors) else CachedFactors(compliance)
     n = len(overlap)
     active = active.copy()
     slack = ROUND_OFF * np.abs(overlap).max()
@@ -76,33 +78,33 @@ def normal_contact(compliance: Array | Factors, overlap: Array, active: Mask, co
     raise NotConverged("the contact area does not settle")
 
 
-class Given:
+class PrescribedPressure:
     """Pressures that tangential tractions do not change: equal bodies, flat surfaces, or pressures from elsewhere."""
 
     def __init__(self, pressure: Array) -> None:
         self._pressure, self._active = pressure, pressure > 0
 
-    def at(self, _: Array, __: Mask, ___: Count) -> tuple[Array, Mask]:
+    def at(self, _: Array, __: Mask, ___: IterationCount) -> tuple[Array, Mask]:
         return self._pressure, self._active
 
-    def slope(self, _: Mask, __: Count) -> Array | None:
+    def slope(self, _: Mask, __: IterationCount) -> Array | None:
         return None
 
 
-class Coupled:
+class CoupledPressure:
     """Pressures as a function of the tangential tractions q (2 n,): the normal problem is solved for each of them.
 
     Piecewise linear: N p = d0 + D q on the active points. normal: N (n, n) m/Pa; coupling: D (n, 2 n) m/Pa.
     """
 
-    def __init__(self, normal: Factors, overlap: Array, coupling: Array) -> None:
+    def __init__(self, normal: CachedFactors, overlap: Array, coupling: Array) -> None:
         self._factors, self._overlap, self._coupling = normal, overlap, coupling
 
-    def at(self, q: Array, active: Mask, count: Count) -> tuple[Array, Mask]:
+    def at(self, q: Array, active: Mask, count: IterationCount) -> tuple[Array, Mask]:
         """Pressures (n,) and active points, found from a set of active points."""
         return normal_contact(self._factors, self._overlap + self._coupling @ q, active, count)
 
-    def slope(self, active: Mask, count: Count) -> Array:
+    def slope(self, active: Mask, count: IterationCount) -> Array:
         """dp/dq (a, 2 n) of the active points, of which a step of Newton's method may leave none."""
         if not active.any():
             return np.zeros((0, self._coupling.shape[1]))

@@ -8,13 +8,13 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse.linalg as sla
 
-from wheelrail.contact.solvers.options import Count, NewtonOptions
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
 from wheelrail.support.arrays import Array, Nodes
 
 RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # renamed in SciPy 1.12
 
 
-def iterated(matrix: Array, right: Array, options: NewtonOptions, count: Count) -> Array | None:
+def iterated(matrix: Array, right: Array, options: NewtonOptions, count: IterationCount) -> Array | None:
     """Solution of Newton's linear system by BiCGStab to the forcing term, eqs. (17) and (18); None if it does not get
     there.
     """

@@ -23,7 +23,7 @@ class NewtonOptions:
 
 
 @dataclass
-class Count:
+class IterationCount:
     """Newton and linear iterations, last relative residual."""
 
     newton: int = 0

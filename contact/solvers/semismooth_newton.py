@@ -7,13 +7,13 @@ from contextlib import suppress
 import numpy as np
 
 from wheelrail.contact.laws.coulomb import TINY
-from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tangential import (
-    Friction,
-    Trial,
+    FrictionProblem,
+    FrictionState,
 )
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.interrupts import look
+from wheelrail.support.interrupts import check_interrupt
 
 STALLS = 3  # steps without descent that end an attempt
 PATIENCE = 8  # steps that halve the misfit, or an attempt ends
@@ -23,7 +23,9 @@ NEAR = 0.1  # of the bound: a misfit from which Newton's method is tried again
 CHORD = 0.1  # of the misfit: a step with old factors that leaves more is not worth it
 
 
-def tangential_contact(friction: Friction, q: Array, active: Mask, options: NewtonOptions, count: Count) -> Trial:
+def tangential_contact(
+    friction: FrictionProblem, q: Array, active: Mask, options: NewtonOptions, count: IterationCount
+) -> FrictionState:
     """Tractions with F(q) = 0 from a guess q (2, n).
 
     Where pressure depends on friction, descent may creep along a kink of |F|, of a point that begins to slip: full
@@ -54,14 +56,14 @@ def tangential_contact(friction: Friction, q: Array, active: Mask, options: Newt
         return newton(friction, t, options, count)
 
 
-def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -> Trial:
+def newton(friction: FrictionProblem, t: FrictionState, options: NewtonOptions, count: IterationCount) -> FrictionState:
     """Semi-smooth Newton with Armijo backtracking from a trial; its bound stays held if it is.
 
     Raises NotConverged.
     """
     stalls, chords, norms = 0, options.linear == "lu", list[float]()
     for k in range(options.iterations):
-        look()
+        check_interrupt()
         scale = max(float(np.linalg.norm(t.bound)), TINY)
         count.residual = t.norm / scale
         norms.append(t.norm)
@@ -92,10 +94,12 @@ def newton(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -
     raise NotConverged(f"friction: relative residual {count.residual:.1e} after {count.newton} Newton steps")
 
 
-def undamped(friction: Friction, t: Trial, options: NewtonOptions, count: Count) -> Trial:
+def undamped(
+    friction: FrictionProblem, t: FrictionState, options: NewtonOptions, count: IterationCount
+) -> FrictionState:
     """Newton's full steps from a trial, whether |F| falls or not. Raises NotConverged."""
     for _ in range(min(FULL, options.iterations)):
-        look()
+        check_interrupt()
         count.newton += 1
         t = friction.at(t.q + friction.step(t, options, count), t.active, count)
         scale = max(float(np.linalg.norm(t.bound)), TINY)

@@ -16,13 +16,13 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.kinematics.contact_points import Places
-from wheelrail.contact.kinematics.frames import MIRROR, Motion
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.frames import MIRROR, RigidMotion
 from wheelrail.contact.kinematics.sensitivity import SHIFT, TURN, carried, rigid_slip, skew
-from wheelrail.contact.laws.coulomb import LawSlope
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.solvers.options import Count
-from wheelrail.contact.solvers.tractions import Elastic, Tractions
+from wheelrail.contact.laws.coulomb import LinearisedFriction
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.solvers.options import IterationCount
+from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 CHANGES = 12
@@ -31,24 +31,24 @@ MIRRORED = np.concatenate([MIRROR, -MIRROR])  # of a vector and an axial one
 
 
 @dataclass(frozen=True, eq=False)
-class Linearisation:
+class TangentProblem:
     """Laws and compliance around the tractions found, in the frame of the rail.
 
     operator, rigid and speed as given to `wheelrail.contact.solvers.tractions.solve_tractions`; speed 0: a shift, whose
     motion are displacements, so that changes count by m and rad. origin (3,) m of the wheel's frame; strip: cells of
     each of the fitted strips, from the trailing end (0: points of a grid, which begin with no pressure); scale, by
     which displacements, a shift's among them, are larger than the operator's while slip is the same. Cost for a active
-    points with friction: 18 a^3 where it changes the pressure, 5 a^3 where not or an `Elastic` remembers; 2 a^3 / 3
-    without.
+    points with friction: 18 a^3 where it changes the pressure, 5 a^3 where not or an `ContactCompliance` remembers; 2
+    a^3 / 3 without.
     """
 
-    places: Places
+    places: SurfacePoints
     origin: Array
-    motion: Motion
-    operator: Array | Elastic
+    motion: RigidMotion
+    operator: Array | ContactCompliance
     rigid: Array | None
     speed: float
-    laws: Laws
+    laws: ContactLaws
     found: Tractions
     strip: int = 0
     scale: float = 1.0
@@ -76,9 +76,9 @@ class Linearisation:
         places, n, a = self.places, len(self.places.area), len(index)
         assert places.follows is not None
         operator = self.operator
-        body = operator if isinstance(operator, Elastic) else Elastic(operator, n, self.laws)
+        body = operator if isinstance(operator, ContactCompliance) else ContactCompliance(operator, n, self.laws)
         active = self.found.pressure > 0
-        factor = body.normal.of(active, Count())
+        factor = body.normal.of(active, IterationCount())
         overlap = places.follows.overlap(places, self.origin)
         deeper = np.zeros((a, CHANGES))
         deeper[:, :6] = overlap[:, index].T / self.scale
@@ -92,7 +92,7 @@ class Linearisation:
         shift = body.shift if a == n else body.shift[np.ix_(both, index)]
         p0, q0 = self.found.pressure[index], self.found.tangential[index].T
         rho, s0 = own_compliance(np.diag(body.slip)[both]), self.found.slip[index].T
-        law = LawSlope.at(rho, p0, q0, s0, laws=self.laws, speed=self.speed)
+        law = LinearisedFriction.at(rho, p0, q0, s0, laws=self.laws, speed=self.speed)
         # a Newton step of `wheelrail.contact.solvers.tangential` from here left slip and pressure as functions of the
         # tractions
         stored = body.cache.linearised_for(active, active)
@@ -149,18 +149,18 @@ def own_compliance(diagonal: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Tangent:
+class ContactTangent:
     """A linearisation as a result carries it: about a centre (3,) m in the rail's frame, then in a mirror or not."""
 
-    of: Linearisation
+    of: TangentProblem
     centre: Array = field(default_factory=lambda: np.zeros(3))
     mirror: bool = False
 
-    def about(self, centre: Array) -> Tangent:
+    def about(self, centre: Array) -> ContactTangent:
         """With the moment about another point (3,) m of the frame it is seen in, from the point it is about now."""
         return replace(self, centre=self.centre + (MIRROR * centre if self.mirror else centre))
 
-    def mirrored(self) -> Tangent:
+    def mirrored(self) -> ContactTangent:
         return replace(self, mirror=not self.mirror)
 
     def __call__(self) -> Array:
@@ -172,6 +172,6 @@ class Tangent:
         return np.asarray(MIRRORED[:, None] * change * np.tile(MIRRORED, 2)) if self.mirror else change
 
 
-def tangent_of(around: Linearisation) -> Tangent | None:
+def tangent_of(around: TangentProblem) -> ContactTangent | None:
     """What a model hands to its result; None for points of which it is not known how they follow the wheel."""
-    return None if around.places.follows is None else Tangent(around)
+    return None if around.places.follows is None else ContactTangent(around)

@@ -16,10 +16,10 @@ from typing import Protocol
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.laws.coulomb import derivative, misfit
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.coulomb import derivative, residual
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.linear import factorised, iterated
-from wheelrail.contact.solvers.options import Count, NewtonOptions
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 NONE, NOTHING = np.empty((0, 0)), np.empty(0)
@@ -54,16 +54,16 @@ def _key(active: Mask, loaded: Mask) -> bytes:
     return active.tobytes() + loaded.tobytes()
 
 
-class Pressure(Protocol):
+class PressureResponse(Protocol):
     """Pressures as a function of the tangential tractions; see `wheelrail.contact.solvers.active_set`."""
 
-    def at(self, q: Array, active: Mask, count: Count, /) -> tuple[Array, Mask]: ...
+    def at(self, q: Array, active: Mask, count: IterationCount, /) -> tuple[Array, Mask]: ...
 
-    def slope(self, active: Mask, count: Count, /) -> Array | None: ...
+    def slope(self, active: Mask, count: IterationCount, /) -> Array | None: ...
 
 
 @dataclass(frozen=True)
-class Trial:
+class FrictionState:
     """Everything at tractions q (2, n): pressure (n,), active points, slip s (2, n), y (2, n), friction mu (n,) and its
     slope by |s|, bound b (n,), the larger of |y| and b rho + eps (n,), where |y| is (n,), F (2, n) and its norm,
     and whether the bound is held.
@@ -84,7 +84,7 @@ class Trial:
     held: bool
 
 
-class Friction:
+class FrictionProblem:
     """F(q) and its derivative for n points: slip S (2 n, 2 n) 1/Pa of the tractions and rigid (2 n,); T (2 n, n) 1/Pa,
     slip of the pressure (None: within rigid); speed m/s; cache, shared by solves with the same compliance.
     """
@@ -94,8 +94,8 @@ class Friction:
         slip: Array,
         rigid: Array,
         shift: Array | None,
-        pressure: Pressure,
-        laws: Laws,
+        pressure: PressureResponse,
+        laws: ContactLaws,
         speed: float,
         cache: SolverCache | None = None,
     ) -> None:
@@ -111,7 +111,7 @@ class Friction:
         """Whether friction falls with the slip velocity."""
         return self._laws.falling is not None
 
-    def at(self, q: Array, active: Mask, count: Count, bound: Array | None = None) -> Trial:
+    def at(self, q: Array, active: Mask, count: IterationCount, bound: Array | None = None) -> FrictionState:
         """The trial at q (2, n), with bounds (n,) held if given; active points are only where to start from."""
         p, active = self._pressure.at(q.ravel(), active, count)
         s = self._rigid + self._slip @ q.ravel()
@@ -120,10 +120,10 @@ class Friction:
         s = s.reshape(2, -1)
         mu, fall = self._laws.friction_at(np.hypot(s[0], s[1]), self._speed)
         b = mu * p if bound is None else bound
-        y, longest, slides, F, norm = misfit(q, s, b, self.rho, self._laws.regularisation)
-        return Trial(q, p, active, s, y, mu, fall, b, longest, slides, F, norm, bound is not None)
+        y, longest, slides, F, norm = residual(q, s, b, self.rho, self._laws.regularisation)
+        return FrictionState(q, p, active, s, y, mu, fall, b, longest, slides, F, norm, bound is not None)
 
-    def step(self, t: Trial, options: NewtonOptions, count: Count) -> Array:
+    def step(self, t: FrictionState, options: NewtonOptions, count: IterationCount) -> Array:
         """Newton's step (2, n) from a trial."""
         index, slip, slope = self._linearised(t, count)
         falls = bool(t.fall.any()) and not t.held
@@ -147,7 +147,7 @@ class Friction:
         self._cache.factors = factors = factorised(jacobian)
         return _spread(la.lapack.dgetrs(*factors, right)[0], index, t.q.shape)
 
-    def chord(self, t: Trial, count: Count) -> Array | None:
+    def chord(self, t: FrictionState, count: IterationCount) -> Array | None:
         """The step (2, n) by the factors of an earlier Jacobian, if there are any for the same points."""
         cache = self._cache
         if cache.factors is None or t.held:
@@ -157,7 +157,7 @@ class Friction:
             return None
         return _spread(la.lapack.dgetrs(*cache.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
 
-    def _linearised(self, t: Trial, count: Count) -> SlipLinearisation:
+    def _linearised(self, t: FrictionState, count: IterationCount) -> SlipLinearisation:
         """Slip and pressure by the tractions of the points that carry or may carry any, with the pressure following."""
         active = t.active
         loaded = active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)

@@ -15,14 +15,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from wheelrail.contact.laws.coulomb import TINY
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.solvers.active_set import ROUND_OFF, Coupled, Factors, Given, normal_contact
-from wheelrail.contact.solvers.options import Count, LinearSolver, NewtonOptions, NotConverged
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.solvers.active_set import (
+    ROUND_OFF,
+    CachedFactors,
+    CoupledPressure,
+    PrescribedPressure,
+    normal_contact,
+)
+from wheelrail.contact.solvers.options import IterationCount, LinearSolver, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.semismooth_newton import tangential_contact
-from wheelrail.contact.solvers.tangential import Friction, SolverCache
+from wheelrail.contact.solvers.tangential import FrictionProblem, SolverCache
 from wheelrail.support.arrays import Array, Mask
 
-__all__ = ["Count", "LinearSolver", "NewtonOptions", "NotConverged", "Tractions", "normal_contact", "solve_tractions"]
+__all__ = [
+    "IterationCount",
+    "LinearSolver",
+    "NewtonOptions",
+    "NotConverged",
+    "Tractions",
+    "normal_contact",
+    "solve_tractions",
+]
 
 
 @dataclass(frozen=True)
@@ -35,14 +49,14 @@ class Tractions:
     active: Mask
 
 
-class Elastic:
+class ContactCompliance:
     """Relative compliance of n points, see `solve_tractions`, and what was made of it in earlier solves."""
 
-    def __init__(self, operator: Array, points: int, laws: Laws) -> None:
+    def __init__(self, operator: Array, points: int, laws: ContactLaws) -> None:
         n = points
         normal = operator[-n:, -n:].copy()
         normal[np.arange(n), np.arange(n)] += laws.normal_compliance
-        self.normal = Factors(normal)
+        self.normal = CachedFactors(normal)
         # the operator's last columns count -p
         self.slip, self.shift = operator[: 2 * n, : 2 * n], -operator[: 2 * n, 2 * n :]
         coupling = operator[-n:, :-n]  # overlap from tangential tractions
@@ -52,15 +66,15 @@ class Elastic:
 
 
 def solve_tractions(
-    operator: Array | Elastic,
+    operator: Array | ContactCompliance,
     overlap: Array,
     rigid: Array | None,
     *,
-    laws: Laws,
+    laws: ContactLaws,
     speed: float,
     guess: tuple[Array, Array] | None = None,
     options: NewtonOptions | None = None,
-    count: Count,
+    count: IterationCount,
 ) -> Tractions:
     """Pressure and traction at n points from their relative compliance.
 
@@ -71,7 +85,7 @@ def solve_tractions(
     """
     options = options or NewtonOptions()
     n = len(overlap)
-    body = operator if isinstance(operator, Elastic) else Elastic(operator, n, laws)
+    body = operator if isinstance(operator, ContactCompliance) else ContactCompliance(operator, n, laws)
     q: Array = np.zeros((2, n)) if guess is None else guess[1].reshape(2, n)
     active = overlap > 0.4 * overlap.max() if guess is None or not (guess[0] > 0).any() else guess[0] > 0
     if rigid is None or not laws.friction:
@@ -81,8 +95,8 @@ def solve_tractions(
 
     raised = overlap
     if body.coupling is not None:
-        pressures = Coupled(body.normal, overlap, body.coupling)
-        friction = Friction(body.slip, rigid, body.shift, pressures, laws, speed, body.cache)
+        pressures = CoupledPressure(body.normal, overlap, body.coupling)
+        friction = FrictionProblem(body.slip, rigid, body.shift, pressures, laws, speed, body.cache)
         found = tangential_contact(friction, q, active, options, count)
         q, pressure, active = found.q, found.pressure, found.active
         raised = overlap + body.coupling @ q.ravel()
@@ -90,12 +104,14 @@ def solve_tractions(
         pressure, active = normal_contact(body.normal, overlap, active, count)
         creep = rigid + body.shift @ pressure
         if active.all():
-            friction = Friction(body.slip, creep, None, Given(pressure), laws, speed, body.cache)
+            friction = FrictionProblem(body.slip, creep, None, PrescribedPressure(pressure), laws, speed, body.cache)
             q = tangential_contact(friction, q, active, options, count).q
         else:
             index = np.flatnonzero(active)
             both = np.concatenate([index, n + index])
-            friction = Friction(body.slip[np.ix_(both, both)], creep[both], None, Given(pressure[index]), laws, speed)
+            friction = FrictionProblem(
+                body.slip[np.ix_(both, both)], creep[both], None, PrescribedPressure(pressure[index]), laws, speed
+            )
             found = tangential_contact(friction, q[:, index], active[index], options, count)
             q = np.zeros((2, n))
             q[:, index] = found.q

@@ -1,3 +1,3 @@
 from .shakedown import shakedown_limit as shakedown_limit
 from .subsurface import LoadedBody as LoadedBody
-from .subsurface import Underneath as Underneath
+from .subsurface import SubsurfaceStress as SubsurfaceStress

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
-from wheelrail.contact.geometry.contact_operators import Coupling, couple_both
-from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, Quadrics
+from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
+from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, QuadricPair
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.forms.elasticity import lame
@@ -24,12 +24,14 @@ from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
-    from wheelrail.contact.models.full.model import Full
+    from wheelrail.contact.models.full.model import FullContact
 
 GOING_ROUND = [0, 1, 3, 2, 4, 5, 7, 6]  # corners of a hexahedron in the order of `BodyFields`, from dolfinx's
 
 
-def solid_fields(model: Condensed | Full, pose: Pose, result: ContactResult) -> tuple[BodyFields, BodyFields]:
+def solid_fields(
+    model: CondensedContact | FullContact, pose: Pose, result: ContactResult
+) -> tuple[BodyFields, BodyFields]:
     """Fields of wheel (upper body) and rail (lower body) for a result of the model in this pose.
 
     Corners of cells carry displacements; stress is the mean of the cells round a corner, weighted by volume. Raises
@@ -38,7 +40,7 @@ def solid_fields(model: Condensed | Full, pose: Pose, result: ContactResult) -> 
     if result.fields is None or not (result.fields.pressure > 0).any():
         raise ValueError("nothing touches: no body is loaded")
     frames = _frames(model, pose)
-    if not isinstance(model, Condensed):
+    if not isinstance(model, CondensedContact):
         u = result.warm_start
         assert isinstance(u, np.ndarray)
         split = model.wheel.stiffness.getSize()[0]
@@ -53,7 +55,7 @@ def solid_fields(model: Condensed | Full, pose: Pose, result: ContactResult) -> 
     loads = local.T.ravel() if order else local[:, 2]
     found = []
     for compliance, coupling, sign, frame in zip(
-        (model.wheel, model.rail), couple_both(points, order), (1.0, -1.0), frames, strict=True
+        (model.wheel, model.rail), pair_operators(points, order), (1.0, -1.0), frames, strict=True
     ):
         if not isinstance(compliance, SurfaceCompliance):
             raise ValueError(
@@ -61,19 +63,19 @@ def solid_fields(model: Condensed | Full, pose: Pose, result: ContactResult) -> 
             )
         body = compliance.body()
         u = compliance.scale * _solved(body, coupling, sign * loads)
-        own = model.geometry.grid.position if isinstance(model.geometry, Quadrics) else body.grid.position
+        own = model.geometry.grid.position if isinstance(model.geometry, QuadricPair) else body.grid.position
         size = float(np.ptp(own) / np.ptp(body.grid.position))
         found.append(_fields(body, u, size, body.steel.E / (compliance.scale * size)).seen_from(frame))
     return found[0], found[1]
 
 
-def _frames(model: Condensed | Full, pose: Pose) -> tuple[Pose, Pose]:
+def _frames(model: CondensedContact | FullContact, pose: Pose) -> tuple[Pose, Pose]:
     """Axes of both bodies in the frame of the fields; a pair with given radii carries its approach in the overlap."""
     still = Pose(np.zeros(3), np.eye(3))
-    return (Pose(np.zeros(3), UPSIDE_DOWN) if isinstance(model.geometry, Quadrics) else pose), still
+    return (Pose(np.zeros(3), UPSIDE_DOWN) if isinstance(model.geometry, QuadricPair) else pose), still
 
 
-def _solved(body: ElasticBody, coupling: Coupling, loads: Array) -> Array:
+def _solved(body: ElasticBody, coupling: ContactOperators, loads: Array) -> Array:
     """Displacements of all unknowns by loads at the contact points."""
     from petsc4py import PETSc
 

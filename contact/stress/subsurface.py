@@ -12,13 +12,13 @@ import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN
 from wheelrail.contact.kinematics.frames import MIRROR, Pose
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.surface_loads import CellLoads, arc_of, unrolled
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
-    from wheelrail.contact.elasticity.waveguide.section import Section
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
     from wheelrail.meshes.bodies.outlines import Outline
 
 ACROSS = 24  # lines of the section over the narrowest patch, and two over the shallowest depth ..
@@ -49,14 +49,14 @@ class PatchStress:
 
 
 @dataclass(frozen=True)
-class Underneath:
+class SubsurfaceStress:
     """By patch, in the result's order; the number of wavenumbers that it took, and seconds."""
 
     patches: tuple[PatchStress, ...]
     wavenumbers: int
     seconds: float
 
-    def mirrored(self) -> Underneath:
+    def mirrored(self) -> SubsurfaceStress:
         return replace(self, patches=tuple(patch.mirrored() for patch in self.patches))
 
 
@@ -68,25 +68,25 @@ class LoadedBody:
 
     frame: Pose
     upper: bool
-    section: Callable[[Fields, float], Section]
+    section: Callable[[Fields, float], WaveguideSection]
 
     @classmethod
-    def wheel(cls, outline: Outline, steel: Steel, pose: Pose) -> LoadedBody:
+    def wheel(cls, outline: Outline, steel: Material, pose: Pose) -> LoadedBody:
         """The wheel of a wheel-rail pair, its outline in y and r."""
         return cls(pose, True, partial(_profiled, "wheel", outline, steel, pose))
 
     @classmethod
-    def rail(cls, outline: Outline, steel: Steel) -> LoadedBody:
+    def rail(cls, outline: Outline, steel: Material) -> LoadedBody:
         """The rail of a wheel-rail pair."""
         frame = Pose(np.zeros(3), np.eye(3))
         return cls(frame, False, partial(_profiled, "rail", outline, steel, frame))
 
     @classmethod
-    def block(cls, upper: bool, steel: Steel) -> LoadedBody:
+    def block(cls, upper: bool, steel: Material) -> LoadedBody:
         """A large block, of a pair with given radii."""
         return cls(Pose(np.zeros(3), UPSIDE_DOWN if upper else np.eye(3)), upper, partial(_block, steel))
 
-    def below(self, result: ContactResult, depths: Array, *, tolerance: float = 1e-2) -> Underneath:
+    def below(self, result: ContactResult, depths: Array, *, tolerance: float = 1e-2) -> SubsurfaceStress:
         """Stress at depths (n,) m below every patch, by the tractions on all of them. Raises ValueError without
         contact, and for depths that leave the body.
         """
@@ -111,13 +111,13 @@ class LoadedBody:
         shape = (len(top), len(depths))
         position = (self.frame.origin + places @ turn.T).reshape(*shape, 3)
         tensor = (turn @ found @ turn.T).reshape(*shape, 3, 3)
-        return Underneath(
+        return SubsurfaceStress(
             tuple(PatchStress(depths, *both) for both in zip(position, tensor, strict=True)),
             len(told),
             perf_counter() - start,
         )
 
-    def loads(self, section: Section, fields: Fields) -> CellLoads:
+    def loads(self, section: WaveguideSection, fields: Fields) -> CellLoads:
         """What the contact does to this body: action on the upper one, reaction on the lower."""
         on = fields.pressure > 0
         local = np.column_stack([fields.traction[on], -fields.pressure[on]]) * fields.area[on][:, None]
@@ -130,7 +130,7 @@ class LoadedBody:
         )
 
 
-def under(body: LoadedBody, section: Section, result: ContactResult) -> tuple[Array, Array]:
+def under(body: LoadedBody, section: WaveguideSection, result: ContactResult) -> tuple[Array, Array]:
     """Points (p, 3) m of a body's surface under every patch's resultant, and its mean normals (p, 3) inwards, in body
     axes.
     """
@@ -165,8 +165,8 @@ def _size(fields: Fields, depths: Array) -> float:
 
 
 def _profiled(
-    kind: Literal["wheel", "rail"], outline: Outline, steel: Steel, frame: Pose, fields: Fields, size: float
-) -> Section:
+    kind: Literal["wheel", "rail"], outline: Outline, steel: Material, frame: Pose, fields: Fields, size: float
+) -> WaveguideSection:
     from wheelrail.contact.elasticity.waveguide.bodies import rail_body, wheel_body
 
     on = fields.pressure > 0
@@ -178,7 +178,7 @@ def _profiled(
     return (rail_body if kind == "rail" else wheel_body)(outline, steel, size=size, ends=ends)
 
 
-def _block(steel: Steel, fields: Fields, size: float) -> Section:
+def _block(steel: Material, fields: Fields, size: float) -> WaveguideSection:
     from wheelrail.contact.elasticity.waveguide.bodies import block_body
 
     on = fields.pressure > 0
@@ -188,7 +188,7 @@ def _block(steel: Steel, fields: Fields, size: float) -> Section:
     return block_body(int(np.ceil(y.max() / size)) + MARGIN, steel, size=size, half_width=float(half_width))
 
 
-def _on_surface(body: Section, points: Array) -> Array:
+def _on_surface(body: WaveguideSection, points: Array) -> Array:
     """Points (n, 3) m in body axes moved to the nearest of its surface, in their section."""
     along, section, _ = unrolled(body, points)
     corners = body.section.points[body.section.surface]

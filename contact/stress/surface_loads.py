@@ -10,7 +10,7 @@ import numpy as np
 from wheelrail.support.arrays import Array, Nodes
 
 if TYPE_CHECKING:
-    from wheelrail.contact.elasticity.waveguide.section import Section
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class CellLoads:
         return cls((row - shape[0] // 2) * step, line, force, step)
 
     @classmethod
-    def over(cls, body: Section, points: Array, force: Array, *, step: Array, width: Array) -> CellLoads:
+    def over(cls, body: WaveguideSection, points: Array, force: Array, *, step: Array, width: Array) -> CellLoads:
         """Forces (n, 3) N spread evenly over cells anywhere on the surface, in body axes.
 
         points (n, 3) m are their middles, step (n,) and width (n,) m their lengths along the body and across. Every
@@ -77,7 +77,7 @@ class CellLoads:
         return cls(along[cell], line, part, (step / stretch)[cell])
 
 
-def unrolled(body: Section, points: Array) -> tuple[Array, Array, Array]:
+def unrolled(body: WaveguideSection, points: Array) -> tuple[Array, Array, Array]:
     """Points (n, 3) m in body axes: lengths along the body (n,) m, places in its section (n, 2) m, and the length there
     over that on the circle of its radius (n,).
     """

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from wheelrail.contact.elasticity.waveguide.coordinates import Chart
-from wheelrail.contact.elasticity.waveguide.section import Section
+from wheelrail.contact.elasticity.waveguide.coordinates import WaveguideCoordinates
+from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.stress.surface_loads import CellLoads
 from wheelrail.contact.stress.wavenumbers import Progress, sampled
 from wheelrail.forms.elasticity import lame
@@ -17,7 +17,7 @@ PATCH = 20  # nodes of the displacement whose cubic gives the gradient at a plac
 
 
 def stress(
-    body: Section,
+    body: WaveguideSection,
     loads: CellLoads,
     places: Array,
     *,
@@ -30,7 +30,7 @@ def stress(
     revolution have their axle along y through the origin, angles counted forward from straight below. Raises
     ValueError for places outside the section, and RuntimeError when 400 wavenumbers do not do.
     """
-    chart = Chart.of(body, places)
+    chart = WaveguideCoordinates.of(body, places)
     spots, number = np.unique(np.round(chart.section, 12), axis=0, return_inverse=True)
     outside = ~inside(body, spots)
     if outside.any():
@@ -56,7 +56,7 @@ class Gradients:
     depth (m,) m below the contact surface.
     """
 
-    def __init__(self, body: Section, places: Array) -> None:
+    def __init__(self, body: WaveguideSection, places: Array) -> None:
         self.radius, self.places = body.radius, places
         corners = body.section.points[body.section.surface]
         self.depth = _depth(places, corners)
@@ -97,7 +97,7 @@ class Gradients:
 CUBIC = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))
 
 
-def inside(body: Section, places: Array) -> Mask:
+def inside(body: WaveguideSection, places: Array) -> Mask:
     """Which places (m, 2) m lie in a cell, or out of it by less than a twentieth: arcs stand off their chords."""
     a, b, c = np.moveaxis(body.section.points[body.section.cells], 1, 0)
     inverse = np.linalg.inv(np.stack([b - a, c - a], axis=-1))

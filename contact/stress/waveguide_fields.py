@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.contact.elasticity.waveguide.coordinates import Chart
+from wheelrail.contact.elasticity.waveguide.coordinates import WaveguideCoordinates
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.stress.fields import BodyFields, Shape
 from wheelrail.contact.stress.subsurface import LoadedBody, narrowest, under
 from wheelrail.contact.stress.waveguide import Gradients, inside
-from wheelrail.contact.stress.wavenumbers import Progress, Waves, integral, sampled
+from wheelrail.contact.stress.wavenumbers import Progress, WavenumberResponse, integral, sampled
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.stress import cauchy
 from wheelrail.meshes.bodies.extrusion import layers
 from wheelrail.support.arrays import Array, Complex, Nodes
 
 if TYPE_CHECKING:
-    from wheelrail.contact.elasticity.waveguide.section import Section
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 
 ACROSS = 16  # lines of the section over the narrowest patch
 DEEP = 1.5  # patch lengths below a patch that a longitudinal cut reaches
@@ -33,7 +33,7 @@ DENSE = 12  # stations over half a patch
 
 
 @dataclass(frozen=True)
-class Inside:
+class InternalFields:
     """A loaded body, its section and what was observed at its spots (m, 2) m: those of a mesh of triangles (k, 3) over
     the whole section, and straight down under every patch, where they are numbered lines (n,) from the surface on.
 
@@ -41,11 +41,11 @@ class Inside:
     """
 
     body: LoadedBody
-    section: Section
+    section: WaveguideSection
     spots: Array
     triangles: Nodes
     lines: tuple[Nodes, ...]
-    waves: Waves
+    waves: WavenumberResponse
     patches: Array
     half: float
 
@@ -75,12 +75,12 @@ class Inside:
         wedges = np.concatenate([ends[:-1], ends[1:]], axis=-1).reshape(-1, 6)
         return self._fields(stations, np.arange(used), wedges, "wedge")
 
-    def at(self, stations: Array, chosen: Nodes) -> tuple[Chart, Array, Array]:
+    def at(self, stations: Array, chosen: Nodes) -> tuple[WaveguideCoordinates, Array, Array]:
         """Places of chosen spots at stations (n,) m along the body, station by station, displacement and stress there,
         in body axes.
         """
-        chart = Chart.over(self.section, stations, self.spots[chosen])
-        some = Waves(self.waves.k, self.waves.samples[:, chosen], *self._phases)
+        chart = WaveguideCoordinates.over(self.section, stations, self.spots[chosen])
+        some = WavenumberResponse(self.waves.k, self.waves.samples[:, chosen], *self._phases)
         found = some.at(stations).reshape(-1, 12)
         return chart, chart.turned(found[:, 9:]), chart.turned(found[:, :9].reshape(-1, 3, 3))
 
@@ -89,7 +89,7 @@ class Inside:
         return self.waves.middle, self.waves.shift, self.waves.around
 
     def _stations(self, patches: list[int] | range) -> Array:
-        return Chart.of(self.section, self.patches[list(patches)]).along
+        return WaveguideCoordinates.of(self.section, self.patches[list(patches)]).along
 
     def _fields(self, stations: Array, chosen: Nodes, cells: Nodes, shape: Shape) -> BodyFields:
         chart, displacement, stress = self.at(stations, chosen)
@@ -103,7 +103,7 @@ def look_inside(
     across: int = ACROSS,
     tolerance: float = 1e-2,
     progress: Progress | None = None,
-) -> Inside:
+) -> InternalFields:
     """Displacement and stress in a body by the tractions of all patches, the section's lines so many across the
     narrowest patch.
 
@@ -127,7 +127,7 @@ def look_inside(
     # on the smaller of length and width hangs how deep stress goes
     depth = 2 * DEEP * min(half, narrowest(fields)) * np.linspace(0.0, 1.0, 41) ** 1.5
     for place, normal in zip(top, inward, strict=True):
-        line = Chart.of(section, place + depth[:, None] * normal).section
+        line = WaveguideCoordinates.of(section, place + depth[:, None] * normal).section
         held = inside(section, line)
         line = line[: len(line) if held.all() else int(np.argmin(held))]
         lines.append(np.arange(len(line)) + len(spots))
@@ -152,10 +152,10 @@ def look_inside(
         scale=scale,
         progress=progress,
     )
-    return Inside(body, section, spots, triangles, tuple(lines), waves, top, half)
+    return InternalFields(body, section, spots, triangles, tuple(lines), waves, top, half)
 
 
-def _quartered(section: Section) -> tuple[Array, Nodes]:
+def _quartered(section: WaveguideSection) -> tuple[Array, Nodes]:
     """Points of a section's mesh with the middles of its edges, and triangles between them, four of each."""
     points, cells = section.section.points, section.section.cells
     edges = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from wheelrail.contact.elasticity.waveguide.coordinates import axes
-from wheelrail.contact.elasticity.waveguide.section import Section
-from wheelrail.contact.elasticity.waveguide.spectrum import Axis, interpolation, refine, rule
+from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
+from wheelrail.contact.elasticity.waveguide.spectrum import WavenumberAxis, interpolation, refine, rule
 from wheelrail.contact.stress.surface_loads import CellLoads
 from wheelrail.support.arrays import Array, Complex
 
@@ -26,7 +26,7 @@ DECAY = 6.0  # largest wavenumber times the shallowest depth: beyond, e^-6 is le
 
 
 @dataclass(frozen=True)
-class Waves:
+class WavenumberResponse:
     """Amplitudes (nk, ...) of what was observed in a section at increasing wavenumbers k (nk,) 1/m.
 
     middle m of the loads along the body, from which phases count; shift and around as in
@@ -59,7 +59,7 @@ def integral(found: Mapping[float, Complex]) -> float:
 
 
 def sampled(
-    body: Section,
+    body: WaveguideSection,
     loads: CellLoads,
     observe: Callable[[Complex, float], Complex],
     *,
@@ -67,7 +67,7 @@ def sampled(
     tolerance: float,
     scale: Callable[[Mapping[float, Complex]], Array | float] = integral,
     progress: Progress | None = None,
-) -> Waves:
+) -> WavenumberResponse:
     """Amplitudes of what is observed of the displacements (3 n,) at each wavenumber, down to the shallowest depth [m].
 
     tolerance: of the interpolation between wavenumbers, relative to the scale of the first samples. Raises
@@ -92,17 +92,17 @@ def sampled(
 
     size = float(np.ptp(body.section.points, axis=0).max())
     largest = min(REACH / loads.mean_step, DECAY / shallowest if shallowest > 0 else np.inf)
-    axis = Axis(1 / size, None if around is None else 2 * np.pi / around)
+    axis = WavenumberAxis(1 / size, None if around is None else 2 * np.pi / around)
     first = axis.spaced(largest, 8)
     # the load's phases turn by k half: no interval may skip a turn
     take(axis.no_longer(first, 2.5 / half))
     unit = scale(found)
     refine(found, take, axis, lambda low, high: (high - low) / unit, tolerance)
     known = np.array(sorted(found))
-    return Waves(known, np.stack([found[k] for k in known]), middle, axis.shift, around)
+    return WavenumberResponse(known, np.stack([found[k] for k in known]), middle, axis.shift, around)
 
 
-def _local(body: Section, loads: CellLoads) -> Array:
+def _local(body: WaveguideSection, loads: CellLoads) -> Array:
     """Forces (n, 3) in axes (along, y, up or outward)."""
     if body.radius is None:
         return loads.force

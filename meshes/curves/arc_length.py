@@ -25,7 +25,7 @@ _BETWEEN = 0.5 * (_LOBATTO[1:] + _LOBATTO[:-1])
 
 
 @dataclass(frozen=True)
-class Section:
+class CurveSegment:
     """Part of a curve, smooth between its knots (k,), an increasing parameter; position m and its derivative."""
 
     position: Function
@@ -41,34 +41,34 @@ class Section:
         return complex(self.position(self.knots[-1:])[0])
 
 
-def arc(centre: complex, radius: float, start: float, stop: float) -> Section:
+def arc(centre: complex, radius: float, start: float, stop: float) -> CurveSegment:
     """Circular arc from polar angle start to stop [rad], clockwise if stop < start; the parameter is its length."""
     turn = np.sign(stop - start) / radius
 
     def spoke(t: Array) -> Complex:
         return np.asarray(np.exp(1j * (start + turn * t)))
 
-    return Section(
+    return CurveSegment(
         lambda t: centre + radius * spoke(t),
         lambda t: 1j * turn * radius * spoke(t),
         np.array([0.0, radius * abs(stop - start)]),
     )
 
 
-def line(start: complex, stop: complex) -> Section:
+def line(start: complex, stop: complex) -> CurveSegment:
     """Straight line; the parameter is its length."""
     length = abs(stop - start)
     direction = (stop - start) / length
-    return Section(
+    return CurveSegment(
         lambda t: np.asarray(start + direction * t, dtype=complex),
         lambda t: np.full(t.shape, direction, dtype=complex),
         np.array([0.0, length]),
     )
 
 
-def graph(height: Callable[[Array], Array], slope: Callable[[Array], Array], start: float, stop: float) -> Section:
+def graph(height: Callable[[Array], Array], slope: Callable[[Array], Array], start: float, stop: float) -> CurveSegment:
     """The graph z = height(y) from y = start to stop, with its slope; the parameter is y."""
-    return Section(
+    return CurveSegment(
         lambda y: y + 1j * height(y), lambda y: np.asarray(1.0 + 1j * slope(y), dtype=complex), np.array([start, stop])
     )
 
@@ -82,20 +82,22 @@ def _step_slope(x: Array) -> Array:
     return 30.0 * (x * (1.0 - x)) ** 2
 
 
-def bridged(first: Section, second: Section, before: float, after: float) -> tuple[Section, Section]:
+def bridged(
+    first: CurveSegment, second: CurveSegment, before: float, after: float
+) -> tuple[CurveSegment, CurveSegment]:
     """Close the small gap between two sections by a smooth step.
 
     The step starts `before` the joint and ends `after` it, in the parameter, which should mean the same length in both.
     """
     gap, width = second.start - first.stop, before + after
 
-    def shifted(section: Section, joint: float, level: float) -> Section:
+    def shifted(section: CurveSegment, joint: float, level: float) -> CurveSegment:
         def x(t: Array) -> Array:
             return np.clip((t - joint + before) / width, 0.0, 1.0)
 
         ends = [joint - before, joint + after]
         inside = [end for end in ends if section.knots[0] < end < section.knots[-1]]
-        return Section(
+        return CurveSegment(
             lambda t: section.position(t) + gap * (_step(x(t)) - level),
             lambda t: section.velocity(t) + gap / width * _step_slope(x(t)),
             np.union1d(section.knots, inside),
@@ -104,7 +106,7 @@ def bridged(first: Section, second: Section, before: float, after: float) -> tup
     return shifted(first, first.knots[-1], 0.0), shifted(second, second.knots[0], 1.0)
 
 
-def curve(sections: Sequence[Section]) -> Curve:
+def curve(sections: Sequence[CurveSegment]) -> Curve:
     """The sections, end to end, as one curve by arc length from zero at its start.
 
     Piecewise polynomials in arc length that repeat the sections to round-off (pieces are halved until they do). Gaps
@@ -123,7 +125,7 @@ def curve(sections: Sequence[Section]) -> Curve:
     return Curve(breaks, np.concatenate(coefficients, axis=1))
 
 
-def _fit(section: Section) -> tuple[Array, Complex]:
+def _fit(section: CurveSegment) -> tuple[Array, Complex]:
     """Lengths (m,) and coefficients (DEGREE + 1, m) of polynomials in the arc length from each piece's middle."""
     knots = section.knots
     for _ in range(12):
@@ -146,14 +148,14 @@ def _fit(section: Section) -> tuple[Array, Complex]:
     raise ValueError("a section of the curve is not smooth")
 
 
-def _travelled(section: Section, a: Array, b: Array) -> Array:
+def _travelled(section: CurveSegment, a: Array, b: Array) -> Array:
     """Length from parameter a to b, elementwise."""
     half = 0.5 * (b - a)
     speed = np.abs(section.velocity(a[..., None] + half[..., None] * (1.0 + _NODES)))
     return np.asarray(half * (speed @ _WEIGHTS))
 
 
-def _parameter(section: Section, a: Array, b: Array, length: Array, travelled: Array) -> Array:
+def _parameter(section: CurveSegment, a: Array, b: Array, length: Array, travelled: Array) -> Array:
     """Parameter at which a piece from a to b (m, 1) of that length has travelled (m, n), by Newton's method."""
     start = np.broadcast_to(a, travelled.shape)
     t = a + (b - a) * (travelled / length)

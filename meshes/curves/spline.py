@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline, splev, splprep
 
-from wheelrail.meshes.curves.arc_length import Section
+from wheelrail.meshes.curves.arc_length import CurveSegment
 from wheelrail.support.arrays import Array, Complex
 
 CORNER = np.radians(20.0)  # a sharper turn from chord to chord is an edge, which a smooth spline would ring at
 
 
-def through(points: Array, noise: float = 0.0) -> list[Section]:
+def through(points: Array, noise: float = 0.0) -> list[CurveSegment]:
     """Cubic spline (C2) through points (n, 2) m, cut at corners sharper than 20 degrees.
 
     noise m: RMS distance that the spline may keep from the points, to smooth measured ones; 0 passes through them.
@@ -22,7 +22,7 @@ def through(points: Array, noise: float = 0.0) -> list[Section]:
     z = points[:, 0] + 1j * points[:, 1]
     chord = np.diff(z)
     corners = np.flatnonzero(np.abs(np.angle(chord[1:] / chord[:-1])) > CORNER) + 1
-    sections: list[Section] = []
+    sections: list[CurveSegment] = []
     for first, last in pairwise([0, *corners.tolist(), len(z) - 1]):
         part = z[first : last + 1]
         length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(part)))])
@@ -33,19 +33,19 @@ def through(points: Array, noise: float = 0.0) -> list[Section]:
         else:
             spline = CubicSpline(length, part)
             shift = sections[-1].stop - part[0] if sections else 0.0
-            sections.append(_shifted(Section(spline, spline.derivative(), length), shift))
+            sections.append(_shifted(CurveSegment(spline, spline.derivative(), length), shift))
     return sections
 
 
-def _smoothed(part: Complex, length: Array, noise: float) -> Section:
+def _smoothed(part: Complex, length: Array, noise: float) -> CurveSegment:
     knots, (y, z), degree = splprep([part.real, part.imag], u=length, s=len(part) * noise**2)[0]
 
     def value(t: Array, order: int) -> Complex:
         parts: list[Any] = [splev(t, (knots, c, degree), der=order) for c in (y, z)]
         return np.asarray(parts[0] + 1j * parts[1])
 
-    return Section(lambda t: value(t, 0), lambda t: value(t, 1), np.unique(np.clip(knots, 0.0, length[-1])))
+    return CurveSegment(lambda t: value(t, 0), lambda t: value(t, 1), np.unique(np.clip(knots, 0.0, length[-1])))
 
 
-def _shifted(section: Section, shift: complex) -> Section:
-    return Section(lambda t: section.position(t) + shift, section.velocity, section.knots)
+def _shifted(section: CurveSegment, shift: complex) -> CurveSegment:
+    return CurveSegment(lambda t: section.position(t) + shift, section.velocity, section.knots)

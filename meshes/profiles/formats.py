@@ -30,7 +30,7 @@ class ProfileError(ValueError):
 
 
 @dataclass(frozen=True)
-class Raw:
+class RawProfile:
     """Points (n, 2) m, y to the field side and z up (wheel: away from the axle), and the line (n,) that each is from.
 
     oriented is False where the format leaves the signs open: then they follow from the shape.
@@ -41,12 +41,12 @@ class Raw:
     lines: NDArray[np.intp]
     oriented: bool = True
 
-    def turned(self, y: float, z: float) -> Raw:
+    def turned(self, y: float, z: float) -> RawProfile:
         """With the signs y and z applied."""
         return replace(self, points=self.points * (y, z))
 
 
-def read_points(path: Path, kind: Kind) -> Raw:
+def read_points(path: Path, kind: Kind) -> RawProfile:
     """Points of a file; the suffix tells the format. ProfileError, or FileRefused if the file cannot be read."""
     formats = {".prr": simpack, ".prw": simpack, ".ban": miniprof, ".whl": miniprof}
     formats |= dict.fromkeys((".txt", ".csv", ".dat"), plain)
@@ -90,12 +90,12 @@ def _floats(path: Path, number: int, words: list[str], least: int) -> list[float
     return values
 
 
-def _raw(path: Path, rows: list[tuple[int, float, float]], oriented: bool = True) -> Raw:
+def _raw(path: Path, rows: list[tuple[int, float, float]], oriented: bool = True) -> RawProfile:
     table = np.array(rows, dtype=float).reshape(-1, 3)
-    return Raw(path, table[:, 1:], table[:, 0].astype(int), oriented)
+    return RawProfile(path, table[:, 1:], table[:, 0].astype(int), oriented)
 
 
-def simpack(path: Path, kind: Kind) -> Raw:
+def simpack(path: Path, kind: Kind) -> RawProfile:
     """Simpack .prr or .prw: keywords, then y and z, after mirroring y to the field side and z down.
 
     Shift, bounds (points beyond are dropped), mirror and unit factor are applied in that order; a rotation is refused;
@@ -145,7 +145,7 @@ def simpack(path: Path, kind: Kind) -> Raw:
     return replace(raw, points=points[keep] * (1.0, upwards) / per_metre, lines=raw.lines[keep])
 
 
-def miniprof(path: Path, kind: Kind) -> Raw:
+def miniprof(path: Path, kind: Kind) -> RawProfile:
     """MiniProf .ban or .whl, mm: a header, an empty line, then columns as ColumnDef says (X, Y first without it).
 
     X points to the gauge side of a rail; the direction of Y, and both for a wheel, follow from the shape.
@@ -179,7 +179,7 @@ def miniprof(path: Path, kind: Kind) -> Raw:
     return replace(raw, points=(raw.points + shift) * signs * UNITS["mm"])
 
 
-def plain(path: Path, kind: Kind) -> Raw:
+def plain(path: Path, kind: Kind) -> RawProfile:
     """Columns y and z: y to the field side, z up (rail); y from the rolling circle, z away from the axle (wheel).
 
     Blanks, tabs, commas or semicolons between; # starts a comment; "# units: mm" (default), "m" or "in" may come

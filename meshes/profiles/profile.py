@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wheelrail.meshes.curves.arc_length import Section, curve
+from wheelrail.meshes.curves.arc_length import CurveSegment, curve
 from wheelrail.meshes.curves.curve import Curve
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import digest
@@ -136,7 +136,9 @@ class Profile(Curve):
         return float(brentq(rise, low, high, xtol=1e-17))
 
 
-def from_sections(sections: list[Section], *, name: str, kind: Kind, placement: Placement | None = None) -> Profile:
+def from_sections(
+    sections: list[CurveSegment], *, name: str, kind: Kind, placement: Placement | None = None
+) -> Profile:
     """Profile from sections in its own frame, which must pass through the origin: s = 0 there."""
     whole = curve(sections)
     placed = Profile(whole.breaks - 0.5 * whole.breaks[-1], whole.coefficients, name, kind, placement or Placement())

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelrail.meshes.curves.spline import through
-from wheelrail.meshes.profiles.formats import ProfileError, Raw, read_points
+from wheelrail.meshes.profiles.formats import ProfileError, RawProfile, read_points
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.meshes.profiles.profile import Kind, Placement, Profile, from_sections
 from wheelrail.meshes.profiles.validation import checked, oriented
@@ -38,7 +38,7 @@ def read_profile(
     return replace(rail, placement=_placement(rail, inclination))
 
 
-def _rolling_circle(rough: Profile, raw: Raw, middle: float) -> float:
+def _rolling_circle(rough: Profile, raw: RawProfile, middle: float) -> float:
     try:
         return float(rough.s_at_y(-middle))
     except ValueError:

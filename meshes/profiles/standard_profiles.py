@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from wheelrail.meshes.curves.arc_length import Section, arc, bridged, graph, line
+from wheelrail.meshes.curves.arc_length import CurveSegment, arc, bridged, graph, line
 from wheelrail.support.arrays import Array
 
 MM = 1e-3
 
 
-def s1002() -> list[Section]:
+def s1002() -> list[CurveSegment]:
     """S1002 for diameters of 760 to 1000 mm, flange 28 mm high, sections H to A and the 5 mm chamfer (EN 13715).
 
     The standard's rounded numbers leave steps of 1.2e-4 mm between D and C and 3.7e-5 mm between C and B; they are
@@ -58,7 +58,7 @@ _B = [
 ]
 
 
-def _polynomial(coefficients: list[float], start: float, stop: float) -> Section:
+def _polynomial(coefficients: list[float], start: float, stop: float) -> CurveSegment:
     """z(y) in mm with coefficients by rising power, as a section in m."""
     middle = 0.5 * (start + stop)
     # about the middle, since the powers of y itself cancel and lose four digits
@@ -74,13 +74,13 @@ def _polynomial(coefficients: list[float], start: float, stop: float) -> Section
     return graph(z, dz, start * MM, stop * MM)
 
 
-def _circle(y: float, z: float, radius: float, start: float, stop: float) -> Section:
+def _circle(y: float, z: float, radius: float, start: float, stop: float) -> CurveSegment:
     """Upper arc about (y, z) between two lateral positions, mm."""
     angles = [math.acos((end - y) / radius) for end in (start, stop)]
     return arc((y + 1j * z) * MM, radius * MM, *angles)
 
 
-def _root() -> Section:
+def _root() -> CurveSegment:
     """Section D, the lower arc of 13 mm in the flange root, as a graph so that it can be bridged to a polynomial."""
     centre, radius = -26.210665 * MM, 13.0 * MM
 
@@ -106,7 +106,7 @@ class RailHead:
     half_width: float = 36.0 * MM
     drop: float = 0.0
 
-    def sections(self) -> list[Section]:
+    def sections(self) -> list[CurveSegment]:
         """From the foot of the gauge side's flank to that of the field side."""
         large, middle, small = 300.0 * MM, 80.0 * MM, 13.0 * MM
         level = math.atan(1 / 20)  # polar angle at which the flank is tangent
@@ -131,10 +131,10 @@ class RailHead:
         return [*gauge, arc(top, large, math.pi - first, first), *half]
 
 
-def mirrored(section: Section) -> Section:
+def mirrored(section: CurveSegment) -> CurveSegment:
     """The section in the mirror y = 0, run through backwards."""
     turned = section.knots[0] + section.knots[-1]
-    return Section(
+    return CurveSegment(
         lambda t: -section.position(turned - t).conj(),
         lambda t: section.velocity(turned - t).conj(),
         turned - section.knots[::-1],

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wheelrail.meshes.profiles.formats import ProfileError, Raw
+from wheelrail.meshes.profiles.formats import ProfileError, RawProfile
 from wheelrail.meshes.profiles.profile import Kind
 from wheelrail.support.arrays import Array
 
@@ -16,7 +16,7 @@ CLOSE = 2e-5  # m; points nearer than this to the one before say more about thei
 MINIPROF_TIP = 30e-3  # m; a flange tip nearer than this to y = 0 means that y counts from the flange's back
 
 
-def oriented(raw: Raw, kind: Kind, flange_back: float) -> Raw:
+def oriented(raw: RawProfile, kind: Kind, flange_back: float) -> RawProfile:
     """Signs from the shape where the format leaves them open, an error where they contradict the shape."""
     if not LEAST_POINTS <= len(raw.points) <= MOST_POINTS:
         raise ProfileError(raw.path, None, f"{len(raw.points)} points", f"{LEAST_POINTS} to {MOST_POINTS}")
@@ -56,7 +56,7 @@ def _signs(points: Array, kind: Kind) -> tuple[int, int]:
     return (1 if heights[tip] >= 0.0 else -1), (1 if y[tip] <= 0.5 * (y.min() + y.max()) else -1)
 
 
-def checked(raw: Raw, kind: Kind) -> Array:
+def checked(raw: RawProfile, kind: Kind) -> Array:
     """Points in order, thinned: width, duplicates, order and self-intersection are checked."""
     points, lines = raw.points, raw.lines
     for (name, (low, high)), size in zip(SIZES.items(), np.ptp(points, axis=0).tolist(), strict=True):

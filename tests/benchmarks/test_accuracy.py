@@ -11,16 +11,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.contact_frames import Difference, difference, rail_place, state, wheel_force
+from benchmarks.accuracy.contact_frames import FrameDifference, difference, rail_place, state, wheel_force
 from benchmarks.accuracy.rolling import coefficients, curve_errors
 from benchmarks.accuracy.wheelset import seated, track_of
 from benchmarks.common.hertz_cases import lacking, pair_of
 from benchmarks.common.models import Ellipse, frictional, hertz_model, loads, pressed, rolling, solved
-from benchmarks.common.reference_table import Section, measure, reference, show
+from benchmarks.common.reference_table import TableSection, measure, reference, show
 from wheelrail.contact.analytical.kalker import Name, kalker
 from wheelrail.contact.kinematics.frames import SIDES, Side
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
 
 TARGET = {
@@ -42,7 +42,7 @@ HOLDS = {
 }
 NARROW = 5.0  # %, of finite bodies at y = 0: they shift load to the narrow hump; half-spaces reach the target
 PUSHED = 8.0  # %, by which areas of finite bodies differ from half-spaces, as sections turn under the load
-STEEL = Steel(2.1e11, 0.3)
+STEEL = Material(2.1e11, 0.3)
 COARSE = 1e-3  # m
 
 
@@ -85,7 +85,7 @@ def test_kalkers_coefficients() -> None:
 def test_creep_curves() -> None:
     forces, moments = [], []
     for curve in reference("creep_curves")["curves"][1:]:
-        errors, points = curve_errors(curve, Fineness(), every=5)
+        errors, points = curve_errors(curve, Resolution(), every=5)
         assert points <= 300
         forces.append(100 * errors[:, :2])
         moments.append(100 * errors[:, 2] / np.abs([case[6] for case in curve["cases"]]).max())
@@ -112,7 +112,7 @@ def test_signs_of_creepage_and_spin() -> None:
 
 
 @cache
-def compared(series: str, y: float, side: Side, bodies: str = "waveguide") -> tuple[ContactResult, Difference]:
+def compared(series: str, y: float, side: Side, bodies: str = "waveguide") -> tuple[ContactResult, FrameDifference]:
     data = reference("wheelset")
     given = data["input"]
     normal = series == "normal_only"
@@ -193,7 +193,7 @@ def test_a_wrong_sign_would_be_seen() -> None:
 
 
 def test_a_section_tells_what_is_not_met() -> None:
-    section = Section("one", "One", ("a",), [[1.0]])
+    section = TableSection("one", "One", ("a",), [[1.0]])
     section.measures = [measure("e", "%", [0.3, -0.4], rms=0.4, worst=0.35), measure("f", "%", [1.0])]
     section.count(10)
     section.count(7)

@@ -11,21 +11,21 @@ import pytest
 
 from benchmarks.error_vs_time import plan as error_plan
 from benchmarks.error_vs_time import report as error_vs_time
-from benchmarks.error_vs_time.cases import Case, Variant, creep_cases, yardstick
+from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, creep_cases, yardstick
 from benchmarks.error_vs_time.figure import STYLES
 from benchmarks.error_vs_time.measure import normal_row, rolling_row
 from benchmarks.error_vs_time.plan import rows
 from benchmarks.error_vs_time.reference import Reference, contact_rows, extrapolated
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.fitted.resolution import Resolution
 
-SMALL = Variant("fitted, half-space", "half-space", Fineness(6, 8))
+SMALL = ModelVariant("fitted, half-space", "half-space", Resolution(6, 8))
 
 
 @cache
 def coarse() -> Reference:
     """Extrapolated from 12 x 16 and 6 x 8 cells: the ellipse that is timed and one case per ratio of semi-axes."""
-    return extrapolated(Fineness(12, 16), creep_cases(44), lambda _: None)
+    return extrapolated(Resolution(12, 16), creep_cases(44), lambda _: None)
 
 
 def test_the_ellipse_is_the_one_that_contact_was_timed_on() -> None:
@@ -47,11 +47,11 @@ def test_the_reference_agrees_with_contact() -> None:
 
 def test_an_extrapolation_needs_convergence(monkeypatch: pytest.MonkeyPatch) -> None:
     steps = iter([0.0, 1.0, 2.0])  # differences that do not fall
-    monkeypatch.setattr(Case, "solved", lambda *_: None)
-    monkeypatch.setattr(Case, "forces", lambda *_: np.full(2, next(steps)))
-    monkeypatch.setattr(Variant, "loaded_depth", lambda *_: 0.0)
+    monkeypatch.setattr(TimedCase, "solved", lambda *_: None)
+    monkeypatch.setattr(TimedCase, "forces", lambda *_: np.full(2, next(steps)))
+    monkeypatch.setattr(ModelVariant, "loaded_depth", lambda *_: 0.0)
     with pytest.raises(RuntimeError, match="do not converge"):
-        extrapolated(Fineness(24, 32), (), lambda _: None)
+        extrapolated(Resolution(24, 32), (), lambda _: None)
 
 
 def test_errors_of_contact_are_those_of_its_grids() -> None:
@@ -65,7 +65,7 @@ def test_errors_of_contact_are_those_of_its_grids() -> None:
 
 def test_cold_and_warm_models_are_close_to_hertz_and_to_the_reference() -> None:
     for warm in (False, True):
-        variant = Variant("fitted", "half-space", SMALL.fineness, warm=warm)
+        variant = ModelVariant("fitted", "half-space", SMALL.fineness, warm=warm)
         normal, creep = normal_row(variant), rolling_row(variant, coarse(), coarse().cases[1:])
         assert abs(normal["force error"]) < 0.6  # %
         assert abs(normal["peak error"]) < 2.0
@@ -94,11 +94,11 @@ def test_a_model_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_variants_name_their_laws() -> None:
-    assert Variant("", "waveguide").laws == "exact"
-    assert Variant("", "waveguide", stiffness=1e15, regularisation=1e-5).laws == "K 1e+15, eps 1e-05"
+    assert ModelVariant("", "waveguide").laws == "exact"
+    assert ModelVariant("", "waveguide", stiffness=1e15, regularisation=1e-5).laws == "K 1e+15, eps 1e-05"
     assert SMALL.division == "6 x 8"
     model = SMALL.of(yardstick().pair, 0.0)
-    assert getattr(model, "laws") == Laws(friction=0.0)  # noqa: B009
+    assert getattr(model, "laws") == ContactLaws(friction=0.0)  # noqa: B009
 
 
 def test_every_family_has_a_style_of_its_own() -> None:

@@ -14,9 +14,9 @@ from benchmarks.paper.figure import picture
 from benchmarks.paper.fixed_states import accuracies, states
 from benchmarks.paper.published import TABLES
 from benchmarks.paper.runs import Runs
-from benchmarks.paper.segment import Body, Part
+from benchmarks.paper.segment import PaperBody, TrackSegment
 from benchmarks.paper.tables import HEAD, markdown, printed, row
-from benchmarks.paper.variants import ETAS, LU, SOLID, WAVES_EXACT, Variant, krylov, sparse, table
+from benchmarks.paper.variants import ETAS, LU, SOLID, WAVES_EXACT, PaperVariant, krylov, sparse, table
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.solvers.options import NewtonOptions
@@ -27,14 +27,14 @@ SECONDS = 0.002
 
 
 @pytest.fixture(scope="module")
-def part() -> Part:
+def part() -> TrackSegment:
     """A part of the scene's run on a straight track and coarse, small meshes."""
-    made = Part(Body("small"), 0.0, SECONDS)
+    made = TrackSegment(PaperBody("small"), 0.0, SECONDS)
     made.__dict__["contact"] = small_wheelset.wheelset()  # in place of the scene's own
     return made
 
 
-def test_same_run_has_no_error_and_a_shifted_one_its_shift(part: Part) -> None:
+def test_same_run_has_no_error_and_a_shifted_one_its_shift(part: TrackSegment) -> None:
     shifted_state = part.reference.state.copy()
     shifted_state[:, 6] += 3e-6
     outputs = part.reference.outputs._replace(force=part.reference.outputs.force + 7.0)
@@ -45,7 +45,7 @@ def test_same_run_has_no_error_and_a_shifted_one_its_shift(part: Part) -> None:
     assert force == pytest.approx(7.0)
 
 
-def test_errors_and_counts_of_a_run(part: Part) -> None:
+def test_errors_and_counts_of_a_run(part: TrackSegment) -> None:
     ran = part.compared(part.run("ode23", {"linear": "bicgstab", "forcing": 0.01}))
     assert not ran.failure
     assert ran.solves == sum(side.solves for side in ran.cost.contact.values()) > 0
@@ -76,7 +76,7 @@ def test_scenes_of_bodies_are_valid() -> None:
     assert (exact.laws, exact.meshes, exact.placing) == ("exact", "waveguide", "grid")
 
 
-def test_loose_tolerances_have_larger_errors(part: Part) -> None:
+def test_loose_tolerances_have_larger_errors(part: TrackSegment) -> None:
     run = part.run("ode23", dict(LU))
     found = accuracies(part, states(part, run, 2))
     cold = [one for one in found if not one.warm]
@@ -89,18 +89,18 @@ def test_loose_tolerances_have_larger_errors(part: Part) -> None:
 def test_a_variant_that_fails_is_a_row_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     runs = Runs(0.0, SECONDS, SECONDS, say=lambda _: None)
 
-    def fail(*_: object) -> Part:
+    def fail(*_: object) -> TrackSegment:
         raise RuntimeError("the mesh is gone")
 
     monkeypatch.setattr(Runs, "part", fail)
-    variant = Variant("Eq. (15), ODE23, LU", SOLID, "ode23", LU)
+    variant = PaperVariant("Eq. (15), ODE23, LU", SOLID, "ode23", LU)
     ran = runs.of(variant)
     cells = row(variant, ran, SECONDS)
     assert len(cells) == len(HEAD.split("|"))
     assert "the mesh is gone" in cells[-1]
 
 
-def test_an_unfinished_run_has_no_error(part: Part) -> None:
+def test_an_unfinished_run_has_no_error(part: TrackSegment) -> None:
     ran = part.compared(replace(part.reference, status="failed: step"))
     assert ran.failure == "failed: step"
     assert np.isnan(ran.force)

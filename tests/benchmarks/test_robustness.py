@@ -13,16 +13,16 @@ from standin_contact import CONTACT
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.fitted.patch_layout import single
-from wheelrail.contact.models.fitted.resolution import Fineness
-from wheelrail.contact.models.fitted.surfaces import Ridge
+from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.contact.solvers.active_set import Coupled, Factors
-from wheelrail.contact.solvers.options import Count
+from wheelrail.contact.solvers.active_set import CachedFactors, CoupledPressure
+from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR, ROLL, Y, Z
@@ -43,7 +43,7 @@ MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
 
 @cache
 def standard(friction: float = 0.3) -> WheelsetContact:
-    return WheelsetContact(StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), Laws(friction=friction)), MOUNTING)
+    return WheelsetContact(StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), ContactLaws(friction=friction)), MOUNTING)
 
 
 def kicked(contact: VehicleContact, **rates: float) -> np.ndarray:
@@ -204,17 +204,17 @@ def test_an_overlap_with_a_shoulder_is_not_taken_for_one_hump() -> None:
     s = np.linspace(-0.05, 0.05, 251)
     hump = 1e-3 - (s / 0.006) ** 2 * 1e-3
     shoulder = np.where(s > 0.0, np.maximum(hump, 1e-4 - 2e-3 * s), hump)  # falls, so that there is one maximum
-    ridges = [Ridge(s, o, np.zeros_like(s), np.full_like(s, 2.0)) for o in (hump, shoulder)]
+    ridges = [PenetrationProfile(s, o, np.zeros_like(s), np.full_like(s, 2.0)) for o in (hump, shoulder)]
     assert [len(ridge.humps) for ridge in ridges] == [1, 1]
     marks = np.linspace(-1.0, 1.0, 9)
-    assert single(ridges[0], Fineness(4, 8), marks) is not None
-    assert single(ridges[1], Fineness(4, 8), marks) is None
+    assert single(ridges[0], Resolution(4, 8), marks) is not None
+    assert single(ridges[1], Resolution(4, 8), marks) is None
 
 
 def test_pressure_without_a_point_that_carries_has_no_slope() -> None:
-    pressure = Coupled(Factors(np.eye(3)), np.ones(3), np.ones((3, 6)))
-    assert pressure.slope(np.zeros(3, dtype=bool), Count()).shape == (0, 6)
-    np.testing.assert_array_equal(pressure.slope(np.array([True, False, True]), Count()), np.ones((2, 6)))
+    pressure = CoupledPressure(CachedFactors(np.eye(3)), np.ones(3), np.ones((3, 6)))
+    assert pressure.slope(np.zeros(3, dtype=bool), IterationCount()).shape == (0, 6)
+    np.testing.assert_array_equal(pressure.slope(np.array([True, False, True]), IterationCount()), np.ones((2, 6)))
 
 
 @dataclass(frozen=True)

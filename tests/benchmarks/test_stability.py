@@ -13,10 +13,10 @@ from benchmarks.stability import solve as stability_run
 from benchmarks.stability.depth_estimate import NoDepth, depth_for
 from benchmarks.stability.invariants import LIMITS, broken, findings
 from benchmarks.stability.report import attempt, show, trouble
-from benchmarks.stability.sample import RADIUS, RAILS, Case, cases
-from benchmarks.stability.solve import BETWEEN, Outcome, carried, model_of, solve
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from benchmarks.stability.sample import RADIUS, RAILS, SampledCase, cases
+from benchmarks.stability.solve import BETWEEN, SolveOutcome, carried, model_of, solve
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult, Patch, Statistics
@@ -27,7 +27,7 @@ COUNT, SEED = 10, 7
 
 
 @cache
-def outcomes() -> tuple[Outcome, ...]:
+def outcomes() -> tuple[SolveOutcome, ...]:
     """Twins, of cases whose cells did not settle, are finer on the same lines, whose spectra are there."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(stability_run, "SIZES", (SIZE,))
@@ -56,10 +56,10 @@ def half_spaces(rail: str) -> ContactModel:
         named_profile("S1002"),
         named_profile(rail),
         radius=RADIUS,
-        wheel_steel=Steel(),
-        rail_steel=Steel(),
+        wheel_steel=Material(),
+        rail_steel=Material(),
         surface_size=SIZE,
-        laws=Laws(np.inf, 0.0, 0.0),
+        laws=ContactLaws(np.inf, 0.0, 0.0),
         bodies="half-space",
     )
 
@@ -91,7 +91,7 @@ def test_the_sample_covers_its_ranges() -> None:
 
 
 @cache
-def rubbing() -> tuple[Case, float, ContactResult]:
+def rubbing() -> tuple[SampledCase, float, ContactResult]:
     """A case with friction, its depth and result."""
     outcome = next(o for o in outcomes() if o.fitted and o.case.friction > 0.1)
     pose, motion = outcome.case.at(outcome.depth)
@@ -135,7 +135,7 @@ def test_wrong_results_are_noticed(wrong: Callable[[ContactResult], ContactResul
 
 
 def test_results_unlike_their_twin_are_noticed() -> None:
-    alone = Outcome(rubbing()[0], "converged", figures=dict.fromkeys(LIMITS, 0.0))
+    alone = SolveOutcome(rubbing()[0], "converged", figures=dict.fromkeys(LIMITS, 0.0))
     assert trouble(alone) == ""
     for outcome, said in (
         (replace(alone, twin="converged", force_differs=0.5), "from its twin"),
@@ -189,6 +189,6 @@ def test_the_same_question_has_the_same_answer() -> None:
 
 
 def test_a_wheel_beside_the_rail_has_no_depth() -> None:
-    aside: Case = replace(cases(4, 0)[0], y=0.2)
+    aside: SampledCase = replace(cases(4, 0)[0], y=0.2)
     with pytest.raises(NoDepth):
         depth_for(aside)

@@ -16,7 +16,7 @@ import numba
 import pytest
 
 from wheelrail.support import interrupts
-from wheelrail.support.interrupts import later, look
+from wheelrail.support.interrupts import check_interrupt, deferred_interrupts
 
 ROOT = Path(__file__).parents[2]
 
@@ -37,20 +37,20 @@ def handler() -> Iterator[object]:
 
 def test_ctrl_c_waits_for_a_look() -> None:
     done = []
-    with later():
-        look()
+    with deferred_interrupts():
+        check_interrupt()
         ctrl_c()
         done.append("went on")
         with pytest.raises(KeyboardInterrupt):
-            look()
-        look()  # it came once
+            check_interrupt()
+        check_interrupt()  # it came once
     assert done == ["went on"]
 
 
 def test_ctrl_c_comes_at_the_end_of_the_block_that_did_not_look() -> None:
     done = []
-    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
-        with later():
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():  # noqa: PT012
+        with deferred_interrupts():
             ctrl_c()
         done.append("an inner block is part of it")
     assert done
@@ -62,7 +62,7 @@ def test_hammering_is_one_ctrl_c_and_the_next_one_does_not_wait(monkeypatch: pyt
     now = [0.0]
     monkeypatch.setattr(interrupts, "monotonic", lambda: now[0])
     done = []
-    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():  # noqa: PT012
         for now[0] in (0.0, 0.1, 0.9, 1.0):
             ctrl_c()
             done.append(now[0])
@@ -71,9 +71,9 @@ def test_hammering_is_one_ctrl_c_and_the_next_one_does_not_wait(monkeypatch: pyt
 
 def test_where_ctrl_c_is_ignored_it_stays_so() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with later():
+    with deferred_interrupts():
         ctrl_c()
-        look()
+        check_interrupt()
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -82,11 +82,11 @@ def test_other_threads_are_not_stopped() -> None:
     done = []
 
     def work() -> None:
-        with later():
-            look()
+        with deferred_interrupts():
+            check_interrupt()
         done.append(1)
 
-    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():  # noqa: PT012
         ctrl_c()
         thread = threading.Thread(target=work)
         thread.start()
@@ -115,7 +115,7 @@ def test_compiled_code_ends_its_results(monkeypatch: pytest.MonkeyPatch) -> None
 
     monkeypatch.setattr(Pair, "__new__", interrupted)
     found = []
-    with pytest.raises(KeyboardInterrupt), later():
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():
         found.append(twice(2.0))
     assert found == [((2.0, 2.0), 2.0)]
 
@@ -126,9 +126,9 @@ def test_ctrl_c_is_not_lost_in_the_callback_of_a_weak_reference() -> None:
 
     thing = Thing()
     weakref.finalize(thing, ctrl_c)
-    with pytest.raises(KeyboardInterrupt), later():  # noqa: PT012
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():  # noqa: PT012
         del thing
-        look()
+        check_interrupt()
 
 
 LOADING = """

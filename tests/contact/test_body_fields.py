@@ -10,16 +10,16 @@ import pytest
 from small_pairs import AT_REST, BRICKS, CREEP, STEEL, TETRAHEDRA, Block, condensed, full, hertzian
 
 from wheelrail.contact.analytical.hertz import Hertz, axis_stress, worst
-from wheelrail.contact.elasticity.waveguide.coordinates import Chart
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.elasticity.waveguide.coordinates import WaveguideCoordinates
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.contact.stress.solid_fields import solid_fields
 from wheelrail.contact.stress.subsurface import LoadedBody
-from wheelrail.contact.stress.waveguide_fields import Inside, look_inside
+from wheelrail.contact.stress.waveguide_fields import InternalFields, look_inside
 from wheelrail.support.arrays import Array
 
 BALL, FORCE = (0.3, 0.3), 10e3
@@ -36,16 +36,16 @@ def pressed() -> tuple[ContactResult, Hertz]:
         lower_steel=STEEL,
         load=FORCE,
         surface_size=0.5e-3,
-        laws=Laws(friction=0.0),
+        laws=ContactLaws(friction=0.0),
         bodies="half-space",
         points="fitted",
-        fineness=Fineness(10, 12),
+        fineness=Resolution(10, 12),
     )
     return pair(hertz_pose(exact.approach), AT_REST, None), exact
 
 
 @cache
-def seen(upper: bool) -> Inside:
+def seen(upper: bool) -> InternalFields:
     return look_inside(LoadedBody.block(upper, STEEL), pressed()[0], across=12)
 
 
@@ -115,7 +115,9 @@ def test_surfaces_move_as_the_contact_says() -> None:
         body = seen(upper)
         surface = np.arange(len(body.section.section.surface))
         y = body.spots[surface, 0]
-        at = Chart.of(body.section, (fields.point[on] - body.body.frame.origin) @ body.body.frame.rotation)
+        at = WaveguideCoordinates.of(
+            body.section, (fields.point[on] - body.body.frame.origin) @ body.body.frame.rotation
+        )
         for i, along in enumerate(at.along):
             _, moved, _ = body.at(np.array([along]), surface)
             local = np.array([np.interp(at.section[i, 0], y, component) for component in moved.T])
@@ -135,7 +137,7 @@ def test_the_mirror_image_of_fields() -> None:
 
 def test_solids_deform_alike_in_both_models() -> None:
     """Full and condensed to the solver's residual, tetrahedra and hexahedra; the bodies give way."""
-    laws, size, radii = Laws.paper(), 1e-3, (0.3, 0.3)
+    laws, size, radii = ContactLaws.penalty(), 1e-3, (0.3, 0.3)
     pose = hertz_pose((3.2 * size) ** 2 / (2 * 0.3))
     for mesh in (TETRAHEDRA, BRICKS):
         models = full(mesh, radii, size=size, laws=laws), condensed(mesh, radii, size=size, laws=laws)
@@ -154,7 +156,7 @@ def test_stress_in_solids_is_that_of_hertz() -> None:
     """On a mesh of moderate size: largest von Mises stress within 12 %, below the surface."""
     mesh, radii = Block((9, 9), 40.0, growth=0.3), (0.3, 0.3)
     exact = hertzian(radii, FORCE)
-    model = full(mesh, radii, size=exact.semi_axes[0] / 6, laws=Laws(friction=0.0, stiffness_per_area=1e15))
+    model = full(mesh, radii, size=exact.semi_axes[0] / 6, laws=ContactLaws(friction=0.0, stiffness_per_area=1e15))
     pose = hertz_pose(exact.approach)
     _, rail = solid_fields(model, pose, model(pose, AT_REST, None))
     depth, mises = worst(radius=exact.semi_axes[0], peak=exact.peak, nu=0.3)

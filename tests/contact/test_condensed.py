@@ -23,13 +23,13 @@ from small_pairs import (
 )
 
 from wheelrail.contact.analytical.hertz import Hertz
-from wheelrail.contact.geometry.contact_operators import couple_both
-from wheelrail.contact.geometry.grid_points import ContactPoints
+from wheelrail.contact.geometry.contact_operators import pair_operators
+from wheelrail.contact.geometry.grid_points import GridPoints
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.resultants import components
 from wheelrail.contact.solvers.options import NewtonOptions
@@ -49,7 +49,7 @@ def test_compliance_is_the_inverse_of_the_stiffness(mesh: Block) -> None:
     """Force on one node, displacement of all: solved by conjugate gradients in real units, without any factor."""
     from petsc4py import PETSc
 
-    steel = Steel(70e9, 0.2)
+    steel = Material(70e9, 0.2)
     body = elastic(mesh, steel, SIZE)
     scaled = compliance(mesh, steel, SIZE)
     nodes = np.flatnonzero(body.grid.weight.ravel() > 0)[3::7]
@@ -72,7 +72,7 @@ def test_compliance_is_the_inverse_of_the_stiffness(mesh: Block) -> None:
 
 def test_compliance_is_solved_only_where_it_is_asked_for(monkeypatch: pytest.MonkeyPatch, tmp_path: object) -> None:
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
-    surface = compliance(TETRAHEDRA, Steel(210e9, 0.21), SIZE)
+    surface = compliance(TETRAHEDRA, Material(210e9, 0.21), SIZE)
     nx, ns = surface.shape
     few = np.array([nx // 2 * ns + ns // 2, nx // 2 * ns + ns // 2 + 1])
     surface.block(few, (2,))
@@ -93,15 +93,15 @@ def test_compliance_is_the_same_to_the_last_bit_whatever_is_asked_for_first(
     nodes, blocks = np.arange(20, 90), []
     for name, orders in (("one", [nodes]), ("other", [nodes[33:40], nodes[:5], nodes])):
         monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path / name))
-        surface = compliance(TETRAHEDRA, Steel(210e9, 0.21), SIZE)
+        surface = compliance(TETRAHEDRA, Material(210e9, 0.21), SIZE)
         blocks.append([surface.block(asked, (2,)) for asked in orders][-1])
     np.testing.assert_array_equal(*blocks)
 
 
-def relative_compliance(points: ContactPoints, model: Condensed, order: int) -> tuple[Array, Array]:
+def relative_compliance(points: GridPoints, model: CondensedContact, order: int) -> tuple[Array, Array]:
     """Displacements and slips at the points by forces on them, dense from end to end."""
     totals = []
-    for coupling, surface in zip(couple_both(points, order), (model.wheel, model.rail), strict=True):
+    for coupling, surface in zip(pair_operators(points, order), (model.wheel, model.rail), strict=True):
         every = np.arange(surface.shape[0] * surface.shape[1])
         whole = surface.block(every)
         columns = (3 * coupling.nodes[:, None] + np.asarray(coupling.directions)).ravel()
@@ -116,10 +116,12 @@ def relative_compliance(points: ContactPoints, model: Condensed, order: int) -> 
 
 
 @pytest.mark.parametrize(
-    "laws", [Laws.paper(), Laws(np.inf, 0.3, 0.0), Laws(1e14, 0.5, 1e-3)], ids=["paper", "exact", "soft"]
+    "laws",
+    [ContactLaws.penalty(), ContactLaws(np.inf, 0.3, 0.0), ContactLaws(1e14, 0.5, 1e-3)],
+    ids=["paper", "exact", "soft"],
 )
-@pytest.mark.parametrize("steels", [(STEEL, STEEL), (Steel(210e9, 0.1), STEEL)], ids=["equal", "dissimilar"])
-def test_result_fulfils_the_equations(laws: Laws, steels: tuple[Steel, Steel]) -> None:
+@pytest.mark.parametrize("steels", [(STEEL, STEEL), (Material(210e9, 0.1), STEEL)], ids=["equal", "dissimilar"])
+def test_result_fulfils_the_equations(laws: ContactLaws, steels: tuple[Material, Material]) -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=laws, steels=steels)
     result = model(pose(3.2), CREEP)
     assert result.status == "converged"
@@ -167,8 +169,8 @@ def test_result_fulfils_the_equations(laws: Laws, steels: tuple[Steel, Steel]) -
 
 
 def test_friction_leaves_the_pressure_of_equal_bodies_alone() -> None:
-    with_friction = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=Laws.paper())(pose(3.2), CREEP)
-    without = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=Laws.paper(0.0))(pose(3.2), AT_REST)
+    with_friction = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())(pose(3.2), CREEP)
+    without = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty(0.0))(pose(3.2), AT_REST)
     assert with_friction.fields is not None
     assert without.fields is not None
     np.testing.assert_allclose(with_friction.fields.pressure, without.fields.pressure, rtol=1e-9)
@@ -177,7 +179,7 @@ def test_friction_leaves_the_pressure_of_equal_bodies_alone() -> None:
 
 
 def test_bicgstab_gives_the_same_answer() -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=Laws.paper(), steels=(Steel(210e9, 0.1), STEEL))
+    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty(), steels=(Material(210e9, 0.1), STEEL))
     direct = model(pose(3.2), CREEP)
     iterative = replace(model, options=NewtonOptions(linear="bicgstab"))(pose(3.2), CREEP)
     np.testing.assert_allclose(iterative.force, direct.force, rtol=1e-7)
@@ -186,7 +188,7 @@ def test_bicgstab_gives_the_same_answer() -> None:
 
 
 def test_warm_start_saves_steps_and_changes_nothing() -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=Laws.paper())
+    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     cold = model(pose(3.2), CREEP)
     again = model(pose(3.2), CREEP, cold)
     assert again.statistics.newton < cold.statistics.newton
@@ -199,7 +201,7 @@ def test_warm_start_saves_steps_and_changes_nothing() -> None:
 
 
 def test_a_solve_that_fails_says_so_and_gives_no_force() -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=Laws.paper())
+    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     hurried = replace(model, options=NewtonOptions(iterations=1))
     results = {
         "Newton steps": hurried(pose(3.2), CREEP),
@@ -232,17 +234,17 @@ def test_two_patches() -> None:
     class Saddle:
         """Two bumps across the rolling direction on the plane grid of a pair."""
 
-        def __init__(self, model: Condensed) -> None:
+        def __init__(self, model: CondensedContact) -> None:
             self.model = model
 
-        def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
+        def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
             points, _ = self.model.geometry.contact_points(hertz_pose((3.4 * SIZE) ** 2 / (2 * RADIUS)), steps)
             assert points is not None
             x, y = points.point[:, 0], points.point[:, 1]
             overlap = 4e-6 - (x**2 + (np.abs(y) - 2.5e-3) ** 2 * (1.5 if pose.origin[2] < 0 else 1.0)) / (2 * 0.2)
             return replace(points, overlap=np.maximum(overlap, 1e-12)), float(overlap.max())
 
-    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=Laws.paper())
+    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     result = replace(model, geometry=Saddle(model))(hertz_pose(1e-6), CREEP)
     assert result.status == "converged"
     assert len(result.patches) == 2
@@ -269,13 +271,13 @@ CONTACT = [
 ]
 
 
-def loaded(name: str, across: float) -> tuple[Condensed, Pose, Hertz]:
+def loaded(name: str, across: float) -> tuple[CondensedContact, Pose, Hertz]:
     """Exact laws, the pose under 57 kN, and Hertz's, with so many points across the patch."""
     size = 2 * SPHERE_57.semi_axes[0] / across
     mesh, radii = MESHES[name], (0.46, 0.46)
-    normal = condensed(mesh, radii, size=size, laws=Laws(np.inf, friction=0.0))
+    normal = condensed(mesh, radii, size=size, laws=ContactLaws(np.inf, friction=0.0))
     depth = hertz_under_load(normal, AT_REST, 57e3, expected=0.9 * SPHERE_57.approach).depth
-    return condensed(mesh, radii, size=size, laws=Laws(np.inf, 0.3, 0.0)), hertz_pose(depth), SPHERE_57
+    return condensed(mesh, radii, size=size, laws=ContactLaws(np.inf, 0.3, 0.0)), hertz_pose(depth), SPHERE_57
 
 
 def resultants(result: ContactResult) -> Array:
@@ -315,7 +317,7 @@ def test_kalker_coefficients(across: float) -> None:
 
 
 def test_steady_rolling_of_rigidly_moving_bodies_is_free() -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=Laws.paper())
+    model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     result = model(pose(3.2), rolling(0.0, 0.0, 0.0))
     # equal bodies: pressure alone makes no slip between them
     assert np.abs(result.force[:2]).max() < 1e-9 * result.force[2]
@@ -326,7 +328,9 @@ def test_second_order_slip_is_nearer_to_the_limit() -> None:
     for across in (5.4, 10.8):
         size = 2 * SPHERE_57.semi_axes[0] / across
         for order in (1, 2):
-            model = condensed(MESHES["tetrahedra"], (0.46, 0.46), size=size, laws=Laws(np.inf, 0.3, 0.0), order=order)
+            model = condensed(
+                MESHES["tetrahedra"], (0.46, 0.46), size=size, laws=ContactLaws(np.inf, 0.3, 0.0), order=order
+            )
             forces[order, across] = model(hertz_pose(0.9 * SPHERE_57.approach), rolling(-3e-4, 0.0, 0.0)).force
     normalised = {key: force[0] / force[2] for key, force in forces.items()}
     limit = normalised[2, 10.8]

@@ -10,16 +10,16 @@ from small_pairs import BRICKS, CREEP, FLAT, QUADRATIC, QUADRATIC_BRICKS, TETRAH
 from small_wheelset import MOUNTING, RADIUS, SIZE, SPEED, STATE, geometry, left_pose, wheelset
 
 from wheelrail.contact.elasticity.solid_body import ElasticBody
-from wheelrail.contact.geometry.contact_operators import Coupling, couple_both
-from wheelrail.contact.geometry.grid_points import ContactPoints, Geometry, Interpolation
+from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
+from wheelrail.contact.geometry.grid_points import GridPoints, Interpolation, SurfacePair
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN
 from wheelrail.contact.geometry.surface_grid import ContactGrid
-from wheelrail.contact.kinematics.frames import MIRROR, SIDES, Motion, Pose, Twist
+from wheelrail.contact.kinematics.frames import MIRROR, SIDES, Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.models.full.model import FullContact
 from wheelrail.meshes.bodies.extrusion import Cell, Solid, extruded
 from wheelrail.meshes.bodies.triangulation import SectionMesh
 from wheelrail.support.arrays import Array, Nodes
@@ -29,13 +29,13 @@ from wheelrail.support.arrays import Array, Nodes
 class Loads:
     """Forces (n, 3) N on the n points, in the rail frame, and on both bodies' nodes with the nodes' places, m."""
 
-    points: ContactPoints
+    points: GridPoints
     forces: Array
     wheel: tuple[Array, Array]
     rail: tuple[Array, Array]
 
 
-def nodal(coupling: Coupling, components: Array) -> tuple[Nodes, Array]:
+def nodal(coupling: ContactOperators, components: Array) -> tuple[Nodes, Array]:
     """Nodes and forces (m, 3) on them by forces (n, 3) on the points, component by component: B^T of the operator."""
     forces = np.zeros((len(coupling.nodes), 3))
     forces[:, coupling.directions] = (coupling.displacement.T @ components.T.ravel()).reshape(len(coupling.nodes), -1)
@@ -43,7 +43,7 @@ def nodal(coupling: Coupling, components: Array) -> tuple[Nodes, Array]:
 
 
 def apply(
-    shapes: Geometry, wheel: ContactGrid, rail: ContactGrid, pose: Pose, seed: int = 0, friction: float = 0.3
+    shapes: SurfacePair, wheel: ContactGrid, rail: ContactGrid, pose: Pose, seed: int = 0, friction: float = 0.3
 ) -> Loads:
     """Random pressures and tractions through the transposed operators of both bodies."""
     points, _ = shapes.contact_points(pose, 2)
@@ -54,7 +54,7 @@ def apply(
     components = (
         np.column_stack([*(friction * pressure * rng.uniform(-0.7, 0.7, (2, n))), -pressure]) * points.area[:, None]
     )
-    above, below = couple_both(points, 2)
+    above, below = pair_operators(points, 2)
     on_wheel, pushed = nodal(above, components)
     on_rail, pulled = nodal(below, -components)
     place = wheel.position.reshape(-1, 3)[on_wheel]
@@ -123,14 +123,14 @@ def test_wheel_and_rail_cancel(cell: Cell, degree: int, ahead: float) -> None:
 
 
 def test_force_and_moment_of_a_result_are_those_on_the_nodes() -> None:
-    contact = condensed(TETRAHEDRA, (0.3, 0.3), size=1e-3, laws=Laws.paper())
+    contact = condensed(TETRAHEDRA, (0.3, 0.3), size=1e-3, laws=ContactLaws.penalty())
     result = contact(hertz_pose(1.5e-5), CREEP)
     fields = result.fields
     assert fields is not None
     points, _ = contact.geometry.contact_points(hertz_pose(1.5e-5), 2)
     assert points is not None
     components = np.column_stack([fields.traction, -fields.pressure]) * fields.area[:, None]
-    above, below = couple_both(points, 2)
+    above, below = pair_operators(points, 2)
     scale = np.abs(result.force).sum()
     grid = contact.geometry.grid.position.reshape(-1, 3)  # type: ignore[attr-defined]
     for coupling, rotation, sign in ((above, UPSIDE_DOWN, 1.0), (below, np.eye(3), -1.0)):
@@ -144,8 +144,8 @@ def test_force_and_moment_of_a_result_are_those_on_the_nodes() -> None:
     np.testing.assert_allclose(moved.moment, result.moment + np.cross(-CENTRE, result.force), rtol=1e-12)
 
 
-@pytest.mark.parametrize("laws", [Laws.paper(0.0), Laws.paper()], ids=["frictionless", "rolling"])
-def test_left_and_right_are_mirror_images(laws: Laws) -> None:
+@pytest.mark.parametrize("laws", [ContactLaws.penalty(0.0), ContactLaws.penalty()], ids=["frictionless", "rolling"])
+def test_left_and_right_are_mirror_images(laws: ContactLaws) -> None:
     contact = wheelset(laws)
     for state in (STATE, replace(STATE, y=0.001, z=-2.3e-4, yaw=-1e-3)):
         for side, other in (SIDES, SIDES[::-1]):
@@ -218,7 +218,7 @@ class Flat:
     grid: ContactGrid
     shift: tuple[float, float] = (0.0, 0.0)
 
-    def contact_points(self, pose: Pose, steps: int) -> tuple[ContactPoints | None, float]:
+    def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
         depth = -float(pose.origin[2])
         node = np.flatnonzero(self.grid.weight.ravel() > 0)
         n, (nx, ns) = len(node), self.grid.shape
@@ -232,7 +232,7 @@ class Flat:
         place = self.grid.position.reshape(-1, 3)[node]
         axes = np.broadcast_to(np.diag([1.0, 1.0, -1.0]), (n, 3, 3))
         return (
-            ContactPoints(
+            GridPoints(
                 node=node,
                 point=place,
                 axes=axes,
@@ -249,18 +249,18 @@ class Flat:
         )
 
 
-REST = Motion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)) for _ in range(2)))
+REST = RigidMotion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)) for _ in range(2)))
 
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 @pytest.mark.parametrize("degree", [1, 2])
 def test_patch_test(cell: Cell, degree: int) -> None:
     """Two cubes without lateral contraction, pressed together: the same stress everywhere, on both sides."""
-    steels = Steel(210e9, 0.0), Steel(70e9, 0.0)
+    steels = Material(210e9, 0.0), Material(70e9, 0.0)
     solid = box(4, cell)
     upper, lower = (ElasticBody(solid, steel, degree=degree) for steel in steels)
     K, depth = 1e12, 1e-4
-    model = Full(Flat(upper.grid), upper, lower, Laws(K, friction=0.0))
+    model = FullContact(Flat(upper.grid), upper, lower, ContactLaws(K, friction=0.0))
     result = model(hertz_pose(depth), REST)
     assert result.status == "converged"
     fields = result.fields
@@ -281,7 +281,7 @@ def test_patch_test(cell: Cell, degree: int) -> None:
 @pytest.mark.parametrize("degree", [1, 2])
 def test_constant_pressure_gives_consistent_loads(cell: Cell, degree: int) -> None:
     """B^T a p is the stress of a uniformly compressed body on its top, node by node, on both bodies."""
-    body = ElasticBody(box(4, cell), Steel(1.0, 0.0), degree=degree)
+    body = ElasticBody(box(4, cell), Material(1.0, 0.0), degree=degree)
     points, _ = Flat(body.grid).contact_points(hertz_pose(1.0), 0)
     assert points is not None
     x = body.space.tabulate_dof_coordinates()
@@ -289,7 +289,7 @@ def test_constant_pressure_gives_consistent_loads(cell: Cell, degree: int) -> No
     u.array[:] = np.column_stack([np.zeros((len(x), 2)), -(x[:, 2] + 1.0)]).ravel()
     body.stiffness.mult(u, f)
     stress = f.array.reshape(-1, 3)[body.nodes.ravel()]
-    for coupling, sign in zip(couple_both(points, 0), (1.0, -1.0), strict=True):
+    for coupling, sign in zip(pair_operators(points, 0), (1.0, -1.0), strict=True):
         loads = np.zeros_like(stress)
         loads[coupling.nodes[:, None], coupling.directions] = (coupling.displacement.T @ (-sign * points.area)).reshape(
             -1, len(coupling.directions)
@@ -308,7 +308,7 @@ def test_constant_pressure_between_grids_that_do_not_match(cell: Cell, shift: tu
     grid = ContactGrid.on(box(8, cell), 1)
     points, _ = Flat(grid, shift).contact_points(hertz_pose(1.0), 0)
     assert points is not None
-    _, below = couple_both(points, 0)
+    _, below = pair_operators(points, 0)
     loads = np.zeros(grid.weight.size)
     loads[below.nodes] = below.displacement.T @ points.area
     assert loads.sum() == pytest.approx(-grid.weight.sum(), rel=1e-12)

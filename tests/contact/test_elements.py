@@ -15,12 +15,12 @@ from wheelrail.scenes.datasets.run import dataset
 from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.jacobian import STEP, Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, mirrored
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.track import Track
-from wheelrail.vehicle.wagon.elements import Element, Elements, Place
-from wheelrail.vehicle.wagon.force_law import Characteristic
+from wheelrail.vehicle.wagon.elements import ElementPair, ForceElement, ForceElements
+from wheelrail.vehicle.wagon.force_law import ForceLaw
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -28,8 +28,8 @@ V = 45.0
 LEFT, RIGHT = (Track.curve(curvature=sign / 1200, cant=0.06, transition=20.0, length=400.0) for sign in (1, -1))
 
 # A spring softer in extension than in compression, and a damper of two stages that is weaker outwards.
-UNEVEN = Characteristic(((-0.02, -6e3), (-0.005, -1e3), (0.0, 0.0), (0.03, 2e3)))
-VALVE = Characteristic(((-0.5, -4e3), (-0.1, -3e3), (0.0, 0.0), (0.1, 1.5e3), (0.5, 2.5e3)))
+UNEVEN = ForceLaw(((-0.02, -6e3), (-0.005, -1e3), (0.0, 0.0), (0.03, 2e3)))
+VALVE = ForceLaw(((-0.5, -4e3), (-0.1, -3e3), (0.0, 0.0), (0.1, 1.5e3), (0.5, 2.5e3)))
 # Series stiffness of the dampers of the Manchester wagon as remembered, without a public source.
 SERIES = {"primary": (7.5e6, 1e6), "secondary": (6e6, 6e6)}
 
@@ -72,8 +72,8 @@ def test_a_law_follows_its_points_and_goes_on_as_another_library_interpolates() 
     assert UNEVEN(0.0) == 0.0
     assert float((2.5 * UNEVEN)(0.01)) == 2.5 * float(UNEVEN(0.01))
     np.testing.assert_allclose(UNEVEN.inverse(UNEVEN(x)), x, rtol=1e-12, atol=1e-15)
-    odd = Characteristic(((0.0, 0.0), (0.01, 100.0), (0.02, 400.0)))
-    whole = Characteristic(((-0.02, -400.0), (-0.01, -100.0), (0.0, 0.0), (0.01, 100.0), (0.02, 400.0)))
+    odd = ForceLaw(((0.0, 0.0), (0.01, 100.0), (0.02, 400.0)))
+    whole = ForceLaw(((-0.02, -400.0), (-0.01, -100.0), (0.0, 0.0), (0.01, 100.0), (0.02, 400.0)))
     np.testing.assert_allclose(odd(x), whole(x), rtol=1e-12, atol=1e-12)
     np.testing.assert_array_equal(odd(-x), -odd(x))
     np.testing.assert_allclose(odd.energy(x), whole.energy(x), rtol=1e-12, atol=1e-15)
@@ -81,7 +81,7 @@ def test_a_law_follows_its_points_and_goes_on_as_another_library_interpolates() 
 
 
 @pytest.mark.parametrize("law", [UNEVEN, VALVE, Wagon().bumpstop], ids=["uneven", "valve", "bumpstop"])
-def test_energy_of_a_law_is_its_integral(law: Characteristic) -> None:
+def test_energy_of_a_law_is_its_integral(law: ForceLaw) -> None:
     for end in (-0.7, -0.033, -0.004, 0.0, 0.02, 0.0625, 0.9):
         kinks = [x for x in (s * k for k, _ in law.points for s in (1, -1)) if 0 < abs(x) < abs(end) and x * end > 0]
         expected = quad(lambda x: float(law(x)), 0.0, end, points=kinks or None, limit=200)[0]
@@ -102,12 +102,12 @@ def test_energy_of_a_law_is_its_integral(law: Characteristic) -> None:
 )
 def test_senseless_points_are_refused(points: tuple[tuple[float, float], ...]) -> None:
     with pytest.raises(ValueError, match="points"):
-        Characteristic(points)
+        ForceLaw(points)
 
 
 def test_a_linear_law_by_points_is_the_number() -> None:
     w = Wagon()
-    line = Characteristic(((0.0, 0.0), (1.0, 1.0)))
+    line = ForceLaw(((0.0, 0.0), (1.0, 1.0)))
     p, s = (
         replace(
             stage,
@@ -125,7 +125,7 @@ def test_a_linear_law_by_points_is_the_number() -> None:
 
 def test_scaling_takes_forces_and_not_deflections() -> None:
     whole, plane = WAGONS["both"].secondary, WAGONS["both"].plane.secondary
-    assert isinstance(plane.vertical_stiffness, Characteristic)
+    assert isinstance(plane.vertical_stiffness, ForceLaw)
     assert float(plane.vertical_stiffness(0.03)) == 0.5 * float(whole.vertical_stiffness(0.03))  # type: ignore[operator]
     assert plane.lateral_series_stiffness == 0.5 * whole.lateral_series_stiffness == 3e6
 
@@ -175,7 +175,7 @@ def test_the_mirror_image_has_mirrored_forces_to_the_last_bit(name: str) -> None
 
 def frequency_response(stiffness: float, damping: float, omega: float) -> complex:
     """Force per deflection of a Maxwell element of an assembly's laws, from its state equation e' = v - F/c."""
-    laws = Elements.of([Element(Place(0, 0, 1), damper=damping, series=stiffness)], 1)
+    laws = ForceElements.of([ForceElement(ElementPair(0, 0, 1), damper=damping, series=stiffness)], 1)
     e0, e1 = np.zeros(1), np.ones(1)
     still, moving = np.zeros((1, 2)), np.array([[0.0, 1.0]])
     fading = float(laws.series_rate(still, e1)[0])  # e' = fading e + v
@@ -219,7 +219,7 @@ def test_stiffer_springs_in_series_lead_to_the_plain_damper() -> None:
 def test_what_a_damper_on_a_spring_takes_is_force_squared_over_damping() -> None:
     """Over a cycle of a sinusoidal deflection the work done is the integral of F2/c, and that of the closed form."""
     k, c, omega, size = 1e6, 4e3, 2 * np.pi * 12.0, 5e-3
-    laws = Elements.of([Element(Place(0, 0, 1), damper=c, series=k)], 1)
+    laws = ForceElements.of([ForceElement(ElementPair(0, 0, 1), damper=c, series=k)], 1)
     stiffness = frequency_response(k, c, omega)
     t = np.linspace(0.0, 2 * np.pi / omega, 401)[:-1]
     u, force = size * np.exp(1j * omega * t), size * stiffness * np.exp(1j * omega * t)
@@ -260,7 +260,7 @@ def test_the_jacobian_sees_the_springs_in_series() -> None:
     position, rate, series = motion(np.random.default_rng(3), (), d.size)
     state = np.concatenate([position.ravel() / 10, [0.0], rate.ravel(), [0.0], series])
     state[6:9] = [1e-3, -1e-4, 1e-4]
-    found = Jacobian(d, Counts())(2.0, state, d(2.0, state)).by_state
+    found = Jacobian(d, StepStatistics())(2.0, state, d(2.0, state)).by_state
     h = 1e-6
     columns = [(d(2.0, state + x).rate - d(2.0, state - x).rate) / (2 * h) for x in h * np.eye(d.size)]
     expected = np.stack(columns, axis=1)

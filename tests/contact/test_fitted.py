@@ -13,38 +13,38 @@ from scipy.special import k0, k1
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.elasticity.half_space import strip_flexibility
-from wheelrail.contact.kinematics.frames import Motion, Twist
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import Bodies, hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.fitted.edge_rules import CAUTION, TIP, edge_rules, line_contact, tip
-from wheelrail.contact.models.fitted.friction_penetration import Raised, settling
+from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, settling
 from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
 from wheelrail.contact.models.fitted.influence_tables import means
-from wheelrail.contact.models.fitted.layout import Layout, marks
+from wheelrail.contact.models.fitted.layout import StripLayout, marks
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.operators import upstream
 from wheelrail.contact.models.fitted.patch_moments import stick_length
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.error_estimate import ErrorEstimate
-from wheelrail.contact.results.result import ContactResult, Summaries
+from wheelrail.contact.results.result import ContactResult, LazyPatches
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 
-STEEL = Steel()
+STEEL = Material()
 RADII = (0.46, 0.30)
 LOAD = 60e3
 STILL = np.zeros(3)
 
 
-def flowing(xi: float = 0.0, eta: float = 0.0, phi: float = 0.0) -> Motion:
+def flowing(xi: float = 0.0, eta: float = 0.0, phi: float = 0.0) -> RigidMotion:
     half = 0.5 * np.array([xi, eta, 0.0])
     turn = np.array([0.0, 0.0, 0.5 * phi])
     back = np.array([-1.0, 0.0, 0.0])
-    return Motion(Twist(back + half, turn, STILL), Twist(back - half, -turn, STILL))
+    return RigidMotion(Twist(back + half, turn, STILL), Twist(back - half, -turn, STILL))
 
 
 def exact() -> Hertz:
@@ -53,7 +53,7 @@ def exact() -> Hertz:
 
 @cache
 def pair(
-    friction: float = 0.0, bodies: Bodies = "half-space", fineness: Fineness | None = None, estimate: bool = False
+    friction: float = 0.0, bodies: Bodies = "half-space", fineness: Resolution | None = None, estimate: bool = False
 ) -> FittedContact:
     model = hertz_pair(
         RADII,
@@ -62,9 +62,9 @@ def pair(
         lower_steel=STEEL,
         load=LOAD,
         surface_size=1e-3,
-        laws=Laws(friction=friction),
+        laws=ContactLaws(friction=friction),
         bodies=bodies,
-        fineness=fineness or Fineness(),
+        fineness=fineness or Resolution(),
         estimate=estimate,
     )
     assert isinstance(model, FittedContact)
@@ -171,7 +171,7 @@ def test_stick_ends_within_a_cell() -> None:
     assert stick_length(np.ones(10), np.diff(edges)) == pytest.approx(1.0)
 
 
-def errors(fineness: Fineness) -> Array:
+def errors(fineness: Resolution) -> Array:
     _, result = loaded(pair(fineness=fineness))
     (patch,) = result.patches
     ellipse = np.pi * np.prod(exact().semi_axes)
@@ -186,7 +186,7 @@ def errors(fineness: Fineness) -> Array:
 
 def test_hertz_converges_smoothly() -> None:
     counts = np.array([6, 8, 11, 16, 22])
-    e = np.array([errors(Fineness(int(n), int(n))) for n in counts])
+    e = np.array([errors(Resolution(int(n), int(n))) for n in counts])
     assert np.abs(e[3]).max() < 6e-3
     total = np.sqrt((e**2).mean(axis=1))
     slope, rest = np.polyfit(np.log(counts), np.log(total), 1)
@@ -242,7 +242,7 @@ def test_error_estimate_covers_the_error() -> None:
     assert plain.error_estimate is None
     told = pair(0.3, estimate=True)(pose, motion, None)
     np.testing.assert_array_equal(told.force, plain.force)
-    fine = pair(0.3, fineness=Fineness(20, 24))(pose, motion, None)
+    fine = pair(0.3, fineness=Resolution(20, 24))(pose, motion, None)
     estimate = told.error_estimate
     assert isinstance(estimate, ErrorEstimate)
     wrong = np.linalg.norm(plain.force - fine.force)
@@ -253,7 +253,7 @@ def test_error_estimate_covers_the_error() -> None:
 
 def test_penalty_and_other_misfits_are_refused() -> None:
     with pytest.raises(ValueError, match="exact normal law"):
-        replace(pair(), laws=Laws.paper())
+        replace(pair(), laws=ContactLaws.penalty())
     with pytest.raises(ValueError, match="fitted"):
         hertz_pair(
             RADII,
@@ -262,11 +262,11 @@ def test_penalty_and_other_misfits_are_refused() -> None:
             lower_steel=STEEL,
             load=1e3,
             surface_size=1e-3,
-            laws=Laws(),
+            laws=ContactLaws(),
             points="fitted",
         )
     with pytest.raises(ValueError, match="4 strips"):
-        Fineness(2, 8)
+        Resolution(2, 8)
 
 
 @cache
@@ -279,7 +279,7 @@ def wheelset(friction: float) -> WheelsetContact:
         wheel_steel=STEEL,
         rail_steel=STEEL,
         surface_size=1e-3,
-        laws=Laws(friction=friction),
+        laws=ContactLaws(friction=friction),
         bodies="half-space",
     )
     return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
@@ -353,10 +353,10 @@ def test_equal_steels_share_one_compliance() -> None:
         RADII,
         (np.inf, np.inf),
         upper_steel=STEEL,
-        lower_steel=Steel(2.1e11, 0.3 + 1e-12),
+        lower_steel=Material(2.1e11, 0.3 + 1e-12),
         load=LOAD,
         surface_size=1e-3,
-        laws=Laws(friction=0.3),
+        laws=ContactLaws(friction=0.3),
         bodies="half-space",
     )
     assert isinstance(other, FittedContact)
@@ -368,7 +368,7 @@ def test_equal_steels_share_one_compliance() -> None:
 
 def test_patches_are_summed_up_when_asked_for() -> None:
     result = pair()(hertz_pose(exact().approach), flowing(), None)
-    assert isinstance(result.patches, Summaries)
+    assert isinstance(result.patches, LazyPatches)
     (patch,) = result.patches
     (sent,) = pickle.loads(pickle.dumps(result.patches))
     assert (sent.area, sent.max_pressure) == (patch.area, patch.max_pressure)
@@ -382,16 +382,16 @@ def test_patches_are_summed_up_when_asked_for() -> None:
 def test_two_rounds_tell_where_friction_moves_the_overlap_no_more(slope: float) -> None:
     """Of what answers in a straight line, r = c + slope r; where a round answers as before it is not followed afar."""
     sides = np.column_stack([np.arange(4.0), np.arange(1.0, 5.0)]) * 1e-3
-    layout = Layout(sides, np.tile([-3e-3, 5e-3], (4, 1)), np.zeros(4, dtype=int), marks(6, rolling=True))
-    rest = Raised.by(layout, layout.middle[:, None] * [0.3] * 6 + 2e-3 * layout.edges[:, 1:])
+    layout = StripLayout(sides, np.tile([-3e-3, 5e-3], (4, 1)), np.zeros(4, dtype=int), marks(6, rolling=True))
+    rest = FrictionPenetration.by(layout, layout.middle[:, None] * [0.3] * 6 + 2e-3 * layout.edges[:, 1:])
 
-    def answer(raised: Raised | None) -> Raised:
+    def answer(raised: FrictionPenetration | None) -> FrictionPenetration:
         now = np.zeros((4, 6)) if raised is None else raised.at(layout)
-        return Raised.by(layout, rest.at(layout) + slope * (now - rest.at(layout)))
+        return FrictionPenetration.by(layout, rest.at(layout) + slope * (now - rest.at(layout)))
 
     first = answer(None)
     found = settling(layout, (None, first), (first, answer(first)))
     np.testing.assert_allclose(found.at(layout), rest.at(layout), rtol=1e-9)
-    creeping = Raised.by(layout, 1.9 * first.at(layout))
+    creeping = FrictionPenetration.by(layout, 1.9 * first.at(layout))
     limited = settling(layout, (None, first), (first, creeping))
     np.testing.assert_allclose(limited.at(layout), 2.8 * first.at(layout), rtol=1e-9)

@@ -13,12 +13,12 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.solvers.options import NewtonOptions
 from wheelrail.support.arrays import Array
 
-FINE = Fineness(8, 9)
+FINE = Resolution(8, 9)
 STIFFNESS = 1.5 * LOAD / exact().approach  # of Hertz's contact
 CREEP = flowing(4e-4, 2e-4, 0.1)  # 85 % of the patch sticks
 

@@ -11,9 +11,9 @@ from test_fitted import exact, flowing, pair
 
 import wheelrail.contact.models.fitted.model
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.fitted.cell_compliance import Gathered
+from wheelrail.contact.models.fitted.cell_compliance import CellCompliance
 from wheelrail.contact.models.fitted.model import FADING, RAISED, ROUNDS
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tractions import Tractions
 from wheelrail.support.arrays import Array
@@ -23,16 +23,16 @@ SHARE = 0.04  # of the approach
 
 def test_where_rounds_do_not_rest_warm_solves_stay_on_one_branch(monkeypatch: pytest.MonkeyPatch) -> None:
     """Friction that presses bodies together on narrow cells, apart on wide ones: none agree with their answer."""
-    model = replace(pair(0.3, fineness=Fineness(4, 10)), warm=True)
+    model = replace(pair(0.3, fineness=Resolution(4, 10)), warm=True)
     depths = exact().approach * (1 + 2e-4 * np.arange(8))
     motion = flowing(5e-3)
     free = model(hertz_pose(depths[0]), motion)
     assert free.warm_start is not None
     width = np.ptp(free.warm_start.layout.sides)
     pull = free.warm_start.traction.sum()
-    real = Gathered.displacement
+    real = CellCompliance.displacement
 
-    def displacement(self: Gathered) -> Array:
+    def displacement(self: CellCompliance) -> Array:
         found = real.__get__(self).copy()
         n = len(found) // 3
         wide = np.ptp(self.layout.sides) > width
@@ -49,7 +49,7 @@ def test_where_rounds_do_not_rest_warm_solves_stay_on_one_branch(monkeypatch: py
     monkeypatch.setattr(wheelrail.contact.models.fitted.model, "solve_tractions", counted)
     found: list[ContactResult] = []
     with monkeypatch.context() as folded:
-        folded.setattr(Gathered, "displacement", property(displacement))
+        folded.setattr(CellCompliance, "displacement", property(displacement))
         cold = model(hertz_pose(depths[0]), motion)
         assert cold.ok
         assert not cold.statistics.settled

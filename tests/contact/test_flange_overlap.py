@@ -8,16 +8,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from wheelrail.contact.geometry.grid_points import Geometry
-from wheelrail.contact.kinematics.contact_points import OutsideGrid
-from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.geometry.grid_points import SurfacePair
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import sphere_approach
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
@@ -26,23 +26,23 @@ RADIUS, SPEED = 0.46, 45.0
 WHEEL, RAIL = named_profile("S1002"), named_profile("60E1").laid(0.025)
 MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), RADIUS)
 LOAD = 75e3
-EXPECTED = sphere_approach(LOAD, radius=0.3, modulus=0.5 * Steel().E / (1 - Steel().nu ** 2))
+EXPECTED = sphere_approach(LOAD, radius=0.3, modulus=0.5 * Material().E / (1 - Material().nu ** 2))
 
 
 @cache
-def pair(size: float, friction: float = 0.3) -> Condensed:
+def pair(size: float, friction: float = 0.3) -> CondensedContact:
     """The paper's laws on waveguides; spectra of lines 3 mm apart take a second, none is needed for points alone."""
     made = wheel_rail_pair(
         WHEEL,
         RAIL,
         radius=RADIUS,
-        wheel_steel=Steel(),
-        rail_steel=Steel(),
+        wheel_steel=Material(),
+        rail_steel=Material(),
         surface_size=size,
-        laws=Laws.paper() if friction else Laws(1e15, 0.0, 0.0),
+        laws=ContactLaws.penalty() if friction else ContactLaws(1e15, 0.0, 0.0),
         bodies="waveguide",
     )
-    assert isinstance(made, Condensed)
+    assert isinstance(made, CondensedContact)
     return made
 
 
@@ -50,14 +50,14 @@ def pair(size: float, friction: float = 0.3) -> Condensed:
 class Watched:
     """A model that notes how deep it was asked to look."""
 
-    model: Condensed
+    model: CondensedContact
     approaches: list[float] = field(default_factory=list)
 
     @property
-    def geometry(self) -> Geometry:
+    def geometry(self) -> SurfacePair:
         return self.model.geometry
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         result = self.model(pose, motion, guess)
         self.approaches.append(result.approach)
         return result
@@ -122,6 +122,6 @@ def test_without_friction_points_reach_as_far() -> None:
 )
 def test_overlaps_beyond_the_points_say_where(y: float, z: float, way: str) -> None:
     pose, _ = MOUNTING.left_pair(state(y, z))
-    with pytest.raises(OutsideGrid, match=r"carries contact points: [0-9.]+ mm deep, it ") as caught:
+    with pytest.raises(OutsideSurface, match=r"carries contact points: [0-9.]+ mm deep, it ") as caught:
         pair(2e-3).geometry.contact_points(pose, 2)
     assert way in str(caught.value)

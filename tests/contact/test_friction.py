@@ -9,25 +9,25 @@ import pytest
 from half_space import Cells, HalfSpaces, creepage, forces
 
 from wheelrail.contact.analytical.hertz import hertz, modulus
-from wheelrail.contact.kinematics.frames import Motion, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import FallingFriction, Laws
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.solvers.active_set import Coupled, Factors
-from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.active_set import CachedFactors, CoupledPressure
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.semismooth_newton import newton, tangential_contact
-from wheelrail.contact.solvers.tangential import Friction
-from wheelrail.contact.solvers.tractions import Elastic, Tractions, solve_tractions
+from wheelrail.contact.solvers.tangential import FrictionProblem
+from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions, solve_tractions
 from wheelrail.support.arrays import Array
 
-STEEL = Steel(210e9, 0.3)
+STEEL = Material(210e9, 0.3)
 E_STAR = modulus((210e9, 0.3), (210e9, 0.3))
 RADIUS, SPEED = 0.3, 20.0
 PATCH = hertz(0.5 / RADIUS, 0.5 / RADIUS, E_STAR, force=10e3)
-COULOMB = Laws()
-FALLING = Laws(falling=FallingFriction(0.4, 0.6))
+COULOMB = ContactLaws()
+FALLING = ContactLaws(falling=FallingFriction(0.4, 0.6))
 
 
 def sphere(across: float, *, shift: float = 0.0) -> tuple[Cells, Array]:
@@ -43,17 +43,22 @@ def sphere(across: float, *, shift: float = 0.0) -> tuple[Cells, Array]:
 
 CELLS, OVERLAP = sphere(7)
 ALIKE = HalfSpaces(CELLS, STEEL, STEEL).operator(2)
-UNLIKE = HalfSpaces(CELLS, Steel(210e9, 0.0), Steel(210e9, 0.45)).operator(2)
+UNLIKE = HalfSpaces(CELLS, Material(210e9, 0.0), Material(210e9, 0.45)).operator(2)
 
 
-def solve(operator: Array, creepages: tuple[float, float, float], laws: Laws, speed: float = SPEED) -> Tractions:
-    return solve_tractions(operator, OVERLAP, creepage(CELLS, *creepages), laws=laws, speed=speed, count=Count())
+def solve(operator: Array, creepages: tuple[float, float, float], laws: ContactLaws, speed: float = SPEED) -> Tractions:
+    return solve_tractions(
+        operator, OVERLAP, creepage(CELLS, *creepages), laws=laws, speed=speed, count=IterationCount()
+    )
 
 
 @pytest.mark.parametrize("operator", [ALIKE, UNLIKE], ids=["alike", "unlike"])
 def test_friction_that_falls_to_all_of_itself_is_coulomb(operator: Array) -> None:
     for eps in (0.0, 1e-4):
-        falling, plain = Laws(falling=FallingFriction(1.0, 5.0), regularisation=eps), Laws(regularisation=eps)
+        falling, plain = (
+            ContactLaws(falling=FallingFriction(1.0, 5.0), regularisation=eps),
+            ContactLaws(regularisation=eps),
+        )
         first, second = (solve(operator, (1e-3, -5e-4, 0.3), laws) for laws in (falling, plain))
         np.testing.assert_allclose(first.tangential, second.tangential, atol=1e-9 * np.abs(second.tangential).max())
 
@@ -73,7 +78,7 @@ def test_creep_force_has_a_maximum_and_falls_beyond_it() -> None:
 @pytest.mark.parametrize("eps", [0.0, 1e-5, 1e-3])
 @pytest.mark.parametrize("operator", [ALIKE, UNLIKE], ids=["alike", "unlike"])
 def test_falling_friction_holds_at_every_point(operator: Array, eps: float) -> None:
-    laws = Laws(1e15, 0.4, eps, FallingFriction(0.3, 2.0))
+    laws = ContactLaws(1e15, 0.4, eps, FallingFriction(0.3, 2.0))
     found = solve(operator, (2e-3, -1e-3, 0.4), laws)
     slip, length = np.hypot(*found.slip.T), np.hypot(*found.tangential.T)
     mu = 0.4 * (0.7 * np.exp(-2.0 * slip * SPEED) + 0.3)
@@ -89,22 +94,22 @@ def test_falling_friction_holds_at_every_point(operator: Array, eps: float) -> N
 @pytest.mark.parametrize("eps", [0.0, 1e-4])
 def test_newton_step_is_that_of_the_derivative(eps: float) -> None:
     n = len(OVERLAP)
-    friction = Friction(
+    friction = FrictionProblem(
         UNLIKE[: 2 * n, : 2 * n],
         creepage(CELLS, 1e-3, -5e-4, 0.3),
         -UNLIKE[: 2 * n, 2 * n :],
-        Coupled(Factors(UNLIKE[2 * n :, 2 * n :]), OVERLAP, UNLIKE[2 * n :, : 2 * n]),
-        Laws(np.inf, 0.3, eps, FallingFriction(0.4, 1.0)),
+        CoupledPressure(CachedFactors(UNLIKE[2 * n :, 2 * n :]), OVERLAP, UNLIKE[2 * n :, : 2 * n]),
+        ContactLaws(np.inf, 0.3, eps, FallingFriction(0.4, 1.0)),
         SPEED,
     )
     q = np.random.default_rng(3).normal(size=(2, n)) * 3e7
-    start, options = friction.at(q, OVERLAP > 0, Count()), NewtonOptions(tolerance=1e-12)
-    step = friction.step(start, options, Count())
+    start, options = friction.at(q, OVERLAP > 0, IterationCount()), NewtonOptions(tolerance=1e-12)
+    step = friction.step(start, options, IterationCount())
     assert start.slides.any()
     assert not start.slides[start.active].all()
     sizes, errors = np.array([1e-3, 3e-4, 1e-4]), []
     for size in sizes:
-        moved = friction.at(q + size * step, start.active, Count())
+        moved = friction.at(q + size * step, start.active, IterationCount())
         errors.append(np.linalg.norm(moved.F - (1 - size) * start.F))
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 1.9
     assert errors[-1] < 1e-5 * start.norm
@@ -113,7 +118,7 @@ def test_newton_step_is_that_of_the_derivative(eps: float) -> None:
 def pushed(cells: Cells, overlap: Array, distance: float) -> Tractions:
     operator = HalfSpaces(cells, STEEL, STEEL).compliance().transpose(0, 2, 1, 3).reshape(3 * len(overlap), -1)
     rigid = np.repeat([distance, 0.0], len(overlap))
-    return solve_tractions(operator, overlap, rigid, laws=COULOMB, speed=0.0, count=Count())
+    return solve_tractions(operator, overlap, rigid, laws=COULOMB, speed=0.0, count=IterationCount())
 
 
 def test_shift_against_cattaneo() -> None:
@@ -159,7 +164,7 @@ def test_shift_of_a_pair() -> None:
     still = np.zeros(3)
     for angle in (0.0, 0.7):
         way = np.array([np.cos(angle), np.sin(angle), 0.0])
-        motion = Motion(Twist(0.5 * full * way, still, still), Twist(still, still, still))
+        motion = RigidMotion(Twist(0.5 * full * way, still, still), Twist(still, still, still))
         result = pair(hertz_pose(PATCH.approach), motion, None)
         assert result.ok
         # Cattaneo's stick radius of sqrt(1 - 0.5)
@@ -168,7 +173,7 @@ def test_shift_of_a_pair() -> None:
         assert patch.stick_area / patch.area == pytest.approx(0.5, abs=0.06)
     assert isinstance(pair, FittedContact)
     with pytest.raises(ValueError, match="slip velocity"):
-        replace(pair, laws=Laws(regularisation=1e-5))
+        replace(pair, laws=ContactLaws(regularisation=1e-5))
 
 
 def test_random_laws_never_fail() -> None:
@@ -177,7 +182,7 @@ def test_random_laws_never_fail() -> None:
     n, a = len(overlap), PATCH.semi_axes[0]
     bodies = [(0.3, 0.3), (0.0, 0.45), (0.49, 0.0), (0.1, 0.3), (0.25, 0.49)]
     operators = [
-        HalfSpaces(cells, Steel(210e9, one), Steel(E, two)).operator(order)
+        HalfSpaces(cells, Material(210e9, one), Material(E, two)).operator(order)
         for one, two in bodies
         for E in (70e9, 210e9)
         for order in (1, 2)
@@ -188,8 +193,8 @@ def test_random_laws_never_fail() -> None:
         xi, eta, spin = 10 ** rng.uniform(-5, -1, 3) * rng.choice([-1, 0, 1], 3) * [1, 1, 1 / a]
         falling = FallingFriction(rng.uniform(), 10 ** rng.uniform(-2, 1)) if rng.random() < 0.4 else None
         K = np.inf if rng.random() < 0.4 else 10 ** rng.uniform(12, 16)
-        laws = Laws(K, rng.uniform(0, 0.8), rng.choice([0.0, 10 ** rng.uniform(-7, -1)]), falling)
-        speed, count = 10 ** rng.uniform(0, 2), Count()
+        laws = ContactLaws(K, rng.uniform(0, 0.8), rng.choice([0.0, 10 ** rng.uniform(-7, -1)]), falling)
+        speed, count = 10 ** rng.uniform(0, 2), IterationCount()
         found = solve_tractions(operator, overlap, creepage(cells, xi, eta, spin), laws=laws, speed=speed, count=count)
         p, q, s = found.pressure, found.tangential, found.slip
         gap = operator[2 * n :] @ np.concatenate([-q.T.ravel(), p]) + p * laws.normal_compliance - overlap
@@ -224,12 +229,12 @@ def test_full_steps_cross_a_kink_where_descent_creeps() -> None:
         [[0.0, 1.0, -1.3, -0.4, -0.3, -0.2], [-0.6, -0.5, 0.2, -0.2, -0.1, 0.3], [0.1, 0.5, 0.0, -1.3, 0.7, -1.0]]
     )
     rigid, normal, mu = np.array([-1.1, 0.6, -0.4, 0.1, 0.5, 0.6]), np.eye(3) + 0.3, 0.6
-    pressures = Coupled(Factors(normal), np.ones(3), coupling)
-    friction = Friction(slip, rigid, np.zeros((6, 3)), pressures, Laws(friction=mu), SPEED)
+    pressures = CoupledPressure(CachedFactors(normal), np.ones(3), coupling)
+    friction = FrictionProblem(slip, rigid, np.zeros((6, 3)), pressures, ContactLaws(friction=mu), SPEED)
     q, active, options = np.zeros((2, 3)), np.ones(3, dtype=bool), NewtonOptions()
     with pytest.raises(NotConverged):
-        newton(friction, friction.at(q, active, Count()), options, Count())
-    count = Count()
+        newton(friction, friction.at(q, active, IterationCount()), options, IterationCount())
+    count = IterationCount()
     found = tangential_contact(friction, q, active, options, count)
     assert count.newton < 30  # 166 where bounds are held in turn
     p, t, s = found.pressure, found.q, (rigid + slip @ found.q.ravel()).reshape(2, 3)
@@ -242,10 +247,10 @@ def test_full_steps_cross_a_kink_where_descent_creeps() -> None:
 
 def test_cache_serves_the_points_that_it_was_filled_for() -> None:
     # the tangent of a result asks for the points that carry pressure: Newton's last step was linearised there
-    body = Elastic(UNLIKE, len(OVERLAP), COULOMB)
+    body = ContactCompliance(UNLIKE, len(OVERLAP), COULOMB)
     assert body.coupling is not None
     solution = solve_tractions(
-        body, OVERLAP, creepage(CELLS, 1e-3, -5e-4, 0.3), laws=COULOMB, speed=SPEED, count=Count()
+        body, OVERLAP, creepage(CELLS, 1e-3, -5e-4, 0.3), laws=COULOMB, speed=SPEED, count=IterationCount()
     )
     active = solution.active
     assert 0 < active.sum() < len(active)

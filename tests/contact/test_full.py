@@ -7,20 +7,20 @@ import pytest
 from small_pairs import AT_REST, BRICKS, CREEP, QUADRATIC, STEEL, TETRAHEDRA, condensed, full, rolling
 
 from wheelrail.contact.kinematics.creepage import creepage
-from wheelrail.contact.kinematics.frames import Motion, Pose
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import FallingFriction, Laws
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.full.discrete_problem import Problem
-from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
+from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
 SIZE, RADIUS = 1e-3, 0.3
-FRICTIONLESS, ROLLING = Laws(1e15, friction=0.0), Laws(1e15, friction=0.3, regularisation=1e-5)
-FALLING = Laws(1e15, 0.3, 1e-5, FallingFriction(0.4, 10.0))
-DISSIMILAR = (Steel(210e9, 0.1), Steel(180e9, 0.3))
+FRICTIONLESS, ROLLING = ContactLaws(1e15, friction=0.0), ContactLaws(1e15, friction=0.3, regularisation=1e-5)
+FALLING = ContactLaws(1e15, 0.3, 1e-5, FallingFriction(0.4, 10.0))
+DISSIMILAR = (Material(210e9, 0.1), Material(180e9, 0.3))
 
 
 def pose(radius: float) -> Pose:
@@ -53,14 +53,14 @@ CASES = {
     "tetrahedra, first order slip": (TETRAHEDRA, ROLLING, CREEP, (STEEL, STEEL), 1, 3.2),
     "tetrahedra, dissimilar": (TETRAHEDRA, ROLLING, CREEP, DISSIMILAR, 2, 3.2),
     "tetrahedra, dissimilar, frictionless": (TETRAHEDRA, FRICTIONLESS, AT_REST, DISSIMILAR, 2, 3.2),
-    "tetrahedra, soft law": (TETRAHEDRA, Laws(1e13, 0.3, 1e-4), CREEP, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, soft law": (TETRAHEDRA, ContactLaws(1e13, 0.3, 1e-4), CREEP, (STEEL, STEEL), 2, 3.2),
     "tetrahedra, falling friction": (TETRAHEDRA, FALLING, CREEP, DISSIMILAR, 2, 3.2),
-    "tetrahedra, exact, frictionless": (TETRAHEDRA, Laws(friction=0.0), AT_REST, DISSIMILAR, 2, 3.2),
-    "tetrahedra, exact, rolling": (TETRAHEDRA, Laws(), CREEP, DISSIMILAR, 2, 3.2),
-    "tetrahedra, exact, all slides": (TETRAHEDRA, Laws(), rolling(0.0, 0.1, 0.0), (STEEL, STEEL), 2, 3.2),
-    "tetrahedra, exact pressure alone": (TETRAHEDRA, Laws(np.inf, 0.3, 1e-5), CREEP, (STEEL, STEEL), 2, 3.2),
-    "tetrahedra, exact friction alone": (TETRAHEDRA, Laws(1e15, 0.3, 0.0), CREEP, (STEEL, STEEL), 2, 3.2),
-    "tetrahedra, exact, falling": (TETRAHEDRA, Laws(falling=FALLING.falling), CREEP, DISSIMILAR, 2, 3.2),
+    "tetrahedra, exact, frictionless": (TETRAHEDRA, ContactLaws(friction=0.0), AT_REST, DISSIMILAR, 2, 3.2),
+    "tetrahedra, exact, rolling": (TETRAHEDRA, ContactLaws(), CREEP, DISSIMILAR, 2, 3.2),
+    "tetrahedra, exact, all slides": (TETRAHEDRA, ContactLaws(), rolling(0.0, 0.1, 0.0), (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, exact pressure alone": (TETRAHEDRA, ContactLaws(np.inf, 0.3, 1e-5), CREEP, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, exact friction alone": (TETRAHEDRA, ContactLaws(1e15, 0.3, 0.0), CREEP, (STEEL, STEEL), 2, 3.2),
+    "tetrahedra, exact, falling": (TETRAHEDRA, ContactLaws(falling=FALLING.falling), CREEP, DISSIMILAR, 2, 3.2),
     "hexahedra, rolling": (BRICKS, ROLLING, CREEP, (STEEL, STEEL), 2, 3.2),
     "quadratic, rolling": (QUADRATIC, ROLLING, CREEP, (STEEL, STEEL), 2, 1.4),
 }
@@ -91,7 +91,7 @@ def test_full_and_condensed_agree(case: str) -> None:
     ids=["difference", "cholesky", "icc", "cholesky, difference"],
 )
 @pytest.mark.parametrize("laws", [FRICTIONLESS, ROLLING], ids=["frictionless", "rolling"])
-def test_every_way_to_the_solution_ends_in_the_same_place(laws: Laws, options: FullOptions) -> None:
+def test_every_way_to_the_solution_ends_in_the_same_place(laws: ContactLaws, options: FullOptions) -> None:
     motion = CREEP if laws.friction else AT_REST
     sphere = (RADIUS, RADIUS)
     usual = full(TETRAHEDRA, sphere, size=SIZE, laws=laws)(pose(3.2), motion)
@@ -100,14 +100,14 @@ def test_every_way_to_the_solution_ends_in_the_same_place(laws: Laws, options: F
     assert other.statistics.linear > usual.statistics.linear or options.preconditioner == "corrected"
 
 
-def problem(model: Full, motion: Motion) -> Problem:
+def problem(model: FullContact, motion: RigidMotion) -> DiscreteProblem:
     points, _ = model.geometry.contact_points(pose(3.2), model.order)
     assert points is not None
-    return Problem.of(points, (model.wheel, model.rail), model.law, model.order, creepage(points, motion)[1])
+    return DiscreteProblem.of(points, (model.wheel, model.rail), model.law, model.order, creepage(points, motion)[1])
 
 
 def test_tangent_is_the_derivative_of_the_contact_forces() -> None:
-    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=Laws(1e13, 0.3, 1e-4), steels=DISSIMILAR)
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ContactLaws(1e13, 0.3, 1e-4), steels=DISSIMILAR)
     equations = problem(model, CREEP)
     rng = np.random.default_rng(1)
     u, direction = (rng.normal(size=equations.displacement.shape[1]) * 1e-7 for _ in range(2))

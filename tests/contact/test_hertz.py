@@ -12,17 +12,17 @@ from small_pairs import AT_REST, E_STAR, STEEL, Block, condensed, elastic, hertz
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.geometry.quadric_pair import curvature
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_under_load
-from wheelrail.contact.loading.load_search import lower_until
+from wheelrail.contact.loading.load_search import find_depth_for_load
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.solvers.options import Count
+from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import solve_tractions
 from wheelrail.support.arrays import Array
 
-EXACT, PAPER = Laws(np.inf, friction=0.0), Laws(1e15, friction=0.0)
+EXACT, PAPER = ContactLaws(np.inf, friction=0.0), ContactLaws(1e15, friction=0.0)
 SPHERE, ELLIPSOID = (0.3, 0.3), (0.46, 0.3)  # on a plane; the ellipse is 1.34 times as long as wide
 # Blocks 16 patches wide: the deformation that they lack is nearly uniform under the patch and costs 0.15 % of the peak.
 FINE = {
@@ -32,7 +32,7 @@ FINE = {
 
 
 def loaded(
-    mesh: Block, radii: tuple[float, float], load: float, laws: Laws, across: float
+    mesh: Block, radii: tuple[float, float], load: float, laws: ContactLaws, across: float
 ) -> tuple[ContactResult, Hertz]:
     """Contact under a load [N] with so many points across the short axis, and Hertz's."""
     expected = hertzian(radii, load)
@@ -52,7 +52,7 @@ def assert_close(result: ContactResult, expected: Hertz) -> None:
 @pytest.mark.parametrize("load", [10e3, 30e3, 60e3])
 @pytest.mark.parametrize("radii", [SPHERE, ELLIPSOID], ids=["circular", "elliptic"])
 @pytest.mark.parametrize("laws", [EXACT, PAPER], ids=["exact", "paper"])
-def test_peak_pressure_and_semi_axes(laws: Laws, radii: tuple[float, float], load: float, across: float) -> None:
+def test_peak_pressure_and_semi_axes(laws: ContactLaws, radii: tuple[float, float], load: float, across: float) -> None:
     # The penalty alone costs -2.3 % of the peak at 10 kN and -1.3 % at 60 kN (see below); these meshes' own errors
     # have the other sign, +0.4 to +0.6 %.
     assert_close(*loaded(FINE["tetrahedron"], radii, load, laws, across))
@@ -60,7 +60,7 @@ def test_peak_pressure_and_semi_axes(laws: Laws, radii: tuple[float, float], loa
 
 @pytest.mark.parametrize("radii", [SPHERE, ELLIPSOID], ids=["circular", "elliptic"])
 @pytest.mark.parametrize(("load", "laws"), [(10e3, EXACT), (60e3, EXACT), (30e3, PAPER), (60e3, PAPER)])
-def test_hexahedra(load: float, laws: Laws, radii: tuple[float, float]) -> None:
+def test_hexahedra(load: float, laws: ContactLaws, radii: tuple[float, float]) -> None:
     result, expected = loaded(FINE["hexahedron"], radii, load, laws, 10.8)
     assert_close(result, expected)
     if laws is EXACT:  # five times better than asked
@@ -80,7 +80,7 @@ def test_what_the_penalty_costs() -> None:
         for K in (np.inf, 1e15):
             overlap = (expected.approach + expected.peak / K) - (x**2 + y**2) / 2 / SPHERE[0]
             pressure = solve_tractions(
-                compliance, overlap, None, laws=Laws(K, friction=0.0), speed=0.0, count=Count()
+                compliance, overlap, None, laws=ContactLaws(K, friction=0.0), speed=0.0, count=IterationCount()
             ).pressure
             force = pressure.sum() * cells.area
             relative.append(pressure.max() / hertzian(SPHERE, force).peak)
@@ -118,7 +118,7 @@ def response_error(mesh: Block, radius: float) -> float:
     """Shape of the surface under Hertz's pressure, pi p0 (2 a^2 - r^2) / (4 a E*), unit size and modulus: RMS error
     inside the patch, without the mean (which the finite block changes), over the depth of the shape.
     """
-    body = elastic(mesh, Steel(1.0, 0.3), 1.0)
+    body = elastic(mesh, Material(1.0, 0.3), 1.0)
     unknown = 3 * body.nodes.ravel() + 2
     force, moved = body.stiffness.createVecs()
     errors = []
@@ -145,7 +145,9 @@ def contact_errors(mesh: Block, radius: float) -> Array:
         def at(depth: float, _: object, x: float = x, y: float = y) -> tuple[ContactResult]:
             return (model(Pose(np.array([x * size, y * size, -depth]), np.eye(3)), AT_REST),)
 
-        (result,) = lower_until(at, 10e3, expected=0.9 * expected.approach, start=0.9 * expected.approach).results
+        (result,) = find_depth_for_load(
+            at, 10e3, expected=0.9 * expected.approach, start=0.9 * expected.approach
+        ).results
         (patch,), fields = result.patches, result.fields
         assert fields is not None
         wrong = np.abs(
@@ -218,7 +220,8 @@ def test_scaling_of_hertz() -> None:
     assert second.force[2] == pytest.approx(4 * first.force[2], rel=1e-9)
     assert second.patches[0].max_pressure == pytest.approx(first.patches[0].max_pressure, rel=1e-9)
     soft = replace(
-        small, wheel=condensed(FINE["tetrahedron"], SPHERE, size=5e-4, laws=EXACT, steels=(Steel(70e9, 0.3),) * 2).wheel
+        small,
+        wheel=condensed(FINE["tetrahedron"], SPHERE, size=5e-4, laws=EXACT, steels=(Material(70e9, 0.3),) * 2).wheel,
     )
     mixed = soft(Pose(np.array([0.0, 0.0, -depth]), np.eye(3)), AT_REST)
     ratio = modulus((70e9, 0.3), (210e9, 0.3)) / E_STAR

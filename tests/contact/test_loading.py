@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from spring_contact import SpringContact
 
-from wheelrail.contact.kinematics.frames import Motion, Side, Twist
+from wheelrail.contact.kinematics.frames import RigidMotion, Side, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.loading.hertz import hertz_under_load, sphere_approach
-from wheelrail.contact.loading.load_search import LoadError, lower_until
-from wheelrail.contact.loading.two_wheels import balance
+from wheelrail.contact.loading.load_search import LoadError, find_depth_for_load
+from wheelrail.contact.loading.two_wheels import find_depths_for_loads
 from wheelrail.contact.loading.wheelset import axle_under_load, placed, wheel_under_load, wheels_under_load
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 
-STILL = Motion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)),) * 2)
+STILL = RigidMotion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)),) * 2)
 MOUNTING = Mounting(wheel_y=0.75, rail_y=0.76, radius=0.46)
 STIFFNESS = 1e11
 
@@ -64,7 +64,7 @@ def test_start_above_or_below_the_answer(start: float, knows_gap: bool) -> None:
         overlap = depth - touch
         return pushed(STIFFNESS * max(overlap, 0.0) ** 1.5, overlap if knows_gap or overlap > 0.0 else 0.0)
 
-    found = lower_until(contact, 57e3, expected=1e-4, start=start)
+    found = find_depth_for_load(contact, 57e3, expected=1e-4, start=start)
     assert found.depth == pytest.approx(touch + (57e3 / STIFFNESS) ** (2.0 / 3.0), rel=1e-8)
     assert solves <= (5 if knows_gap else 14)
 
@@ -76,7 +76,7 @@ def test_penalty_and_second_patch_do_not_slow_it_down() -> None:
         one = STIFFNESS * depth**1.5 / (1.0 + 2e-6 / max(depth, 1e-9))
         return one + 3.0 * STIFFNESS * max(depth - 4e-5, 0.0) ** 1.5
 
-    found = lower_until(lambda d, _: pushed(force(max(d, 0.0)), d), 80e3, expected=6e-5)
+    found = find_depth_for_load(lambda d, _: pushed(force(max(d, 0.0)), d), 80e3, expected=6e-5)
     assert force(found.depth) == pytest.approx(80e3, rel=1e-9)
     assert found.trials <= 8
 
@@ -87,7 +87,7 @@ def test_noise_of_the_contact_does_not_keep_it_running() -> None:
     def contact(depth: float, guess: object) -> tuple[ContactResult, ...]:
         return pushed(STIFFNESS * max(depth, 0.0) ** 1.5 * (1.0 + 1e-8 * noise.standard_normal()), depth)
 
-    found = lower_until(contact, 57e3, expected=5e-5)
+    found = find_depth_for_load(contact, 57e3, expected=5e-5)
     assert found.error < 1e-7
     assert found.trials <= 12
 
@@ -106,12 +106,12 @@ def test_failure_names_the_reason() -> None:
 
 def test_a_force_that_jumps_over_the_load_is_an_error() -> None:
     with pytest.raises(LoadError, match="jumps over"):
-        lower_until(lambda d, _: pushed(40e3 if d < 5e-5 else 70e3, max(d, 1e-6)), 57e3, expected=5e-5)
+        find_depth_for_load(lambda d, _: pushed(40e3 if d < 5e-5 else 70e3, max(d, 1e-6)), 57e3, expected=5e-5)
 
 
 def test_a_load_out_of_reach_is_an_error() -> None:
     with pytest.raises(LoadError, match="not reached"):
-        lower_until(lambda d, _: pushed(0.0, 0.0), 57e3, expected=5e-5, deepest=0.01)
+        find_depth_for_load(lambda d, _: pushed(0.0, 0.0), 57e3, expected=5e-5, deepest=0.01)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -165,7 +165,7 @@ def test_balance_solves_a_coupled_pair_superlinearly() -> None:
         return tuple(pushed(STIFFNESS * max(o, 0.0) ** 1.5, o)[0] for o in overlaps)
 
     expected = np.linalg.solve(mix, (loads / STIFFNESS) ** (2.0 / 3.0))
-    depths, results, trials = balance(
+    depths, results, trials = find_depths_for_loads(
         contact, loads, start=np.full(2, 4e-5), slopes=np.full(2, STIFFNESS ** (2.0 / 3.0))
     )
     assert depths == pytest.approx(expected, rel=1e-8)

@@ -16,11 +16,11 @@ import wheelrail.contact.models.fitted.influence
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 from wheelrail.contact.elasticity.waveguide.element_correction import FAR, surface_error
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.fitted.influence import ElementInfluence
-from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.models.full.preconditioner import Preconditioner
 
@@ -43,9 +43,9 @@ def test_a_body_takes_its_matrix_and_factor_with_it() -> None:
 
 @pytest.mark.parametrize("preconditioner", ["corrected", "cholesky", "gamg"])
 def test_a_full_model_takes_its_solver_with_it(preconditioner: Preconditioner) -> None:
-    laws = Laws(1e15, friction=0.3, regularisation=1e-5)
+    laws = ContactLaws(1e15, friction=0.3, regularisation=1e-5)
     geometry = quadrics(TETRAHEDRA, (RADIUS, RADIUS), FLAT, SIZE)
-    model = Full(geometry, body(), body(), laws, options=FullOptions(preconditioner=preconditioner))
+    model = FullContact(geometry, body(), body(), laws, options=FullOptions(preconditioner=preconditioner))
     result = model(hertz_pose((2.2 * SIZE) ** 2 / (2 * RADIUS)), CREEP)
     assert result.ok
     gone = weakref.ref(model.solver), weakref.ref(model.wheel)
@@ -73,7 +73,7 @@ def test_solutions_do_not_keep_what_solved_them() -> None:
 
 def test_parts_of_a_surface_are_kept_up_to_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     # the block that the elements' error is measured on, too
-    block, grid = block_waveguide((1, 2 * FAR), Steel(1.0, 0.3), size=1.0, half_width=512.0, degree=2)
+    block, grid = block_waveguide((1, 2 * FAR), Material(1.0, 0.3), size=1.0, half_width=512.0, degree=2)
     lines, error = grid.position[0, :, 1:], partial(surface_error, 0.3, 2)
     kernel = ElementInfluence(lines, lines[:, 0], 10.0, 0.3, spectrum=block.spectrum, error=error)
     places = np.linspace(0.6 * kernel.arc[0], 0.6 * kernel.arc[-1], 9)

@@ -15,13 +15,13 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from wheelrail.contact.kinematics.frames import MIRROR, Motion, Pose, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.kinematics.frames import MIRROR, Pose, RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import Bodies, hertz_pair
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
 
 FEW = settings(
@@ -50,25 +50,25 @@ def frictionless(
     model = hertz_pair(
         (scale * RADIUS, scale * ratio * RADIUS),
         (np.inf, np.inf),
-        upper_steel=Steel(),
-        lower_steel=Steel(),
+        upper_steel=Material(),
+        lower_steel=Material(),
         approach=scale * APPROACH,
         surface_size=scale * SIZE,
-        laws=Laws(np.inf, 0.0, 0.0),
+        laws=ContactLaws(np.inf, 0.0, 0.0),
         bodies=bodies,
-        fineness=Fineness(cells, cells),
+        fineness=Resolution(cells, cells),
         tolerance=1e-7,  # ends as exact as they can be, so that all that is left is the cells
     )
     assert isinstance(model, FittedContact)
     return model
 
 
-def rolling(xi: float, eta: float, phi: float) -> Motion:
+def rolling(xi: float, eta: float, phi: float) -> RigidMotion:
     flow, slip, spin = np.array([-10.0, 0, 0]), 5.0 * np.array([xi, eta, 0.0]), 5.0 * np.array([0.0, 0.0, phi])
-    return Motion(Twist(flow + slip, spin, np.zeros(3)), Twist(flow - slip, -spin, np.zeros(3)))
+    return RigidMotion(Twist(flow + slip, spin, np.zeros(3)), Twist(flow - slip, -spin, np.zeros(3)))
 
 
-def solved(model: FittedContact, pose: Pose, motion: Motion) -> ContactResult:
+def solved(model: FittedContact, pose: Pose, motion: RigidMotion) -> ContactResult:
     result = model(pose, motion, None)
     assert result.status == "converged"
     return result
@@ -94,7 +94,7 @@ def dissipated(result: ContactResult, speed: float) -> float:
 def test_laws_hold_and_friction_never_feeds(
     ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float, eps: float
 ) -> None:
-    model = replace(frictionless(ratio), laws=Laws(np.inf, mu, eps))
+    model = replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, eps))
     f = solved(model, hertz_pose(depth), rolling(xi, eta, phi)).fields
     assert f is not None
     assert f.pressure.min() >= 0
@@ -115,13 +115,13 @@ def unlike_mirrored(model: FittedContact, depth: float, xi: float, eta: float, p
 @FEW
 @given(ratios, depths, frictions, creepages, creepages, spins)
 def test_mirror_symmetry(ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float) -> None:
-    model = replace(frictionless(ratio), laws=Laws(np.inf, mu, 0.0))
+    model = replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, 0.0))
     assert unlike_mirrored(model, depth, xi, eta, phi) < EXACT
 
 
 def test_what_blocks_lack_of_mirror_symmetry_is_their_triangles() -> None:
     """The same blocks with a spectrum that is the mean of itself and its mirror image lack none."""
-    model = replace(frictionless(0.4, bodies="waveguide"), laws=Laws(np.inf, 0.5, 0.0))
+    model = replace(frictionless(0.4, bodies="waveguide"), laws=ContactLaws(np.inf, 0.5, 0.0))
     given = 3e-5, 1e-3, 2e-3, 0.4
     assert EXACT < unlike_mirrored(model, *given) < 1e-3
     kernel = model.operators.upper
@@ -145,7 +145,7 @@ def test_the_same_question_has_the_same_answer(
 ) -> None:
     """To the last bit, whatever was asked before, and whatever the guess."""
     model, pose, motion = (
-        replace(frictionless(ratio), laws=Laws(np.inf, mu, 0.0)),
+        replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, 0.0)),
         hertz_pose(depth),
         rolling(xi, eta, phi),
     )
@@ -165,7 +165,7 @@ def test_motion_feeds_what_full_sliding_dissipates(
     """Where everything slides one way the tractions are mu p along it, and elastic energy is only carried through:
     the rigid motion's power and the power lost differ by what cells' ends make of that integral.
     """
-    model = replace(frictionless(ratio), laws=Laws(np.inf, mu, 0.0))
+    model = replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, 0.0))
     result = solved(model, hertz_pose(depth), rolling(xi, eta, 0.0))
     fed = -10.0 * float(result.force[:2] @ [xi, eta])
     assert fed > 0
@@ -204,7 +204,7 @@ def test_force_grows_like_the_approach_to_three_halves(bodies: Bodies, off: floa
 @given(st.sampled_from((1.0, 2.5)), st.sampled_from((0.1, 7.0)), frictions, creepages, spins)
 def test_size_invariance(ratio: float, scale: float, mu: float, xi: float, phi: float) -> None:
     """All lengths times c: forces times c^2, moments times c^3."""
-    laws: dict[str, Any] = {"laws": Laws(np.inf, mu, 0.0)}
+    laws: dict[str, Any] = {"laws": ContactLaws(np.inf, mu, 0.0)}
     one = solved(replace(frictionless(ratio), **laws), hertz_pose(APPROACH), rolling(xi, 0.0, phi))
     large = replace(frictionless(ratio, scale), **laws)
     other = solved(large, hertz_pose(scale * APPROACH), rolling(xi, 0.0, phi / scale))

@@ -11,13 +11,13 @@ from scipy.special import ellipe, ellipkm1
 from wheelrail.contact.analytical.hertz import hertz
 from wheelrail.contact.analytical.kalker import kalker
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
-from wheelrail.contact.kinematics.frames import Motion, Twist
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import FallingFriction, Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.loading.wheelset import wheel_under_load
-from wheelrail.contact.models.standard.creep_coefficients import Elasticity
+from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.ellipse import axis_ratio, complete, ellipse, strip_potential
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.standard.polach import polach
@@ -35,21 +35,21 @@ STATE = WheelsetState(
 
 def pair(radii: tuple[float, float], friction: float = 0.3, **options: object) -> StandardContact:
     given = {"normal": "hertz", **options}
-    return StandardContact(RigidQuadrics(radii, FLAT), Laws(friction=friction), **given)  # type: ignore[arg-type]
+    return StandardContact(RigidQuadrics(radii, FLAT), ContactLaws(friction=friction), **given)  # type: ignore[arg-type]
 
 
 def wheel_on_rail(friction: float = 0.3, **options: object) -> WheelsetContact:
-    model = StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), Laws(friction=friction), **options)  # type: ignore[arg-type]
+    model = StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), ContactLaws(friction=friction), **options)  # type: ignore[arg-type]
     return WheelsetContact(model, MOUNTING)
 
 
-def rolling(xi: float, eta: float, phi: float) -> Motion:
+def rolling(xi: float, eta: float, phi: float) -> RigidMotion:
     flow, slip, zero = np.array([-V, 0.0, 0.0]), V * np.array([xi, eta, 0.0]), np.zeros(3)
     spin = np.array([0.0, 0.0, V * phi])
-    return Motion(Twist(flow + 0.5 * slip, 0.5 * spin, zero), Twist(flow - 0.5 * slip, -0.5 * spin, zero))
+    return RigidMotion(Twist(flow + 0.5 * slip, 0.5 * spin, zero), Twist(flow - 0.5 * slip, -0.5 * spin, zero))
 
 
-AT_REST = Motion(Twist(*np.zeros((3, 3))), Twist(*np.zeros((3, 3))))
+AT_REST = RigidMotion(Twist(*np.zeros((3, 3))), Twist(*np.zeros((3, 3))))
 
 
 @pytest.mark.parametrize("k", [1e-3, 0.1, 0.5, 0.999, 1 - 1e-9])
@@ -72,7 +72,7 @@ def test_a_strip_seen_from_beside_it() -> None:
 @pytest.mark.parametrize("radii", [(0.3, 0.3), (0.46, 0.08), (0.1, 1.3), (0.46, 40.0)])
 def test_hertz_in_closed_form(radii: tuple[float, float]) -> None:
     A, B = 0.5 / radii[0], 0.5 / radii[1]
-    steel = Elasticity.of(Steel(), Steel())
+    steel = PairElasticity.of(Material(), Material())
     exact = hertz(A, B, steel.E_star, approach=6e-5)
     a, b, peak = ellipse(A, B, 6e-5, steel.E_star)
     np.testing.assert_allclose((a, b, peak), (*exact.semi_axes, exact.peak), rtol=1e-9)
@@ -88,7 +88,7 @@ def test_virtual_penetration_of_a_sphere() -> None:
     # of a circle: a^2 = 2 R 0.55 d, and the centre of a Hertz pressure deflects by pi p0 a / 2 E*
     R, d = 0.3, 5e-5
     a = np.sqrt(1.1 * R * d)
-    load = 4 / 3 * Elasticity.of(Steel(), Steel()).E_star * a * d
+    load = 4 / 3 * PairElasticity.of(Material(), Material()).E_star * a * d
     result = pair((R, R), 0.0, normal="kik-piotrowski")(hertz_pose(d), AT_REST)
     assert result.force[2] == pytest.approx(load, rel=3e-4)  # of the integral over 16 strips
     assert result.patches[0].semi_axes == pytest.approx((a, a), rel=3e-3)
@@ -197,7 +197,7 @@ def test_polach_by_hand() -> None:
 def test_falling_friction() -> None:
     for way in ("fastsim", "polach"):
         plain = pair((0.46, 0.3), tangential=way)
-        falling = replace(plain, laws=Laws(friction=0.3, falling=FallingFriction(0.4, 0.6)))
+        falling = replace(plain, laws=ContactLaws(friction=0.3, falling=FallingFriction(0.4, 0.6)))
         fast, slow = (model(hertz_pose(6e-5), rolling(0.3, 0.0, 0.0)) for model in (plain, falling))
         left = 0.6 * np.exp(-0.6 * 0.3 * V) + 0.4
         assert slow.force[0] / fast.force[0] == pytest.approx(left, rel=5e-3)

@@ -7,13 +7,13 @@ import pytest
 
 from wheelrail.contact.analytical.hertz import axis_stress, hertz, modulus, worst
 from wheelrail.contact.elasticity.waveguide.bodies import block_body
-from wheelrail.contact.elasticity.waveguide.section import Section
-from wheelrail.contact.kinematics.frames import Motion, Pose, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
-from wheelrail.contact.models.fitted.resolution import Fineness
+from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.subsurface import LoadedBody
 from wheelrail.contact.stress.surface_loads import CellLoads
@@ -25,12 +25,12 @@ from wheelrail.meshes.bodies.triangulation import Grading, triangulate
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 
-STEEL = Steel(1.0, 0.3)
+STEEL = Material(1.0, 0.3)
 HALF = 12
 
 
 @pytest.fixture(scope="module")
-def body() -> Section:
+def body() -> WaveguideSection:
     return block_body(HALF, STEEL, size=1.0, half_width=512.0)
 
 
@@ -55,7 +55,7 @@ def on_axis(s: Array, nu: float = 0.3) -> tuple[Array, Array]:
     return -(1 + nu) * (1 - s * np.arctan(1 / s)) + 0.5 / (1 + s * s), -1 / (1 + s * s)
 
 
-def test_hertz_on_the_axis(body: Section) -> None:
+def test_hertz_on_the_axis(body: WaveguideSection) -> None:
     """20 cells across: von Mises maximum 0.62 p0 and its depth 0.48 a within 2 %, all components within 0.5 % of p0."""
     a, s = 10.0, np.linspace(0.1, 1.2, 45)
     σ = stress(body, cells(hertz_cells(a), (0.0, 0.0, -1.0)), np.outer(s * a, [0.0, 0.0, -1.0]))
@@ -95,7 +95,7 @@ def test_loads_in_all_directions(middle: float) -> None:
     np.testing.assert_allclose(stress(body, double, places), 2 * found, rtol=1e-9, atol=1e-12)
 
 
-def test_a_looser_tolerance_takes_fewer_wavenumbers_and_costs_no_more_than_it_says(body: Section) -> None:
+def test_a_looser_tolerance_takes_fewer_wavenumbers_and_costs_no_more_than_it_says(body: WaveguideSection) -> None:
     loads, places = cells(hertz_cells(6.0), (0.3, 0.1, -1.0)), np.array([[0.0, 0.0, -2.0], [4.0, 1.0, -3.0]])
 
     told: dict[float, list[int]] = {0.05: [], 1e-5: []}
@@ -104,11 +104,11 @@ def test_a_looser_tolerance_takes_fewer_wavenumbers_and_costs_no_more_than_it_sa
     assert np.abs(σ[0.05] - σ[1e-5]).max() < 0.05
 
 
-def revolved(radius: float) -> Section:
+def revolved(radius: float) -> WaveguideSection:
     surface, rest, clamped = block_section(HALF, 1.0, 128.0, 128.0)
     lift = np.array([0.0, radius])
     mesh = triangulate(surface + lift, rest + lift, clamped, size=1.0, grading=Grading(1.0, 0.4, 32.0))
-    return Section(mesh, STEEL, degree=2, radius=radius)
+    return WaveguideSection(mesh, STEEL, degree=2, radius=radius)
 
 
 def test_stress_in_a_wheel() -> None:
@@ -134,7 +134,7 @@ def test_stress_in_a_wheel() -> None:
     np.testing.assert_allclose(stress(drum, moved, at @ T.T), T @ σ @ T.T, atol=1e-6 * np.abs(σ).max())
 
 
-def test_gradients_of_cubics_are_exact(body: Section) -> None:
+def test_gradients_of_cubics_are_exact(body: WaveguideSection) -> None:
     y, z = body.points.T
     U = np.column_stack([y * z, y**3 - z**2, z**3 + y]).ravel()
     at = np.array([[0.0, -0.4], [3.3, -2.0], [-40.0, -60.0]])
@@ -150,9 +150,9 @@ def test_gradients_of_cubics_are_exact(body: Section) -> None:
 
 def pressed(points: str) -> tuple[ContactResult, tuple[float, float]]:
     """A ball of 0.3 m on a flat at Hertz's approach for 10 kN, without friction; radius m and peak Pa of its patch."""
-    steel, ball = Steel(), (0.3, 0.3)
+    steel, ball = Material(), (0.3, 0.3)
     exact = hertz(0.5 / 0.3, 0.5 / 0.3, modulus((steel.E, steel.nu), (steel.E, steel.nu)), force=10e3)
-    options = {"fineness": Fineness(10, 12)} if points == "fitted" else {}
+    options = {"fineness": Resolution(10, 12)} if points == "fitted" else {}
     pair = hertz_pair(
         ball,
         (np.inf, np.inf),
@@ -160,13 +160,13 @@ def pressed(points: str) -> tuple[ContactResult, tuple[float, float]]:
         lower_steel=steel,
         load=10e3,
         surface_size=0.5e-3,
-        laws=Laws(friction=0.0),
+        laws=ContactLaws(friction=0.0),
         bodies="waveguide",
         points=points,  # type: ignore[arg-type]
         **options,
     )
     still = Twist(np.zeros(3), np.zeros(3), np.zeros(3))
-    result = pair(hertz_pose(exact.approach), Motion(still, still), None)
+    result = pair(hertz_pose(exact.approach), RigidMotion(still, still), None)
     # the blocks are not half-spaces: the force is a little less than Hertz's at his approach
     own = hertz(0.5 / 0.3, 0.5 / 0.3, modulus((steel.E, steel.nu), (steel.E, steel.nu)), force=float(result.force[2]))
     return result, (own.semi_axes[0], own.peak)
@@ -178,7 +178,7 @@ def test_below_a_hertz_contact(points: str) -> None:
     result, (radius, peak) = pressed(points)
     depths = np.linspace(0.3, 1.0, 15) * radius
     depth, mises = worst(radius=radius, peak=peak, nu=0.3)
-    both = {upper: LoadedBody.block(upper, Steel()).below(result, depths) for upper in (True, False)}
+    both = {upper: LoadedBody.block(upper, Material()).below(result, depths) for upper in (True, False)}
     for upper, found in both.items():
         (below,) = found.patches
         np.testing.assert_allclose(below.position[:, 2], depths if upper else -depths, rtol=1e-9)
@@ -216,7 +216,7 @@ def test_loads_are_action_and_reaction() -> None:
     fields = strips(0.0, 0.02)
     local = np.column_stack([fields.traction, -fields.pressure]) * fields.area[:, None]
     force = np.einsum("na,nac->nc", local, fields.axes).sum(axis=0)
-    steel, size, ends = Steel(), 1.5e-3, (-12e-3, 12e-3)
+    steel, size, ends = Material(), 1.5e-3, (-12e-3, 12e-3)
     rail, wheel = rail_outline(named_profile("UIC60-benchmark")), wheel_outline(named_profile("S1002"), 0.46)
     made = LoadedBody.rail(rail, steel)
     below = made.loads(rail_body(rail, steel, size=size, ends=ends), fields)
@@ -235,7 +235,7 @@ def test_loads_are_action_and_reaction() -> None:
     assert share @ on_wheel.x == pytest.approx(middle[0], abs=2e-5)
 
 
-def test_cells_are_spread_over_the_lines_they_cover(body: Section) -> None:
+def test_cells_are_spread_over_the_lines_they_cover(body: WaveguideSection) -> None:
     """Force and place are kept wherever the sides lie; a cell as wide as many lines loads them evenly."""
     force = np.array([[0.3, -0.2, -1.0]])
     for y, width in ((0.0, 1.0), (0.37, 0.6), (-2.71, 5.3), (4.4, 0.01)):
@@ -252,7 +252,7 @@ def test_cells_are_spread_over_the_lines_they_cover(body: Section) -> None:
 
 def test_without_contact_there_is_no_stress() -> None:
     with pytest.raises(ValueError, match="nothing touches"):
-        LoadedBody.block(True, Steel()).below(ContactResult.separated(), np.ones(1))
+        LoadedBody.block(True, Material()).below(ContactResult.separated(), np.ones(1))
 
 
 def test_scalars() -> None:
@@ -264,7 +264,7 @@ def test_scalars() -> None:
     assert von_mises(np.eye(3)) == pytest.approx(0.0)
 
 
-def test_what_does_not_fit_is_refused(body: Section) -> None:
+def test_what_does_not_fit_is_refused(body: WaveguideSection) -> None:
     loads = cells(np.ones((1, 1)), (0.0, 0.0, 1.0))
     with pytest.raises(ValueError, match="outside"):
         stress(body, loads, np.array([[0.0, 0.0, 1.0]]))

@@ -13,37 +13,37 @@ from small_pairs import AT_REST, CREEP, STEEL, TETRAHEDRA, condensed, rolling
 from small_wheelset import MOUNTING, STATE, model
 
 from wheelrail.contact.elasticity.compliance import Compliance
-from wheelrail.contact.geometry.contact_operators import Coupling
-from wheelrail.contact.kinematics.frames import SIDES, Motion, Pose, Side, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import FallingFriction, Laws
+from wheelrail.contact.geometry.contact_operators import ContactOperators
+from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models import condensed as condensed_module
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import NewtonOptions
-from wheelrail.contact.solvers.tractions import Elastic
+from wheelrail.contact.solvers.tractions import ContactCompliance
 from wheelrail.support.arrays import Array
 
 SIZE = 1e-3
 POSE = replace(hertz_pose(1.9e-5), origin=np.array([1e-4, -7e-5, -1.9e-5]))  # some 27 nodes carry pressure
 SHARP = NewtonOptions(tolerance=1e-12)
-ALUMINIUM = Steel(70e9, 0.2)
+ALUMINIUM = Material(70e9, 0.2)
 FAST = rolling(3e-3, 1e-3, 1.0)
 # of each kind of change: translation, rotation (which only moves a motion's reference), velocity, rotation rate
 STEPS = np.repeat([1e-9, 1e-4, 1e-5, 1e-4], 3)
 STATES = ("y", "z", "roll", "yaw", "y_rate", "z_rate", "roll_rate", "pitch_rate")
 
 
-def pair(laws: Laws, steel: Steel = STEEL) -> Condensed:
+def pair(laws: ContactLaws, steel: Material = STEEL) -> CondensedContact:
     return replace(
         condensed(TETRAHEDRA, (0.3, 0.4), size=SIZE, laws=laws, steels=(STEEL, steel)),
         options=SHARP,
     )
 
 
-def nudged(pose: Pose, motion: Motion, change: Array) -> tuple[Pose, Motion]:
+def nudged(pose: Pose, motion: RigidMotion, change: Array) -> tuple[Pose, RigidMotion]:
     """Moved, turned about the origin of the wheel's frame with the motion's reference, and given other velocities."""
     turn, wheel = Rotation.from_rotvec(change[3:6]).as_matrix(), motion.wheel
     origin = pose.origin + change[:3]
@@ -52,7 +52,7 @@ def nudged(pose: Pose, motion: Motion, change: Array) -> tuple[Pose, Motion]:
     return Pose(origin, turn @ pose.rotation), replace(motion, wheel=moved)
 
 
-def sides_of_the_laws(result: ContactResult, laws: Laws) -> tuple[bytes, ...]:
+def sides_of_the_laws(result: ContactResult, laws: ContactLaws) -> tuple[bytes, ...]:
     """Which nodes carry pressure, and which of them slide."""
     fields = result.fields
     assert fields is not None
@@ -61,7 +61,7 @@ def sides_of_the_laws(result: ContactResult, laws: Laws) -> tuple[bytes, ...]:
     return fields.node[active].tobytes(), slides.tobytes()
 
 
-def differences(solve: Callable[[Array], ContactResult], steps: Array, laws: Laws) -> Array:
+def differences(solve: Callable[[Array], ContactResult], steps: Array, laws: ContactLaws) -> Array:
     """Central differences (6, m) of force and moment, with an assertion that no node changes sides of a law."""
     before = sides_of_the_laws(solve(np.zeros(len(steps))), laws)
     columns = []
@@ -85,17 +85,19 @@ def assert_close(found: Array, expected: Array, rtol: float, *, group: int = 3) 
 @pytest.mark.parametrize(
     ("laws", "motion"),
     [
-        pytest.param(Laws(friction=0.0), AT_REST, id="frictionless"),
-        pytest.param(Laws.paper(0.0), AT_REST, id="penalty"),
-        pytest.param(Laws(), CREEP, id="partial slip"),
-        pytest.param(Laws.paper(), CREEP, id="paper"),
-        pytest.param(Laws(friction=50.0), CREEP, id="stick"),
-        pytest.param(Laws(), rolling(2e-2, 1e-2, 3.0), id="sliding"),
-        pytest.param(Laws(falling=FallingFriction(0.4, 2.0)), FAST, id="falling"),
-        pytest.param(Laws(regularisation=3e-3, falling=FallingFriction(0.4, 20.0)), FAST, id="falling, regularised"),
+        pytest.param(ContactLaws(friction=0.0), AT_REST, id="frictionless"),
+        pytest.param(ContactLaws.penalty(0.0), AT_REST, id="penalty"),
+        pytest.param(ContactLaws(), CREEP, id="partial slip"),
+        pytest.param(ContactLaws.penalty(), CREEP, id="paper"),
+        pytest.param(ContactLaws(friction=50.0), CREEP, id="stick"),
+        pytest.param(ContactLaws(), rolling(2e-2, 1e-2, 3.0), id="sliding"),
+        pytest.param(ContactLaws(falling=FallingFriction(0.4, 2.0)), FAST, id="falling"),
+        pytest.param(
+            ContactLaws(regularisation=3e-3, falling=FallingFriction(0.4, 20.0)), FAST, id="falling, regularised"
+        ),
     ],
 )
-def test_pair_of_paraboloids(laws: Laws, motion: Motion, steel: Steel) -> None:
+def test_pair_of_paraboloids(laws: ContactLaws, motion: RigidMotion, steel: Material) -> None:
     contact = pair(laws, steel)
     result = contact(POSE, motion)
     expected = differences(lambda change: contact(*nudged(POSE, motion, change), result), STEPS, laws)
@@ -103,11 +105,13 @@ def test_pair_of_paraboloids(laws: Laws, motion: Motion, steel: Steel) -> None:
 
 
 @pytest.mark.parametrize("steel", [STEEL, ALUMINIUM], ids=["alike", "unlike"])
-def test_shift(steel: Steel) -> None:
+def test_shift(steel: Material) -> None:
     # displacements of some micrometres, most of the patch slides: by m and rad of the shift
-    contact = replace(pair(Laws(), steel), tangential="shift")
+    contact = replace(pair(ContactLaws(), steel), tangential="shift")
     still = np.zeros(3)
-    motion = Motion(Twist(np.array([2e-6, 1e-6, 0.0]), np.array([0.0, 0.0, 1e-4]), still), Twist(still, still, still))
+    motion = RigidMotion(
+        Twist(np.array([2e-6, 1e-6, 0.0]), np.array([0.0, 0.0, 1e-4]), still), Twist(still, still, still)
+    )
     steps = np.repeat([1e-9, 1e-3, 1e-10, 1e-7], 3)
     result = contact(POSE, motion)
     expected = differences(lambda change: contact(*nudged(POSE, motion, change), result), steps, contact.laws)
@@ -122,7 +126,7 @@ def held(monkeypatch: pytest.MonkeyPatch) -> None:
     known: dict[int, tuple[Array, Array]] = {}
     original = condensed_module.condense
 
-    def first(coupling: Coupling, compliance: Compliance) -> tuple[Array, Array]:
+    def first(coupling: ContactOperators, compliance: Compliance) -> tuple[Array, Array]:
         if id(compliance) not in known:
             known[id(compliance)] = original(coupling, compliance)
         displacement, slip = known[id(compliance)]
@@ -132,10 +136,10 @@ def held(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 WHEEL_LAWS = {
-    "frictionless": Laws(friction=0.0),
-    "exact": Laws(),
-    "paper": Laws.paper(),
-    "falling": Laws(regularisation=1e-3, falling=FallingFriction(0.4, 2.0)),
+    "frictionless": ContactLaws(friction=0.0),
+    "exact": ContactLaws(),
+    "paper": ContactLaws.penalty(),
+    "falling": ContactLaws(regularisation=1e-3, falling=FallingFriction(0.4, 2.0)),
 }
 
 
@@ -154,20 +158,20 @@ def test_wheel_on_rail(name: str) -> None:
 
 def test_velocities_of_a_wheel_on_a_rail() -> None:
     # these leave the compliance as it is
-    contact = replace(model(Laws()), options=SHARP)
+    contact = replace(model(ContactLaws()), options=SHARP)
     pose, motion = MOUNTING.left_pair(STATE)
     result = contact(pose, motion)
 
     def solve(change: Array) -> ContactResult:
         return contact(*nudged(pose, motion, np.concatenate([np.zeros(6), change])), result)
 
-    assert_close(result.tangent()[:, 6:], differences(solve, np.full(6, 1e-4), Laws()), 1e-6)
+    assert_close(result.tangent()[:, 6:], differences(solve, np.full(6, 1e-4), ContactLaws()), 1e-6)
 
 
 @pytest.mark.usefixtures("held")
 @pytest.mark.parametrize("side", SIDES)
 def test_wheelset(side: Side) -> None:
-    contact = WheelsetContact(replace(model(Laws()), options=SHARP), MOUNTING)
+    contact = WheelsetContact(replace(model(ContactLaws()), options=SHARP), MOUNTING)
     state = STATE if side == "left" else STATE.mirrored()  # the same nodes of the wheel
 
     def solve(change: Array) -> ContactResult:
@@ -176,12 +180,12 @@ def test_wheelset(side: Side) -> None:
 
     result = solve(np.zeros(8))
     steps = np.array([1e-9, 1e-9, 1e-8, 1e-8, 1e-4, 1e-4, 1e-4, 1e-4])
-    expected = differences(solve, steps, Laws())
+    expected = differences(solve, steps, ContactLaws())
     assert_close(contact.tangent(state, side, result), expected, 2e-6, group=1)
 
 
 def test_point_of_reference_and_mirror() -> None:
-    result = pair(Laws())(POSE, CREEP)
+    result = pair(ContactLaws())(POSE, CREEP)
     centre, other = np.array([0.1, -0.7, 0.5]), np.array([-0.2, 0.4, 0.1])
     tangent, there = result.tangent(), result.about(centre).tangent()
     np.testing.assert_allclose(there[:3], tangent[:3])
@@ -197,7 +201,7 @@ def test_point_of_reference_and_mirror() -> None:
 
 
 def test_only_on_request_and_kept_by_copies() -> None:
-    result = pair(Laws())(POSE, CREEP)
+    result = pair(ContactLaws())(POSE, CREEP)
     assert result.force_tangent is not None
     assert "matrix" not in vars(result.force_tangent.of)
     copy = pickle.loads(pickle.dumps(result.about(np.ones(3))))
@@ -208,7 +212,7 @@ def test_only_on_request_and_kept_by_copies() -> None:
 
 
 def test_no_contact_and_no_tangent() -> None:
-    contact = WheelsetContact(model(Laws()), MOUNTING)
+    contact = WheelsetContact(model(ContactLaws()), MOUNTING)
     high = replace(STATE, z=1e-3)
     assert contact(high, "left").status == "separated"
     assert not contact.tangent(high, "left", contact(high, "left")).any()
@@ -221,11 +225,11 @@ def test_no_contact_and_no_tangent() -> None:
 
 def test_operator_of_another_scale() -> None:
     # displacements of a geometrically similar patch, its slip: the same tangent
-    result = pair(Laws(), ALUMINIUM)(POSE, CREEP)
+    result = pair(ContactLaws(), ALUMINIUM)(POSE, CREEP)
     assert result.force_tangent is not None
     around = result.force_tangent.of
     body = around.operator
-    assert isinstance(body, Elastic)
+    assert isinstance(body, ContactCompliance)
     assert body.coupling is not None
     scale = 1.7
     deep = np.hstack([body.coupling, body.normal.compliance]) / scale

@@ -11,16 +11,16 @@ from half_space import Cells, HalfSpaces, creepage, forces
 from scipy.optimize import nnls
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.solvers.active_set import Given, normal_contact
-from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.solvers.active_set import PrescribedPressure, normal_contact
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.semismooth_newton import tangential_contact
-from wheelrail.contact.solvers.tangential import Friction
+from wheelrail.contact.solvers.tangential import FrictionProblem
 from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
 from wheelrail.support.arrays import Array
 
-STEEL = Steel(210e9, 0.3)
+STEEL = Material(210e9, 0.3)
 E_STAR = modulus((210e9, 0.3), (210e9, 0.3))
 RADIUS = 0.3
 
@@ -59,11 +59,11 @@ class Sphere:
             operator,
             self.overlap,
             creepage(self.cells, *creepages),
-            laws=Laws(K, friction, regularisation),
+            laws=ContactLaws(K, friction, regularisation),
             speed=10.0,
             guess=guess,
             options=options,
-            count=Count(),
+            count=IterationCount(),
         )
 
 
@@ -73,7 +73,9 @@ OPERATOR = HalfSpaces(COARSE.cells, STEEL, STEEL).operator(2)
 
 def frictionless(sphere: Sphere, K: float) -> Array:
     normal = HalfSpaces(sphere.cells, STEEL, STEEL).compliance()[2, 2]
-    return solve_tractions(normal, sphere.overlap, None, laws=Laws(K, friction=0.0), speed=0.0, count=Count()).pressure
+    return solve_tractions(
+        normal, sphere.overlap, None, laws=ContactLaws(K, friction=0.0), speed=0.0, count=IterationCount()
+    ).pressure
 
 
 def test_hertz_pressure_on_half_spaces() -> None:
@@ -150,9 +152,9 @@ def rolling(cells: Cells, bound: Array, creepages: tuple[float, float, float], o
 
 def under(pressure: Array, slip: Array, rigid: Array) -> Array:
     """Tractions (2, n) under a given pressure and friction 1."""
-    friction = Friction(slip, rigid, None, Given(pressure), Laws(friction=1.0), 0.0)
+    friction = FrictionProblem(slip, rigid, None, PrescribedPressure(pressure), ContactLaws(friction=1.0), 0.0)
     start = np.zeros((2, len(pressure)))
-    return tangential_contact(friction, start, pressure > 0, NewtonOptions(), Count()).q
+    return tangential_contact(friction, start, pressure > 0, NewtonOptions(), IterationCount()).q
 
 
 @pytest.mark.parametrize(("grid", "order", "creepages", "expected"), CREEP_FORCES)
@@ -193,7 +195,7 @@ def test_creep_forces_against_contact() -> None:
 
 def test_kalker_coefficients() -> None:
     # Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, 1990, table E.3, nu = 0.25, a / b = 1
-    steel, a = Steel(210e9, 0.25), 5e-3
+    steel, a = Material(210e9, 0.25), 5e-3
     G = steel.E / 2 / 1.25
     across, found = np.array([10, 14, 20, 28]), []
     for m in across:
@@ -222,8 +224,8 @@ def test_kalker_coefficients() -> None:
 @pytest.mark.parametrize("eps", [0.0, 1e-5])
 @pytest.mark.parametrize("other", [0.3, 0.1])
 def test_bicgstab_and_lu_agree(eps: float, other: float) -> None:
-    operator = HalfSpaces(COARSE.cells, Steel(210e9, other), STEEL).operator(2)
-    counts = Count()
+    operator = HalfSpaces(COARSE.cells, Material(210e9, other), STEEL).operator(2)
+    counts = IterationCount()
     rigid = creepage(COARSE.cells, -5e-4, 3e-4, 0.3)
 
     def solve(linear: str) -> Array:
@@ -232,7 +234,7 @@ def test_bicgstab_and_lu_agree(eps: float, other: float) -> None:
             operator,
             COARSE.overlap,
             rigid,
-            laws=Laws(1e15, 0.3, eps),
+            laws=ContactLaws(1e15, 0.3, eps),
             speed=10.0,
             options=options,
             count=counts,
@@ -246,7 +248,7 @@ def test_bicgstab_and_lu_agree(eps: float, other: float) -> None:
 
 
 def test_dissimilar_bodies_couple_pressure_and_friction() -> None:
-    stiff, soft = Steel(210e9, 0.0), Steel(210e9, 0.45)
+    stiff, soft = Material(210e9, 0.0), Material(210e9, 0.45)
     operator = HalfSpaces(COARSE.cells, stiff, soft).operator(2)
     n = len(COARSE.overlap)
     found = COARSE.solve(operator, (1e-3, 0.0, 0.0))
@@ -263,7 +265,7 @@ def test_random_rolling_never_fails(upper: float, levels: tuple[float, ...]) -> 
     rng = np.random.default_rng(2)
     sphere = Sphere.with_cells(6)
     n = len(sphere.overlap)
-    operator = HalfSpaces(sphere.cells, Steel(210e9, upper), STEEL).operator(2)
+    operator = HalfSpaces(sphere.cells, Material(210e9, upper), STEEL).operator(2)
     for _ in range(25):
         xi, eta, spin = rng.normal(size=3) * 10 ** rng.uniform(-6, 0) * [1, 1, 1 / sphere.expected.semi_axes[0]]
         friction = float(rng.choice([0.05, 0.3, 1.0]))
@@ -314,7 +316,7 @@ def test_normal_contact_against_nonnegative_least_squares(kind: str) -> None:
         if trial % 3 == 0:
             overlap = np.abs(overlap)  # as in a contact: all candidates overlap
         start = rng.random(n) < (0.0, 0.5, 1.0)[trial % 3 - 1]
-        pressure, active = normal_contact(compliance, overlap, start, Count())
+        pressure, active = normal_contact(compliance, overlap, start, IterationCount())
         gap = compliance @ pressure - overlap
         scale = np.abs(overlap).max()
         assert pressure.min() >= 0
@@ -337,14 +339,14 @@ def test_points_of_different_area() -> None:
     rng = np.random.default_rng(4)
     compliance, area = random_compliance(rng, 30, "points"), rng.uniform(0.1, 2.0, 30)
     overlap = rng.normal(size=30)
-    pressure, _ = normal_contact(compliance * area, overlap, overlap > 0, Count())
+    pressure, _ = normal_contact(compliance * area, overlap, overlap > 0, IterationCount())
     np.testing.assert_allclose(pressure * area, reference_pressure(compliance, overlap), atol=1e-9)
 
 
 def test_nothing_presses_where_nothing_overlaps() -> None:
     compliance = random_compliance(np.random.default_rng(5), 12, "points")
     for overlap in (np.zeros(12), -np.ones(12)):
-        pressure, active = normal_contact(compliance, overlap, np.ones(12, dtype=bool), Count())
+        pressure, active = normal_contact(compliance, overlap, np.ones(12, dtype=bool), IterationCount())
         assert not pressure.any()
         assert not active.any() or not overlap.any()
 

@@ -20,14 +20,14 @@ from wheelrail.contact.elasticity.waveguide.bodies import (
     wheel_waveguide,
 )
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
-from wheelrail.contact.elasticity.waveguide.section import Section
-from wheelrail.contact.elasticity.waveguide.spectrum import Spectrum, pairs, sample
-from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, Quadrics
-from wheelrail.contact.kinematics.frames import Motion, Pose, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.loading.load_search import lower_until
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pairs, sample
+from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, QuadricPair
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.loading.load_search import find_depth_for_load
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.meshes.bodies.extrusion import block_section, extruded, layers, revolved
 from wheelrail.meshes.bodies.outlines import Outline, rail_outline, rim_outline, wheel_outline
 from wheelrail.meshes.bodies.solids import Strip, rail, rail_touches, section, wheel, wheel_touches
@@ -35,7 +35,7 @@ from wheelrail.meshes.bodies.triangulation import Grading, SectionMesh, triangul
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 
-UNIT = Steel(1.0, 0.3)
+UNIT = Material(1.0, 0.3)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -53,7 +53,7 @@ def block_mesh(half: int, width: float, *, offset: float = 0.0, grading: Grading
     )
 
 
-def energy(body: Section, values: Array, U: Array) -> float:
+def energy(body: WaveguideSection, values: Array, U: Array) -> float:
     """U^T K U from values in the common sparsity; U (n, 3)."""
     import scipy.sparse as sp
 
@@ -64,7 +64,7 @@ def energy(body: Section, values: Array, U: Array) -> float:
 @pytest.mark.parametrize("degree", [1, 2])
 def test_prismatic_energy_of_linear_amplitudes(degree: int) -> None:
     """(U_x, U_y, U_z) = (a y, b, c z) has the strains k a y, 0, c; gamma_xy = a - k b, gamma_xz = -k c z."""
-    body = Section(block_mesh(2, 6.0), UNIT, degree=degree)
+    body = WaveguideSection(block_mesh(2, 6.0), UNIT, degree=degree)
     y, z = body.points.T
     a, b, c, k, nu = 0.7, -0.4, 0.3, 0.9, 0.3
     lam, mu = nu / (1 + nu) / (1 - 2 * nu), 0.5 / (1 + nu)
@@ -78,7 +78,7 @@ def test_prismatic_energy_of_linear_amplitudes(degree: int) -> None:
 
 
 def test_bodies_of_revolution_move_rigidly_without_energy() -> None:
-    body = Section(block_mesh(2, 6.0, offset=10.0), UNIT, degree=1, radius=1.0)
+    body = WaveguideSection(block_mesh(2, 6.0, offset=10.0), UNIT, degree=1, radius=1.0)
     r = body.points[:, 1]
     one, none = np.ones_like(r), np.zeros_like(r)
     y = body.points[:, 0]
@@ -95,8 +95,8 @@ def test_bodies_of_revolution_move_rigidly_without_energy() -> None:
 def test_far_from_the_axle_a_wheel_is_prismatic() -> None:
     H = []
     for radius in (1e3, 1e4):
-        wheel_like = Section(block_mesh(3, 12.0, offset=radius), UNIT, degree=1, radius=radius)
-        flat = Section(block_mesh(3, 12.0), UNIT, degree=1)
+        wheel_like = WaveguideSection(block_mesh(3, 12.0, offset=radius), UNIT, degree=1, radius=radius)
+        flat = WaveguideSection(block_mesh(3, 12.0), UNIT, degree=1)
         exact = flat.flexibility(0.4)
         H.append(np.abs(wheel_like.flexibility(0.4) - exact).max() / np.abs(exact).max())
     assert H[0] < 2e-2
@@ -108,7 +108,7 @@ def test_elimination_agrees_with_a_direct_solve(degree: int) -> None:
     import scipy.sparse as sp
     from scipy.sparse.linalg import spsolve
 
-    body = Section(block_mesh(6, 60.0), UNIT, degree=degree)
+    body = WaveguideSection(block_mesh(6, 60.0), UNIT, degree=degree)
     pointer, columns, _ = body.matrices
     A = sp.csc_array((body.stiffness(0.3), columns, pointer))
     free = np.setdiff1d(np.arange(A.shape[0]), 3 * body.fixed[:, None] + np.arange(3))
@@ -122,7 +122,7 @@ def test_elimination_agrees_with_a_direct_solve(degree: int) -> None:
 
 def test_without_a_clamp_there_is_no_compliance() -> None:
     mesh = block_mesh(2, 6.0)
-    loose = Section(SectionMesh(mesh.points, mesh.cells, mesh.surface, np.zeros_like(mesh.clamped)), UNIT)
+    loose = WaveguideSection(SectionMesh(mesh.points, mesh.cells, mesh.surface, np.zeros_like(mesh.clamped)), UNIT)
     with pytest.raises(np.linalg.LinAlgError):
         loose.flexibility(0.0)
 
@@ -139,7 +139,7 @@ def test_interpolation_error_bounds_the_true_one(name: str) -> None:
         body, around = wheel_body(outline, UNIT, size=size), 2 * np.pi * 0.46
     shift = 1 / float(np.ptp(outline.polygon(1e-2), axis=0).max())
 
-    def spectrum(tolerance: float) -> tuple[Spectrum, Array]:
+    def spectrum(tolerance: float) -> tuple[ComplianceSpectrum, Array]:
         found = sample(
             body.flexibility, shift=shift, largest=2 * np.pi / size, step=size, tolerance=tolerance, around=around
         )
@@ -182,7 +182,7 @@ def test_a_wheel_bends_more_than_its_rim() -> None:
     outlines = rim_outline(named_profile("S1002"), 0.46), wheel_outline(named_profile("S1002"), 0.46)
     own, relative = [], []
     for outline in outlines:
-        compliance, _, _ = wheel_waveguide(outline, Steel(), size=4e-3, half_length=0.02)
+        compliance, _, _ = wheel_waveguide(outline, Material(), size=4e-3, half_length=0.02)
         nx, ns = compliance.shape
         node = (nx // 2) * ns + ns // 2
         block = compliance.block(np.array([node, node + ns, node + 2 * ns])).reshape(3, 3, 3, 3)
@@ -194,7 +194,7 @@ def test_a_wheel_bends_more_than_its_rim() -> None:
 
 
 def test_elimination_finds_the_inside_too() -> None:
-    body = Section(block_mesh(6, 60.0), UNIT, degree=2)
+    body = WaveguideSection(block_mesh(6, 60.0), UNIT, degree=2)
     values = body.stiffness(0.3)
     load = np.random.default_rng(2).normal(size=(3 * len(body.surface), 2))
     found = body.dissection.solve(values, load, 3 * len(body.points))
@@ -211,7 +211,7 @@ def test_elimination_finds_the_inside_too() -> None:
 
 
 def test_interpolation_error_is_estimated_honestly() -> None:
-    body = Section(block_mesh(4, 200.0, grading=Grading(1.0, 0.4, 50.0)), UNIT, degree=1)
+    body = WaveguideSection(block_mesh(4, 200.0, grading=Grading(1.0, 0.4, 50.0)), UNIT, degree=1)
     x, step = np.arange(9.0), 1.0
 
     def spectra(tolerance: float) -> tuple[float, Array]:
@@ -230,7 +230,7 @@ def test_interpolation_error_is_estimated_honestly() -> None:
 
 
 def test_the_cut_at_the_largest_wavenumber_does_not_matter() -> None:
-    body = Section(block_mesh(4, 200.0, grading=Grading(1.0, 0.4, 50.0)), UNIT, degree=1)
+    body = WaveguideSection(block_mesh(4, 200.0, grading=Grading(1.0, 0.4, 50.0)), UNIT, degree=1)
     own = []
     for reach in (4 * np.pi, 16 * np.pi):
         found = sample(body.flexibility, shift=1 / 200, largest=reach, step=1.0, tolerance=1e-5)
@@ -288,7 +288,7 @@ def bodies(size: float, **options: object) -> dict[str, tuple[WaveguideComplianc
     rail_part = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
     wheel_part = wheel_outline(named_profile("S1002"), 0.46)
     for name, factory, outline in (("rail", rail_waveguide, rail_part), ("wheel", wheel_waveguide, wheel_part)):
-        compliance, grid, _ = factory(outline, Steel(), size=size, **options)  # type: ignore[operator]
+        compliance, grid, _ = factory(outline, Material(), size=size, **options)  # type: ignore[operator]
         made[name] = compliance, grid.position
     return made
 
@@ -318,16 +318,16 @@ def test_three_dimensional_meshes_come_nearer(name: str) -> None:
         outline = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
         # held all round below its running surface: linear tetrahedra bend a web badly, and the mesh ends
         outline = replace(outline, clamped=(0, len(outline.rest) - 1))
-        reference, grid, _ = rail_waveguide(outline, Steel(), size=2e-3, half_length=0.024)
+        reference, grid, _ = rail_waveguide(outline, Material(), size=2e-3, half_length=0.024)
     else:
         outline = rim_outline(named_profile("S1002"), 0.46)
-        reference, grid, _ = wheel_waveguide(outline, Steel(), size=2e-3, half_length=0.024)
+        reference, grid, _ = wheel_waveguide(outline, Material(), size=2e-3, half_length=0.024)
     place = grid.position
     errors, sizes = [], (8e-3, 4e-3)
     for size in sizes:
         mesh = rail if name == "rail" else wheel
         solid = mesh(outline, size=size, half_length=0.25, grading=Grading(0.7, 0.4, 2 * size))[0]
-        body = ElasticBody(solid, Steel())
+        body = ElasticBody(solid, Material())
         nx, ns = body.grid.shape
         first, last = np.round(np.array([0.4, 0.8]) * 7).astype(int) * round(8e-3 / size)
         own = (nx // 2 + np.array([-1, 1]) * round(8e-3 / size)) * ns + np.array([first, last])
@@ -352,12 +352,12 @@ def lengthened(half_length: float, degree: int) -> tuple[Array, Array]:
     strip = Strip.over(outline, rail_touches(outline.profile), half_length=2 * size, size=size)
     x = layers(strip.half_cells, size, half_length, growth=1.8, largest=80e-3)
     solid = extruded(section(outline, strip, grading=Grading(1.0, 1.0, 40e-3)), x, strip.half_cells)
-    body = ElasticBody(solid, Steel(), degree=degree)
+    body = ElasticBody(solid, Material(), degree=degree)
     nx, ns = body.grid.shape
     line = (ns // 2) // degree * degree
     own = np.array([(nx // 2) * ns + line, (nx // 2 + 2 * degree) * ns + line + 2 * degree])
     found = np.stack([body.respond(own[:1], direction)[0, own[1]] for direction in range(3)], axis=1)
-    reference, grid, _ = rail_waveguide(outline, Steel(), size=0.5 * size, half_length=0.02)
+    reference, grid, _ = rail_waveguide(outline, Material(), size=0.5 * size, half_length=0.02)
     distance, place = cKDTree(grid.position.reshape(-1, 3)).query(body.grid.position.reshape(-1, 3)[own])
     assert distance.max() < 1e-9
     return found, reference.block(place)[3:, :3]
@@ -380,7 +380,7 @@ def test_the_whole_wheel_in_three_dimensions() -> None:
     radius, size = 0.46, 8e-3
     outline, half = wheel_outline(named_profile("S1002"), radius), np.pi * radius
     step = half / round(half / (0.5 * size))
-    reference, grid, _ = wheel_waveguide(outline, Steel(), size=0.5 * size, step=step, half_length=half)
+    reference, grid, _ = wheel_waveguide(outline, Material(), size=0.5 * size, step=step, half_length=half)
     found = [
         turned_wheel(outline, size, largest=largest, section_size=inner)
         for largest, inner in ((0.2, 0.06), (0.12, 0.04))
@@ -417,7 +417,7 @@ def turned_wheel(outline: Outline, size: float, *, largest: float, section_size:
         cells=np.where(whole.cells >= count, whole.cells - count, whole.cells),
         clamped=whole.clamped[:count],
     )
-    body = ElasticBody(ring.mapped(revolved(radius)), Steel(), degree=2)
+    body = ElasticBody(ring.mapped(revolved(radius)), Material(), degree=2)
     nx, ns = body.grid.shape
     points = body.grid.position
     line = (ns // 2) // 2 * 2
@@ -457,7 +457,7 @@ def test_spectra_are_kept_and_damaged_ones_rebuilt(tmp_path: Path, monkeypatch: 
 
 def test_grid_weights_measure_the_surface() -> None:
     outline = wheel_outline(named_profile("S1002"), 0.46)
-    _, grid, strip = wheel_waveguide(outline, Steel(), size=2e-3, step=1e-3, half_length=0.01)
+    _, grid, strip = wheel_waveguide(outline, Material(), size=2e-3, step=1e-3, half_length=0.01)
     points = outline.surface(strip.arc)
     ring = np.hypot(*np.diff(points, axis=0).T) @ (points[1:, 1] + points[:-1, 1]) / 2
     assert grid.weight[0].sum() == pytest.approx(ring * 1e-3 / 0.46, rel=1e-12)
@@ -466,19 +466,19 @@ def test_grid_weights_measure_the_surface() -> None:
 
 def test_hertz_with_exact_laws() -> None:
     """57 kN, R = 0.1 and 0.3 m, 20 points across: peak pressure within 0.5 %, semi-axes within 1 %."""
-    steel, load, radii = Steel(2.1e11, 0.3), 57e3, (0.1, 0.3)
+    steel, load, radii = Material(2.1e11, 0.3), 57e3, (0.1, 0.3)
     exact = hertz(0.5 / radii[0], 0.5 / radii[1], modulus((2.1e11, 0.3), (2.1e11, 0.3)), force=load)
     step, size = (2 * a / 20 for a in exact.semi_axes)
     compliance, grid = block_waveguide((17, 17), steel, size=size, step=step, half_width=4096.0, grading=GRADING)
-    geometry = Quadrics(grid, radii, (np.inf, np.inf))
-    model = Condensed(geometry, compliance, compliance, Laws(stiffness_per_area=np.inf, friction=0.0))
+    geometry = QuadricPair(grid, radii, (np.inf, np.inf))
+    model = CondensedContact(geometry, compliance, compliance, ContactLaws(stiffness_per_area=np.inf, friction=0.0))
     still = Twist(np.zeros(3), np.zeros(3), np.zeros(3))
 
     def at(depth: float, guess: tuple | None) -> tuple:
         pose = Pose(np.array([0.0, 0.0, -depth]), UPSIDE_DOWN)
-        return (model(pose, Motion(still, still), guess[0] if guess else None),)
+        return (model(pose, RigidMotion(still, still), guess[0] if guess else None),)
 
-    found = lower_until(at, load, expected=exact.approach)
+    found = find_depth_for_load(at, load, expected=exact.approach)
     patch = found.results[0].patches[0]
     assert patch.max_pressure == pytest.approx(exact.peak, rel=5e-3)
     assert patch.semi_axes == pytest.approx(exact.semi_axes, rel=1e-2)

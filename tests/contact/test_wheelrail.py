@@ -10,10 +10,10 @@ from scipy.optimize import minimize
 from small_pairs import BRICKS, FLAT, QUADRATIC, QUADRATIC_BRICKS, TETRAHEDRA, Block, quadrics
 from small_wheelset import RADIUS, RAIL, SIZE, STATE, WHEEL, geometry, left_pose, outlines, wheelset
 
-from wheelrail.contact.geometry.contact_operators import couple_both
-from wheelrail.contact.geometry.grid_points import ContactPoints
+from wheelrail.contact.geometry.contact_operators import pair_operators
+from wheelrail.contact.geometry.grid_points import GridPoints
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN
-from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.meshes.bodies.extrusion import Cell
@@ -27,7 +27,7 @@ POSES = {
 }
 
 
-def found(name: str = "tread", cell: Cell = "tetrahedron", degree: int = 1, ahead: float = 0.2 * SIZE) -> ContactPoints:
+def found(name: str = "tread", cell: Cell = "tetrahedron", degree: int = 1, ahead: float = 0.2 * SIZE) -> GridPoints:
     points, _ = geometry(cell, degree).contact_points(left_pose(POSES[name], ahead), 2)
     assert points is not None
     return points
@@ -195,7 +195,7 @@ def test_every_wheel_position_has_candidates_or_a_distance() -> None:
 @pytest.mark.parametrize(("y", "z"), [(0.03, -2e-3), (-0.04, -2e-3), (0.002, -4e-3)])
 def test_overlap_beyond_the_strip_is_refused(y: float, z: float) -> None:
     state = replace(STATE, y=y, z=z, yaw=0.0, roll=0.0)
-    with pytest.raises(OutsideGrid, match="beyond the part of its surface"):
+    with pytest.raises(OutsideSurface, match="beyond the part of its surface"):
         geometry().contact_points(left_pose(state), 2)
     result = wheelset()(state, "left")
     assert result.status.startswith("failed: the wheel ")
@@ -224,7 +224,7 @@ def test_upstream_slip_is_exact_for_polynomials_of_its_order(mesh: Block, order:
     points, _ = shapes.contact_points(hertz_pose(radius**2 / 0.6), order)
     assert points is not None
     grid = shapes.grid.position.reshape(-1, 3)
-    wheel, rail = couple_both(points, order)
+    wheel, rail = pair_operators(points, order)
     rng = np.random.default_rng(0)
     n = len(points.node)
     powers = np.arange(4)
@@ -255,7 +255,7 @@ def test_upstream_slip_is_exact_for_polynomials_of_its_order(mesh: Block, order:
 
 def test_upstream_slip_of_wheel_and_rail() -> None:
     points = found()
-    wheel, rail = couple_both(points, 2)
+    wheel, rail = pair_operators(points, 2)
     assert wheel.slip is not None
     assert rail.slip is not None
     # bodies moved as a whole do not slip by it
@@ -279,6 +279,6 @@ def test_upstream_slip_of_wheel_and_rail() -> None:
 def test_frictionless_pairs_build_no_slip_operator() -> None:
     points, _ = geometry().contact_points(left_pose(), 0)
     assert points is not None
-    for coupling in couple_both(points, 0):
+    for coupling in pair_operators(points, 0):
         assert coupling.slip is None
         assert coupling.displacement.shape[0] == len(points.node)

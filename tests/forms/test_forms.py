@@ -11,7 +11,7 @@ import ufl
 from dolfinx import fem
 from small_pairs import BRICKS, QUADRATIC, QUADRATIC_BRICKS, STEEL, TETRAHEDRA, elastic
 
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.forms.elasticity import lame, strain, stress
 from wheelrail.forms.traction import frictionless_traction, penalty_pressure, regularised_coulomb, traction
@@ -112,7 +112,7 @@ def test_regularised_coulomb(s: tuple[float, float]) -> None:
 @cache
 def law(name: str, friction: float) -> SurfaceLaw:
     body = elastic(MESHES[name], STEEL, SIZE)
-    return SurfaceLaw(body.solid, body.grid, body.degree, Laws(1e13, friction, 1e-4))
+    return SurfaceLaw(body.solid, body.grid, body.degree, ContactLaws(1e13, friction, 1e-4))
 
 
 def sample(name: str) -> tuple[Nodes, Array]:

@@ -6,14 +6,14 @@ import os
 import signal
 
 from wheelrail.scenes.studies.job import Job
-from wheelrail.scenes.studies.solve import Found
+from wheelrail.scenes.studies.solve import CaseResult
 
 DEADLY, RAISING = 2e4, 4e4
 
 
-def fragile(job: Job) -> Found:
+def fragile(job: Job) -> CaseResult:
     if job.table["load"] == DEADLY:
         os.kill(os.getpid(), signal.SIGKILL)
     if job.table["load"] == RAISING:
         raise ZeroDivisionError("at work")
-    return Found("converged", whole={"pid": os.getpid(), "threads": float(os.environ["OMP_NUM_THREADS"])})
+    return CaseResult("converged", whole={"pid": os.getpid(), "threads": float(os.environ["OMP_NUM_THREADS"])})

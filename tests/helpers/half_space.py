@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.geometry.contact_operators import UPSTREAM
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.support.arrays import Array
 
 
@@ -46,8 +46,8 @@ class HalfSpaces:
     """
 
     cells: Cells
-    upper: Steel
-    lower: Steel
+    upper: Material
+    lower: Material
 
     @cached_property
     def moduli(self) -> tuple[float, float, float]:

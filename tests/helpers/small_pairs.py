@@ -10,20 +10,20 @@ import numpy as np
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
-from wheelrail.contact.geometry.quadric_pair import Quadrics, curvature
+from wheelrail.contact.geometry.quadric_pair import QuadricPair, curvature
 from wheelrail.contact.geometry.surface_grid import ContactGrid
-from wheelrail.contact.kinematics.frames import Motion, Twist
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.condensed import Condensed
-from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.condensed import CondensedContact
+from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.meshes.bodies.extrusion import Cell, Solid
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
 from wheelrail.support.cache import digest
 
-STEEL = Steel(210e9, 0.3)
+STEEL = Material(210e9, 0.3)
 E_STAR = modulus((210e9, 0.3), (210e9, 0.3))
 FLAT = (np.inf, np.inf)
 
@@ -61,23 +61,23 @@ def solid(mesh: Block) -> tuple[Solid, str]:
 
 
 @cache
-def elastic(mesh: Block, steel: Steel, size: float) -> ElasticBody:
+def elastic(mesh: Block, steel: Material, size: float) -> ElasticBody:
     """Body with cells of a size [m]."""
     scaled = solid(mesh)[0].mapped(lambda points: points * size)
     return ElasticBody(scaled, steel, degree=mesh.degree)
 
 
-def compliance(mesh: Block, steel: Steel, size: float) -> SurfaceCompliance:
+def compliance(mesh: Block, steel: Material, size: float) -> SurfaceCompliance:
     """Compliance for cells of a size [m]; bodies of all sizes and moduli share the solves for unit size and modulus."""
-    unit = Steel(1.0, steel.nu)
+    unit = Material(1.0, steel.nu)
     shape = ContactGrid.on(solid(mesh)[0], mesh.degree).shape
     key = digest(mesh=solid(mesh)[1], nu=steel.nu, degree=mesh.degree)
     return SurfaceCompliance(key, shape, lambda: elastic(mesh, unit, 1.0), scale=1 / (steel.E * size))
 
 
-def quadrics(mesh: Block, upper: tuple[float, float], lower: tuple[float, float], size: float) -> Quadrics:
+def quadrics(mesh: Block, upper: tuple[float, float], lower: tuple[float, float], size: float) -> QuadricPair:
     grid = ContactGrid.on(solid(mesh)[0], mesh.degree)
-    return Quadrics(ContactGrid(grid.position * size, grid.weight * size**2, grid.stride), upper, lower)
+    return QuadricPair(ContactGrid(grid.position * size, grid.weight * size**2, grid.stride), upper, lower)
 
 
 def condensed(
@@ -86,12 +86,12 @@ def condensed(
     lower: tuple[float, float] = FLAT,
     *,
     size: float,
-    laws: Laws,
-    steels: tuple[Steel, Steel] = (STEEL, STEEL),
+    laws: ContactLaws,
+    steels: tuple[Material, Material] = (STEEL, STEEL),
     order: int = 2,
-) -> Condensed:
+) -> CondensedContact:
     first, second = (compliance(mesh, steel, size) for steel in steels)
-    return Condensed(quadrics(mesh, upper, lower, size), first, second, laws, order=order)
+    return CondensedContact(quadrics(mesh, upper, lower, size), first, second, laws, order=order)
 
 
 def full(
@@ -100,22 +100,22 @@ def full(
     lower: tuple[float, float] = FLAT,
     *,
     size: float,
-    laws: Laws,
-    steels: tuple[Steel, Steel] = (STEEL, STEEL),
+    laws: ContactLaws,
+    steels: tuple[Material, Material] = (STEEL, STEEL),
     order: int = 2,
     options: FullOptions | None = None,
-) -> Full:
+) -> FullContact:
     bodies = [elastic(mesh, steel, size) for steel in steels]
     geometry = quadrics(mesh, upper, lower, size)
-    return Full(geometry, bodies[0], bodies[1], laws, order=order, options=options or FullOptions())
+    return FullContact(geometry, bodies[0], bodies[1], laws, order=order, options=options or FullOptions())
 
 
-def rolling(xi: float, eta: float, spin: float, *, speed: float = 10.0) -> Motion:
+def rolling(xi: float, eta: float, spin: float, *, speed: float = 10.0) -> RigidMotion:
     """Upper on lower body, rolling in +x at a speed [m/s] with creepages and spin [1/m]."""
     flow, slip = np.array([-speed, 0.0, 0.0]), 0.5 * speed * np.array([xi, eta, 0.0])
     turn, origin = 0.5 * speed * np.array([0.0, 0.0, spin]), np.zeros(3)
-    return Motion(Twist(flow + slip, turn, origin), Twist(flow - slip, -turn, origin))
+    return RigidMotion(Twist(flow + slip, turn, origin), Twist(flow - slip, -turn, origin))
 
 
-AT_REST = Motion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)) for _ in range(2)))
+AT_REST = RigidMotion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)) for _ in range(2)))
 CREEP = rolling(1e-3, -5e-4, 0.3)  # some of the patch sticks, some slides

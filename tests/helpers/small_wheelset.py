@@ -6,14 +6,14 @@ from functools import cache
 
 import numpy as np
 
-from wheelrail.contact.geometry.profile_pair import WheelRail
+from wheelrail.contact.geometry.profile_pair import ProfilePair
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import compliance
-from wheelrail.contact.models.condensed import Condensed
+from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.bodies.extrusion import Cell
 from wheelrail.meshes.bodies.outlines import Outline, rail_outline, rim_outline
@@ -44,25 +44,25 @@ def outlines() -> tuple[Outline, Outline]:
 
 
 @cache
-def geometry(cell: Cell = "tetrahedron", degree: int = 1) -> WheelRail:
+def geometry(cell: Cell = "tetrahedron", degree: int = 1) -> ProfilePair:
     (wheel_section, rail_section) = outlines()
     wheel_solid, wheel_strip, _ = wheel(wheel_section, size=SIZE, half_length=0.1, cell=cell)
     rail_solid, rail_strip, _ = rail(rail_section, size=SIZE, half_length=0.2, cell=cell)
     grids = ContactGrid.on(wheel_solid, degree), ContactGrid.on(rail_solid, degree)
-    return WheelRail(WHEEL, RAIL, RADIUS, wheel_strip, rail_strip, *grids, degree)
+    return ProfilePair(WHEEL, RAIL, RADIUS, wheel_strip, rail_strip, *grids, degree)
 
 
 @cache
-def model(laws: Laws) -> Condensed:
+def model(laws: ContactLaws) -> CondensedContact:
     (wheel_section, rail_section) = outlines()
     wheel_solid, _, wheel_key = wheel(wheel_section, size=SIZE, half_length=0.1)
     rail_solid, _, rail_key = rail(rail_section, size=SIZE, half_length=0.2)
-    above, below = compliance(wheel_solid, wheel_key, Steel(), 1), compliance(rail_solid, rail_key, Steel(), 1)
-    return Condensed(geometry(), above, below, laws)
+    above, below = compliance(wheel_solid, wheel_key, Material(), 1), compliance(rail_solid, rail_key, Material(), 1)
+    return CondensedContact(geometry(), above, below, laws)
 
 
-def wheelset(laws: Laws | None = None) -> WheelsetContact:
-    return WheelsetContact(model(laws or Laws.paper()), MOUNTING)
+def wheelset(laws: ContactLaws | None = None) -> WheelsetContact:
+    return WheelsetContact(model(laws or ContactLaws.penalty()), MOUNTING)
 
 
 def left_pose(state: WheelsetState = STATE, ahead: float = 0.0) -> Pose:

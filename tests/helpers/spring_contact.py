@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.results.result import ContactResult, Patch, Statistics
 from wheelrail.support.arrays import Array
 
@@ -46,7 +46,7 @@ class SpringContact:
     calls: list[ContactResult | None] = field(default_factory=list)
     poses: list[Pose] = field(default_factory=list)
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None) -> ContactResult:
         self.calls.append(guess)
         self.poses.append(pose)
         overlap = self.touch - float(pose.origin[2])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Motion, Pose, Side
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult, Statistics
@@ -34,7 +34,7 @@ class SmoothContact:
         e = self.flange * np.exp(min(u / self.width, 8.0))
         return self.cone * u + e - self.flange, self.cone + e / self.width
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         u = float(pose.origin[1])
         rise, slope = self.rise(u)
         depth = MOUNTING.radius + rise - float(pose.origin[2])
@@ -61,7 +61,7 @@ class TwoPointContact:
     slope: float = 1.0
     deepest: float = np.inf
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         result = SmoothContact(flange=0.0)(pose, motion)
         if result.approach > self.deepest:
             return replace(result, status="failed: off the mesh")

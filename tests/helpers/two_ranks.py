@@ -12,31 +12,31 @@ from small_pairs import CREEP, STEEL, TETRAHEDRA, quadrics, solid
 
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
-from wheelrail.contact.models.full.model import Full
+from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.library import load_profile
 from wheelrail.support.mpi import everyone
 
 SIZE, RADIUS = 1e-3, 0.3
-PAPER, FRICTIONLESS = Laws(1e15, friction=0.3, regularisation=1e-5), Laws(1e15, friction=0.0)
+PAPER, FRICTIONLESS = ContactLaws(1e15, friction=0.3, regularisation=1e-5), ContactLaws(1e15, friction=0.0)
 
 
-def pair(laws: Laws, **options: Any) -> Full:
+def pair(laws: ContactLaws, **options: Any) -> FullContact:
     """A sphere on a plane of another material, split over all ranks."""
     upper, lower = (
         ElasticBody(solid(TETRAHEDRA)[0].mapped(partial(np.multiply, SIZE)), steel, ranks=everyone())
-        for steel in (STEEL, Steel(180e9, 0.2))
+        for steel in (STEEL, Material(180e9, 0.2))
     )
     geometry = quadrics(TETRAHEDRA, (RADIUS, RADIUS), (np.inf, np.inf), SIZE)
-    return Full(geometry, upper, lower, laws, options=FullOptions(**options))
+    return FullContact(geometry, upper, lower, laws, options=FullOptions(**options))
 
 
-def numbers(model: Full, result: ContactResult) -> dict[str, Any]:
+def numbers(model: FullContact, result: ContactResult) -> dict[str, Any]:
     """What must not depend on the number of ranks, and how much of the meshes this rank has."""
     assert result.fields is not None, result.status
     assert result.warm_start is not None
@@ -63,9 +63,9 @@ def overlapping(cells: float) -> Any:
 def on_rail() -> dict[str, Any]:
     """An S1002 wheel on a UIC60 rail without friction, by the meshes that scenes use."""
     wheel, rail = load_profile("S1002", "wheel"), load_profile("UIC60-benchmark", "rail")
-    kwargs: dict[str, Any] = {"wheel_steel": Steel(), "rail_steel": Steel(), "laws": FRICTIONLESS}
+    kwargs: dict[str, Any] = {"wheel_steel": Material(), "rail_steel": Material(), "laws": FRICTIONLESS}
     model = wheel_rail_pair(wheel, rail, radius=0.46, surface_size=6e-3, model="full", **kwargs)
-    assert isinstance(model, Full)
+    assert isinstance(model, FullContact)
     state = WheelsetState(y=0.002, z=-2e-4, speed=45.0, pitch_rate=45.0 / 0.46)
     pose, motion = Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46).left_pair(state)
     return numbers(model, model(pose, motion))
@@ -79,7 +79,7 @@ def searched() -> dict[str, Any]:
 
 
 def solved() -> dict[str, dict[str, Any]]:
-    paper, exact = pair(PAPER), pair(Laws())
+    paper, exact = pair(PAPER), pair(ContactLaws())
     multigrid = pair(FRICTIONLESS, preconditioner="gamg", forcing=1e-3)
     first = paper(overlapping(3.2), CREEP)
     return {

@@ -150,7 +150,7 @@ def test_every_public_name_is_in_the_reference(site: Path) -> None:
     anchors = page(site / "reference" / "python.html").anchors
     modules = [name for chapter in names.CHAPTERS.values() for name in chapter]
     public = {f"{name}.{thing}" for name in modules for thing in names.public(import_module(name))}
-    assert {"wheelrail.contact.laws.parameters.Laws", "wheelrail.vehicle.simulation.simulate.simulate"} <= public
+    assert {"wheelrail.contact.laws.parameters.ContactLaws", "wheelrail.vehicle.simulation.simulate.simulate"} <= public
     front = import_module("wheelrail")
     assert {f"wheelrail.{name}" for name in getattr(front, "__all__", ())} <= public
     assert public <= anchors

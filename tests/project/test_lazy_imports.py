@@ -16,7 +16,7 @@ from small_wheelset import STATE, wheelset
 
 from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
 from wheelrail.contact.geometry import contact_operators as operators_module
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models import condensed as condensed_module
 from wheelrail.contact.models.full import model as full_module
@@ -48,8 +48,8 @@ def heavy_after(script: str) -> set[str]:
 
 SOLVE = """
 from small_wheelset import STATE, wheelset
-from wheelrail.contact.laws.parameters import Laws
-for laws in (Laws.paper(), Laws.paper(0.0)):
+from wheelrail.contact.laws.parameters import ContactLaws
+for laws in (ContactLaws.penalty(), ContactLaws.penalty(0.0)):
     result = wheelset(laws)(STATE, "left")
     assert result.status == "converged", result.status
     assert result.force[2] > 1e4
@@ -84,13 +84,13 @@ def test_an_empty_cache_asks_for_both(tmp_path: Path, monkeypatch: pytest.Monkey
     # the check above must be able to fail
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
     script = """
-from wheelrail.contact.laws.parameters import Laws; from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.parameters import ContactLaws; from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.builders import compliance
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
 import numpy as np
 solid, key = block((2, 2), half_width=4.0, grading=Grading(1.0, 1.0))
-compliance(solid, key, Steel(), 1).block(np.arange(3))
+compliance(solid, key, Material(), 1).block(np.arange(3))
 """
     assert heavy_after(script) >= {"gmsh", "dolfinx", "petsc4py"}
     assert heavy_after(script) == set()
@@ -148,7 +148,7 @@ def watch_friction(counter: Counter) -> None:
 
 
 def test_no_friction_no_tangential_work(counter: Counter) -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty(0.0))
     watch_friction(counter)
     result = model(TOUCHING, CREEP)
     assert result.status == "converged"
@@ -162,7 +162,7 @@ def test_no_friction_no_tangential_work(counter: Counter) -> None:
 
 
 def test_friction_does_it_all_and_is_counted(counter: Counter) -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper())
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty())
     watch_friction(counter)
     model(TOUCHING, CREEP)
     assert len(counter.calls["tangential_contact"]) == 1
@@ -171,7 +171,7 @@ def test_friction_does_it_all_and_is_counted(counter: Counter) -> None:
 
 
 def test_full_without_friction_solves_for_overlaps_alone(counter: Counter) -> None:
-    model = full(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
+    model = full(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty(0.0))
     watch_friction(counter)
     assert model(TOUCHING, AT_REST).status == "converged"  # nor does it need to roll
     assert not counter.calls["creepage"]
@@ -192,15 +192,15 @@ def test_no_overlap_returns_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*args: Any, **options: Any) -> Any:
         raise AssertionError("called without an overlap")
 
-    pair = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper())
+    pair = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty())
     nobody: Any = Untouchable()
     apart = hertz_pose(-1e-6)
     for name in ("couple_both", "creepage", "solve_tractions", "condense"):
         monkeypatch.setattr(condensed_module, name, never)
-    result = type(pair)(pair.geometry, nobody, nobody, Laws.paper())(apart, CREEP)
+    result = type(pair)(pair.geometry, nobody, nobody, ContactLaws.penalty())(apart, CREEP)
     assert result.status == "separated"
     assert result.approach == pytest.approx(-1e-6)
-    both = full_module.Full(pair.geometry, nobody, nobody, Laws.paper())
+    both = full_module.FullContact(pair.geometry, nobody, nobody, ContactLaws.penalty())
     assert both(apart, CREEP).status == "separated"
     assert "solver" not in vars(both)
     assert "law" not in vars(both)
@@ -227,7 +227,7 @@ def test_a_wheel_above_its_rail_costs_one_look(counter: Counter) -> None:
 def test_stress_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     from wheelrail.forms import elasticity
 
-    pair, both = (make(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper()) for make in (condensed, full))
+    pair, both = (make(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty()) for make in (condensed, full))
     first = both(TOUCHING, CREEP)  # assembles the stiffness, which needs the stress as a form
 
     def never(*args: Any) -> Any:
@@ -242,7 +242,7 @@ def test_stress_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_compliance_is_gathered_for_the_candidates_only(counter: Counter) -> None:
-    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=Laws.paper(0.0))
+    model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty(0.0))
     counter.watch(SurfaceCompliance, "block")
     result = model(TOUCHING, AT_REST)
     assert result.fields is not None

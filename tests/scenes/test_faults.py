@@ -25,7 +25,7 @@ from xarray import Dataset, open_dataset
 from wheelrail.cli.main import app
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.datasets.netcdf import write
-from wheelrail.support.atomic_file import PART, whole_file
+from wheelrail.support.atomic_file import PART, atomic_file
 from wheelrail.support.cache import load, store
 
 ROOT = Path(__file__).parents[2]
@@ -112,9 +112,9 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_file_is_whole_or_the_old_one(tmp_path: Path) -> None:
     file = tmp_path / "folder" / "file.txt"
-    with whole_file(file) as part:
+    with atomic_file(file) as part:
         part.write_text("old")
-    with pytest.raises(KeyboardInterrupt), whole_file(file) as part:  # noqa: PT012
+    with pytest.raises(KeyboardInterrupt), atomic_file(file) as part:  # noqa: PT012
         part.write_text("half of the n")
         raise KeyboardInterrupt
     assert file.read_text() == "old"
@@ -126,7 +126,7 @@ def test_leftovers_of_killed_writers_go_after_a_day(tmp_path: Path) -> None:
     for part in (young, old):
         part.write_text("half")
     os.utime(old, (time.time() - 90_000.0,) * 2)
-    with whole_file(tmp_path / "file"):
+    with atomic_file(tmp_path / "file"):
         pass
     assert sorted(os.listdir(tmp_path)) == [young.name, "file"]
 

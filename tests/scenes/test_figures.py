@@ -13,7 +13,7 @@ import pytest
 import xarray
 from spring_contact import patch
 
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.netcdf import write
@@ -23,7 +23,7 @@ from wheelrail.scenes.plots import runs as figures
 from wheelrail.scenes.plots.patch_cells import PatchCells
 from wheelrail.scenes.plots.patches import draw_patches, patches_figure
 from wheelrail.vehicle.dynamics.state import COORDINATES
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.history import History, RunCost
 from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair
@@ -57,7 +57,7 @@ def history(rows: int = N, curvature: float = 1 / 1200) -> History:
         patches=patches,
         contact_status=[("separated" if not left else "converged", "converged") for left, _ in patches],
         cost=RunCost(
-            Counts(accepted=rows - 1, rejected=2, failed=1, evaluations=130),
+            StepStatistics(accepted=rows - 1, rejected=2, failed=1, evaluations=130),
             {"left": ContactCost(300, 1, 600, 1200, 3.0), "right": ContactCost(301, 0, 700, 1500, 4.0)},
             9.0,
         ),
@@ -219,7 +219,7 @@ def strips(lean: float = 0.1) -> ContactResult:
 
 
 def test_cells_are_drawn_in_their_true_lengths() -> None:
-    data = contact_dataset({"left": strips(), "right": strips().mirrored()}, Laws(friction=0.3))
+    data = contact_dataset({"left": strips(), "right": strips().mirrored()}, ContactLaws(friction=0.3))
     cells, mirrored = (PatchCells.of(data, side, 0) for side in ("left", "right"))
     size = np.ptp(cells.corners, axis=1)
     np.testing.assert_allclose(size[:, 0], [2e-3, 3e-3, 1e-3, 2e-3, 1e-3, 1e-3], rtol=1e-12)
@@ -230,7 +230,7 @@ def test_cells_are_drawn_in_their_true_lengths() -> None:
 
 
 def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
-    cells = PatchCells.of(contact_dataset({"left": strips()}, Laws(friction=0.3)), "left", 0)
+    cells = PatchCells.of(contact_dataset({"left": strips()}, ContactLaws(friction=0.3)), "left", 0)
     assert cells.sticks.tolist() == [False, True, True, False, False, True]
     pieces = cells.stick_edge()
     x0 = cells.corners[0, 0, 0] + 3e-3  # where x = 0 is
@@ -242,7 +242,7 @@ def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
 
 def test_picture_of_patches(tmp_path: Path) -> None:
     results = {"left": strips(), "right": strips(-0.1)}
-    data = contact_dataset(results, Laws(friction=0.3))
+    data = contact_dataset(results, ContactLaws(friction=0.3))
     draw_patches(data, tmp_path / "patches.png")
     assert (tmp_path / "patches.png").read_bytes().startswith(b"\x89PNG")
     figure = patches_figure(data)
@@ -253,4 +253,4 @@ def test_picture_of_patches(tmp_path: Path) -> None:
         assert ax.get_ylabel() == "across, to the left [mm]"
         assert "30 MPa" in ax.get_xlabel() or "60 MPa" in ax.get_xlabel()
     with pytest.raises(ValueError, match="nothing touches"):
-        draw_patches(contact_dataset({"left": ContactResult.separated()}, Laws()), tmp_path / "none.png")
+        draw_patches(contact_dataset({"left": ContactResult.separated()}, ContactLaws()), tmp_path / "none.png")

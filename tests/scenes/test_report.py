@@ -34,7 +34,7 @@ from wheelrail.scenes.studies import run as run_module
 from wheelrail.scenes.studies.plan import plan
 from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study
-from wheelrail.scenes.studies.solve import Found, solve
+from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.scenes.views import plotter as off_screen
 from wheelrail.scenes.views.run_snapshot import hardest, moment_view
 from wheelrail.scenes.views.view import bodies_of_run
@@ -288,8 +288,8 @@ def test_a_comparison(tmp_path: Path) -> None:
 def study_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A study of three loads and two radii; one case of them fails."""
 
-    def work(job: Any) -> Found:
-        return Found("failed", "<b>too heavy</b>", 0.1) if job.table["load"] == 3e4 else solve(job)
+    def work(job: Any) -> CaseResult:
+        return CaseResult("failed", "<b>too heavy</b>", 0.1) if job.table["load"] == 3e4 else solve(job)
 
     monkeypatch.setattr(run_module, "processes", lambda count: Here(work))
     grid = {"load": [1e4, 2e4, 3e4], "upper.radii": [[0.46, float("inf")]]}
@@ -314,9 +314,9 @@ def test_a_study(study_folder: Path) -> None:
 
 
 def test_a_study_of_runs_shows_the_hardest_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def work(job: Any) -> Found:
+    def work(job: Any) -> CaseResult:
         write(run_data(), jobs.run_data(Path(job.folder), job.key))
-        return Found("completed", "", 1.0, {"left": {"max_pressure": 1e9 * job.table["friction"]}})
+        return CaseResult("completed", "", 1.0, {"left": {"max_pressure": 1e9 * job.table["friction"]}})
 
     monkeypatch.setattr(run_module, "processes", lambda count: Here(work))
     table = {"scene": str(Path(__file__).parents[2] / "scenes" / "curve.toml"), "grid": {"friction": [0.2, 0.4, 0.3]}}
@@ -333,7 +333,9 @@ def cases_data(count: int) -> Dataset:
     """Results of a made-up study of so many loads; a third of the cases failed, the first one among them."""
     planned = plan(check_study(study(grid={"load": [1e3 + i for i in range(count)]})))
     good = [{"contact": {"max_pressure": 1e6 * (1000 + i)}} for i in range(count)]
-    ended = [Found("failed", "no") if i % 3 == 0 else Found("converged", "", 1.0, good[i]) for i in range(count)]
+    ended = [
+        CaseResult("failed", "no") if i % 3 == 0 else CaseResult("converged", "", 1.0, good[i]) for i in range(count)
+    ]
     found = {(i,): one for i, one in enumerate(ended)}
     return results.dataset(planned, found)
 

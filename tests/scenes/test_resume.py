@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 from xarray import open_dataset
 
 from wheelrail.cli.main import app
-from wheelrail.contact.kinematics.frames import Motion, Pose, Side
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -277,7 +277,7 @@ class Stopping:
     by: int = signal.SIGKILL
     calls: int = 0
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         self.calls += 1
         if self.calls == self.at:
             os.kill(os.getpid(), self.by)

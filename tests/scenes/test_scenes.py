@@ -13,7 +13,7 @@ import pytest
 from malformed_inputs import WHEEL, lines
 from rich.console import Console
 
-from wheelrail.contact.laws.parameters import FallingFriction, Laws
+from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.builders.contact import hertz_motion, hertz_scale, laws, wheelset_contact
@@ -24,7 +24,7 @@ from wheelrail.scenes.plots.patches import draw_patches
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.override import overridden
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, load_scene, parse_scene
-from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -117,16 +117,24 @@ SHIFTED = HERTZ.replace("speed = 10.0", "shift = [1e-6, -2e-6]").replace("creepa
 
 def test_either_law_may_be_exact_alone() -> None:
     text = changed(HERTZ, 'laws = "paper"', 'laws = "paper"\nstiffness_per_area = inf\nregularisation = 1e-4')
-    assert laws(parse_scene(text)) == Laws(math.inf, 0.3, 1e-4)
-    assert laws(parse_scene(text.replace("= inf\n", "= 1e14\n").replace("= 1e-4", "= 0.0"))) == Laws(1e14, 0.3, 0.0)
-    assert laws(parse_scene(HERTZ)) == Laws.paper(0.3)
-    assert laws(parse_scene(changed(HERTZ, 'laws = "paper"', ""))) == Laws() == Laws(math.inf, 0.3, 0.0, None)
+    assert laws(parse_scene(text)) == ContactLaws(math.inf, 0.3, 1e-4)
+    assert laws(parse_scene(text.replace("= inf\n", "= 1e14\n").replace("= 1e-4", "= 0.0"))) == ContactLaws(
+        1e14, 0.3, 0.0
+    )
+    assert laws(parse_scene(HERTZ)) == ContactLaws.penalty(0.3)
+    assert (
+        laws(parse_scene(changed(HERTZ, 'laws = "paper"', "")))
+        == ContactLaws()
+        == ContactLaws(math.inf, 0.3, 0.0, None)
+    )
     falling = changed(HERTZ, "[upper]", "[falling]\nshare = 0.4\nrate = 0.6\n[upper]")
-    assert laws(parse_scene(falling)) == Laws(1e15, 0.3, 1e-5, FallingFriction(0.4, 0.6))
+    assert laws(parse_scene(falling)) == ContactLaws(1e15, 0.3, 1e-5, FallingFriction(0.4, 0.6))
 
 
 def test_a_run_keeps_the_laws_of_the_paper() -> None:
-    assert laws(parse_scene(changed(CURVE, 'laws = "paper"', ""), FOLDER / "paper_curve.toml")) == Laws.paper(0.3)
+    assert laws(parse_scene(changed(CURVE, 'laws = "paper"', ""), FOLDER / "paper_curve.toml")) == ContactLaws.penalty(
+        0.3
+    )
 
 
 def test_a_shift_moves_the_bodies_apart_and_needs_coulomb() -> None:
@@ -326,7 +334,7 @@ def test_short_form_and_segments_of_a_track(tmp_path: Path) -> None:
     assert made.curvature.shape == ("bloss", "quintic", "bloss")
     assert made.irregularities is not None
     assert np.abs(made.irregularities.at(np.array([long.track.length]))).max() > 0.0
-    assert isinstance(long.vehicle.drive, Drive)
+    assert isinstance(long.vehicle.drive, SpeedProfile)
     assert long.vehicle.drive(10.0).speed == 34.0
     (tmp_path / "measured.csv").write_text("s, level [mm]\n" + "".join(f"{s}, 1\n" for s in range(200)))
     text = changed(IRREGULAR, 'spectrum = "low"', 'file = "measured.csv"')
@@ -402,7 +410,7 @@ def test_the_standard_model_takes_scenes_of_the_others_as_they_are() -> None:
     for text in (HERTZ, WHEELSET, CURVE):
         scene = parse_scene(standard(text), FOLDER / "scene.toml")
         assert (scene.model, scene.normal, scene.tangential) == ("standard", None, None)
-        assert laws(scene) == Laws(friction=0.3)  # whatever the laws of the elastic models
+        assert laws(scene) == ContactLaws(friction=0.3)  # whatever the laws of the elastic models
     bare = standard(changed(WHEELSET, "surface_size = 1e-3", ""), 'normal = "hertz"', "merge_distance = 6e-3")
     contact = wheelset_contact(parse_scene(bare))
     assert isinstance(contact.model, StandardContact)

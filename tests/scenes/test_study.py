@@ -34,7 +34,7 @@ from wheelrail.scenes.studies.job import Job
 from wheelrail.scenes.studies.plan import MOST, Plan, plan
 from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study, load_study
-from wheelrail.scenes.studies.solve import Found, goes_on, solve
+from wheelrail.scenes.studies.solve import CaseResult, goes_on, solve
 from wheelrail.scenes.studies.store import Store
 from wheelrail.scenes.studies.workers import SchedulerGone, cluster, finished, processes
 
@@ -444,7 +444,7 @@ def test_a_worker_that_dies_takes_one_case_with_it() -> None:
 
 
 def test_a_lost_case_is_computed_the_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    gone = Here(lambda job: Found("failed", "gone", lost=True) if job.table["load"] == 2e4 else solve(job))
+    gone = Here(lambda job: CaseResult("failed", "gone", lost=True) if job.table["load"] == 2e4 else solve(job))
     monkeypatch.setattr(run_module, "processes", lambda count: gone)
     data = run_study(study(grid={"load": [1e4, 2e4]}), tmp_path, pictures=False)
     assert list(data["status"].values) == ["converged", "failed"]
@@ -650,7 +650,7 @@ def test_a_scheduler_that_dies_ends_the_study_and_keeps_what_is_done(
         def submit(self, job: Job) -> Any:
             if len(self.jobs) < 2:
                 return super().submit(job)
-            future = Future[Found]()
+            future = Future[CaseResult]()
             future.cancel()
             future.set_running_or_notify_cancel()
             return future

@@ -14,7 +14,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.scenes.schema.toml import parse
 from wheelrail.scenes.schema.wagon_file import load_wagon, wagon_toml
-from wheelrail.vehicle.wagon.force_law import Characteristic
+from wheelrail.vehicle.wagon.force_law import ForceLaw
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import PRIMARY, Wagon
 
@@ -26,8 +26,8 @@ OTHER = replace(
     gravity=9.80665,
     primary=replace(
         PRIMARY,
-        lateral_stiffness=Characteristic(((-0.01, -1e5 / 3), (0.0, 0.0), (0.02, 0.1e5))),
-        vertical_damping=Characteristic(((0.0, 0.0), (0.1, 1e3), (1.0, 2e3))),
+        lateral_stiffness=ForceLaw(((-0.01, -1e5 / 3), (0.0, 0.0), (0.02, 0.1e5))),
+        vertical_damping=ForceLaw(((0.0, 0.0), (0.1, 1e3), (1.0, 2e3))),
         vertical_series_stiffness=1e16,
     ),
 )

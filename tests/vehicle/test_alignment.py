@@ -10,9 +10,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import fresnel
 
-from wheelrail.vehicle.track.alignment import LayoutError, Segment, courses
-from wheelrail.vehicle.track.piecewise import Course, Shape
-from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.alignment import AlignmentError, Segment, courses
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction, Shape
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track, centre_line
 
 R = 1 / 800
@@ -29,7 +29,7 @@ S_CURVE = [
 
 @pytest.mark.parametrize("shape", ["quintic", "clothoid", "bloss"])
 def test_courses_integrate_exactly(shape: Shape) -> None:
-    course = Course((10.0, 60.0, 90.0, 120.0), (0.3, 1.0, 1.0, -0.5), shape=shape, corner=4.0)
+    course = PiecewiseFunction((10.0, 60.0, 90.0, 120.0), (0.3, 1.0, 1.0, -0.5), shape=shape, corner=4.0)
     for s in (-5.0, 5.0, 11.0, 33.0, 58.0, 75.0, 100.0, 118.5, 150.0):
         parts = sorted({0.0, s, *(b for b in course.breaks if min(0.0, s) < b < max(0.0, s))}, reverse=s < 0.0)
         exact = sum(quad(lambda x: course(x)[0], a, b, epsabs=1e-13)[0] for a, b in pairwise(parts))
@@ -37,7 +37,7 @@ def test_courses_integrate_exactly(shape: Shape) -> None:
 
 
 def test_bloss_is_its_formula_with_its_jumps() -> None:
-    course = Course((0.0, 80.0), (0.0, 2e-3), shape="bloss")
+    course = PiecewiseFunction((0.0, 80.0), (0.0, 2e-3), shape="bloss")
     u = np.linspace(0.01, 0.99, 9)
     np.testing.assert_allclose([course(80 * x)[0] for x in u], 2e-3 * (3 * u**2 - 2 * u**3), rtol=1e-14)
     np.testing.assert_allclose([course(80 * x)[1] for x in u], 2e-3 * (6 * u - 6 * u**2) / 80, rtol=1e-12)
@@ -80,7 +80,9 @@ def test_the_short_form_is_the_same_segments() -> None:
         ]
     )
     assert short == long
-    assert short.curvature == Course((50, 150, 350, 430), (0.0, 1 / 1200, 1 / 1200, 0.0), shape=("quintic",) * 3)
+    assert short.curvature == PiecewiseFunction(
+        (50, 150, 350, 430), (0.0, 1 / 1200, 1 / 1200, 0.0), shape=("quintic",) * 3
+    )
 
 
 def test_the_other_hand_is_the_mirror_image_to_the_last_bit() -> None:
@@ -119,7 +121,7 @@ T, A = Segment("tangent", 10.0), Segment("arc", 10.0, 1e-3, 0.05)
     ],
 )
 def test_segments_that_make_no_track(segments: list[Segment], index: int, key: str, says: str) -> None:
-    with pytest.raises(LayoutError, match=f"segment {index}") as caught:
+    with pytest.raises(AlignmentError, match=f"segment {index}") as caught:
         courses(segments)
     assert (caught.value.index, caught.value.key) == (index, key)
     assert says in caught.value.says
@@ -168,7 +170,7 @@ def frame_of(track: Track, s: float) -> np.ndarray:
 @pytest.mark.parametrize("at", [60.0, 138.0, 141.5, 156.0, 300.0, 318.0])
 def test_frame_on_segments_at_changing_speed_against_differences(at: float) -> None:
     """Rates and their change where curvature, cant and gradient change at once, while the vehicle brakes."""
-    track, drive = Track.of(S_CURVE), Drive.through((0.0, 12.0), (40.0, 15.0))
+    track, drive = Track.of(S_CURVE), SpeedProfile.through((0.0, 12.0), (40.0, 15.0))
     t, h = drive.time_at(at), 2e-3
     weights = np.array([1, -8, 0, 8, -1]) / (12 * h)
 
@@ -185,15 +187,15 @@ def test_frame_on_segments_at_changing_speed_against_differences(at: float) -> N
 
 
 def test_drives_go_where_their_speed_takes_them() -> None:
-    drive = Drive.through((1.0, 4.0, 9.0), (30.0, 45.0, 20.0))
+    drive = SpeedProfile.through((1.0, 4.0, 9.0), (30.0, 45.0, 20.0))
     for t in (0.5, 2.0, 3.9, 6.5, 12.0):
         exact = quad(lambda x: drive(x).speed, 0.0, t, points=[p for p in (1.0, 4.0, 9.0) if p < t], epsabs=1e-11)[0]
         assert drive(t).distance == pytest.approx(exact, abs=1e-9)
         assert drive.time_at(drive(t).distance) == pytest.approx(t, abs=1e-10)
         slope = (drive(t + 1e-5).speed - drive(t - 1e-5).speed) / 2e-5
         assert drive(t).acceleration == pytest.approx(slope, abs=1e-6)
-    assert Drive.of(45.0)(0.3) == (45.0 * 0.3, 45.0, 0.0)
-    assert Drive.of(45.0).time_at(100.0) == 100.0 / 45.0
+    assert SpeedProfile.of(45.0)(0.3) == (45.0 * 0.3, 45.0, 0.0)
+    assert SpeedProfile.of(45.0).time_at(100.0) == 100.0 / 45.0
     for wrong in (0.0, -3.0, np.inf, np.nan):
         with pytest.raises(ValueError, match="speed"):
-            Drive.of(wrong)
+            SpeedProfile.of(wrong)

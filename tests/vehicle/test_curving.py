@@ -16,19 +16,19 @@ from benchmarks.exudyn.linear_contact import LinearContact
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.vehicle.dynamics.static_residual import Balance
+from wheelrail.vehicle.dynamics.static_residual import StaticResidual
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
-from wheelrail.vehicle.steady.curving import Steady, curving, curving_over
+from wheelrail.vehicle.steady.curving import SteadyCurving, curving, curving_over
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError
-from wheelrail.vehicle.track.constant_curve import Curve
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 WAGON = Wagon()
 SPRINGS = LinearContact(WAGON.wheel_load)
-PAPER = Curve(45.0, 1 / 1200, 0.06)
+PAPER = ConstantCurve(45.0, 1 / 1200, 0.06)
 
 
-def on_paper(curve: Curve, contact: LinearContact = SPRINGS, *, simpler: bool = False) -> dict[str, float]:
+def on_paper(curve: ConstantCurve, contact: LinearContact = SPRINGS, *, simpler: bool = False) -> dict[str, float]:
     """Statics with small angles, loads in their displaced position, and one equation for the bumpstop.
 
     simpler: of the displaced loads only the car body's weight about the secondary springs and on the rails, and no
@@ -102,7 +102,7 @@ def on_paper(curve: Curve, contact: LinearContact = SPRINGS, *, simpler: bool = 
     }
 
 
-def found_in(steady: Steady) -> dict[str, float]:
+def found_in(steady: SteadyCurving) -> dict[str, float]:
     """The same of a left-hand curve, whose outside is the right."""
     y, _, roll = steady.car_body
     return {
@@ -205,7 +205,7 @@ def test_a_run_into_the_curve_shows_the_way(monkeypatch: pytest.MonkeyPatch) -> 
     expected, starts = curving(WAGON, CONTACT, PAPER), []
     newton = wheelrail.vehicle.steady.equilibrium._newton
 
-    def stubborn(balance: Balance, unknown: np.ndarray, *options: float) -> Equilibrium:
+    def stubborn(balance: StaticResidual, unknown: np.ndarray, *options: float) -> Equilibrium:
         starts.append(unknown)
         if len(starts) == 1:
             raise EquilibriumError("stuck")
@@ -244,6 +244,6 @@ def test_senseless_curves_are_refused(change: dict[str, float], text: str) -> No
 
 
 def test_balance_needs_curvature_and_cant() -> None:
-    for curve in (Curve(45.0, 0.0, 0.06), Curve(45.0, 1 / 1200)):
+    for curve in (ConstantCurve(45.0, 0.0, 0.06), ConstantCurve(45.0, 1 / 1200)):
         with pytest.raises(ValueError, match="balance"):
             curve.balance_speed()

@@ -11,11 +11,11 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.simulation.simulate import simulate
-from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
-BRAKES = Drive.through((0.0, 4.0), (40.0, 30.0))
+BRAKES = SpeedProfile.through((0.0, 4.0), (40.0, 30.0))
 
 
 @FunctionContact
@@ -51,7 +51,7 @@ def test_rails_turn_the_wheelset_slower_while_the_vehicle_brakes() -> None:
 def test_constant_speed_is_the_same_as_a_drive_that_never_changes_it() -> None:
     one, other = (
         simulate(Wagon(), Track(), CONTACT, speed=speed, span=(0.0, 0.1), method="rosenbrock")
-        for speed in (40.0, Drive.of(40.0))
+        for speed in (40.0, SpeedProfile.of(40.0))
     )
     np.testing.assert_array_equal(one.state, other.state)
     np.testing.assert_array_equal(one.distance, 40.0 * one.time)

@@ -21,9 +21,9 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
 from wheelrail.vehicle.track.frame import Frame
-from wheelrail.vehicle.track.piecewise import Course
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
-from wheelrail.vehicle.wagon.force_law import Characteristic
+from wheelrail.vehicle.wagon.force_law import ForceLaw
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 V, R, CANT = 45.0, 1200.0, 0.06
@@ -199,13 +199,13 @@ def conserved(d: Dynamics, frame: Frame, state: np.ndarray) -> float:
     return float((0.5 * (relative - carried) + weight).sum() + 0.5 * pitch_inertia[2] * theta**2 + springs)
 
 
-@pytest.mark.parametrize("track", [Track(), Track(Course.constant(1 / R), Course.constant(CANT))])
+@pytest.mark.parametrize("track", [Track(), Track(PiecewiseFunction.constant(1 / R), PiecewiseFunction.constant(CANT))])
 def test_energy_of_the_undamped_free_wagon(track: Track) -> None:
     """Springs, preloads, gyroscopic and centrifugal terms neither give nor take energy, also in a curve."""
     w = Wagon()
     wagon = replace(
         w,
-        bumpstop=Characteristic(((0.0, 0.0), (1.0, 0.0))),
+        bumpstop=ForceLaw(((0.0, 0.0), (1.0, 0.0))),
         primary=replace(w.primary, lateral_damping=0.0, vertical_damping=0.0),
         secondary=replace(w.secondary, lateral_damping=0.0, vertical_damping=0.0),
     )

@@ -14,7 +14,7 @@ from wheelrail.vehicle.simulation.energy_balance import POWERS, EnergyBalance, e
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
-from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -22,7 +22,7 @@ CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=30.0, length=200.0,
 SPAN = (0.0, 0.4)
 
 
-def run(wagon: Wagon, track: Track, speed: float | Drive, rtol: float, method: str = "ode45") -> History:
+def run(wagon: Wagon, track: Track, speed: float | SpeedProfile, rtol: float, method: str = "ode45") -> History:
     return simulate(wagon, track, CONTACT, speed=speed, span=SPAN, method=method, rtol=rtol, atol=1e-3 * rtol)
 
 
@@ -38,12 +38,12 @@ def series_wagon() -> Wagon:
     [
         (Wagon(), CURVE, 45.0),
         (Wagon(), replace(CURVE, irregularities=ERRI["low"].irregularities(60.0, seed=1)), 45.0),
-        (Wagon(), CURVE, Drive.through((0.0, 2.0), (45.0, 40.0))),
+        (Wagon(), CURVE, SpeedProfile.through((0.0, 2.0), (45.0, 40.0))),
         (series_wagon(), CURVE, 45.0),
     ],
     ids=["curve and slope", "irregular rails", "braking", "dampers on springs"],
 )
-def test_it_closes(wagon: Wagon, track: Track, speed: float | Drive) -> None:
+def test_it_closes(wagon: Wagon, track: Track, speed: float | SpeedProfile) -> None:
     history = run(wagon, track, speed, 1e-5)
     assert history.status == "completed"
     found = energy_balance(history, wagon, track)

@@ -14,18 +14,18 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 from standin_contact import CONTACT, MOUNTING, FunctionContact, SmoothContact
 
-from wheelrail.contact.kinematics.frames import Motion, Pose, Side
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.progress import costs
-from wheelrail.scenes.schema.tables import Solver
+from wheelrail.scenes.schema.tables import SolverTable
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.jacobian import COLUMNS, KEPT, SEEN, Jacobian, Linearised
 from wheelrail.vehicle.integration.integrate import integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import Parallel, WorkerLost, in_parallel
@@ -100,7 +100,7 @@ def test_stiffness_does_not_bound_the_step() -> None:
     """x' = -s (x - cos t) - sin t: as many steps at s = 1e3 as at 1e8, and the solution is cos t."""
     taken = []
     for stiff in (1e3, 1e8):
-        counts = Counts()
+        counts = StepStatistics()
 
         def rhs(t: float, x: np.ndarray, previous: Rate | None, s: float = stiff) -> Rate:
             return Rate(-s * (x - np.cos(t)) - np.sin(t))
@@ -146,7 +146,7 @@ def curving(contact=CONTACT) -> tuple[Dynamics, float, np.ndarray]:  # type: ign
 def test_the_wagons_jacobian(contact, within: float) -> None:  # type: ignore[no-untyped-def]
     """Against central differences of the whole equations of motion, row by row."""
     d, t, x = curving(contact)
-    counts = Counts()
+    counts = StepStatistics()
     linear = Jacobian(d, counts)(t, x, d(t, x))
     steps = 1e-6 * np.eye(20)
     expected = np.stack([(d(t, x + e).rate - d(t, x - e).rate) / 2e-6 for e in steps], axis=1)
@@ -158,7 +158,7 @@ def test_the_wagons_jacobian(contact, within: float) -> None:  # type: ignore[no
 def test_the_wagons_derivative_by_time() -> None:
     """Contacts held: a contact that is not there at all makes it exact."""
     d, t, x = curving(FunctionContact(lambda state, side, guess: ContactResult.separated()))
-    linear = Jacobian(d, Counts())(t, x, d(t, x))
+    linear = Jacobian(d, StepStatistics())(t, x, d(t, x))
     expected = (d(t + 1e-4, x).rate - d(t - 1e-4, x).rate) / 2e-4
     np.testing.assert_allclose(linear.by_time, expected, atol=1e-3 * np.abs(expected).max())
 
@@ -204,11 +204,11 @@ def test_accuracy_and_cost_of_a_run(plain: History, tight: History) -> None:
 
 
 def test_a_scene_may_ask_for_it(plain: History) -> None:
-    asked = Solver(method="rosenbrock", workers=2)
-    assert (asked.method, asked.workers, Solver().workers) == ("rosenbrock", 2, 1)
+    asked = SolverTable(method="rosenbrock", workers=2)
+    assert (asked.method, asked.workers, SolverTable().workers) == ("rosenbrock", 2, 1)
     for wrong in ({"workers": 3}, {"method": "radau"}):
         with pytest.raises(ValidationError):
-            Solver(**wrong)  # type: ignore[arg-type]
+            SolverTable(**wrong)  # type: ignore[arg-type]
     assert f"{plain.cost.steps.jacobians} Jacobians" in str(costs(plain).caption)  # type: ignore[union-attr]
 
 
@@ -239,7 +239,7 @@ class Rough:
     period: float = 4e-4
     fails: float = np.inf
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         u, z, speed = float(pose.origin[1]), float(pose.origin[2]), float(motion.wheel.velocity[1])
         smooth = SmoothContact()(pose, motion)
         if abs(speed) > self.fails:
@@ -282,7 +282,7 @@ def test_each_evaluation_is_handed_the_one_before() -> None:
     def jacobian(t: float, x: np.ndarray, at: Rate) -> Linearised:
         return Linearised(-np.eye(1), np.array([-40 * np.sin(40 * t)]))
 
-    counts = Counts()
+    counts = StepStatistics()
     steps = list(
         integrate(rhs, 0.0, np.zeros(1), 1.0, tableau=ROS34PW2, jacobian=jacobian, first_step=0.5, counts=counts)
     )
@@ -455,7 +455,7 @@ def test_the_right_side_is_announced_before_the_left_one_through_a_counted_conta
     counted = CountedContact(contact)
     d, t, x = curving(counted)
     at = d(t, x)
-    assert Jacobian(d, Counts()).known(d.wheelset_state(d.frame(t), x), at.contacts) is not None
+    assert Jacobian(d, StepStatistics()).known(d.wheelset_state(d.frame(t), x), at.contacts) is not None
     assert contact.calls == ["ahead", "left", "right", "ahead_tangent", "tangent left", "tangent right"]
     assert [(cost.solves, cost.tangents) for cost in counted.costs.values()] == [(1, 1), (1, 1)]
 

@@ -16,7 +16,7 @@ from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, rea
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.irregularity import Irregularities
@@ -168,7 +168,7 @@ def test_derivative_by_time_knows_the_rails() -> None:
     d = Dynamics(Wagon(), track, CONTACT, 45.0)
     t, state = 1.3, 1e-4 * np.random.default_rng(1).normal(size=2 * COUNT)
     state[[1, 4, 7]] += track.irregularities.at(np.array([45.0 * t]))[0, 1] - 2e-4  # type: ignore[union-attr]
-    linear = Jacobian(d, Counts())(t, state, d(t, state))
+    linear = Jacobian(d, StepStatistics())(t, state, d(t, state))
     h = 1e-6
     exact = (d(t + h, state).rate - d(t - h, state).rate) / (2 * h)
     np.testing.assert_allclose(linear.by_time, exact, rtol=2e-3, atol=2e-3 * np.abs(exact).max())

@@ -11,10 +11,10 @@ from scipy.integrate import RK23, RK45, solve_ivp
 from wheelrail.vehicle.integration.explicit import METHODS, ODE23, ODE45, Tableau
 from wheelrail.vehicle.integration.integrate import StepTooSmall, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.integration.step_control import Control, Counts
+from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
 PAIRS = [(ODE23, RK23), (ODE45, RK45)]
-STANDARD = Control(proportional=1.0, integral=0.0)
+STANDARD = StepController(proportional=1.0, integral=0.0)
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def test_fitted_order_with_fixed_steps(tableau: Tableau, at_eight: np.ndarray) -
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6])
 def test_adaptive_steps_like_scipy(tableau: Tableau, theirs: type, rtol: float, at_eight: np.ndarray) -> None:
     """Ours bounds the largest component, scipy's the mean: as many steps within 40 %, errors within a factor of 5."""
-    counts = Counts()
+    counts = StepStatistics()
     steps = list(
         integrate(
             plain(rotor),
@@ -122,8 +122,8 @@ def test_smooth_control_wastes_fewer_steps_at_the_limit_of_stability() -> None:
         return -1000.0 * (x - np.cos(t)) - np.sin(t)
 
     counts = {}
-    for name, control in (("smooth", Control()), ("standard", STANDARD)):
-        counts[name] = Counts()
+    for name, control in (("smooth", StepController()), ("standard", STANDARD)):
+        counts[name] = StepStatistics()
         *_, last = integrate(
             plain(stiff), 0.0, np.array([1.5]), 2.0, tableau=ODE23, control=control, counts=counts[name]
         )
@@ -142,7 +142,7 @@ def test_a_failure_shortens_the_step() -> None:
             raise StepFailure("behind the wall")
         return Rate(-(x**2))
 
-    counts = Counts()
+    counts = StepStatistics()
     steps = list(
         integrate(wall, 0.0, np.array([4.0]), 2.0, tableau=ODE45, first_step=2.0, rtol=1e-6, atol=1e-9, counts=counts)
     )
@@ -159,7 +159,7 @@ def test_a_failure_that_stays_ends_with_an_error_that_names_it() -> None:
             raise StepFailure("no contact beyond 1 s")
         return Rate(np.ones(1))
 
-    counts = Counts()
+    counts = StepStatistics()
     steps = integrate(cliff, 0.0, np.zeros(1), 2.0, tableau=ODE23, min_step=1e-6, counts=counts, first_step=0.1)
     with pytest.raises(StepTooSmall, match="no contact beyond 1 s"):
         reached.extend(step.t for step in steps)
@@ -185,7 +185,7 @@ def test_each_evaluation_is_handed_the_one_before() -> None:
         calls.append((t, previous, result))
         return result
 
-    counts = Counts()
+    counts = StepStatistics()
     steps = list(integrate(rhs, 0.0, np.zeros(1), 1.0, tableau=ODE23, first_step=0.5, counts=counts))
     assert counts.rejected > 0
     assert calls[0][1] is None

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wheelrail.vehicle.track.piecewise import Course
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 
-RISE = Course((10.0, 60.0, 90.0, 120.0), (0.0, 1.0, 1.0, -0.5))
-EASED = Course((10.0, 60.0, 90.0, 120.0), (0.0, 1.0, 1.0, -0.5), shape="clothoid", corner=4.0)
+RISE = PiecewiseFunction((10.0, 60.0, 90.0, 120.0), (0.0, 1.0, 1.0, -0.5))
+EASED = PiecewiseFunction((10.0, 60.0, 90.0, 120.0), (0.0, 1.0, 1.0, -0.5), shape="clothoid", corner=4.0)
 
 
 @pytest.mark.parametrize("course", [RISE, EASED])
-def test_courses_meet_their_values_and_their_derivatives(course: Course) -> None:
+def test_courses_meet_their_values_and_their_derivatives(course: PiecewiseFunction) -> None:
     for s, v in zip(course.stations, course.values, strict=True):
         assert course(s)[0] == pytest.approx(v, abs=1e-14)
         assert abs(course(s)[1]) < 1e-14
@@ -36,11 +36,11 @@ def test_clothoid_is_a_straight_ramp_between_its_corners() -> None:
 
 def test_what_cannot_be_is_refused() -> None:
     for wrong in (
-        lambda: Course((0.0, 0.0), (1.0, 2.0)),
-        lambda: Course((), ()),
-        lambda: Course((0.0, 4.0), (0.0, 1.0), shape="clothoid", corner=3.0),
-        lambda: Course((0.0, 4.0), (0.0, 1.0), shape="cubic"),  # type: ignore[arg-type]
-        lambda: Track(lift=Course.constant(1.6)),
+        lambda: PiecewiseFunction((0.0, 0.0), (1.0, 2.0)),
+        lambda: PiecewiseFunction((), ()),
+        lambda: PiecewiseFunction((0.0, 4.0), (0.0, 1.0), shape="clothoid", corner=3.0),
+        lambda: PiecewiseFunction((0.0, 4.0), (0.0, 1.0), shape="cubic"),  # type: ignore[arg-type]
+        lambda: Track(lift=PiecewiseFunction.constant(1.6)),
         lambda: Track.curve(curvature=1e-3, transition=0.0, length=10.0),
         lambda: Track.curve(curvature=1e-3, transition=10.0, length=10.0, exit_transition=-1.0),
     ):
@@ -73,7 +73,7 @@ def test_heading_is_the_integral_of_curvature() -> None:
         assert track.heading(150.0) == pytest.approx(0.05, rel=1e-13)
         assert track.heading(1000.0) == pytest.approx(0.05 + 0.2 + 0.03, rel=1e-13)
         assert track.heading(1000.0) - track.heading(100.0) == pytest.approx(0.28 - _half_ramp(shape), rel=1e-12)
-    assert Track(curvature=Course.constant(1e-3)).heading(-20.0) == pytest.approx(-0.02)
+    assert Track(curvature=PiecewiseFunction.constant(1e-3)).heading(-20.0) == pytest.approx(-0.02)
 
 
 def _half_ramp(shape: str) -> float:
@@ -91,9 +91,9 @@ FIRST = np.array([3, -32, 168, -672, 0, 672, -168, 32, -3], dtype=LD) / LD(840)
 OFFSETS = np.arange(-4, 5)
 K1, LIFT, SLOPE, LENGTH, BASE = LD("2e-3"), LD("0.12"), LD("0.03"), LD(80), LD("1.5")
 TRACK = Track(
-    curvature=Course((0.0, 80.0), (0.0, 2e-3)),
-    lift=Course((0.0, 80.0), (0.0, 0.12)),
-    gradient=Course((0.0, 80.0), (0.0, 0.03)),
+    curvature=PiecewiseFunction((0.0, 80.0), (0.0, 2e-3)),
+    lift=PiecewiseFunction((0.0, 80.0), (0.0, 0.12)),
+    gradient=PiecewiseFunction((0.0, 80.0), (0.0, 0.03)),
 )
 
 

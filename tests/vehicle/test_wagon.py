@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wheelrail.vehicle.wagon.components import Scaling
-from wheelrail.vehicle.wagon.force_law import Characteristic
+from wheelrail.vehicle.wagon.force_law import ForceLaw
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import BUMPSTOP, CAR_BODY, SECONDARY, Wagon
 
@@ -46,11 +46,11 @@ def test_any_value_can_be_changed_and_is_checked() -> None:
         lambda: replace(SECONDARY, turn=1.5),
         lambda: replace(Scaling(), bogie=0.0),
         lambda: replace(Wagon(), roll_bar=-1.0),
-        lambda: replace(Wagon(), bumpstop=Characteristic(((-0.1, -1.0), (0.0, 0.0), (0.1, 1.0)))),
+        lambda: replace(Wagon(), bumpstop=ForceLaw(((-0.1, -1.0), (0.0, 0.0), (0.1, 1.0)))),
         lambda: replace(SECONDARY, lateral_series_stiffness=0.0),
         lambda: replace(SECONDARY, lateral_damping=0.0, lateral_series_stiffness=6e6),
         lambda: replace(
-            SECONDARY, vertical_damping=Characteristic(((0, 0), (0.1, 1e3), (1, 1e3))), vertical_series_stiffness=6e6
+            SECONDARY, vertical_damping=ForceLaw(((0, 0), (0.1, 1e3), (1, 1e3))), vertical_series_stiffness=6e6
         ),
     ):
         with pytest.raises(ValueError):

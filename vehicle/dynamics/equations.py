@@ -13,11 +13,11 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.support.interrupts import look
+from wheelrail.support.interrupts import check_interrupt
 from wheelrail.vehicle.dynamics.state import COUNT, split
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.track.frame import Frame
-from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -52,7 +52,7 @@ class Evaluation:
     yaw_reaction: float
 
 
-class Fictitious(NamedTuple):
+class InertialForces(NamedTuple):
     """Forces N and roll moments N m (..., 3, 3) on the three bodies; moments (...) N m about the wheelset's axle and
     about its vertical axis.
     """
@@ -64,19 +64,19 @@ class Fictitious(NamedTuple):
 
 @dataclass(frozen=True)
 class Dynamics:
-    """A wagon on a track on a contact model, at a constant speed m/s or as a `Drive` has it."""
+    """A wagon on a track on a contact model, at a constant speed m/s or as a `SpeedProfile` has it."""
 
     wagon: Wagon
     track: Track
     contact: VehicleContact
-    speed: float | Drive
+    speed: float | SpeedProfile
 
     def __post_init__(self) -> None:
         _ = self.drive  # which refuses what is no speed
 
     @cached_property
-    def drive(self) -> Drive:
-        return Drive.of(self.speed)
+    def drive(self) -> SpeedProfile:
+        return SpeedProfile.of(self.speed)
 
     @cached_property
     def plane(self) -> Wagon:
@@ -147,7 +147,7 @@ class Dynamics:
         return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
 
     def _solve(self, wheelset: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
-        look()
+        check_interrupt()
         try:
             result = self.contact(wheelset, side, guess)
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
@@ -190,7 +190,7 @@ class Dynamics:
         """Lateral and vertical part (3, 2) of the weights of the three bodies, N."""
         return np.asarray(self.plane.gravity * np.outer(self.constants[0], frame.down[1:]))
 
-    def fictitious(self, frame: Frame, state: Array) -> Fictitious:
+    def fictitious(self, frame: Frame, state: Array) -> InertialForces:
         """What the motion of the track's frame does to states (..., 20 + m), gyroscopic moments included."""
         position, rate, _, pitch_rate, _ = split(state)
         mass, ixx, iyy, izz, height = self.constants
@@ -210,4 +210,4 @@ class Dynamics:
         o_x = frame.rate[0] + turning
         about_axle = -iyy[2] * (dy * c + dz * s + turning * o_z)
         spun = o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
-        return Fictitious(on_bodies, about_axle, -(izz[2] * (dz * c - dy * s - turning * o_y) + spun))
+        return InertialForces(on_bodies, about_axle, -(izz[2] * (dz * c - dy * s - turning * o_y) + spun))

@@ -12,7 +12,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.track.frame import Frame
 
 # Fields of a WheelsetState that the state moves, their places in the state, in the order of a contact's tangent (which
@@ -49,7 +49,7 @@ class Jacobian:
     """
 
     dynamics: Dynamics
-    counts: Counts
+    counts: StepStatistics
     central: bool = False
     differences: Array | None = field(default=None, init=False)
     age: int = field(default=0, init=False)

@@ -12,7 +12,7 @@ from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Wrench
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.track.frame import Frame
 
 # Of nine positions and the relative excess of spin: what is small (for differences), and the most one step changes.
@@ -27,7 +27,7 @@ def size_of(vector: Array) -> float:
 
 
 @dataclass(frozen=True)
-class Balance:
+class StaticResidual:
     """Forces that are left, over the axle load; unknown (10,): positions, then spin over nominal spin, less one.
 
     Springs in series with dampers are not stretched at rest. Contacts are solved from nothing: where they depend a
@@ -62,7 +62,7 @@ class Balance:
 
     def jacobian(self, unknown: Array, contacts: Contacts, residual: Array) -> Array:
         """By the contact's tangent, or four differences of the contact."""
-        state, linear = self.state(unknown), Jacobian(self.dynamics, Counts())
+        state, linear = self.state(unknown), Jacobian(self.dynamics, StepStatistics())
         tangents = linear.known(self.dynamics.wheelset_state(self.frame, state), contacts)
         columns = []
         for i, small in enumerate(SMALL):

@@ -9,8 +9,8 @@ from typing import Generic
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.problem import E, RightHandSide, _finite
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.problem import E, RightHandSide, require_finite
+from wheelrail.vehicle.integration.step_control import StepStatistics
 
 
 @dataclass(frozen=True)
@@ -74,12 +74,12 @@ METHODS = {t.name: t for t in (ODE23, ODE45)}
 
 
 @dataclass(frozen=True)
-class Explicit(Generic[E]):
+class ExplicitRungeKutta(Generic[E]):
     """Stages one after the other; the last one is evaluated at the new state."""
 
     rhs: RightHandSide[E]
     tableau: Tableau
-    counts: Counts
+    counts: StepStatistics
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
         rates, new, now = [start.rate], x, start
@@ -89,7 +89,7 @@ class Explicit(Generic[E]):
             now = self.rhs(t + node * h, new, now)
             rates.append(now.rate)
         difference = h * np.dot(self.tableau.error, rates)
-        _finite(new, difference)
+        require_finite(new, difference)
         return new, difference, now
 
     def end(self, t: float, x: Array, last: E) -> E:

@@ -9,10 +9,10 @@ from typing import Generic
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.explicit import Explicit, Tableau
-from wheelrail.vehicle.integration.problem import Attempt, E, Linearise, RightHandSide, StepFailure
-from wheelrail.vehicle.integration.rosenbrock import LinearlyImplicit, Rosenbrock
-from wheelrail.vehicle.integration.step_control import Control, Counts
+from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
+from wheelrail.vehicle.integration.problem import E, Linearise, RightHandSide, StepFailure, StepMethod
+from wheelrail.vehicle.integration.rosenbrock import RosenbrockCoefficients, RosenbrockW
+from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
 
 class StepTooSmall(RuntimeError):
@@ -49,17 +49,17 @@ def integrate(
     x0: Array,
     t1: float,
     *,
-    tableau: Tableau | Rosenbrock,
+    tableau: Tableau | RosenbrockCoefficients,
     jacobian: Linearise[E] | None = None,
     rtol: float = 1e-3,
     atol: float | Array = 1e-6,
-    control: Control | None = None,
+    control: StepController | None = None,
     start: E | None = None,
     first_step: float | None = None,
     before: float = 1.0,
     max_step: float = np.inf,
     min_step: float = 1e-8,
-    counts: Counts | None = None,
+    counts: StepStatistics | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -71,11 +71,11 @@ def integrate(
     """
     if not (t1 > t0 and rtol >= 0.0 and np.all(np.asarray(atol) > 0.0) and 0.0 < min_step <= max_step):
         raise ValueError("integrate: t1 > t0, rtol >= 0, atol > 0 and 0 < min_step <= max_step are needed")
-    control, counts = control or Control(), counts if counts is not None else Counts()
-    attempt: Attempt[E] = (
-        Explicit(rhs, tableau, counts)
+    control, counts = control or StepController(), counts if counts is not None else StepStatistics()
+    attempt: StepMethod[E] = (
+        ExplicitRungeKutta(rhs, tableau, counts)
         if isinstance(tableau, Tableau)
-        else LinearlyImplicit(rhs, tableau, counts, jacobian)
+        else RosenbrockW(rhs, tableau, counts, jacobian)
     )
     t, x, k = t0, np.array(x0, dtype=float), tableau.error_order + 1
     if start is None:

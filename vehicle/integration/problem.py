@@ -38,7 +38,7 @@ RightHandSide = Callable[[float, Array, E | None], E]
 Linearise = Callable[[float, Array, E], HasDerivatives]
 
 
-class Attempt(Protocol[E]):
+class StepMethod(Protocol[E]):
     """A step of length h from x at t, where `start` was evaluated: new state, its difference to the companion, the last
     evaluation on the way. Raises StepFailure. end: the evaluation at the new state, once that is accepted.
     """
@@ -48,6 +48,6 @@ class Attempt(Protocol[E]):
     def end(self, t: float, x: Array, last: E) -> E: ...
 
 
-def _finite(*arrays: Sequence[float] | Array) -> None:
+def require_finite(*arrays: Sequence[float] | Array) -> None:
     if not all(np.isfinite(a).all() for a in arrays):
         raise StepFailure("the rates are not finite")

@@ -10,14 +10,14 @@ from typing import Any, Generic
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.problem import E, HasDerivatives, Linearise, RightHandSide, _finite
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.problem import E, HasDerivatives, Linearise, RightHandSide, require_finite
+from wheelrail.vehicle.integration.step_control import StepStatistics
 
 Rows = tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True)
-class Rosenbrock:
+class RosenbrockCoefficients:
     """Stages k_i = f(t + a_i h, x + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j + h g_i f_t, with any matrix A near the
     Jacobian; solution x + h b.k, companion of error_order with other weights.
 
@@ -91,7 +91,7 @@ def _square(rows: Rows) -> Array:
 
 # J. Rang, L. Angermann, BIT Numerical Mathematics 45 (2005) 761-787, DOI 10.1007/s10543-005-0035-y: order 3 with any
 # matrix in place of the Jacobian, stiffly accurate.
-ROS34PW2 = Rosenbrock(
+ROS34PW2 = RosenbrockCoefficients(
     name="rosenbrock",
     order=3,
     error_order=2,
@@ -108,7 +108,7 @@ ROS34PW2 = Rosenbrock(
 
 
 @dataclass
-class LinearlyImplicit(Generic[E]):
+class RosenbrockW(Generic[E]):
     """s solves with one factorised matrix 1/(h g) - A, in the unknowns u = h gamma k of Hairer and Wanner, Solving ODEs
     II, section IV.7. The Jacobian is kept while a step is tried again, the factors while its length stays, too.
 
@@ -116,8 +116,8 @@ class LinearlyImplicit(Generic[E]):
     """
 
     rhs: RightHandSide[E]
-    tableau: Rosenbrock
-    counts: Counts
+    tableau: RosenbrockCoefficients
+    counts: StepStatistics
     jacobian: Linearise[E] | None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
 
@@ -136,7 +136,7 @@ class LinearlyImplicit(Generic[E]):
             coupling = (method.inverse[i, :i] / h) @ unknowns[:i]
             unknowns[i] = solve(now.rate - coupling + h * method.sums[i] * linear.by_time)
         rise, difference = method.ends @ unknowns
-        _finite(rise, difference)
+        require_finite(rise, difference)
         return x + rise, difference, now
 
     def end(self, t: float, x: Array, last: E) -> E:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass
-class Counts:
+class StepStatistics:
     """Steps accepted, rejected for their error, failed by the right-hand side, and evaluations asked for.
 
     Of implicit steps also: Jacobians, evaluations for their differences when the contact has no tangent (not among the
@@ -23,7 +23,7 @@ class Counts:
 
 
 @dataclass(frozen=True)
-class Control:
+class StepController:
     """How the step length follows the error: h safety error^-(proportional/k) before^(integral/k), k = error order + 1.
 
     proportional 1 and integral 0 is the standard control; the default damps the swing at the limit of stability

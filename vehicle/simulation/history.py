@@ -10,10 +10,10 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.state import COUNT
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair, Recorder
-from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
 
 @dataclass
@@ -22,7 +22,7 @@ class RunCost:
     start.
     """
 
-    steps: Counts = field(default_factory=Counts)
+    steps: StepStatistics = field(default_factory=StepStatistics)
     contact: dict[Side, ContactCost] = field(default_factory=dict)
     seconds: float = 0.0
 
@@ -41,7 +41,7 @@ class History:
     """
 
     status: str
-    speed: float | Drive
+    speed: float | SpeedProfile
     radius: float
     time: Array
     state: Array
@@ -88,7 +88,7 @@ class History:
 
     @cached_property
     def _travel(self) -> Array:
-        drive = Drive.of(self.speed)
+        drive = SpeedProfile.of(self.speed)
         return np.array([drive(time) for time in self.time.tolist()]).reshape(-1, 3)
 
     @property

@@ -15,10 +15,10 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.results.result import ContactResult, Patch, Summaries
+from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.support.interrupts import ignore, later
+from wheelrail.support.interrupts import deferred_interrupts, ignore
 
 HERE: Side = "left"
 THERE: Side = "right"
@@ -83,7 +83,7 @@ class Parallel(VehicleContact):
     def _result(self, answer: ContactResult) -> ContactResult:
         key = Key(self.asked, self.forgotten.append)
         values = {f.name: getattr(answer, f.name) for f in fields(ContactResult)}
-        values["patches"] = Summaries(lambda: tuple(self._patches(key)))
+        values["patches"] = LazyPatches(lambda: tuple(self._patches(key)))
         return Remote(**values, key=key)
 
     def _patches(self, key: Key) -> Sequence[Patch]:
@@ -135,7 +135,7 @@ def in_parallel(contact: VehicleContact) -> Iterator[Parallel]:
     context = get_context("fork")
     here, there = context.Pipe()
     process = context.Process(target=_serve, args=(contact, here, there), name="right-hand contact", daemon=True)
-    with later():  # two processes come out of it
+    with deferred_interrupts():  # two processes come out of it
         process.start()
         there.close()
     try:

@@ -11,7 +11,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.support.interrupts import later
+from wheelrail.support.interrupts import deferred_interrupts
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, graded
@@ -19,21 +19,21 @@ from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import Tableau
 from wheelrail.vehicle.integration.integrate import StepTooSmall, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, Rosenbrock
-from wheelrail.vehicle.integration.step_control import Control
+from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, RosenbrockCoefficients
+from wheelrail.vehicle.integration.step_control import StepController
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
 from wheelrail.vehicle.simulation.history import History, RunCost
 from wheelrail.vehicle.simulation.limits import LIMITS, Limits, OutOfBounds, whereabouts
 from wheelrail.vehicle.simulation.recorder import Recorder
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
-from wheelrail.vehicle.track.speed_profile import Drive
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 Progress = Callable[[float, Mapping[str, float]], None]
 
-METHODS: dict[str, Tableau | Rosenbrock] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
+METHODS: dict[str, Tableau | RosenbrockCoefficients] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
 
 
 def simulate(
@@ -41,7 +41,7 @@ def simulate(
     track: Track,
     contact: VehicleContact,
     *,
-    speed: float | Drive,
+    speed: float | SpeedProfile,
     span: tuple[float, float] = (0.0, 10.0),
     method: str = "ode23",
     rtol: float = 1e-3,
@@ -50,7 +50,7 @@ def simulate(
     every: float | None = None,
     max_step: float = np.inf,
     min_step: float = 1e-8,
-    control: Control | None = None,
+    control: StepController | None = None,
     limits: Limits = LIMITS,
     progress: Progress | None = None,
     checkpoints: Checkpoints | None = None,
@@ -84,7 +84,7 @@ def simulate(
         return Checkpoint(time, state, step, error, deepcopy(cost), recorder.rows)
 
     try:
-        with later():
+        with deferred_interrupts():
             if at is None:
                 state = equilibrium(dynamics, time=t0).state if initial is None else np.array(initial, dtype=float)
                 at = here(t0, state, None, 1.0)
@@ -148,7 +148,7 @@ def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float
     Explicit steps take the same number for the rates, as they are bound by stability anyway; for implicit ones see
     `wheelrail.vehicle.dynamics.state.graded`.
     """
-    if isinstance(atol, float | int) and isinstance(METHODS[method], Rosenbrock):
+    if isinstance(atol, float | int) and isinstance(METHODS[method], RosenbrockCoefficients):
         return graded(atol, size)
     return atol
 

@@ -10,8 +10,8 @@ from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import graded
 from wheelrail.vehicle.integration.integrate import integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
-from wheelrail.vehicle.integration.step_control import Counts
-from wheelrail.vehicle.track.piecewise import Course
+from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 
 RAMP, REST = 3.0, 6.0  # s, until the curve is reached and until the slowest sway has faded by a hundred
@@ -32,7 +32,9 @@ def run_in(dynamics: Dynamics, time: float, start: Array) -> Array:
     """
     line, (s, speed, _) = dynamics.track, dynamics.drive(time)
     ends = (0.0, RAMP * speed)
-    curvature, lift, gradient = (Course(ends, (0.0, of(s)[0])) for of in (line.curvature, line.lift, line.gradient))
+    curvature, lift, gradient = (
+        PiecewiseFunction(ends, (0.0, of(s)[0])) for of in (line.curvature, line.lift, line.gradient)
+    )
     way = replace(dynamics, track=Track(curvature, lift, gradient, line.base), speed=speed)
     state = start
     for step in integrate(
@@ -41,7 +43,7 @@ def run_in(dynamics: Dynamics, time: float, start: Array) -> Array:
         start,
         RAMP + REST,
         tableau=ROS34PW2,
-        jacobian=Jacobian(way, Counts()),
+        jacobian=Jacobian(way, StepStatistics()),
         rtol=TOLERANCE,
         atol=graded(1e-3 * TOLERANCE, way.size),
     ):

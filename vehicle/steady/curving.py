@@ -15,7 +15,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, equilibrium
-from wheelrail.vehicle.track.constant_curve import Curve
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wagon.suspension import SuspensionForces
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -23,19 +23,19 @@ OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
 
 @dataclass(frozen=True)
-class Steady:
+class SteadyCurving:
     """What a curve does to the wagon, in the track's axes; signs to the left are positive, wheels by side.
 
     Forces N on the wheels; positions y, z m (z from the nominal height) and roll rad of the bodies.
     """
 
-    curve: Curve
+    curve: ConstantCurve
     equilibrium: Equilibrium
     suspension: SuspensionForces = field(repr=False)
     yaw_reaction: float
 
     @classmethod
-    def of(cls, dynamics: Dynamics, curve: Curve, found: Equilibrium) -> Steady:
+    def of(cls, dynamics: Dynamics, curve: ConstantCurve, found: Equilibrium) -> SteadyCurving:
         at = dynamics.track.frame(0.0, curve.speed)
         _, yaw_reaction = dynamics.accelerations(at, found.state, Wrench.of(found.contacts))
         position = found.state[:9].reshape(3, 3)
@@ -96,22 +96,24 @@ class Steady:
         return {side: tuple(self.equilibrium.contacts[side].patches) for side in SIDES}
 
 
-def curving(wagon: Wagon, contact: VehicleContact, curve: Curve, *, before: Steady | None = None) -> Steady:
+def curving(
+    wagon: Wagon, contact: VehicleContact, curve: ConstantCurve, *, before: SteadyCurving | None = None
+) -> SteadyCurving:
     """Steady position in a curve; one found before, in a curve much like this, saves contact solves.
 
     Raises EquilibriumError.
     """
     dynamics = Dynamics(wagon, curve.track, contact, curve.speed)
     guess = None if before is None else _carried_over(before, curve)
-    return Steady.of(dynamics, curve, equilibrium(dynamics, guess=guess))
+    return SteadyCurving.of(dynamics, curve, equilibrium(dynamics, guess=guess))
 
 
-def curving_over(wagon: Wagon, contact: VehicleContact, curves: Iterable[Curve]) -> list[Steady]:
+def curving_over(wagon: Wagon, contact: VehicleContact, curves: Iterable[ConstantCurve]) -> list[SteadyCurving]:
     """Steady positions in curves, each from the one before: over speeds, radii or cants in order.
 
     Raises EquilibriumError naming the curve.
     """
-    found: list[Steady] = []
+    found: list[SteadyCurving] = []
     for curve in curves:
         try:
             found.append(curving(wagon, contact, curve, before=found[-1] if found else None))
@@ -120,7 +122,7 @@ def curving_over(wagon: Wagon, contact: VehicleContact, curves: Iterable[Curve])
     return found
 
 
-def _carried_over(before: Steady, curve: Curve) -> Array:
+def _carried_over(before: SteadyCurving, curve: ConstantCurve) -> Array:
     """The earlier state with its rates, the creepage of rolling among them, at the new speed."""
     state: Array = before.equilibrium.state.copy()
     state[COUNT : 2 * COUNT] *= curve.speed / before.curve.speed

@@ -10,7 +10,7 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics
-from wheelrail.vehicle.dynamics.static_residual import LARGE, Balance, size_of
+from wheelrail.vehicle.dynamics.static_residual import LARGE, StaticResidual, size_of
 from wheelrail.vehicle.integration.integrate import StepTooSmall
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.steady.continuation import bends, run_in
@@ -51,7 +51,7 @@ def equilibrium(
     of the residual; an acceptable one is taken when a contact that is not exact allows no better. Raises
     EquilibriumError.
     """
-    balance = Balance(dynamics, dynamics.frame(time).steady())
+    balance = StaticResidual(dynamics, dynamics.frame(time).steady())
     starts: list[Callable[[], Array]] = [balance.settled]
     if guess is not None:
         starts.insert(0, partial(balance.unknown, guess))
@@ -67,7 +67,9 @@ def equilibrium(
     raise AssertionError("one start at least")
 
 
-def _newton(balance: Balance, unknown: Array, tolerance: float, acceptable: float, max_iterations: int) -> Equilibrium:
+def _newton(
+    balance: StaticResidual, unknown: Array, tolerance: float, acceptable: float, max_iterations: int
+) -> Equilibrium:
     """Raises EquilibriumError, and StepFailure where it is stuck."""
     contacts = balance.contacts(unknown)
     residual = balance.residual(unknown, contacts)
@@ -87,7 +89,7 @@ def _newton(balance: Balance, unknown: Array, tolerance: float, acceptable: floa
 
 
 def _step(
-    balance: Balance, unknown: Array, contacts: Contacts, residual: Array, damping: float
+    balance: StaticResidual, unknown: Array, contacts: Contacts, residual: Array, damping: float
 ) -> tuple[Array, Contacts, Array, float]:
     """The next unknown, contacts, residual and damping.
 

@@ -16,7 +16,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, PITCH
-from wheelrail.vehicle.integration.step_control import Counts
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -88,7 +88,7 @@ class _Carried(VehicleContact):
 
 def _matrix(dynamics: Dynamics, time: float, at: Equilibrium) -> Array:
     evaluation = Evaluation(np.zeros_like(at.state), at.contacts, 0.0)
-    return Jacobian(dynamics, Counts(), central=True)(time, at.state, evaluation).by_state
+    return Jacobian(dynamics, StepStatistics(), central=True)(time, at.state, evaluation).by_state
 
 
 def _of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list[Mode]:

@@ -8,12 +8,12 @@ from itertools import accumulate, pairwise
 from math import copysign, inf
 from typing import Literal, NamedTuple, get_args
 
-from wheelrail.vehicle.track.piecewise import Course, Shape
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction, Shape
 
 Kind = Literal["tangent", "transition", "arc"]
 
 
-class LayoutError(ValueError):
+class AlignmentError(ValueError):
     """Segments that make no track: index of the one at fault, from 0, and the key of its value."""
 
     def __init__(self, index: int, key: str, says: str) -> None:
@@ -42,7 +42,7 @@ class Segment:
     vertical_radius: float | None = None
 
 
-class Bend(NamedTuple):
+class VerticalCurve(NamedTuple):
     """Curvature 1/m, positive to the left, and lift m of the right rail over the left."""
 
     curvature: float
@@ -52,27 +52,27 @@ class Bend(NamedTuple):
         return f"{self.curvature:g} 1/m with {self.lift * copysign(1.0, self.curvature):g} m of cant"
 
 
-STRAIGHT = Bend(0.0, 0.0)
+STRAIGHT = VerticalCurve(0.0, 0.0)
 
 
-class Courses(NamedTuple):
-    curvature: Course
-    lift: Course
-    gradient: Course
+class TrackFunctions(NamedTuple):
+    curvature: PiecewiseFunction
+    lift: PiecewiseFunction
+    gradient: PiecewiseFunction
 
 
-def courses(segments: Sequence[Segment], *, corner: float = 3.0) -> Courses:
+def courses(segments: Sequence[Segment], *, corner: float = 3.0) -> TrackFunctions:
     """Curvature, lift and gradient along the segments, constant before the first and behind the last.
 
-    corner m: as in `Course`. Raises LayoutError where segments make no sense or do not meet.
+    corner m: as in `PiecewiseFunction`. Raises LayoutError where segments make no sense or do not meet.
     """
     if not segments:
-        raise LayoutError(0, "kind", "missing: a layout has one segment at least")
+        raise AlignmentError(0, "kind", "missing: a layout has one segment at least")
     for index, segment in enumerate(segments):
         _check(index, segment, corner)
     joints = list(accumulate((segment.length for segment in segments), initial=0.0))
     ends = _ends(segments)
-    at, bends, shapes = list[float](), list[Bend](), list[Shape]()
+    at, bends, shapes = list[float](), list[VerticalCurve](), list[Shape]()
     for index, segment in enumerate(segments):
         if segment.kind != "transition":
             continue
@@ -84,36 +84,38 @@ def courses(segments: Sequence[Segment], *, corner: float = 3.0) -> Courses:
         bends.append(ends[index])
         shapes.append(segment.shape)
 
-    def course(part: Literal["curvature", "lift"]) -> Course:
+    def course(part: Literal["curvature", "lift"]) -> PiecewiseFunction:
         if not at:
-            return Course.constant(getattr(ends[0], part))
-        return Course(tuple(at), tuple(getattr(bend, part) for bend in bends), shape=tuple(shapes), corner=corner)
+            return PiecewiseFunction.constant(getattr(ends[0], part))
+        return PiecewiseFunction(
+            tuple(at), tuple(getattr(bend, part) for bend in bends), shape=tuple(shapes), corner=corner
+        )
 
-    return Courses(course("curvature"), course("lift"), _gradient(segments, joints, corner))
+    return TrackFunctions(course("curvature"), course("lift"), _gradient(segments, joints, corner))
 
 
 def _check(index: int, segment: Segment, corner: float) -> None:
     """Raises LayoutError for what is wrong with a segment by itself."""
     for key, choices in (("kind", get_args(Kind)), ("shape", get_args(Shape))):
         if getattr(segment, key) not in choices:
-            raise LayoutError(index, key, f"must be one of {', '.join(choices)}")
+            raise AlignmentError(index, key, f"must be one of {', '.join(choices)}")
     for key in ("length", "vertical_radius"):
         value = getattr(segment, key)
         if value is not None and not 0.0 < value < inf:
-            raise LayoutError(index, key, "must be greater than 0 m")
+            raise AlignmentError(index, key, "must be greater than 0 m")
     if segment.kind == "arc" and segment.curvature is None:
-        raise LayoutError(index, "curvature", "must be given for an arc")
+        raise AlignmentError(index, "curvature", "must be given for an arc")
     for key in ("curvature", "cant"):
         if segment.kind == "tangent" and getattr(segment, key):
-            raise LayoutError(index, key, "must be 0 or left out for a tangent")
+            raise AlignmentError(index, key, "must be 0 or left out for a tangent")
     if segment.kind == "transition" and segment.shape == "clothoid" and not 0.0 < corner <= 0.5 * segment.length:
-        raise LayoutError(index, "length", f"must have room for two rounded corners of {corner:g} m (more than 0 m)")
+        raise AlignmentError(index, "length", f"must have room for two rounded corners of {corner:g} m (more than 0 m)")
 
 
-def _ends(segments: Sequence[Segment]) -> list[Bend]:
+def _ends(segments: Sequence[Segment]) -> list[VerticalCurve]:
     """What each segment ends with. Raises LayoutError where two do not meet."""
     own = [_own(segment) for segment in segments]
-    ends: list[Bend] = []
+    ends: list[VerticalCurve] = []
     for index, segment in enumerate(segments):
         last = index + 1 == len(segments)
         meets = segments[index + 1].kind != "transition" if not last else False
@@ -121,28 +123,28 @@ def _ends(segments: Sequence[Segment]) -> list[Bend]:
         if segment.kind != "transition":
             if ends and ends[-1] != end:
                 text = f"must go on from {ends[-1]}, not jump to {end}: put a transition in between"
-                raise LayoutError(index, _apart(ends[-1], end), text)
+                raise AlignmentError(index, _apart(ends[-1], end), text)
         elif segment.curvature is None and segment.cant is None:
             if not (last or meets):
-                raise LayoutError(index, "curvature", "must be given for a transition into another one")
+                raise AlignmentError(index, "curvature", "must be given for a transition into another one")
             end = own[index + 1] if meets else STRAIGHT
         elif meets and end != own[index + 1]:
             text = f"must end with the {own[index + 1]} of the next segment, not with {end}"
-            raise LayoutError(index, _apart(end, own[index + 1]), text)
+            raise AlignmentError(index, _apart(end, own[index + 1]), text)
         ends.append(end)
     return ends
 
 
-def _own(segment: Segment) -> Bend:
+def _own(segment: Segment) -> VerticalCurve:
     curvature = segment.curvature or 0.0
-    return Bend(curvature, (segment.cant or 0.0) * copysign(1.0, curvature))
+    return VerticalCurve(curvature, (segment.cant or 0.0) * copysign(1.0, curvature))
 
 
-def _apart(one: Bend, other: Bend) -> str:
+def _apart(one: VerticalCurve, other: VerticalCurve) -> str:
     return "cant" if one.curvature == other.curvature else "curvature"
 
 
-def _gradient(segments: Sequence[Segment], joints: list[float], corner: float) -> Course:
+def _gradient(segments: Sequence[Segment], joints: list[float], corner: float) -> PiecewiseFunction:
     """Raises LayoutError for a change without a radius, or a vertical curve without room."""
     slopes = [0.0]
     for segment in segments:
@@ -154,14 +156,14 @@ def _gradient(segments: Sequence[Segment], joints: list[float], corner: float) -
             continue
         radius = segments[index].vertical_radius
         if radius is None:
-            raise LayoutError(index, "vertical_radius", "must be given where the slope changes")
+            raise AlignmentError(index, "vertical_radius", "must be given where the slope changes")
         half = 0.5 * radius * abs(after - before)
         start, end, free = joints[index] - half, joints[index] + half, at[-1] if at else 0.0
         if start < free or end > joints[-1]:
             text = (
                 f"gives a vertical curve from {start:g} to {end:g} m; there is room from {free:g} to {joints[-1]:g} m"
             )
-            raise LayoutError(index, "vertical_radius", text)
+            raise AlignmentError(index, "vertical_radius", text)
         if start > free or not at:
             at.append(start)
             values.append(before)
@@ -169,5 +171,5 @@ def _gradient(segments: Sequence[Segment], joints: list[float], corner: float) -
         values.append(after)
         shortest = min(shortest, half)
     if not at:
-        return Course.constant(slopes[0])
-    return Course(tuple(at), tuple(values), shape="clothoid", corner=min(corner, 0.5 * shortest))
+        return PiecewiseFunction.constant(slopes[0])
+    return PiecewiseFunction(tuple(at), tuple(values), shape="clothoid", corner=min(corner, 0.5 * shortest))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from math import asin, copysign, cos, isfinite, sin, sqrt, tan
 
-from wheelrail.vehicle.track.piecewise import Course
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 
 
 @dataclass(frozen=True)
-class Curve:
+class ConstantCurve:
     """A level curve without end at a speed m/s; curvature 1/m, positive to the left; cant m, positive raises the outer
     rail (the right one without curvature) over a base m. Raises ValueError for what cannot be.
     """
@@ -32,7 +32,7 @@ class Curve:
     @property
     def track(self) -> Track:
         lift = self.cant * copysign(1.0, self.curvature)
-        return Track(Course.constant(self.curvature), Course.constant(lift), base=self.base)
+        return Track(PiecewiseFunction.constant(self.curvature), PiecewiseFunction.constant(lift), base=self.base)
 
     @property
     def angle(self) -> float:

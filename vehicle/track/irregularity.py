@@ -10,7 +10,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.wheelset_state import RailShift
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.track.piecewise import Course
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 
 QUANTITIES = ("alignment", "level", "cross_level", "gauge")
 # Lateral and vertical shift of the left and of the right rail by the four quantities.
@@ -48,7 +48,7 @@ class Irregularities:
         if not (fade > 0.0 and end - start >= 2.0 * fade):
             raise ValueError(f"irregularities from {start:g} to {end:g} m are shorter than two fades of {fade:g} m")
         at = np.concatenate([[start], stations[stations > start]])
-        share = Course((0.0, fade), (0.0, 1.0))
+        share = PiecewiseFunction((0.0, fade), (0.0, 1.0))
         weight = np.array([share(s - start)[0] * share(end - s)[0] for s in at.tolist()])
         inside = np.vstack([np.zeros(len(QUANTITIES)), values[stations > start]])
         return cls(at, inside * weight[:, None])

@@ -25,7 +25,7 @@ PER_WAVE = 20  # samples along the shortest wave, 1e-4 of which a cubic spline t
 
 
 @dataclass(frozen=True)
-class Spectrum:
+class IrregularitySpectrum:
     """One-sided spectral densities m2/(rad/m) over the angular wave number Omega rad/m: the variance of a quantity is
     their integral over the positive Omega alone.
 
@@ -77,7 +77,7 @@ class Spectrum:
         return Irregularities.faded(stations, values, fade=fade)
 
 
-ERRI: dict[Class, Spectrum] = {
-    "low": Spectrum(alignment=2.119e-7, level=4.032e-7, gauge=5.32e-8),
-    "high": Spectrum(alignment=6.125e-7, level=1.080e-6, gauge=1.032e-7),
+ERRI: dict[Class, IrregularitySpectrum] = {
+    "low": IrregularitySpectrum(alignment=2.119e-7, level=4.032e-7, gauge=5.32e-8),
+    "high": IrregularitySpectrum(alignment=6.125e-7, level=1.080e-6, gauge=1.032e-7),
 }

@@ -48,7 +48,7 @@ def below(u: float, shape: Shape, corner: float) -> float:
 
 
 @dataclass(frozen=True)
-class Course:
+class PiecewiseFunction:
     """A function of distance s through (stations, values), constant outside, with its first two derivatives.
 
     stations m, rising strictly; shape of all ramps, or of each. "quintic" has no jump up to the second derivative;
@@ -80,7 +80,7 @@ class Course:
             raise ValueError(f"corner {self.corner} m: positive and at most half of each ramp {ramps}")
 
     @classmethod
-    def constant(cls, value: float) -> Course:
+    def constant(cls, value: float) -> PiecewiseFunction:
         return cls((0.0,), (value,))
 
     def shape_of(self, ramp: int) -> Shape:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from wheelrail.vehicle.track.piecewise import Course
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 
 
-class Travel(NamedTuple):
+class TrackPosition(NamedTuple):
     """distance m along the track, speed m/s, acceleration m/s2."""
 
     distance: float
@@ -17,7 +17,7 @@ class Travel(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Drive:
+class SpeedProfile:
     """Speed m/s as a course over time s; the distance is its exact integral, zero at time zero.
 
     The motion along the track is prescribed, at constant speed as at a changing one: whatever force that takes acts on
@@ -25,7 +25,7 @@ class Drive:
     with J dV/dt / r^2 in all, when the speed changes. Raises ValueError for speeds that are not positive and finite.
     """
 
-    speeds: Course
+    speeds: PiecewiseFunction
 
     def __post_init__(self) -> None:
         for speed in self.speeds.values:
@@ -33,21 +33,21 @@ class Drive:
                 raise ValueError(f"speed {speed} m/s: positive and finite (creepage is slip over speed)")
 
     @classmethod
-    def of(cls, speed: float | Drive) -> Drive:
-        return speed if isinstance(speed, Drive) else cls(Course.constant(speed))
+    def of(cls, speed: float | SpeedProfile) -> SpeedProfile:
+        return speed if isinstance(speed, SpeedProfile) else cls(PiecewiseFunction.constant(speed))
 
     @classmethod
-    def through(cls, times: tuple[float, ...], speeds: tuple[float, ...]) -> Drive:
+    def through(cls, times: tuple[float, ...], speeds: tuple[float, ...]) -> SpeedProfile:
         """Constant before and after, quintic in between: at each of the times s the acceleration is zero."""
-        return cls(Course(times, speeds))
+        return cls(PiecewiseFunction(times, speeds))
 
     @property
     def constant(self) -> bool:
         return len(set(self.speeds.values)) == 1
 
-    def __call__(self, time: float) -> Travel:
+    def __call__(self, time: float) -> TrackPosition:
         speed, acceleration, _ = self.speeds(time)
-        return Travel(self.speeds.integral(time), speed, acceleration)
+        return TrackPosition(self.speeds.integral(time), speed, acceleration)
 
     def time_at(self, distance: float) -> float:
         """When the vehicle gets to a distance m, s."""

@@ -13,7 +13,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.track.alignment import Segment, courses
 from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.irregularity import Irregularities
-from wheelrail.vehicle.track.piecewise import Course, Shape
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction, Shape
 
 
 def centre_line(track: Track, length: float, *, spacing: float = 1.0) -> tuple[Array, Array]:
@@ -33,8 +33,8 @@ def centre_line(track: Track, length: float, *, spacing: float = 1.0) -> tuple[A
     return stations, np.concatenate([np.zeros((1, 3)), np.cumsum(steps.sum(axis=1), axis=0)])
 
 
-def _zero() -> Course:
-    return Course.constant(0.0)
+def _zero() -> PiecewiseFunction:
+    return PiecewiseFunction.constant(0.0)
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,9 @@ class Track:
     fit the base.
     """
 
-    curvature: Course = field(default_factory=_zero)
-    lift: Course = field(default_factory=_zero)
-    gradient: Course = field(default_factory=_zero)
+    curvature: PiecewiseFunction = field(default_factory=_zero)
+    lift: PiecewiseFunction = field(default_factory=_zero)
+    gradient: PiecewiseFunction = field(default_factory=_zero)
     base: float = 1.5
     irregularities: Irregularities | None = None
 

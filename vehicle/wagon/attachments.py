@@ -26,7 +26,7 @@ class Strain(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Joints:
+class Attachments:
     """Points of n elements in the two bodies that they join, which coincide in the nominal position; rolls are finite.
 
     Forces act along axes that turn with the lower body (turn = 0), the upper (1) or in between, at a point that divides

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from math import inf, isfinite
 
-from wheelrail.vehicle.wagon.force_law import Characteristic, Law
+from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 
-class Refused(ValueError):
+class InvalidParameter(ValueError):
     """A value that is not allowed: which, and what is."""
 
     def __init__(self, thing: object, key: str, allowed: str) -> None:
@@ -27,11 +27,13 @@ def check(thing: object, *, positive: tuple[str, ...] = (), infinite: tuple[str,
         finite = isfinite(value) or (value == inf and item.name in infinite)
         if not finite or value < 0.0 or (value == 0.0 and item.name in positive):
             sign = "positive" if item.name in positive else "zero or positive"
-            raise Refused(thing, item.name, f"must be {sign}{' or inf' if item.name in infinite else ' and finite'}")
+            raise InvalidParameter(
+                thing, item.name, f"must be {sign}{' or inf' if item.name in infinite else ' and finite'}"
+            )
 
 
 @dataclass(frozen=True)
-class Body:
+class RigidBody:
     """A rigid body: mass kg, principal moments of inertia kg m2, height of its centre above top of rail m."""
 
     mass: float
@@ -43,7 +45,7 @@ class Body:
     def __post_init__(self) -> None:
         check(self, positive=tuple(f.name for f in fields(self)))
 
-    def scaled(self, factor: float) -> Body:
+    def scaled(self, factor: float) -> RigidBody:
         return replace(
             self,
             mass=factor * self.mass,
@@ -85,11 +87,13 @@ class Suspension:
         series = {"lateral_series_stiffness": self.lateral_damping, "vertical_series_stiffness": self.vertical_damping}
         check(self, positive=("lateral_stiffness", "vertical_stiffness", "spring_y", *series), infinite=tuple(series))
         if self.turn > 1.0:
-            raise Refused(self, "turn", "must be a share between 0 and 1")
+            raise InvalidParameter(self, "turn", "must be a share between 0 and 1")
         for key, damping in series.items():
-            rises = damping.rises if isinstance(damping, Characteristic) else damping > 0.0
+            rises = damping.rises if isinstance(damping, ForceLaw) else damping > 0.0
             if getattr(self, key) < inf and not rises:
-                raise Refused(self, key, "must be inf, unless the damper's force rises with the velocity everywhere")
+                raise InvalidParameter(
+                    self, key, "must be inf, unless the damper's force rises with the velocity everywhere"
+                )
 
     def scaled(self, factor: float) -> Suspension:
         return replace(

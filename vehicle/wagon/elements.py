@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.wagon.force_law import Characteristic, Law
+from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 
 @dataclass(frozen=True)
-class Place:
+class ElementPair:
     """A direction (0 lateral, 1 vertical) of the elements of both sides, left one first, or of one in the middle.
 
     Laws count lateral deflections outwards: positive to the left on the left side, to the right on the right side.
@@ -42,21 +42,21 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Element:
+class ForceElement:
     """What acts at a place: a spring and a damper side by side, the damper in series with a stiffness N/m."""
 
-    place: Place
+    place: ElementPair
     spring: Law = 0.0
     damper: Law = 0.0
     series: float = inf
 
     def slide(self, force: Array) -> Array:
         """Velocity of the damper m/s under a force N; raises ValueError for a law that does not rise everywhere."""
-        return self.damper.inverse(force) if isinstance(self.damper, Characteristic) else force / self.damper
+        return self.damper.inverse(force) if isinstance(self.damper, ForceLaw) else force / self.damper
 
 
 @dataclass(frozen=True)
-class Elements:
+class ForceElements:
     """Force laws of n elements, deflections and velocities (..., n, 2) lateral and vertical, m and m/s.
 
     stiffness, damping (n, 2) of all that is linear; springs and dampers by points; series: dampers on a spring, whose
@@ -65,12 +65,12 @@ class Elements:
 
     stiffness: Array
     damping: Array
-    springs: tuple[tuple[Place, Characteristic], ...]
-    dampers: tuple[tuple[Place, Characteristic], ...]
-    series: tuple[Element, ...]
+    springs: tuple[tuple[ElementPair, ForceLaw], ...]
+    dampers: tuple[tuple[ElementPair, ForceLaw], ...]
+    series: tuple[ForceElement, ...]
 
     @classmethod
-    def of(cls, elements: Iterable[Element], n: int) -> Elements:
+    def of(cls, elements: Iterable[ForceElement], n: int) -> ForceElements:
         elements = list(elements)
         rigid, series = (tuple(e for e in elements if (e.series == inf) == is_rigid) for is_rigid in (True, False))
         stiffness, springs = _sorted([(e.place, e.spring) for e in elements], n)
@@ -119,16 +119,16 @@ class Elements:
             power += np.sum(force * element.slide(force), axis=-1)
         return np.asarray(power)
 
-    def _in_series(self, series: Array) -> Iterable[tuple[Element, Array]]:
+    def _in_series(self, series: Array) -> Iterable[tuple[ForceElement, Array]]:
         """Each with the deflections (..., 2) of its springs on the left and on the right."""
         return ((element, series[..., i :: len(self.series)]) for i, element in enumerate(self.series))
 
 
-def _sorted(laws: list[tuple[Place, Law]], n: int) -> tuple[Array, tuple[tuple[Place, Characteristic], ...]]:
+def _sorted(laws: list[tuple[ElementPair, Law]], n: int) -> tuple[Array, tuple[tuple[ElementPair, ForceLaw], ...]]:
     """The linear ones as a matrix (n, 2), the others by their places."""
     matrix, tables = np.zeros((n, 2)), []
     for place, law in laws:
-        if isinstance(law, Characteristic):
+        if isinstance(law, ForceLaw):
             tables.append((place, law))
         else:
             matrix[place.index] += law

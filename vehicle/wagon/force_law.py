@@ -12,7 +12,7 @@ from wheelrail.support.arrays import Array
 
 
 @dataclass(frozen=True)
-class Characteristic:
+class ForceLaw:
     """Force over deflection (a spring) or velocity (a damper), linear between points; the last slopes go on.
 
     points: pairs of deflection m (velocity m/s), which rises strictly, and force N, which never falls; (0, 0) is one of
@@ -71,9 +71,9 @@ class Characteristic:
         return np.asarray(self.energies[i] + (self.forces[i] + 0.5 * self.slopes[i] * beyond) * beyond)
 
     @cached_property
-    def inverse(self) -> Characteristic:
+    def inverse(self) -> ForceLaw:
         """Deflection or velocity over force; raises ValueError for a law that does not rise everywhere."""
-        return Characteristic(tuple((f, x) for x, f in self.points))
+        return ForceLaw(tuple((f, x) for x, f in self.points))
 
     def _located(self, value: float | Array) -> tuple[NDArray[np.int64], Array]:
         """The piece, and how far beyond its beginning; of an odd law for the size of the value."""
@@ -81,8 +81,8 @@ class Characteristic:
         i = np.searchsorted(self.places[1:-1], size, side="right")
         return np.asarray(i), np.asarray(size - self.places[i])
 
-    def __rmul__(self, factor: float) -> Characteristic:
-        return Characteristic(tuple((x, factor * f) for x, f in self.points))
+    def __rmul__(self, factor: float) -> ForceLaw:
+        return ForceLaw(tuple((x, factor * f) for x, f in self.points))
 
 
-Law = float | Characteristic  # a number is the slope of a linear law: stiffness N/m or damping N s/m
+Law = float | ForceLaw  # a number is the slope of a linear law: stiffness N/m or damping N s/m

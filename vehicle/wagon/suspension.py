@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.wagon.attachments import Joints
+from wheelrail.vehicle.wagon.attachments import Attachments
 from wheelrail.vehicle.wagon.components import Suspension
-from wheelrail.vehicle.wagon.elements import Element, Elements, Place
+from wheelrail.vehicle.wagon.elements import ElementPair, ForceElement, ForceElements
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 CAR_BODY, BOGIE, WHEELSET = 0, 1, 2
@@ -48,14 +48,14 @@ def _rows(stage: Suspension, side: float, upper: int, lower: int, load: float) -
     ]
 
 
-def _laws(stage: Suspension, spring: int) -> list[Element]:
+def _laws(stage: Suspension, spring: int) -> list[ForceElement]:
     """Springs and dampers on both sides of a stage, whose left spring is the given element."""
     springs, dampers = (spring, spring + OTHER_SIDE), (spring + 1, spring + 1 + OTHER_SIDE)
     return [
-        Element(Place(*springs, 0), spring=stage.lateral_stiffness),
-        Element(Place(*springs, 1), spring=stage.vertical_stiffness),
-        Element(Place(*dampers, 0), damper=stage.lateral_damping, series=stage.lateral_series_stiffness),
-        Element(Place(*dampers, 1), damper=stage.vertical_damping, series=stage.vertical_series_stiffness),
+        ForceElement(ElementPair(*springs, 0), spring=stage.lateral_stiffness),
+        ForceElement(ElementPair(*springs, 1), spring=stage.vertical_stiffness),
+        ForceElement(ElementPair(*dampers, 0), damper=stage.lateral_damping, series=stage.lateral_series_stiffness),
+        ForceElement(ElementPair(*dampers, 1), damper=stage.vertical_damping, series=stage.vertical_series_stiffness),
     ]
 
 
@@ -68,8 +68,8 @@ class Assembly:
     if not given.
     """
 
-    joints: Joints
-    laws: Elements
+    joints: Attachments
+    laws: ForceElements
     preload: Array
     couple: Array
 
@@ -89,11 +89,11 @@ class Assembly:
         laws = [
             *_laws(w.primary, LEFT_PRIMARY),
             *_laws(w.secondary, LEFT_SECONDARY),
-            Element(Place(STOP, STOP, 0), spring=w.bumpstop),
+            ForceElement(ElementPair(STOP, STOP, 0), spring=w.bumpstop),
         ]
         return cls(
-            joints=Joints(ends, np.stack([table[2], table[2]]), table[3] - heights[ends], table[5]),
-            laws=Elements.of(laws, len(table.T)),
+            joints=Attachments(ends, np.stack([table[2], table[2]]), table[3] - heights[ends], table[5]),
+            laws=ForceElements.of(laws, len(table.T)),
             preload=table[4],
             couple=np.array([w.roll_bar + 2 * w.secondary.bending_stiffness, 2 * w.primary.bending_stiffness]),
         )

@@ -12,15 +12,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from wheelrail.vehicle.wagon.components import Body, Refused, Scaling, Suspension, check
-from wheelrail.vehicle.wagon.force_law import Characteristic
+from wheelrail.vehicle.wagon.components import InvalidParameter, RigidBody, Scaling, Suspension, check
+from wheelrail.vehicle.wagon.force_law import ForceLaw
 
 PAPER = Scaling()
 WHOLE = Scaling(1.0, 1.0, 1.0, 1.0, 1.0)
 
-CAR_BODY = Body(mass=32000.0, roll_inertia=56800.0, pitch_inertia=1.97e6, yaw_inertia=1.97e6, height=1.80)
-BOGIE = Body(mass=2615.0, roll_inertia=1722.0, pitch_inertia=1476.0, yaw_inertia=3067.0, height=0.60)
-WHEELSET = Body(mass=1813.0, roll_inertia=1120.0, pitch_inertia=112.0, yaw_inertia=1120.0, height=0.46)
+CAR_BODY = RigidBody(mass=32000.0, roll_inertia=56800.0, pitch_inertia=1.97e6, yaw_inertia=1.97e6, height=1.80)
+BOGIE = RigidBody(mass=2615.0, roll_inertia=1722.0, pitch_inertia=1476.0, yaw_inertia=3067.0, height=0.60)
+WHEELSET = RigidBody(mass=1813.0, roll_inertia=1120.0, pitch_inertia=112.0, yaw_inertia=1120.0, height=0.46)
 PRIMARY = Suspension(
     lateral_stiffness=3.884e6,
     vertical_stiffness=1.220e6,
@@ -43,7 +43,7 @@ SECONDARY = Suspension(
     damper_y=1.0,
     damper_height=0.8275,
 )
-BUMPSTOP = Characteristic(
+BUMPSTOP = ForceLaw(
     (
         (0.0, 0.0),
         (0.025, 0.0),
@@ -68,13 +68,13 @@ class Wagon:
     rolling radius. `dataclasses.replace` changes any of it. Raises Refused for values out of bounds.
     """
 
-    car_body: Body = CAR_BODY
-    bogie: Body = BOGIE
-    wheelset: Body = WHEELSET
+    car_body: RigidBody = CAR_BODY
+    bogie: RigidBody = BOGIE
+    wheelset: RigidBody = WHEELSET
     primary: Suspension = PRIMARY
     secondary: Suspension = SECONDARY
     roll_bar: float = 940e3
-    bumpstop: Characteristic = BUMPSTOP
+    bumpstop: ForceLaw = BUMPSTOP
     bumpstop_height: float = 0.65
     scaling: Scaling = PAPER
     gravity: float = 9.81
@@ -82,9 +82,9 @@ class Wagon:
     def __post_init__(self) -> None:
         check(self)
         if not self.car_body.height > self.bogie.height > 0.0:
-            raise Refused(self, "car_body", "its centre must lie above the bogie's")
+            raise InvalidParameter(self, "car_body", "its centre must lie above the bogie's")
         if not self.bumpstop.odd:
-            raise Refused(self, "bumpstop", "must be alike in both directions: points from (0, 0) on")
+            raise InvalidParameter(self, "bumpstop", "must be alike in both directions: points from (0, 0) on")
 
     @property
     def radius(self) -> float:

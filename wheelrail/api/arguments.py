@@ -8,10 +8,10 @@ from typing import Any
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import Scene, checked
-from wheelrail.scenes.schema.tables import Table
+from wheelrail.scenes.schema.tables import SceneTable
 
 
-def keys_of(*tables: type[Table]) -> dict[str, None]:
+def keys_of(*tables: type[SceneTable]) -> dict[str, None]:
     """Keys that tables of a scene have."""
     return {key: None for table in tables for key in table.model_fields}
 

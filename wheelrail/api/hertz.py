@@ -11,7 +11,7 @@ from wheelrail.api.solution import Solution, solved
 from wheelrail.scenes.builders.contact import hertz_model
 from wheelrail.scenes.contacts.solve import solve_sides
 from wheelrail.scenes.schema.scene import HertzScene
-from wheelrail.scenes.schema.tables import Body
+from wheelrail.scenes.schema.tables import BodyTable
 
 if TYPE_CHECKING:
     from wheelrail.contact.analytical.hertz import Hertz as ClosedForm
@@ -95,7 +95,7 @@ class Hertz:
         from wheelrail.contact.analytical.hertz import hertz, modulus
         from wheelrail.contact.geometry.quadric_pair import curvature
 
-        upper, lower = (Body.model_validate(self.arguments[name]) for name in ("upper", "lower"))
+        upper, lower = (BodyTable.model_validate(self.arguments[name]) for name in ("upper", "lower"))
         A, B = curvature(upper.radii) + curvature(lower.radii)
         return hertz(A, B, modulus((upper.E, upper.nu), (lower.E, lower.nu)), force=load, approach=approach)
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from wheelrail.api.arguments import plain
 from wheelrail.api.run_plots import RunPlots
-from wheelrail.api.stored_dataset import Kept
+from wheelrail.api.stored_dataset import StoredDataset
 
 
 @dataclass(frozen=True, repr=False)
-class Run(Kept):
+class Run(StoredDataset):
     """A vehicle run: data is a Dataset with units in SI over time, side (left, right) and patch (padded with NaN)."""
 
     @property

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from wheelrail.api.solution_plots import SolutionPlots
 from wheelrail.api.solution_tables import html, patch_table, text
-from wheelrail.api.stored_dataset import Kept
+from wheelrail.api.stored_dataset import StoredDataset
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from wheelrail.contact.results.result import ContactResult
     from wheelrail.meshes.profiles.profile import Profile
-    from wheelrail.scenes.contacts.solve import Solved
+    from wheelrail.scenes.contacts.solve import SideSolution
     from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 
 
@@ -25,12 +25,12 @@ class Origin:
     """What a solution was solved from, and the poses found."""
 
     scene: HertzScene | WheelsetScene
-    sides: Mapping[str, Solved]
+    sides: Mapping[str, SideSolution]
     profiles: Sequence[Profile]
 
 
 @dataclass(frozen=True, repr=False)
-class Solution(Kept):
+class Solution(StoredDataset):
     """The contact of both wheels of a wheelset, or of a Hertz pair.
 
     data: a Dataset with units in SI over side (left and right, or "contact"), patch (by falling load, padded with NaN)
@@ -118,7 +118,7 @@ class Solution(Kept):
 
 def solved(
     scene: HertzScene | WheelsetScene,
-    sides: Mapping[str, Solved],
+    sides: Mapping[str, SideSolution],
     profiles: Sequence[Profile],
     arguments: Mapping[str, Any],
 ) -> Solution:

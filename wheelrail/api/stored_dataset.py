@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Kept:
+class StoredDataset:
     """data: everything, in SI units, each variable with its unit and meaning."""
 
     data: Dataset

@@ -9,7 +9,7 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.api.stored_dataset import Kept
+from wheelrail.api.stored_dataset import StoredDataset
 from wheelrail.scenes.plots.style import panels, shown, styled
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Kept):
+class Study(StoredDataset):
     """Results of a study: data is a Dataset in SI units over what was varied, or over sample for a Latin hypercube.
 
     A failed case is NaN, with its status and error.

@@ -15,14 +15,14 @@ from wheelrail.scenes.builders.contact import mounted, wheelset_contact
 from wheelrail.scenes.contacts.solve import solve_sides
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene
-from wheelrail.scenes.schema.tables import Profiles, Track
-from wheelrail.scenes.schema.tables import Wheelset as Position
+from wheelrail.scenes.schema.tables import ProfilesTable, TrackTable
+from wheelrail.scenes.schema.tables import WheelsetTable as Position
 
 if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import Mounting
     from wheelrail.contact.models.wheelset import WheelsetContact
 
-SECTIONS = {"profiles": keys_of(Profiles), "track": keys_of(Track), "wheelset": keys_of(Position)}
+SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "wheelset": keys_of(Position)}
 OWN = [key for key in keys_of(WheelsetScene) if key not in ("kind", *SECTIONS)]
 ALLOWED = [*OWN, *(key for section in SECTIONS.values() for key in section)]
 GROUPS = (("wheel_load", "axle_load", "z"), ("speed", "pitch_rate"))

@@ -9,9 +9,9 @@ from wheelrail.cli.exit_codes import INTERRUPTED
 
 def main() -> None:
     try:
-        from wheelrail.support.interrupts import later
+        from wheelrail.support.interrupts import deferred_interrupts
 
-        with later():  # an interrupted import leaves C extensions half initialised
+        with deferred_interrupts():  # an interrupted import leaves C extensions half initialised
             from wheelrail.cli.main import main as command
         command()
     except KeyboardInterrupt:

@@ -15,7 +15,7 @@ DAY = 86_400.0  # s
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def atomic_file(path: Path) -> Iterator[Path]:
     """A new, empty file beside path, of the same suffix, to write to: it becomes path when the block ends well.
 
     Else it goes, and what was at path stays. One that a writer was killed over goes with the first of a day later.

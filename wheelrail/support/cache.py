@@ -15,7 +15,7 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.support.atomic_file import atomic_file
 
 FORMAT = 3  # raise it when the meaning of stored arrays changes
 
@@ -83,7 +83,10 @@ def store(name: str, arrays: Arrays) -> None:
     """
     path = cache_folder() / f"{name}.npz"
     try:
-        with whole_file(path) as part, ZipFile(part, "w") as archive:  # as np.savez, but closed in order on a full disk
+        with (
+            atomic_file(path) as part,
+            ZipFile(part, "w") as archive,
+        ):  # as np.savez, but closed in order on a full disk
             for key, values in arrays.items():
                 with archive.open(f"{key}.npy", "w", force_zip64=True) as file:
                     np.save(file, values, allow_pickle=False)

@@ -15,7 +15,7 @@ from typing import Any, TypeVar, cast
 
 from numba import config, njit
 
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.cache import cache_folder, source_digest
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -106,7 +106,7 @@ def _remove_damaged(place: Path) -> None:
             else:
                 path.unlink()
     if checksums != before:
-        with suppress(OSError), whole_file(record) as part:
+        with suppress(OSError), atomic_file(record) as part:
             part.write_text(json.dumps(checksums), encoding="utf-8")
 
 

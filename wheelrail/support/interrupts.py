@@ -1,7 +1,7 @@
 """Ctrl-C where it does no harm.
 
 An exception that comes up while compiled code builds its results leaves these broken, up to a crash, and one in the
-callback of a weak reference is lost: so work of that kind is done under `later`, and looks now and then.
+callback of a weak reference is lost: so work of that kind is done under `deferred_interrupts`, and looks now and then.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PATIENCE = 1.0  # s: what follows sooner is the same Ctrl-C, which `timeout` sen
 
 
 @dataclass
-class Later:
+class DeferredInterrupt:
     """Keeps the first Ctrl-C, and passes one on that comes after some patience."""
 
     before: Callable[[int, FrameType | None], object]
@@ -32,12 +32,12 @@ class Later:
             self.before(number, frame)
 
 
-_waiting: Later | None = None
+_waiting: DeferredInterrupt | None = None
 
 
 @contextmanager
-def later() -> Iterator[None]:
-    """Ctrl-C waits until `look` is called, or the block is done; another one, a second later, does not wait.
+def deferred_interrupts() -> Iterator[None]:
+    """Ctrl-C waits until `check_interrupt` is called, or the block is done; another one, a second later, does not wait.
 
     Within another such block this is part of it; outside of the main thread, where no Ctrl-C arrives, and where it is
     ignored, it changes nothing.
@@ -50,7 +50,7 @@ def later() -> Iterator[None]:
     if not callable(before):
         yield
         return
-    mine = _waiting = Later(before)
+    mine = _waiting = DeferredInterrupt(before)
     signal.signal(signal.SIGINT, mine)
     try:
         yield
@@ -61,7 +61,7 @@ def later() -> Iterator[None]:
             before(signal.SIGINT, None)
 
 
-def look() -> None:
+def check_interrupt() -> None:
     """Raises KeyboardInterrupt when Ctrl-C waits; to be called where nothing is half done."""
     if _waiting is not None and _waiting.came is not None and current_thread() is main_thread():
         _waiting.came = None

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
-from wheelrail.contact.elasticity.waveguide.spectrum import Spectrum, sample
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, sample
 from wheelrail.contact.geometry.surface_grid import ContactGrid, invariant_grid
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.extrusion import block_section
 from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, body_key, rail_touches, section, wheel_touches
@@ -22,8 +22,8 @@ from wheelrail.support.cache import cached, digest
 # Largest wavenumber times the shortest of spacing and step: the spectrum of a cell has its second zero there, and what
 # lies beyond is 1e-3 of a cell's own compliance and next to nothing between cells.
 REACH = 4 * np.pi
-# Of the interpolation between wavenumbers, see `Spectrum`; what that really costs is a tenth to a hundredth of it, less
-# than the meshes do.
+# Of the interpolation between wavenumbers, see `ComplianceSpectrum`; what that really costs is a tenth to a hundredth
+# of it, less than the meshes do.
 TOLERANCE = 3e-3
 # Quadratic triangles bend the rail's web right and grow fast; linear ones of twice the cost are 4 % off there. The
 # largest costs a load over 8 mm 6e-4 of its own compliance at worst (laterally on the rail, two triangles across its
@@ -35,7 +35,7 @@ GRADING = Grading(first=1.0, growth=0.4, largest=8e-3)
 HALF_GRID = 0.040
 
 if TYPE_CHECKING:
-    from wheelrail.contact.elasticity.waveguide.section import Section
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 
 Ends = tuple[float, float]
 Progress = Callable[[int, int], None]
@@ -44,7 +44,7 @@ Parts = tuple[WaveguideCompliance, ContactGrid, Strip]
 
 def rail_waveguide(
     outline: Outline,
-    steel: Steel,
+    steel: Material,
     *,
     size: float,
     step: float | None = None,
@@ -68,7 +68,7 @@ def rail_waveguide(
 
 def wheel_waveguide(
     outline: Outline,
-    steel: Steel,
+    steel: Material,
     *,
     size: float,
     step: float | None = None,
@@ -89,44 +89,44 @@ def wheel_waveguide(
 
 def rail_body(
     outline: Outline,
-    steel: Steel,
+    steel: Material,
     *,
     size: float,
     ends: Ends | None = None,
     degree: int = 2,
     grading: Grading = GRADING,
-) -> Section:
+) -> WaveguideSection:
     """The section behind `rail_waveguide`, same lines on its surface, for stresses inside."""
     return _body(outline, ends or rail_touches(outline.profile), None, steel, size, degree, grading)
 
 
 def wheel_body(
     outline: Outline,
-    steel: Steel,
+    steel: Material,
     *,
     size: float,
     ends: Ends | None = None,
     degree: int = 2,
     grading: Grading = GRADING,
-) -> Section:
+) -> WaveguideSection:
     """The section behind `wheel_waveguide`, same lines on its surface, for stresses inside."""
     return _body(outline, ends or wheel_touches(outline.profile), outline.offset[1], steel, size, degree, grading)
 
 
 def block_body(
-    half_cells: int, steel: Steel, *, size: float, half_width: float, degree: int = 2, grading: Grading = GRADING
-) -> Section:
+    half_cells: int, steel: Material, *, size: float, half_width: float, degree: int = 2, grading: Grading = GRADING
+) -> WaveguideSection:
     """The section behind `block_waveguide` with 2 half_cells cells across, for stresses inside; half_width in sizes."""
-    from wheelrail.contact.elasticity.waveguide.section import Section  # imports dolfinx
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
     surface, rest, clamped = block_section(half_cells, 1.0, half_width, half_width)
     mesh = triangulate(surface, rest, clamped, size=1.0, grading=replace(grading, largest=half_width / 4))
-    return Section(replace(mesh, points=mesh.points * size), steel, degree=degree)
+    return WaveguideSection(replace(mesh, points=mesh.points * size), steel, degree=degree)
 
 
 def block_waveguide(
     half_cells: tuple[int, int],
-    steel: Steel,
+    steel: Material,
     *,
     size: float,
     step: float | None = None,
@@ -170,12 +170,12 @@ def block_waveguide(
 
 
 def _body(
-    outline: Outline, ends: Ends, radius: float | None, steel: Steel, size: float, degree: int, grading: Grading
-) -> Section:
-    from wheelrail.contact.elasticity.waveguide.section import Section  # imports dolfinx
+    outline: Outline, ends: Ends, radius: float | None, steel: Material, size: float, degree: int, grading: Grading
+) -> WaveguideSection:
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
     strip = Strip.over(outline, ends, half_length=HALF_PATCH, size=size)
-    return Section(section(outline, strip, grading=grading), steel, degree=degree, radius=radius)
+    return WaveguideSection(section(outline, strip, grading=grading), steel, degree=degree, radius=radius)
 
 
 def _profiled(
@@ -183,7 +183,7 @@ def _profiled(
     outline: Outline,
     strip: Strip,
     radius: float | None,
-    steel: Steel,
+    steel: Material,
     step: float,
     half_length: float,
     degree: int,
@@ -227,7 +227,7 @@ def _spectrum(
     degree: int,
     tolerance: float,
     progress: Progress | None,
-) -> Callable[[], Spectrum]:
+) -> Callable[[], ComplianceSpectrum]:
     """Fetches the spectrum of a section of unit modulus from the cache, or samples it.
 
     finest [m] is the shortest step along x that it serves, extent [m] the size of the section.
@@ -246,9 +246,9 @@ def _spectrum(
     around = None if radius is None else 2 * np.pi * radius
 
     def arrays() -> dict[str, Array]:
-        from wheelrail.contact.elasticity.waveguide.section import Section  # imports dolfinx
+        from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
-        body = Section(mesh(), Steel(1.0, nu), degree=degree, radius=radius)
+        body = WaveguideSection(mesh(), Material(1.0, nu), degree=degree, radius=radius)
         found = sample(
             body.flexibility,
             shift=shift,
@@ -260,8 +260,8 @@ def _spectrum(
         )
         return {"k": found.k, "values": found.values, "error": np.array(found.error)}
 
-    def fetch() -> Spectrum:
+    def fetch() -> ComplianceSpectrum:
         found = cached(f"spectrum/{name}", arrays, ("k", "values", "error"))
-        return Spectrum(found["k"], shift, found["values"], float(found["error"]), around)
+        return ComplianceSpectrum(found["k"], shift, found["values"], float(found["error"]), around)
 
     return fetch

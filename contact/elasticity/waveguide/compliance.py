@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.elasticity.solid_compliance import ALL
-from wheelrail.contact.elasticity.waveguide.spectrum import Spectrum, pair_places
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pair_places
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 TILE = 16  # lines transformed together: a patch touches a few tiles
@@ -24,7 +24,7 @@ class WaveguideCompliance:
     serves all sizes: 1 / (E h)).
     """
 
-    spectrum: Callable[[], Spectrum]
+    spectrum: Callable[[], ComplianceSpectrum]
     shape: tuple[int, int]
     step: float
     radius: float | None = None
@@ -36,7 +36,7 @@ class WaveguideCompliance:
         self._filled = np.zeros((count, count), dtype=bool)
 
     @cached_property
-    def samples(self) -> Spectrum:
+    def samples(self) -> ComplianceSpectrum:
         """The spectrum. Raises ValueError when it belongs to another number of lines."""
         found = self.spectrum()
         if found.lines != self.shape[1]:

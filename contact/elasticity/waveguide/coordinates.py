@@ -10,11 +10,11 @@ import numpy as np
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
-    from wheelrail.contact.elasticity.waveguide.section import Section
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 
 
 @dataclass(frozen=True)
-class Chart:
+class WaveguideCoordinates:
     """Where places lie along a body, along (m,) m, and in its section (m, 2) m; angle (m,) rad about the axle."""
 
     along: Array
@@ -22,7 +22,7 @@ class Chart:
     angle: Array | None
 
     @classmethod
-    def of(cls, body: Section, places: Array) -> Chart:
+    def of(cls, body: WaveguideSection, places: Array) -> WaveguideCoordinates:
         x, y, z = np.asarray(places, dtype=float).T
         if body.radius is None:
             return cls(x, np.column_stack([y, z]), None)
@@ -30,7 +30,7 @@ class Chart:
         return cls(angle * body.radius, np.column_stack([y, np.hypot(x, z)]), angle)
 
     @classmethod
-    def over(cls, body: Section, stations: Array, spots: Array) -> Chart:
+    def over(cls, body: WaveguideSection, stations: Array, spots: Array) -> WaveguideCoordinates:
         """Every spot (n, 2) m of the section at every station (m,) m along the body, station by station."""
         along = np.repeat(stations, len(spots))
         return cls(along, np.tile(spots, (len(stations), 1)), None if body.radius is None else along / body.radius)

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from wheelrail.contact.elasticity.half_space import strip_flexibility
 from wheelrail.contact.elasticity.waveguide.spectrum import pair_places
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.support.arrays import Array
 
 FAR = 8  # lines away from the load, where elements and half-space agree but for the block's finite size
@@ -43,7 +43,7 @@ def surface_error(nu: float, degree: int) -> SurfaceError:
     """Measured on an endless block whose compliance comes from the cache, or is computed in half a second."""
     from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 
-    compliance, _ = block_waveguide((1, 2 * FAR), Steel(1.0, nu), size=1.0, half_width=512.0, degree=degree)
+    compliance, _ = block_waveguide((1, 2 * FAR), Material(1.0, nu), size=1.0, half_width=512.0, degree=degree)
     samples = compliance.samples
     ns = samples.lines
     kept = samples.k > 0.02

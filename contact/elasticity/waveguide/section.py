@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from wheelrail.contact.elasticity.waveguide.nested_dissection import Dissection, dissect
 from wheelrail.contact.geometry.surface_grid import surface_points
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.forms import compat
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.waveguide import wavenumber_forms
@@ -24,14 +24,14 @@ from wheelrail.support.arrays import Array, Nodes
 HALVES = np.array([[5, 8, -1], [-1, 8, 5]]) / 24
 
 
-class Section:
+class WaveguideSection:
     """K(k) = A0 + k A1 + k^2 A2 of a triangulated section, displacements of degree 1 or 2.
 
     radius [m]: the section's coordinates are (y, r), the body is one of revolution, and k = n / radius is the
     wavenumber on the circle of that radius; None: (y, z) and prismatic.
     """
 
-    def __init__(self, mesh: SectionMesh, steel: Steel, *, degree: int = 1, radius: float | None = None) -> None:
+    def __init__(self, mesh: SectionMesh, steel: Material, *, degree: int = 1, radius: float | None = None) -> None:
         self.section, self.steel, self.degree, self.radius = mesh, steel, degree, radius
         self.mesh = compat.mesh_from_arrays(MPI.COMM_SELF, "triangle", mesh.cells, mesh.points)
         self.space = compat.space(self.mesh, degree)

@@ -22,7 +22,7 @@ GAIN = 8.0  # of a midpoint over its interval: cubic splines give 16 when smooth
 
 
 @dataclass(frozen=True)
-class Spectrum:
+class ComplianceSpectrum:
     """Samples of H at increasing wavenumbers k (nk,) 1/m from zero: values (nk, pairs, 3, 3) m2/N for pairs of surface
     lines s <= t, row by row.
 
@@ -109,14 +109,14 @@ def sample(
     tolerance: float,
     around: float | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> Spectrum:
+) -> ComplianceSpectrum:
     """Sample H(k) (3 ns, 3 ns) from 0 to the largest wavenumber, halving intervals until the tolerance holds.
 
     step [m] is the cell length along x for which the error counts. around [m]: once round a body of revolution, which
     is sampled at whole harmonics. progress is told samples done and known to come. Raises RuntimeError when 400 samples
     do not do.
     """
-    axis = Axis(shift, None if around is None else 2 * np.pi / around)
+    axis = WavenumberAxis(shift, None if around is None else 2 * np.pi / around)
     k = axis.spaced(largest, START)
     found: dict[float, Array] = {}
 
@@ -135,11 +135,11 @@ def sample(
 
     error = refine(found, take, axis, share, tolerance)
     known = sorted(found)
-    return Spectrum(np.array(known), shift, np.stack([found[place] for place in known]), error, around)
+    return ComplianceSpectrum(np.array(known), shift, np.stack([found[place] for place in known]), error, around)
 
 
 @dataclass(frozen=True)
-class Axis:
+class WavenumberAxis:
     """Wavenumbers [1/m] laid out in log(1 + k / shift), multiples of a unit [1/m] where one is given."""
 
     shift: float
@@ -173,7 +173,7 @@ class Axis:
 def refine(
     found: dict[float, Samples],
     take: Callable[[list[float]], None],
-    axis: Axis,
+    axis: WavenumberAxis,
     share: Callable[[float, float], Array | float],
     tolerance: float,
 ) -> float:
@@ -213,6 +213,6 @@ def _scale(found: dict[float, Array], shift: float, length: float) -> float:
     places = sorted(found)
     first, second = pairs(int(np.sqrt(2 * len(found[places[0]]))))
     own = np.stack([found[place][first == second] for place in places])
-    rough = Spectrum(np.array(places), shift, own, 0.0)
+    rough = ComplianceSpectrum(np.array(places), shift, own, 0.0)
     weight = rough.weights(np.zeros(1), length)[0][0]
     return float(np.einsum("k,knaa->na", weight, own).min())

@@ -1,2 +1,2 @@
 from .model import FittedContact as FittedContact
-from .resolution import Fineness as Fineness
+from .resolution import Resolution as Resolution

@@ -13,32 +13,37 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.fitted.friction_penetration import Raised
-from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration
+from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import Ridge
-from wheelrail.contact.solvers.active_set import Factors
-from wheelrail.contact.solvers.tractions import Elastic
+from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
+from wheelrail.contact.solvers.active_set import CachedFactors
+from wheelrail.contact.solvers.tractions import ContactCompliance
 from wheelrail.support.arrays import Array
 
 LARGER = 1e-2  # of all lengths
 ASIDE = 0.5  # strips
 
 
-class Gathered:
+class CellCompliance:
     """Compliance on the cells of a layout in a pose: along the normals, or of all components, made when asked for."""
 
     def __init__(
-        self, operators: StripOperators, pose: Pose, layout: Layout, laws: Laws, normal: Factors | None = None
+        self,
+        operators: StripOperators,
+        pose: Pose,
+        layout: StripLayout,
+        laws: ContactLaws,
+        normal: CachedFactors | None = None,
     ) -> None:
         self.layout = layout
         self._operators, self._pose, self._laws, self._normal = operators, pose, laws, normal
 
     @cached_property
-    def normal(self) -> Factors:
+    def normal(self) -> CachedFactors:
         """Along the normals alone (n, n) m/Pa; as given, where fitting has left it."""
-        return self._normal or Factors(self._operators.normal(self._pose, self.layout))
+        return self._normal or CachedFactors(self._operators.normal(self._pose, self.layout))
 
     @cached_property
     def displacement(self) -> Array:
@@ -51,21 +56,21 @@ class Gathered:
         return np.vstack([self._all[1], self.displacement[-self.displacement.shape[0] // 3 :]])
 
     @cached_property
-    def frictionless(self) -> Elastic:
+    def frictionless(self) -> ContactCompliance:
         """Compliance along the normals and what solves make of it."""
-        body = Elastic(self.normal.compliance, len(self.normal.compliance), self._laws)
+        body = ContactCompliance(self.normal.compliance, len(self.normal.compliance), self._laws)
         body.normal = self.normal  # with its factors: no penalty softens fitted cells
         return body
 
     @cached_property
-    def rolling(self) -> Elastic:
+    def rolling(self) -> ContactCompliance:
         """The operator and what solves make of it."""
-        return Elastic(self.operator, len(self.operator) // 3, self._laws)
+        return ContactCompliance(self.operator, len(self.operator) // 3, self._laws)
 
     @cached_property
-    def shifting(self) -> Elastic:
+    def shifting(self) -> ContactCompliance:
         """The same where displacement stands for slip: one step from none."""
-        return Elastic(self.displacement, len(self.displacement) // 3, self._laws)
+        return ContactCompliance(self.displacement, len(self.displacement) // 3, self._laws)
 
     @cached_property
     def _all(self) -> tuple[Array, Array]:
@@ -74,27 +79,27 @@ class Gathered:
 
 
 @dataclass(frozen=True)
-class Cells:
+class FittedState:
     """What a solve on fitted cells leaves for the next one: cells, overlap added by friction that they were fitted to,
     tractions (2 n,) Pa, and compliance, gathered on cells of which the present ones are a copy, moved aside and larger
     by a scale; aside, what more friction adds than that, over the approach, where no cells were found that it adds the
     same to.
     """
 
-    layout: Layout
-    raised: Raised | None
-    gathered: Gathered
+    layout: StripLayout
+    raised: FrictionPenetration | None
+    gathered: CellCompliance
     scale: float
     traction: Array
-    aside: Raised | None = None
+    aside: FrictionPenetration | None = None
 
-    def covers(self, ridge: Ridge) -> bool:
+    def covers(self, ridge: PenetrationProfile) -> bool:
         """Whether all humps of the overlap lie on the cells, or next to them."""
         low, high = self.layout.sides.T
         at = ridge.s[ridge.humps][:, None]
         return bool(((at > low - self.layout.width) & (at < high + self.layout.width)).any(axis=1).all())
 
-    def copied(self, moves: Array, tips: Array) -> Cells:
+    def copied(self, moves: Array, tips: Array) -> FittedState:
         """Moved and scaled as a whole, as near as that comes to steps of the ends.
 
         moves (S, 2) of the strips' lengths and tips (parts, 2) of their widths, outwards.

@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.models.fitted.cell_compliance import Cells, Gathered
+from wheelrail.contact.models.fitted.cell_compliance import CellCompliance, FittedState
 from wheelrail.contact.models.fitted.edge_rules import edge_rules, tip
 from wheelrail.contact.models.fitted.initial_layout import NormalOperator, Overlap
-from wheelrail.contact.models.fitted.layout import Layout
-from wheelrail.contact.models.fitted.patch_layout import Part, assembled
-from wheelrail.contact.models.fitted.resolution import Fineness
-from wheelrail.contact.solvers.active_set import Factors
-from wheelrail.contact.solvers.options import Count, NotConverged
+from wheelrail.contact.models.fitted.layout import StripLayout
+from wheelrail.contact.models.fitted.patch_layout import PatchSpan, assembled
+from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.solvers.active_set import CachedFactors
+from wheelrail.contact.solvers.options import IterationCount, NotConverged
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 log = logging.getLogger(__name__)
@@ -30,14 +30,14 @@ STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a po
 
 
 @dataclass(frozen=True)
-class Fitted:
+class FittedPressure:
     """Cells, the frictionless pressures (S, M) Pa on them, their compliance along the normals, and whether their ends
     have settled.
     """
 
-    layout: Layout
+    layout: StripLayout
     pressure: Array
-    normal: Factors
+    normal: CachedFactors
     settled: bool
     steps: int
 
@@ -51,12 +51,12 @@ class Fitted:
 def fit(
     overlap: Overlap,
     operator: NormalOperator,
-    start: Layout,
-    fineness: Fineness,
+    start: StripLayout,
+    fineness: Resolution,
     *,
     tolerance: float,
-    count: Count,
-) -> Fitted | None:
+    count: IterationCount,
+) -> FittedPressure | None:
     """Move ends and tips until their steps, as parts of the strips' length and width, are below the tolerance (RMS).
 
     Strips inside a patch that would pull are left out until they touch again. The layout nearest to rest when
@@ -64,7 +64,7 @@ def fit(
     """
     layout, stretch = start, STRETCH
     previous: Array | None = None
-    best: tuple[float, Layout, Array, Factors] | None = None  # the nearest to rest
+    best: tuple[float, StripLayout, Array, CachedFactors] | None = None  # the nearest to rest
     held = np.ones(len(start.sides), dtype=bool)
     last: Array = np.zeros((0, 2))
     damping: Array = np.ones((0, 2))
@@ -92,7 +92,7 @@ def fit(
         holds = touches & ((load > 0) | _outermost(layout) | ~held)
         distance = max(error / tolerance, slip / (10 * tolerance), 1.0 if (holds == held).all() else 10.0)
         if distance <= 1.0:
-            return Fitted(layout, pressure, factors, True, step)
+            return FittedPressure(layout, pressure, factors, True, step)
         if best is None or distance < best[0]:
             best = distance, layout, pressure, factors
         if previous is not None and previous.shape == moves.shape:
@@ -110,12 +110,17 @@ def fit(
             return None
         layout = moved
     assert best is not None
-    return Fitted(*best[1:], False, STEPS)
+    return FittedPressure(*best[1:], False, STEPS)
 
 
 def follow(
-    overlap: Overlap, cells: Cells, gather: Callable[[Layout], Gathered], *, tolerance: float, count: Count
-) -> tuple[Cells, Array | None]:
+    overlap: Overlap,
+    cells: FittedState,
+    gather: Callable[[StripLayout], CellCompliance],
+    *,
+    tolerance: float,
+    count: IterationCount,
+) -> tuple[FittedState, Array | None]:
     """Cells moved and scaled as a whole, their compliance gathered anew where they come far; and their pressures (S, M)
     Pa where that brings all ends near enough.
 
@@ -140,7 +145,7 @@ def follow(
     return cells, None
 
 
-def _pressed(factors: Factors, overlap: Array, held: Mask, count: Count) -> tuple[Array, Mask]:
+def _pressed(factors: CachedFactors, overlap: Array, held: Mask, count: IterationCount) -> tuple[Array, Mask]:
     """Pressures (S, M) Pa of the strips that are held, signed; and which strips (S,) touch, as all of these do.
 
     Raises NotConverged when the cells cannot be told apart.
@@ -158,7 +163,7 @@ def _pressed(factors: Factors, overlap: Array, held: Mask, count: Count) -> tupl
     return found.reshape(overlap.shape), touches
 
 
-def _beyond(layout: Layout, pressure: Array) -> Array:
+def _beyond(layout: StripLayout, pressure: Array) -> Array:
     """How far every strip reaches beyond its trailing and its leading end (S, 2), as part of its length."""
     trailing, leading = edge_rules(tuple(layout.marks.tolist()))
     return np.column_stack(
@@ -166,14 +171,14 @@ def _beyond(layout: Layout, pressure: Array) -> Array:
     )
 
 
-def _outermost(layout: Layout) -> Mask:
+def _outermost(layout: StripLayout) -> Mask:
     """First and last strips of the patches, which the tips' steps move."""
     found = np.zeros(len(layout.patch), dtype=bool)
     found[np.concatenate(_bounds(layout))] = True
     return found
 
 
-def _tips(layout: Layout, load: Array) -> Array:
+def _tips(layout: StripLayout, load: Array) -> Array:
     """How far each part reaches beyond its first and its last strip (parts, 2), in widths; nothing where it meets the
     next one as long as both press there.
     """
@@ -186,13 +191,13 @@ def _tips(layout: Layout, load: Array) -> Array:
     return found
 
 
-def _bounds(layout: Layout) -> tuple[Nodes, Nodes]:
+def _bounds(layout: StripLayout) -> tuple[Nodes, Nodes]:
     """First and last strip of every part."""
     new = np.flatnonzero(np.diff(layout.patch)) + 1
     return np.concatenate([[0], new]), np.concatenate([new - 1, [len(layout.patch) - 1]])
 
 
-def _retipped(layout: Layout, load: Array, tips: Array, fineness: Fineness) -> Layout | None:
+def _retipped(layout: StripLayout, load: Array, tips: Array, fineness: Resolution) -> StripLayout | None:
     """Strips between the moved tips; parts that lost their load vanish, those that meet share a side."""
     found = []
     for i, j, (before, after) in zip(*_bounds(layout), tips, strict=True):
@@ -201,5 +206,5 @@ def _retipped(layout: Layout, load: Array, tips: Array, fineness: Fineness) -> L
         low, high = layout.sides[i, 0] - before * width, layout.sides[j, 1] + after * width
         middle = layout.middle[own]
         if (load[own] > 0).any() and ((middle > low) & (middle < high)).any():
-            found.append(Part(float(low), float(high), middle, layout.ends[own], j + 1 - i))
+            found.append(PatchSpan(float(low), float(high), middle, layout.ends[own], j + 1 - i))
     return assembled(found, fineness, layout.marks)

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.support.arrays import Array
 
 FARTHEST = 1.0  # times the last change of the overlap, that two rounds extrapolate
 
 
 @dataclass(frozen=True)
-class Raised:
+class FrictionPenetration:
     """Overlap added by friction, linear over every part of a contact and constant beyond it.
 
     low and high (parts, 2) m: extent of the parts across and along; values (parts, 3): constant, slopes across and
@@ -25,7 +25,7 @@ class Raised:
     values: Array
 
     @classmethod
-    def by(cls, layout: Layout, added: Array) -> Raised:
+    def by(cls, layout: StripLayout, added: Array) -> FrictionPenetration:
         """From the overlap added on the cells (S, M) m of a layout."""
         low, high, values = [], [], []
         for number in np.unique(layout.patch):
@@ -42,7 +42,7 @@ class Raised:
             values.append(np.linalg.lstsq(matrix, added[own].ravel() * weight, rcond=None)[0])
         return cls(np.array(low), np.array(high), np.array(values))
 
-    def at(self, layout: Layout) -> Array:
+    def at(self, layout: StripLayout) -> Array:
         """The same on the cells (S, M) of another layout, from the nearest part."""
         edges = layout.edges
         x = 0.5 * (edges[:, 1:] + edges[:, :-1])
@@ -54,20 +54,24 @@ class Raised:
         constant, across, forward = self.values[near].T
         return np.asarray((constant + across * s)[:, None] + forward[:, None] * along)
 
-    def times(self, factor: float) -> Raised:
+    def times(self, factor: float) -> FrictionPenetration:
         return replace(self, values=factor * self.values)
 
-    def between(self, layout: Layout, least: float, most: float) -> Raised | None:
+    def between(self, layout: StripLayout, least: float, most: float) -> FrictionPenetration | None:
         """The same if its largest on the cells of a layout lies between these, else nothing."""
         return self if least < float(np.abs(self.at(layout)).max()) <= most else None
 
 
-def added(raised: Raised | None, layout: Layout) -> Array:
+def added(raised: FrictionPenetration | None, layout: StripLayout) -> Array:
     """Overlap (S, cells) m added on the cells of a layout; none if nothing is known of friction."""
     return np.zeros_like(layout.edges[:, 1:]) if raised is None else raised.at(layout)
 
 
-def settling(layout: Layout, before: tuple[Raised | None, Raised], now: tuple[Raised | None, Raised]) -> Raised:
+def settling(
+    layout: StripLayout,
+    before: tuple[FrictionPenetration | None, FrictionPenetration],
+    now: tuple[FrictionPenetration | None, FrictionPenetration],
+) -> FrictionPenetration:
     """Overlap that friction would leave as it is, by a secant through two rounds: Anderson's method of depth one,
     doi:10.1145/321296.321305.
 
@@ -78,4 +82,4 @@ def settling(layout: Layout, before: tuple[Raised | None, Raised], now: tuple[Ra
     change = misfit - (earlier - added(before[0], layout))
     bottom = float((change**2).sum())
     share = float((misfit * change).sum()) / bottom if bottom > 0 else 0.0
-    return Raised.by(layout, answer - np.clip(share, -FARTHEST, 1.0) * (answer - earlier))
+    return FrictionPenetration.by(layout, answer - np.clip(share, -FARTHEST, 1.0) * (answer - earlier))

@@ -18,9 +18,9 @@ from scipy.special import roots_legendre
 
 from wheelrail.contact.elasticity.half_space import floor_correction, strip_antiderivative, strip_flexibility
 from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError
-from wheelrail.contact.elasticity.waveguide.spectrum import Spectrum, interpolation, pair_places, rule
-from wheelrail.contact.kinematics.contact_points import OutsideGrid
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, interpolation, pair_places, rule
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.fitted.influence_tables import EVEN, ODD, TableNodes, full_table, normal_table
 from wheelrail.contact.models.fitted.line_interpolation import between_lines, shares
 from wheelrail.support.arrays import Array
@@ -52,7 +52,7 @@ class HalfSpaceInfluence:
     flat: ClassVar[bool] = True  # the surface is taken as level along x
 
     @classmethod
-    def under(cls, points: Array, arc: Array, reach: float, steel: Steel) -> HalfSpaceInfluence:
+    def under(cls, points: Array, arc: Array, reach: float, steel: Material) -> HalfSpaceInfluence:
         """Below the lines (ns, 2) m at arc lengths (ns,) m."""
         return cls(points, arc, reach, steel.nu, scale=1 / steel.E)
 
@@ -73,7 +73,7 @@ class HalfSpaceInfluence:
         Raises OutsideGrid beyond the lines.
         """
         if low < self.bounds[0] or high > self.bounds[-1]:
-            raise OutsideGrid("the bodies touch beyond the part of their surface that carries contact points")
+            raise OutsideSurface("the bodies touch beyond the part of their surface that carries contact points")
         first, last = np.searchsorted(self.bounds, [low, high], side="right") - 1
         return max(int(first), 0), min(int(last) + 1, len(self.arc))
 
@@ -173,13 +173,13 @@ class ElementInfluence(HalfSpaceInfluence):
     spectrum fetches the samples when first needed; error fetches the compliance that elements lack near a load.
     """
 
-    spectrum: Callable[[], Spectrum] = field(kw_only=True)
+    spectrum: Callable[[], ComplianceSpectrum] = field(kw_only=True)
     error: Callable[[], SurfaceError] = field(kw_only=True)
     flat: ClassVar[bool] = False
     _cache: dict[tuple[int, int], ElementCorrection] = field(init=False, default_factory=dict, repr=False)
 
     @cached_property
-    def samples(self) -> Spectrum:
+    def samples(self) -> ComplianceSpectrum:
         """The spectrum. Raises ValueError when it belongs to another number of lines."""
         spectrum = self.spectrum()
         if spectrum.lines != len(self.arc):

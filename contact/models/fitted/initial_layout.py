@@ -7,21 +7,21 @@ from collections.abc import Callable
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.models.fitted.layout import Layout, marks
-from wheelrail.contact.models.fitted.surfaces import Ridge, StripSurfaces
-from wheelrail.contact.solvers.active_set import Factors, normal_contact
-from wheelrail.contact.solvers.options import Count
+from wheelrail.contact.models.fitted.layout import StripLayout, marks
+from wheelrail.contact.models.fitted.surfaces import PenetrationProfile, StripSurfaces
+from wheelrail.contact.solvers.active_set import CachedFactors, normal_contact
+from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 COARSE_STRIPS, COARSE_CELLS = 24, 8
 GAUSS = 0.5 / np.sqrt(3.0)  # of a cell's length, from its middle
 
-Overlap = Callable[[Layout], Array]  # undeformed overlap (S, M) m of the cells
-NormalOperator = Callable[[Layout], Factors]  # relative normal compliance m/Pa of cells
+Overlap = Callable[[StripLayout], Array]  # undeformed overlap (S, M) m of the cells
+NormalOperator = Callable[[StripLayout], CachedFactors]  # relative normal compliance m/Pa of cells
 
 
-def mean_overlap(surfaces: StripSurfaces, pose: Pose, layout: Layout) -> Array:
+def mean_overlap(surfaces: StripSurfaces, pose: Pose, layout: StripLayout) -> Array:
     """Undeformed overlap (S, M) m, the mean over every cell, by Gauss's rule of two points each way."""
     across, along = gauss_places(layout.edges, layout.middle, layout.width)
     return np.asarray(surfaces.overlap(pose, across, along).mean(axis=0))
@@ -41,7 +41,9 @@ def gauss_places(edges: Array, middle: Array, width: Array) -> tuple[Array, Arra
     return across, along
 
 
-def coarse(ridge: Ridge, overlap: Overlap, operator: NormalOperator, count: Count) -> tuple[Layout, Array]:
+def initial_layout(
+    ridge: PenetrationProfile, overlap: Overlap, operator: NormalOperator, count: IterationCount
+) -> tuple[StripLayout, Array]:
     """Strips over every run of lines that overlap, equal cells over their overlap, and pressures (S, M) Pa there."""
     inside = ridge.overlap > 0
     starts = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
@@ -60,13 +62,15 @@ def coarse(ridge: Ridge, overlap: Overlap, operator: NormalOperator, count: Coun
     # on a steep flange strips beside the deepest one overlap over far more than the contact's length
     longest, centre = half[np.argmax(depth)], x[np.argmax(depth)]
     half, x = np.minimum(half, longest), np.clip(x, centre - longest, centre + longest)
-    layout = Layout(both, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False))
+    layout = StripLayout(
+        both, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False)
+    )
     depths = overlap(layout).ravel()
     pressure, _ = normal_contact(operator(layout), depths, depths > 0.4 * depths.max(), count)
     return layout, pressure.reshape(len(both), -1)
 
 
-def _crossing(ridge: Ridge, inner: int, outer: int) -> float:
+def _crossing(ridge: PenetrationProfile, inner: int, outer: int) -> float:
     """Arc length between two lines where the overlap vanishes."""
     a, b = ridge.overlap[inner], ridge.overlap[outer]
     share = a / (a - b) if np.isfinite(b) else 0.0

@@ -11,7 +11,7 @@ from wheelrail.support.arrays import Array, Nodes
 
 
 @dataclass(frozen=True)
-class Layout:
+class StripLayout:
     """S strips of M cells.
 
     sides (S, 2) m, arc length on the wheel's profile; ends (S, 2) m, trailing and leading end along the rolling
@@ -43,7 +43,7 @@ class Layout:
 LEADING = 0.35  # share of the cells' density that favours the leading end alone
 
 
-def connected(layout: Layout, pressure: Array) -> Nodes:
+def connected(layout: StripLayout, pressure: Array) -> Nodes:
     """Patch (S,) of every strip, -1 where none of its cells (S, M) presses: neighbours that press side by side."""
     presses = pressure > 0
     found = np.full(len(presses), -1)

@@ -15,28 +15,28 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.contact.kinematics.contact_points import OutsideGrid, Places
+from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
-from wheelrail.contact.kinematics.frames import Motion, Pose
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.fitted.cell_compliance import Cells, Gathered
-from wheelrail.contact.models.fitted.free_boundary import Fitted, fit, follow
-from wheelrail.contact.models.fitted.friction_penetration import Raised, added, settling
-from wheelrail.contact.models.fitted.initial_layout import coarse, mean_overlap
-from wheelrail.contact.models.fitted.layout import Layout, connected, marks
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.fitted.cell_compliance import CellCompliance, FittedState
+from wheelrail.contact.models.fitted.free_boundary import FittedPressure, fit, follow
+from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, added, settling
+from wheelrail.contact.models.fitted.initial_layout import initial_layout, mean_overlap
+from wheelrail.contact.models.fitted.layout import StripLayout, connected, marks
 from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.fitted.patch_layout import patches, recounted, single
 from wheelrail.contact.models.fitted.patch_moments import sharpened
-from wheelrail.contact.models.fitted.resolution import Fineness
-from wheelrail.contact.models.fitted.surfaces import Ridge
+from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.extrapolation import difference
 from wheelrail.contact.results.result import ContactResult, Statistics
-from wheelrail.contact.results.resultants import outcome
-from wheelrail.contact.solvers.active_set import Factors
-from wheelrail.contact.solvers.options import Count, NewtonOptions, NotConverged
-from wheelrail.contact.solvers.tangent import Linearisation, tangent_of
-from wheelrail.contact.solvers.tractions import Elastic, solve_tractions
+from wheelrail.contact.results.resultants import assemble_result
+from wheelrail.contact.solvers.active_set import CachedFactors
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
+from wheelrail.contact.solvers.tractions import ContactCompliance, solve_tractions
 from wheelrail.support.arrays import Array
 
 log = logging.getLogger(__name__)
@@ -50,7 +50,7 @@ FADING = 0.99  # of that remainder, left by every warm solve
 LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
 
 
-class Clock:
+class PhaseTimer:
     """Seconds by phase: each lasts from the end of the one before."""
 
     def __init__(self) -> None:
@@ -67,15 +67,15 @@ class Clock:
 class FittedContact:
     """Contact model on strips of cells that end where the contact ends: pose and velocities in, `ContactResult` out.
 
-    tolerance: RMS of the last movement of the strips' ends over their length. tangential as for `Condensed`. estimate:
-    every result carries an estimate of its error, for about a third more time. warm: solves start from the guess, for a
-    fraction of the time; what they give then depends on it within the tolerance. Raises ValueError for a penalty, whose
-    pressure has no such ends, and for friction that a shift cannot have.
+    tolerance: RMS of the last movement of the strips' ends over their length. tangential as for `CondensedContact`.
+    estimate: every result carries an estimate of its error, for about a third more time. warm: solves start from the
+    guess, for a fraction of the time; what they give then depends on it within the tolerance. Raises ValueError for a
+    penalty, whose pressure has no such ends, and for friction that a shift cannot have.
     """
 
     operators: StripOperators
-    laws: Laws
-    fineness: Fineness = field(default_factory=Fineness)
+    laws: ContactLaws
+    fineness: Resolution = field(default_factory=Resolution)
     tolerance: float = 1e-3
     options: NewtonOptions = field(default_factory=NewtonOptions)
     tangential: Literal["rolling", "shift"] = "rolling"
@@ -88,7 +88,7 @@ class FittedContact:
         if self.tangential == "shift" and (self.laws.regularisation > 0 or self.laws.falling is not None):
             raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         """The guess is only used by a warm model: else the same pose and motion always give the same result."""
         result = self._solved(pose, motion, guess if self.warm else None)
         if not (self.estimate and result.patches):
@@ -96,8 +96,8 @@ class FittedContact:
         rough = replace(self, fineness=self.fineness.halved(), estimate=False)(pose, motion)
         return replace(result, error_estimate=difference(result, rough) if rough.ok else ErrorEstimate.unknown())
 
-    def _solved(self, pose: Pose, motion: Motion, guess: ContactResult | None) -> ContactResult:
-        clock, count = Clock(), Count()
+    def _solved(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None) -> ContactResult:
+        clock, count = PhaseTimer(), IterationCount()
         ridge = self.operators.surfaces.ridge(pose, self._lines)
         approach = float(ridge.overlap.max())
         if approach <= 0:
@@ -105,12 +105,12 @@ class FittedContact:
         if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
             return ContactResult.failed(BEYOND, approach)
         earlier = None if guess is None or self.tangential == "shift" else guess.warm_start
-        starts = (earlier, None) if isinstance(earlier, Cells) and earlier.covers(ridge) else (None,)
+        starts = (earlier, None) if isinstance(earlier, FittedState) and earlier.covers(ridge) else (None,)
         reason = ""
         for start in starts:
             try:
                 return self._iterated(LayoutIteration(self, pose, motion, ridge, start, count, clock))
-            except (OutsideGrid, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
+            except (OutsideSurface, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
                 reason = str(error)
         return ContactResult.failed(reason, approach)
 
@@ -137,8 +137,8 @@ class FittedContact:
 
     def _result(
         self,
-        around: Linearisation,
-        cells: Cells,
+        around: TangentProblem,
+        cells: FittedState,
         approach: float,
         statistics: Statistics,
     ) -> ContactResult:
@@ -153,7 +153,7 @@ class FittedContact:
             moved[:] = scale * (cells.gathered.displacement @ np.concatenate([*q.T, -p])).reshape(3, n).T
         bound = self.laws.friction_at(np.hypot(*found.slip.T), around.speed)[0] * p
         strip = connected(layout, p.reshape(len(layout.sides), -1))
-        result = outcome(
+        result = assemble_result(
             places,
             node=np.arange(n),
             patch=np.where(p > 0, np.repeat(strip, self.fineness.cells), -1),
@@ -178,20 +178,20 @@ class LayoutIteration:
     iteration converged (settled).
     """
 
-    cells: Cells
+    cells: FittedState
     pressure: Array  # (S, M) Pa on the cells, without friction
-    solution: Linearisation
+    solution: TangentProblem
     settled: bool
 
     def __init__(
         self,
         model: FittedContact,
         pose: Pose,
-        motion: Motion,
-        ridge: Ridge,
-        start: Cells | None,
-        count: Count,
-        clock: Clock,
+        motion: RigidMotion,
+        ridge: PenetrationProfile,
+        start: FittedState | None,
+        count: IterationCount,
+        clock: PhaseTimer,
     ) -> None:
         self.model, self.pose, self.motion, self.ridge, self.start = model, pose, motion, ridge, start
         self.count, self.clock, self.approach = count, clock, float(ridge.overlap.max())
@@ -199,8 +199,12 @@ class LayoutIteration:
         self.penetration = None if start is None else start.raised
         self.remainder = None if start is None else start.aside
         self.traction = None if start is None else start.traction  # (2 n,) Pa, initial guess
-        self.previous: tuple[Raised | None, Raised] | None = None  # penetration assumed, and caused then
-        self.rounds: list[tuple[float, Cells, Linearisation]] = []  # the first one m: residual of the penetration
+        self.previous: tuple[FrictionPenetration | None, FrictionPenetration] | None = (
+            None  # penetration assumed, and caused then
+        )
+        self.rounds: list[
+            tuple[float, FittedState, TangentProblem]
+        ] = []  # the first one m: residual of the penetration
 
     def run(self) -> bool:
         """Iterates to convergence, or through all rounds; False without contact.
@@ -218,7 +222,7 @@ class LayoutIteration:
         self.stop()
         return True
 
-    def fit(self, start: Cells | None) -> bool:
+    def fit(self, start: FittedState | None) -> bool:
         """Fits the layout to the penetration, from cells to start from, if any; False without contact.
 
         Raises NotConverged when an earlier solve's cells do not serve.
@@ -258,7 +262,7 @@ class LayoutIteration:
         )
         self.clock.ends("solve")
         self.cells = replace(cells, raised=self.penetration, traction=tractions.tangential.T.ravel())
-        self.solution = Linearisation(
+        self.solution = TangentProblem(
             places,
             self.pose.origin,
             self.motion,
@@ -280,7 +284,9 @@ class LayoutIteration:
         caused = cells.scale * (cells.gathered.displacement[2 * n :, : 2 * n] @ cells.traction)
         caused = caused.reshape(len(layout.sides), -1)
         remainder = self.remainder
-        target = Raised.by(layout, caused if remainder is None else caused - self.approach * remainder.at(layout))
+        target = FrictionPenetration.by(
+            layout, caused if remainder is None else caused - self.approach * remainder.at(layout)
+        )
         assumed = added(self.penetration, layout)
         residual = float(np.abs(target.at(layout) - assumed).max())
         log.debug("friction changes the overlap by %.1e of the approach", residual / self.approach)
@@ -289,7 +295,7 @@ class LayoutIteration:
                 self.cells = replace(cells, aside=remainder.times(FADING).between(layout, RAISED, ASIDE))
                 self.settled = False
             return True
-        unconverged = Raised.by(layout, (caused - assumed) / self.approach).between(layout, RAISED, ASIDE)
+        unconverged = FrictionPenetration.by(layout, (caused - assumed) / self.approach).between(layout, RAISED, ASIDE)
         self.rounds.append((residual, replace(cells, aside=unconverged), self.solution))
         now = self.penetration, target
         self.penetration = target if self.previous is None else settling(layout, self.previous, now)
@@ -304,21 +310,21 @@ class LayoutIteration:
         else:  # the iteration alternates between two layouts: keep the one with the smaller residual
             _, self.cells, self.solution = min(self.rounds, key=lambda entry: entry[0])
 
-    def _rigid(self, places: Places) -> tuple[float, Array | None]:
+    def _rigid(self, places: SurfacePoints) -> tuple[float, Array | None]:
         """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""
         if not self.model.laws.friction:
             return 0.0, None
         shifts = self.model.tangential == "shift"
         return (0.0, shift(places, self.motion)) if shifts else creepage(places, self.motion)
 
-    def _compliance(self, tangential: bool) -> Elastic:
+    def _compliance(self, tangential: bool) -> ContactCompliance:
         """Compliance for the tractions, and what earlier solves made of it."""
         gathered = self.cells.gathered
         if not tangential:
             return gathered.frictionless
         return gathered.shifting if self.model.tangential == "shift" else gathered.rolling
 
-    def _fitted(self, start: Cells | None) -> tuple[Cells, Array, bool] | None:
+    def _fitted(self, start: FittedState | None) -> tuple[FittedState, Array, bool] | None:
         """Cells, their pressures (S, M) Pa without friction, and whether their ends converged; None without contact.
 
         From cells to start from, moved and scaled as a whole if that suffices, or from the initial layout.
@@ -334,10 +340,10 @@ class LayoutIteration:
         fitted = self._fit_initial(full) if start is None else self._fit(start.layout, full, model.tolerance)
         if fitted is None:
             return None
-        gathered = Gathered(model.operators, self.pose, fitted.layout, model.laws, fitted.normal)
-        return Cells(fitted.layout, self.penetration, gathered, 1.0, np.zeros(0)), fitted.pressure, fitted.settled
+        gathered = CellCompliance(model.operators, self.pose, fitted.layout, model.laws, fitted.normal)
+        return FittedState(fitted.layout, self.penetration, gathered, 1.0, np.zeros(0)), fitted.pressure, fitted.settled
 
-    def _fit_initial(self, full: Array) -> Fitted | None:
+    def _fit_initial(self, full: Array) -> FittedPressure | None:
         """From the rigid surfaces where they suggest one patch, else from pressures on the initial layout."""
         fineness, tolerance = self.model.fineness, self.model.tolerance
         # equal cells find the ends from afar; those that shrink towards the leading end only from near
@@ -346,24 +352,24 @@ class LayoutIteration:
         if fitted is not None:
             fitted = self._fit(recounted(fitted.layout, fineness), full, tolerance)
         if fitted is None or not fitted.settled or fitted.divided:
-            initial = coarse(self.ridge, self._overlap, self._normal, self.count)
+            initial = initial_layout(self.ridge, self._overlap, self._normal, self.count)
             fitted = self._fit(patches(*initial, fineness, few), few, 5 * tolerance)
             fitted = None if fitted is None else self._fit(fitted.layout, full, tolerance)
         return fitted
 
-    def _fit(self, layout: Layout | None, cell_marks: Array, tolerance: float) -> Fitted | None:
+    def _fit(self, layout: StripLayout | None, cell_marks: Array, tolerance: float) -> FittedPressure | None:
         if layout is None:
             return None
         start, fineness = replace(layout, marks=cell_marks), self.model.fineness
         return fit(self._overlap, self._normal, start, fineness, tolerance=tolerance, count=self.count)
 
-    def _overlap(self, layout: Layout) -> Array:
+    def _overlap(self, layout: StripLayout) -> Array:
         """Undeformed overlap (S, M) m of the cells, with what friction adds."""
         free = mean_overlap(self.model.operators.surfaces, self.pose, layout)
         return free if self.penetration is None else free + self.penetration.at(layout)
 
-    def _normal(self, layout: Layout) -> Factors:
-        return Factors(self.model.operators.normal(self.pose, layout))
+    def _normal(self, layout: StripLayout) -> CachedFactors:
+        return CachedFactors(self.model.operators.normal(self.pose, layout))
 
-    def _gathered(self, layout: Layout) -> Gathered:
-        return Gathered(self.model.operators, self.pose, layout, self.model.laws)
+    def _gathered(self, layout: StripLayout) -> CellCompliance:
+        return CellCompliance(self.model.operators, self.pose, layout, self.model.laws)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.kinematics.contact_points import OutsideGrid, Places
+from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
 from wheelrail.contact.models.fitted.influence_tables import add_all_means, add_normal_means
-from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.contact.models.fitted.surfaces import StripSurfaces
 from wheelrail.support.arrays import Array
 
@@ -31,12 +31,12 @@ class StripOperators:
     upper: HalfSpaceInfluence
     lower: HalfSpaceInfluence
 
-    def area(self, layout: Layout) -> Array:
+    def area(self, layout: StripLayout) -> Array:
         """Area (n,) m2 of the cells."""
         length = np.diff(layout.edges) * self.surfaces.along(layout.middle)[:, None]
         return np.asarray((length * layout.width[:, None]).ravel())
 
-    def normal(self, pose: Pose, layout: Layout) -> Array:
+    def normal(self, pose: Pose, layout: StripLayout) -> Array:
         """Relative normal displacement (n, n) m/Pa of the cells, means by unit pressures."""
         edges, area = layout.edges, self.area(layout)
         total = np.zeros((area.size, area.size))
@@ -44,7 +44,7 @@ class StripOperators:
             x, nodes = edges * along, kernel.nodes
             table = kernel.normal(sides, float(x.max() - x.min()))
             if not add_normal_means(total, table, x / kernel.unit, area, nodes.start, nodes.rate):
-                raise OutsideGrid(TOO_LONG)
+                raise OutsideSurface(TOO_LONG)
         return 2 * total if self.alike else total
 
     @property
@@ -52,14 +52,14 @@ class StripOperators:
         """Whether one body's compliance along the normals is that of the other: level surfaces of the same steel."""
         return self.lower is self.upper
 
-    def _bodies(self, pose: Pose, layout: Layout) -> Iterator[tuple[HalfSpaceInfluence, Array, Array | float]]:
+    def _bodies(self, pose: Pose, layout: StripLayout) -> Iterator[tuple[HalfSpaceInfluence, Array, Array | float]]:
         """The bodies that differ, sides (S, 2) m of the strips on them, and lengths along them over the circle's."""
         yield self.upper, layout.sides, 1.0
         if not self.alike:
             stretch = self.surfaces.along(layout.middle)[:, None]
             yield self.lower, self.surfaces.lower_sides(pose, layout), stretch
 
-    def all(self, pose: Pose, layout: Layout, places: Places) -> tuple[Array, Array]:
+    def all(self, pose: Pose, layout: StripLayout, places: SurfacePoints) -> tuple[Array, Array]:
         """Relative displacement (3 n, 3 n) m/Pa and elastic slip over the rolling speed (2 n, 3 n) 1/Pa in the local
         axes of the cells by unit tractions, component by component.
         """
@@ -86,17 +86,17 @@ class StripOperators:
             nodes = kernel.nodes
             x, own = x / kernel.unit, np.ascontiguousarray(axes)
             if not add_all_means(displacement, slip, table, x, own, places.area, weight, turn, nodes.start, nodes.rate):
-                raise OutsideGrid(TOO_LONG)
+                raise OutsideSurface(TOO_LONG)
         return displacement.reshape(3 * n, 3 * n), slip.reshape(2 * n, 3 * n)
 
-    def upper_axes(self, places: Places) -> Array:
+    def upper_axes(self, places: SurfacePoints) -> Array:
         """Local axes (n, 3, 3) in the upper body's own axes: (x, y, z), or (along the circle, y, outward)."""
         own = places.axes @ places.wheel_rotation
         if self.upper.radius is None and not self.upper.flat:
             return np.asarray(own)
         return level(own[:, 2, 1], np.hypot(own[:, 2, 0], own[:, 2, 2]))
 
-    def lower_axes(self, pose: Pose, places: Places) -> Array:
+    def lower_axes(self, pose: Pose, places: SurfacePoints) -> Array:
         """Local axes (n, 3, 3) along and across the rolling direction, and up."""
         own = places.axes @ self._yawed(pose)
         return level(own[:, 2, 1], -np.hypot(own[:, 2, 0], own[:, 2, 2])) if self.lower.flat else np.asarray(own)

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from wheelrail.contact.models.fitted.edge_rules import tip
-from wheelrail.contact.models.fitted.layout import Layout
-from wheelrail.contact.models.fitted.resolution import Fineness
-from wheelrail.contact.models.fitted.surfaces import Ridge
+from wheelrail.contact.models.fitted.layout import StripLayout
+from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
 from wheelrail.support.arrays import Array
 
 VIRTUAL = 0.55  # of the approach
@@ -19,7 +19,7 @@ NECK = 0.9  # of the smaller hump beside it: a load lower than that divides a pa
 
 
 @dataclass(frozen=True)
-class Part:
+class PatchSpan:
     """A patch, or a part of one, to be: its tips low and high m, middles (n,) and ends (n, 2) m of strips known; how
     many it shall have (None: as suits it).
     """
@@ -31,7 +31,7 @@ class Part:
     count: int | None = None
 
 
-def patches(layout: Layout, pressure: Array, fineness: Fineness, cell_marks: Array) -> Layout | None:
+def patches(layout: StripLayout, pressure: Array, fineness: Resolution, cell_marks: Array) -> StripLayout | None:
     """Parts for every run of strips that carry pressure, fitted to it roughly; None without any.
 
     A run with several humps is divided at the necks between them, so that a patch about to part has the same strips as
@@ -40,7 +40,7 @@ def patches(layout: Layout, pressure: Array, fineness: Fineness, cell_marks: Arr
     carries = np.any(pressure > 0, axis=1)
     joined = np.concatenate([[False], carries[1:] & carries[:-1] & (layout.patch[1:] == layout.patch[:-1])])
     run = np.cumsum(carries & ~joined) - 1
-    found: list[Part] = []
+    found: list[PatchSpan] = []
     for k in range(run.max(initial=-1) + 1):
         own = np.flatnonzero(carries & (run == k))
         edges, p, width = layout.edges[own], pressure[own], layout.width[own[0]]
@@ -55,11 +55,11 @@ def patches(layout: Layout, pressure: Array, fineness: Fineness, cell_marks: Arr
         middle = layout.middle[own]
         for start, stop in pairwise(cuts):
             inside = (middle >= start - width) & (middle <= stop + width)
-            found.append(Part(float(start), float(stop), middle[inside], ends[inside]))
+            found.append(PatchSpan(float(start), float(stop), middle[inside], ends[inside]))
     return assembled(found, fineness, cell_marks)
 
 
-def single(ridge: Ridge, fineness: Fineness, cell_marks: Array) -> Layout | None:
+def single(ridge: PenetrationProfile, fineness: Resolution, cell_marks: Array) -> StripLayout | None:
     """One part where the overlap has one hump, guessed from the rigid surfaces; None where it has not.
 
     Bodies touch about where they would overlap after half of the approach, VIRTUAL: Kik and Piotrowski 1996.
@@ -77,15 +77,15 @@ def single(ridge: Ridge, fineness: Fineness, cell_marks: Array) -> Layout | None
     )
     half = np.sqrt(2 * depth[inside] / ridge.bend[inside])
     ends = ridge.x[inside, None] + half[:, None] * [-1.0, 1.0]
-    return assembled([Part(low, high, ridge.s[inside], ends)], fineness, cell_marks)
+    return assembled([PatchSpan(low, high, ridge.s[inside], ends)], fineness, cell_marks)
 
 
-def recounted(layout: Layout, fineness: Fineness) -> Layout:
+def recounted(layout: StripLayout, fineness: Resolution) -> StripLayout:
     """The layout of one part with as many strips as suit the shape that it was fitted to."""
     low, high = float(layout.sides[0, 0]), float(layout.sides[-1, 1])
     if fineness.strips_over(high - low, float(np.diff(layout.ends).max())) == len(layout.sides):
         return layout
-    return assembled([Part(low, high, layout.middle, layout.ends)], fineness, layout.marks) or layout
+    return assembled([PatchSpan(low, high, layout.middle, layout.ends)], fineness, layout.marks) or layout
 
 
 def _necks(load: Array) -> list[int]:
@@ -105,7 +105,7 @@ def _necks(load: Array) -> list[int]:
     return found
 
 
-def assembled(found: list[Part], fineness: Fineness, cell_marks: Array) -> Layout | None:
+def assembled(found: list[PatchSpan], fineness: Resolution, cell_marks: Array) -> StripLayout | None:
     """Layout of parts; those that meet share a side, halfway between their tips. None without any."""
     parts = sorted(found, key=lambda part: part.low)
     low = np.array([part.low for part in parts])
@@ -129,7 +129,7 @@ def assembled(found: list[Part], fineness: Fineness, cell_marks: Array) -> Layou
         patch += [number] * count
     if not sides:
         return None
-    return Layout(np.concatenate(sides), np.concatenate(all_ends), np.array(patch), cell_marks)
+    return StripLayout(np.concatenate(sides), np.concatenate(all_ends), np.array(patch), cell_marks)
 
 
 def _ends_at(at: Array, tips: Array, meets: tuple[bool, bool], middle: Array, ends: Array) -> Array:

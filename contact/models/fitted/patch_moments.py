@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from wheelrail.contact.models.fitted.layout import Layout
-from wheelrail.contact.results.result import ContactResult, Fields, Patch, Summaries
+from wheelrail.contact.models.fitted.layout import StripLayout
+from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 
 ROUND_OFF = 1e-9  # of the largest traction
@@ -17,15 +17,15 @@ RESOLVED = 0.01
 EDGE = 2  # cells next to an end, where pressure goes like a square root, have no peak
 
 
-def sharpened(result: ContactResult, layout: Layout, bound: Array) -> ContactResult:
+def sharpened(result: ContactResult, layout: StripLayout, bound: Array) -> ContactResult:
     """The result with the peak between the cells' middles, semi-axes that know that pressure varies in a cell, and
     stick that ends within cells. bound (n,) Pa, the largest possible traction.
     """
     assert result.fields is not None
-    return replace(result, patches=Summaries(partial(_sharpened, result.patches, result.fields, layout, bound)))
+    return replace(result, patches=LazyPatches(partial(_sharpened, result.patches, result.fields, layout, bound)))
 
 
-def _sharpened(patches: Sequence[Patch], fields: Fields, layout: Layout, bound: Array) -> tuple[Patch, ...]:
+def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bound: Array) -> tuple[Patch, ...]:
     p, area = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area))
     left = (bound - np.hypot(*fields.traction.T)).reshape(p.shape)
     left[left < ROUND_OFF * bound.reshape(p.shape)] = 0.0

@@ -10,7 +10,7 @@ MOST = 4  # times as many strips as a round patch has
 
 
 @dataclass(frozen=True)
-class Fineness:
+class Resolution:
     """Strips over a patch's width, and cells along a strip. Raises ValueError for fewer than 4 of either."""
 
     strips: int = 12
@@ -25,6 +25,6 @@ class Fineness:
         wanted = 0.75 * self.strips * width / max(length, 1e-12)
         return int(np.ceil(min(max(self.strips, wanted), MOST * self.strips)))
 
-    def halved(self) -> Fineness:
+    def halved(self) -> Resolution:
         """Half as fine."""
-        return Fineness(max(self.strips // 2, 4), max(self.cells // 2, 4))
+        return Resolution(max(self.strips // 2, 4), max(self.cells // 2, 4))

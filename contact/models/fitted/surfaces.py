@@ -10,10 +10,10 @@ import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, curvature
 from wheelrail.contact.geometry.wheel_surface import wheel_place
-from wheelrail.contact.kinematics.contact_points import Places
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.kinematics.sensitivity import OnRail, UnderApex
-from wheelrail.contact.models.fitted.layout import Layout
+from wheelrail.contact.kinematics.sensitivity import QuadricSensitivity, WheelPointSensitivity
+from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
@@ -21,7 +21,7 @@ from wheelrail.support.compiled import compiled
 
 
 @dataclass(frozen=True)
-class Ridge:
+class PenetrationProfile:
     """Along every line s (ns,) m of the upper body: deepest overlap (ns,) m (negative: distance), its place x (ns,) m,
     and how fast it falls to both sides, bend (ns,) 1/m: overlap - bend x^2 / 2.
     """
@@ -41,15 +41,15 @@ class Ridge:
 class StripSurfaces(Protocol):
     """Surfaces of a pair of bodies for strips: s m across and x m along the rolling circle of the upper body."""
 
-    def ridge(self, pose: Pose, s: Array) -> Ridge: ...
+    def ridge(self, pose: Pose, s: Array) -> PenetrationProfile: ...
 
     def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
         """Undeformed overlap m at s and x of one shape."""
 
-    def places(self, pose: Pose, layout: Layout) -> Places:
+    def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         """The cells' middles, strip by strip from the trailing end."""
 
-    def lower_sides(self, pose: Pose, layout: Layout) -> Array:
+    def lower_sides(self, pose: Pose, layout: StripLayout) -> Array:
         """Sides (S, 2) m of the strips on the lower body."""
 
     def along(self, s: Array) -> Array:
@@ -59,7 +59,7 @@ class StripSurfaces(Protocol):
 NEXT = 2e-4  # m: a place so near to the one before has its foot beside that one's
 
 
-class Seen(NamedTuple):
+class ProjectedPoints(NamedTuple):
     """Places of a wheel seen from a rail: undeformed overlap (n,) m, -inf beyond the rail's ends; arc length (n,) m of
     their feet on the rail; point (n, 3) m and local axes (n, 3, 3), rows longitudinal, lateral, outward.
     """
@@ -74,7 +74,7 @@ class Seen(NamedTuple):
 def seen(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """`Seen` of places s, x (n,) on a wheel of a radius, revolved about y, from a rail, extruded along x."""
+    """`ProjectedPoints` of places s, x (n,) on a wheel of a radius, revolved about y, from a rail, extruded along x."""
     n = len(s)
     overlap, feet, points, axes = np.empty(n), np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
     last, sample = complex(np.inf, 0.0), 0
@@ -109,13 +109,13 @@ class ProfileStrips:
     radius: float
 
     @cached_property
-    def _follows(self) -> OnRail:
-        return OnRail.of(self.rail)
+    def _follows(self) -> WheelPointSensitivity:
+        return WheelPointSensitivity.of(self.rail)
 
-    def _seen(self, pose: Pose, s: Array, x: Array) -> Seen:
+    def _seen(self, pose: Pose, s: Array, x: Array) -> ProjectedPoints:
         """Places of the wheel, seen from the rail."""
         both = np.broadcast_arrays(s, x)
-        return Seen(
+        return ProjectedPoints(
             *seen(
                 self.wheel.shape,
                 self.rail.shape,
@@ -126,7 +126,7 @@ class ProfileStrips:
             )
         )
 
-    def ridge(self, pose: Pose, s: Array) -> Ridge:
+    def ridge(self, pose: Pose, s: Array) -> PenetrationProfile:
         """The wheel's circle is nearest to the rail where it runs along it: its forward direction has no part in the
         rail's normal.
         """
@@ -136,7 +136,7 @@ class ProfileStrips:
             x = -self.radius * np.arctan(across[:, 0] / across[:, 2])
         depth = self._seen(pose, s, x).overlap
         r, nr = self.wheel.point(s)[:, 1] + self.radius, self.wheel.normal(s)[:, 1]
-        return Ridge(s, depth, x, np.maximum(r * nr, 0.05 * r) / self.radius**2)
+        return PenetrationProfile(s, depth, x, np.maximum(r * nr, 0.05 * r) / self.radius**2)
 
     def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
         return self._seen(pose, s, x).overlap.reshape(x.shape)
@@ -144,17 +144,17 @@ class ProfileStrips:
     def along(self, s: Array) -> Array:
         return stretched(self.wheel.shape, self.radius, s)
 
-    def lower_sides(self, pose: Pose, layout: Layout) -> Array:
+    def lower_sides(self, pose: Pose, layout: StripLayout) -> Array:
         x = np.repeat(layout.ends.mean(axis=1), 2).reshape(-1, 2)
         return self._seen(pose, layout.sides, x).foot.reshape(x.shape)
 
-    def places(self, pose: Pose, layout: Layout) -> Places:
+    def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         edges = layout.edges
         x = 0.5 * (edges[:, 1:] + edges[:, :-1])
         s = np.broadcast_to(layout.middle[:, None], x.shape)
         at = self._seen(pose, s, x)
         length = np.diff(edges) * self.along(layout.middle)[:, None]
-        return Places(
+        return SurfacePoints(
             point=at.point,
             axes=at.axes,
             area=(length * layout.width[:, None]).ravel(),
@@ -174,10 +174,10 @@ class QuadricStrips:
     upper: tuple[float, float]
     lower: tuple[float, float]
 
-    def ridge(self, pose: Pose, s: Array) -> Ridge:
+    def ridge(self, pose: Pose, s: Array) -> PenetrationProfile:
         (ax, _), (bx, _) = curvature(self.upper), curvature(self.lower)
         x = np.full_like(s, pose.origin[0] * ax / (ax + bx))
-        return Ridge(s, self.overlap(pose, s, x), x, np.full_like(s, 2 * (ax + bx)))
+        return PenetrationProfile(s, self.overlap(pose, s, x), x, np.full_like(s, 2 * (ax + bx)))
 
     def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
         (ax, ay), (bx, by) = curvature(self.upper), curvature(self.lower)
@@ -187,16 +187,16 @@ class QuadricStrips:
     def along(self, s: Array) -> Array:
         return np.ones_like(s)
 
-    def lower_sides(self, pose: Pose, layout: Layout) -> Array:
+    def lower_sides(self, pose: Pose, layout: StripLayout) -> Array:
         return layout.sides
 
-    def places(self, pose: Pose, layout: Layout) -> Places:
+    def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         edges = layout.edges
         x = (0.5 * (edges[:, 1:] + edges[:, :-1])).ravel()
         s = np.repeat(layout.middle, edges.shape[1] - 1)
         length = np.diff(edges)
         across = np.column_stack([s, s])
-        return Places(
+        return SurfacePoints(
             point=np.column_stack([x, s, np.zeros_like(x)]),
             axes=np.broadcast_to(np.diag([1.0, 1.0, -1.0]), (len(x), 3, 3)),
             area=(length * layout.width[:, None]).ravel(),
@@ -205,5 +205,5 @@ class QuadricStrips:
             step=length.ravel(),
             wheel_place=across,
             rail_place=across,
-            follows=UnderApex(self.upper),
+            follows=QuadricSensitivity(self.upper),
         )

@@ -1,6 +1,6 @@
 """All displacements of both bodies as unknowns, by dolfinx and PETSc.
 
-`Full` is the model; the Newton method is dolfinx's NewtonSolver with BiCGStab, as in the paper.
+`FullContact` is the model; the Newton method is dolfinx's NewtonSolver with BiCGStab, as in the paper.
 """
 
 import lazy_loader

@@ -1,1 +1,1 @@
-from .model import Full as Full
+from .model import FullContact as FullContact

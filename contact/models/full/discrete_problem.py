@@ -8,14 +8,14 @@ import numpy as np
 import scipy.sparse as sp
 
 from wheelrail.contact.elasticity.solid_body import ElasticBody
-from wheelrail.contact.geometry.contact_operators import Coupling, couple_both
-from wheelrail.contact.geometry.grid_points import ContactPoints
+from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
+from wheelrail.contact.geometry.grid_points import GridPoints
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.mpi import Ranks
 
 
-def spread(coupling: Coupling, body: ElasticBody) -> tuple[sp.csr_array, sp.csr_array | None]:
+def spread(coupling: ContactOperators, body: ElasticBody) -> tuple[sp.csr_array, sp.csr_array | None]:
     """Operators of one body on its unknowns: the columns of this rank's."""
     nodes = body.nodes.ravel()[coupling.nodes]
     columns = (3 * nodes[:, None] + np.asarray(coupling.directions)).ravel()
@@ -31,7 +31,7 @@ def spread(coupling: Coupling, body: ElasticBody) -> tuple[sp.csr_array, sp.csr_
 
 
 @dataclass
-class Problem:
+class DiscreteProblem:
     """Contact forces and their tangent for one pose.
 
     Every rank has all rows (columns of B^T) for its own unknowns, the wheel's before the rail's.
@@ -48,18 +48,18 @@ class Problem:
     @classmethod
     def of(
         cls,
-        points: ContactPoints,
+        points: GridPoints,
         bodies: tuple[ElasticBody, ElasticBody],
         law: SurfaceLaw,
         order: int,
         rigid: Array | None,
-    ) -> Problem:
+    ) -> DiscreteProblem:
         """Problem at the contact points of one pose.
 
         bodies: wheel and rail, on the same ranks; order of the slip's difference formula; rigid (2 n,) rigid creepage
         at the points, None without friction.
         """
-        wheel, rail = couple_both(points, order if rigid is not None else 0)
+        wheel, rail = pair_operators(points, order if rigid is not None else 0)
         ranks = bodies[0].ranks
         (bw, sw), (br, sr) = spread(wheel, bodies[0]), spread(rail, bodies[1])
         displacement = sp.csr_array(sp.hstack([bw, -br], format="csr"))

@@ -7,23 +7,23 @@ from typing import Any, Literal
 import numpy as np
 import scipy.sparse as sp
 
-from wheelrail.contact.models.full.discrete_problem import Problem
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.support.arrays import Array
 
 Jacobian = Literal["exact", "difference"]
 
 
-class Product:
+class JacobianOperator:
     """Product of the Jacobian with a vector: exact, K v - B^T D G v, or by a finite difference of F, eq. (20)."""
 
     def __init__(self, stiffness: Any) -> None:
         self._stiffness = stiffness
-        self._problem: Problem | None = None
+        self._problem: DiscreteProblem | None = None
         self._tangent: sp.csr_array | None = None
         self._u: Array = np.empty(0)
         self._base: Array = self._u
 
-    def at(self, problem: Problem, u: Array, kind: Jacobian) -> None:
+    def at(self, problem: DiscreteProblem, u: Array, kind: Jacobian) -> None:
         """Linearise about the displacements u."""
         self._problem, self._u = problem, u
         self._tangent = problem.tangent(u) if kind == "exact" else None

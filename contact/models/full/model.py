@@ -17,38 +17,38 @@ from time import perf_counter
 import numpy as np
 
 from wheelrail.contact.elasticity.solid_body import ElasticBody
-from wheelrail.contact.geometry.grid_points import Geometry
-from wheelrail.contact.kinematics.contact_points import OutsideGrid
+from wheelrail.contact.geometry.grid_points import SurfacePair
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage
-from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.augmented_lagrangian import LOOPS, offset, softened
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.full.discrete_problem import Problem
-from wheelrail.contact.models.full.newton import Count, FullOptions, Newton
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
+from wheelrail.contact.models.full.newton import FullIterationCount, FullOptions, Newton
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.contact.models.full.two_body_stiffness import both, with_rigid_motions
 from wheelrail.contact.results.result import ContactResult, Statistics
-from wheelrail.contact.results.resultants import connected, outcome
+from wheelrail.contact.results.resultants import assemble_result, connected
 from wheelrail.support.arrays import Array
 
 
 @dataclass
-class Full:
+class FullContact:
     """Contact model on the complete 3D meshes: pose and velocities in, `ContactResult` out.
 
     Under `mpirun` all ranks call it alike, with bodies that are split over them, and get the same result, but for its
     displacements: each has its own unknowns', the wheel's before the rail's, and starts from them again as a guess.
     """
 
-    geometry: Geometry
+    geometry: SurfacePair
     wheel: ElasticBody
     rail: ElasticBody
-    laws: Laws
+    laws: ContactLaws
     order: int = 2
     options: FullOptions = field(default_factory=FullOptions)
 
     @cached_property
-    def soft(self) -> Laws:
+    def soft(self) -> ContactLaws:
         """The laws that displacements are solved with."""
         size = float(np.sqrt(self.wheel.grid.weight.max()))
         return softened(self.laws, modulus=self.wheel.steel.E, size=size)
@@ -67,12 +67,12 @@ class Full:
             with_rigid_motions(matrix, np.concatenate([self.wheel.coordinates, self.rail.coordinates]))
         return Newton(matrix, self.options, self.wheel.ranks)
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         start = perf_counter()
         order, ranks = self.order if self.laws.friction > 0 else 0, self.wheel.ranks
         try:
             points, approach = ranks.shared(lambda: self.geometry.contact_points(pose, order))
-        except OutsideGrid as error:
+        except OutsideSurface as error:
             return ContactResult.failed(str(error))
         if points is None:
             return ContactResult.separated(approach)
@@ -80,7 +80,7 @@ class Full:
             speed, rigid = creepage(points, motion) if order else (0.0, None)
         except NotRolling as error:
             return ContactResult.failed(str(error), approach)
-        problem = Problem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
+        problem = DiscreteProblem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
         u, z, forces, status, count = self._solve(problem, points.area, speed, self._start(guess))
@@ -92,7 +92,7 @@ class Full:
         moved = np.zeros((n, 3))
         local = ranks.total(problem.displacement @ u).reshape(-1, n).T
         moved[:, 3 - local.shape[1] :] = local
-        result = outcome(
+        result = assemble_result(
             points,
             node=points.node,
             patch=connected(points.node, traction[:, 0] < 0, self.wheel.grid.shape),
@@ -122,8 +122,8 @@ class Full:
         return None if strange else before
 
     def _solve(
-        self, problem: Problem, area: Array, speed: float, start: Array | None
-    ) -> tuple[Array, Array, Array, str, Count]:
+        self, problem: DiscreteProblem, area: Array, speed: float, start: Array | None
+    ) -> tuple[Array, Array, Array, str, FullIterationCount]:
         """Displacements, z (n, c) and nodal forces (n, c) of the laws, status and cost."""
         u, status, count = self.solver.run(problem, start)
         bare = problem.constant

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from wheelrail.contact.models.full.discrete_problem import Problem
-from wheelrail.contact.models.full.jacobian import Jacobian, Product
-from wheelrail.contact.models.full.preconditioner import Corrected, Preconditioner, choose
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
+from wheelrail.contact.models.full.jacobian import Jacobian, JacobianOperator
+from wheelrail.contact.models.full.preconditioner import ContactPreconditioner, Preconditioner, choose
 from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
-from wheelrail.support.interrupts import look
+from wheelrail.support.interrupts import check_interrupt
 from wheelrail.support.mpi import ALONE, Ranks
 
 LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
@@ -37,7 +37,7 @@ class FullOptions:
 
 
 @dataclass
-class Count:
+class FullIterationCount:
     """Steps of Newton, BiCGStab, Armijo, linear solves that failed, loops of multipliers, and the relative residual."""
 
     newton: int = 0
@@ -47,7 +47,7 @@ class Count:
     loops: int = 0
     residual: float = np.inf
 
-    def add(self, more: Count) -> None:
+    def add(self, more: FullIterationCount) -> None:
         """Take over the steps of another solve."""
         self.newton += more.newton
         self.linear += more.linear
@@ -56,17 +56,19 @@ class Count:
 
 
 class Newton(compat.newton_base()):  # type: ignore[misc]
-    """dolfinx's NewtonSolver for a changing `Problem`, with Armijo backtracking and a check of every linear solve."""
+    """dolfinx's NewtonSolver for a changing `DiscreteProblem`, with Armijo backtracking and a check of every linear
+    solve.
+    """
 
     def __init__(self, stiffness: Any, options: FullOptions, ranks: Ranks = ALONE) -> None:
         super().__init__(ranks.comm)
         self.options, self.stiffness, self.ranks = options, stiffness, ranks
-        self.problem: Problem | None = None
-        self.count = Count()
+        self.problem: DiscreteProblem | None = None
+        self.count = FullIterationCount()
         self._b, self._work = stiffness.createVecs()
         self._x = self._work.duplicate()
         self._contact = 0.0  # norm of the contact forces: what a residual is measured by
-        self._product = Product(stiffness)
+        self._product = JacobianOperator(stiffness)
         jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
         jacobian.setUp()
         compat.freed_with(self, stiffness, self._b, self._work, self._x, jacobian)
@@ -81,7 +83,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         krylov.setType("bcgs")
         krylov.setTolerances(rtol=options.forcing, atol=1e-300, max_it=500)
         pc = krylov.getPC()
-        self._corrected = Corrected(stiffness, ranks) if options.preconditioner == "corrected" else None
+        self._corrected = ContactPreconditioner(stiffness, ranks) if options.preconditioner == "corrected" else None
         if self._corrected is not None:
             pc.setType("python")
             pc.setPythonContext(self._corrected)
@@ -94,14 +96,14 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.error_on_nonconvergence = False
         self.report = False
 
-    def run(self, problem: Problem, start: Array | None = None) -> tuple[Array, str, Count]:
+    def run(self, problem: DiscreteProblem, start: Array | None = None) -> tuple[Array, str, FullIterationCount]:
         """This rank's displacements, status and cost; from displacements to start from, or from afar where these lead
         nowhere.
 
         From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
         wanders, from the blunter law's answer it does not.
         """
-        self.problem, self.count = problem, Count()
+        self.problem, self.count = problem, FullIterationCount()
         if self._corrected is not None:
             self._corrected.prepare(problem)
         law = problem.law
@@ -134,7 +136,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
                 relative = self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
                 if relative <= tolerance:
                     break
-                look()
+                check_interrupt()
                 self.atol = 0.5 * tolerance * self._contact
                 self.solve(x)
         return relative

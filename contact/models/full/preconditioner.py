@@ -9,7 +9,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-from wheelrail.contact.models.full.discrete_problem import Problem
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
 from wheelrail.support.mpi import Ranks
@@ -24,9 +24,9 @@ def choose(pc: Any, kind: Preconditioner, ranks: Ranks) -> None:
     """Set the type of a preconditioner whose matrix is known.
 
     "cholesky", the complete factor: by CHOLMOD, on several ranks by MUMPS; "corrected", the default, corrects the same
-    for the contact's tangent, see `wheelrail.contact.models.full.preconditioner.Corrected`. "icc", the incomplete
-    factor, on several ranks of each one's own block. "gamg", algebraic multigrid: more iterations, but memory and time
-    grow little faster than the mesh.
+    for the contact's tangent, see `wheelrail.contact.models.full.preconditioner.ContactPreconditioner`. "icc", the
+    incomplete factor, on several ranks of each one's own block. "gamg", algebraic multigrid: more iterations, but
+    memory and time grow little faster than the mesh.
     """
     several = ranks.size > 1
     if kind == "icc" and several:
@@ -43,7 +43,7 @@ def choose(pc: Any, kind: Preconditioner, ranks: Ranks) -> None:
             pc.setFromOptions()  # PETSc's own defaults of multigrid come with it
 
 
-class Corrected:
+class ContactPreconditioner:
     """Cholesky factor of the elastic stiffness, corrected for the contact's tangent: the inverse of K - B^T D G.
 
     (K - B^T T)^-1 = (1 + Z (1 - T Z)^-1 T) K^-1 with T = D G and Z = K^-1 B^T, the response to unit forces at the
@@ -65,7 +65,7 @@ class Corrected:
         self._tangent: sp.csr_array | None = None
         self._small: Any = None
 
-    def prepare(self, problem: Problem) -> None:
+    def prepare(self, problem: DiscreteProblem) -> None:
         """Responses Z of a pose, unless they are there."""
         self._tangent = None
         if problem.forces is self._forces:

@@ -13,7 +13,7 @@ from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from wheelrail.contact.geometry.surface_grid import RULES, ContactGrid
-from wheelrail.contact.laws.parameters import Laws
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.forms import compat
 from wheelrail.forms.traction import falling_friction, frictionless_traction, slip, traction, virtual_work
 from wheelrail.meshes.bodies.extrusion import Solid
@@ -34,7 +34,7 @@ class SurfaceLaw:
     friction asks for, `at_speed`. gained is what multipliers add to the slip of points that slide.
     """
 
-    def __init__(self, solid: Solid, grid: ContactGrid, degree: int, laws: Laws, *, gained: float = 0.0) -> None:
+    def __init__(self, solid: Solid, grid: ContactGrid, degree: int, laws: ContactLaws, *, gained: float = 0.0) -> None:
         cell = "triangle" if solid.cell == "tetrahedron" else "quadrilateral"
         used, faces = np.unique(solid.faces, return_inverse=True)
         mesh = compat.mesh_from_arrays(MPI.COMM_SELF, cell, faces.reshape(solid.faces.shape), solid.points[used])

@@ -8,14 +8,14 @@ import numpy as np
 
 from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.contact.analytical.kalker import RATIO, Name, kalker
-from wheelrail.contact.laws.material import Steel
+from wheelrail.contact.laws.material import Material
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 NAMES: tuple[Name, ...] = ("C11", "C22", "C23")
 
 
-class Elasticity(NamedTuple):
+class PairElasticity(NamedTuple):
     """E* [Pa] and shear modulus G [Pa] of two bodies together, and C11, C22, C23 (2, 10, 3) as `kalker` tabulates them:
     for a <= b, then for a >= b, at the ratios RATIO.
     """
@@ -25,7 +25,7 @@ class Elasticity(NamedTuple):
     table: Array
 
     @classmethod
-    def of(cls, upper: Steel, lower: Steel) -> Elasticity:
+    def of(cls, upper: Material, lower: Material) -> PairElasticity:
         """1/G is the mean of both bodies', and so is nu/G. Raises ValueError for a mean Poisson's ratio below 0."""
         soft = [2.0 * (1.0 + steel.nu) / steel.E for steel in (upper, lower)]
         nu = (soft[0] * upper.nu + soft[1] * lower.nu) / (soft[0] + soft[1])

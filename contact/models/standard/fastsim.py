@@ -17,7 +17,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 
-class Bed(NamedTuple):
+class ElasticFoundation(NamedTuple):
     """Flexibilities m/Pa: displacement by traction, of pure longitudinal and lateral creepage and of spin."""
 
     along: float
@@ -26,9 +26,9 @@ class Bed(NamedTuple):
 
 
 @compiled
-def bed(a: float, b: float, G: float, kalker: tuple[float, float, float]) -> Bed:
+def bed(a: float, b: float, G: float, kalker: tuple[float, float, float]) -> ElasticFoundation:
     """Of an ellipse of semi-axes a, b [m], shear modulus G [Pa], coefficients C11, C22, C23 (Kalker 1990, eq. 2.79)."""
-    return Bed(
+    return ElasticFoundation(
         8.0 * a / (3.0 * G * kalker[0]),
         8.0 * a / (3.0 * G * kalker[1]),
         np.pi * a * np.sqrt(a / b) / (4.0 * G * kalker[2]),
@@ -40,7 +40,7 @@ def strip_tractions(
     half: float,
     creep: tuple[float, float],
     spin: tuple[float, float, float],
-    flexible: Bed,
+    flexible: ElasticFoundation,
     bounds: Array,
     traction: Array,
     slip: Array,

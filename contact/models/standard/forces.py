@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.standard.creep_coefficients import Elasticity, coefficients
-from wheelrail.contact.models.standard.fastsim import Bed, bed, strip_tractions
-from wheelrail.contact.models.standard.normal import Pressed
+from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
+from wheelrail.contact.models.standard.fastsim import ElasticFoundation, bed, strip_tractions
+from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.polach import effective, polach
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
@@ -58,7 +58,7 @@ class RollingPatch(NamedTuple):
     load: float
     paraboloid: float
     kalker: tuple[float, float, float]
-    flexibility: Bed
+    flexibility: ElasticFoundation
 
 
 class StripTractions(NamedTuple):
@@ -130,7 +130,13 @@ def creepages(v: RigidVelocities, point: Array, axes: Array, speed: float) -> tu
 
 @compiled
 def rolling_patch(
-    strips: Pressed, contact: int, start: int, stop: int, peaks: StripFrames, v: RigidVelocities, elastic: Elasticity
+    strips: StripPressures,
+    contact: int,
+    start: int,
+    stop: int,
+    peaks: StripFrames,
+    v: RigidVelocities,
+    elastic: PairElasticity,
 ) -> RollingPatch:
     """The contact made of the strips from start up to stop."""
     volume = 0.0
@@ -172,7 +178,9 @@ def half_ellipse_means(cells: int) -> tuple[Array, Array]:
 
 
 @compiled
-def place_cells(strips: Pressed, i: int, frames: StripFrames, share: float, arch: Array, found: StripTractions) -> None:
+def place_cells(
+    strips: StripPressures, i: int, frames: StripFrames, share: float, arch: Array, found: StripTractions
+) -> None:
     """Fill the places, sizes and pressures of the cells of strip i, whose area counts by a share."""
     m, half = len(arch), strips.half[i]
     length = 2.0 * half / m
@@ -252,12 +260,12 @@ def integrate_tractions(found: StripTractions, axes: Array) -> None:
 
 @compiled
 def strip_forces(
-    strips: Pressed,
+    strips: StripPressures,
     share: Array,
     middles: StripFrames,
     peaks: StripFrames,
     v: RigidVelocities,
-    elastic: Elasticity,
+    elastic: PairElasticity,
     law: FrictionParameters,
     m: int,
 ) -> StripTractions:

@@ -12,10 +12,10 @@ from typing import Literal
 import numpy as np
 
 from wheelrail.contact.geometry.rigid_surfaces import RigidPair
-from wheelrail.contact.kinematics.frames import Motion, Pose
-from wheelrail.contact.laws.material import Steel
-from wheelrail.contact.laws.parameters import Laws
-from wheelrail.contact.models.standard.creep_coefficients import Elasticity
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.forces import (
     FASTSIM,
     NO_FRICTION,
@@ -27,7 +27,7 @@ from wheelrail.contact.models.standard.forces import (
 )
 from wheelrail.contact.models.standard.normal import hertzian, virtual_penetration
 from wheelrail.contact.models.standard.patches import StripContacts
-from wheelrail.contact.results.result import ContactResult, Statistics, Summaries
+from wheelrail.contact.results.result import ContactResult, LazyPatches, Statistics
 
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
@@ -46,9 +46,9 @@ class StandardContact:
     """
 
     surfaces: RigidPair
-    laws: Laws
-    upper: Steel = field(default_factory=Steel)
-    lower: Steel = field(default_factory=Steel)
+    laws: ContactLaws
+    upper: Material = field(default_factory=Material)
+    lower: Material = field(default_factory=Material)
     normal: Normal = "kik-piotrowski"
     tangential: Tangential = "fastsim"
     reduction: tuple[float, float] = (1.0, 1.0)
@@ -65,8 +65,8 @@ class StandardContact:
             raise ValueError(f"a strip needs at least 2 cells, got {self.cells}")
 
     @cached_property
-    def elasticity(self) -> Elasticity:
-        return Elasticity.of(self.upper, self.lower)
+    def elasticity(self) -> PairElasticity:
+        return PairElasticity.of(self.upper, self.lower)
 
     @cached_property
     def law(self) -> FrictionParameters:
@@ -77,7 +77,7 @@ class StandardContact:
             self.laws.friction, share, rate, method if self.laws.friction > 0.0 else NO_FRICTION, self.reduction
         )
 
-    def __call__(self, pose: Pose, motion: Motion, guess: ContactResult | None = None) -> ContactResult:
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         try:
             zones, approach = self.surfaces.zones(pose)
         except ValueError as error:
@@ -111,7 +111,7 @@ class StandardContact:
         return ContactResult(
             force=cells.force,
             moment=cells.moment,
-            patches=Summaries(made.summaries),
+            patches=LazyPatches(made.summaries),
             fields=made.fields(),
             approach=approach,
             status="converged",

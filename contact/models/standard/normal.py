@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import PLACES, VIRTUAL, WIDTHS, Zones
+from wheelrail.contact.geometry.interpenetration import PLACES, VIRTUAL, WIDTHS, PenetrationRegions
 from wheelrail.contact.models.standard.ellipse import axis_ratio, ellipse, strip_potential
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
 
-class Pressed(NamedTuple):
+class StripPressures(NamedTuple):
     """Strips (n,) that carry pressure: contact; place m on the upper body's profile and x m; width m; half length m;
     scale Pa/m: the pressure at x from the middle is scale sqrt(half^2 - x^2). By contact (k,): normal force N of all of
     it, semi-axes m of the ellipse with the pressure's second moments.
@@ -44,7 +44,7 @@ def moments(s: Array, width: Array, half: Array) -> tuple[float, float]:
 
 
 @compiled
-def virtual_penetration(zones: Zones, E_star: float) -> Pressed:
+def virtual_penetration(zones: PenetrationRegions, E_star: float) -> StripPressures:
     """Piotrowski and Kik's pressure: the zone of every contact, its shape corrected, deflects as deep as its hump.
 
     Where the bodies overlap in an ellipse that zone is too slender: its length and its width are scaled to the ratio of
@@ -74,11 +74,11 @@ def virtual_penetration(zones: Zones, E_star: float) -> Pressed:
         load[c] = np.pi * E_star * zones.depth[c] / seen * volume
         along[c], across[c] = a * stretch, b / stretch
         start = stop
-    return Pressed(zones.contact, s, x, width, half, scale, load, along, across)
+    return StripPressures(zones.contact, s, x, width, half, scale, load, along, across)
 
 
 @compiled
-def hertzian(zones: Zones, E_star: float) -> Pressed:
+def hertzian(zones: PenetrationRegions, E_star: float) -> StripPressures:
     """Hertz's pressure: curved across as the parabola that overlaps over the same second moment as the zone."""
     k, m = len(zones.peak), len(PLACES)
     n = 2 * m * k
@@ -109,4 +109,4 @@ def hertzian(zones: Zones, E_star: float) -> Pressed:
                 scale[n] = peak / a
                 n += 1
         start = stop
-    return Pressed(contact, s, x, width, half, scale, load, along, across)
+    return StripPressures(contact, s, x, width, half, scale, load, along, across)

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import Zones
-from wheelrail.contact.kinematics.contact_points import Places
-from wheelrail.contact.kinematics.frames import Motion, Pose
+from wheelrail.contact.geometry.interpenetration import PenetrationRegions
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.models.standard.forces import StripTractions
-from wheelrail.contact.models.standard.normal import Pressed
+from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.results.result import Fields, Patch
-from wheelrail.contact.results.resultants import Rubbing, summarise
+from wheelrail.contact.results.resultants import FrictionalWork, summarise
 from wheelrail.support.arrays import Array, Nodes
 
 if TYPE_CHECKING:
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 class StripContacts:
     """Zones, strips and cells of one solve; points (n, 3) m and axes (n, 3, 3) of the n strips."""
 
-    zones: Zones
-    strips: Pressed
+    zones: PenetrationRegions
+    strips: StripPressures
     cells: StripTractions
     point: Array
     axes: Array
     pose: Pose
-    motion: Motion
+    motion: RigidMotion
     surfaces: RigidPair
 
     @property
@@ -67,7 +67,7 @@ class StripContacts:
         """Every contact, by falling load."""
         fields, cells, strips = self.fields(), self.cells, self.strips
         on_wheel, on_rail = self.surfaces.profiles(strips.s, self.point)
-        places = Places(
+        places = SurfacePoints(
             point=fields.point,
             axes=fields.axes,
             area=fields.area,
@@ -80,7 +80,7 @@ class StripContacts:
         local = np.column_stack([cells.traction, -cells.pressure]) * cells.area[:, None]
         forces = (local[:, None, :] @ fields.axes)[:, 0]
         speed = float(cells.speed.mean()) if cells.traction.any() else 0.0
-        rubbing = Rubbing(places, cells.traction, cells.sticks, self.motion, speed)
+        rubbing = FrictionalWork(places, cells.traction, cells.sticks, self.motion, speed)
         found = []
         for contact in np.argsort(self.rank):
             inside = fields.patch == self.rank[contact]

@@ -10,10 +10,10 @@ from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
 
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.rigid_surfaces import RigidPair
-    from wheelrail.contact.kinematics.frames import Motion, Pose
+    from wheelrail.contact.kinematics.frames import Pose, RigidMotion
     from wheelrail.contact.kinematics.wheelset_state import Mounting
-    from wheelrail.contact.laws.parameters import Laws
-    from wheelrail.contact.models.fitted.resolution import Fineness
+    from wheelrail.contact.laws.parameters import ContactLaws
+    from wheelrail.contact.models.fitted.resolution import Resolution
     from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
     from wheelrail.contact.stress.subsurface import LoadedBody
     from wheelrail.meshes.profiles.profile import Profile
@@ -28,21 +28,21 @@ class Material(Protocol):
     def nu(self) -> float: ...
 
 
-def laws(scene: HertzScene | WheelsetScene | RunScene) -> Laws:
+def laws(scene: HertzScene | WheelsetScene | RunScene) -> ContactLaws:
     """Penalty pressure and regularised Coulomb friction with the scene's constants, or the exact laws; of these the
     standard contact takes the friction.
     """
-    from wheelrail.contact.laws.parameters import FallingFriction, Laws
+    from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 
     falling = None if scene.falling is None else FallingFriction(scene.falling.share, scene.falling.rate)
     if scene.laws == "exact" or scene.model == "standard":
-        return Laws(friction=scene.friction, falling=falling)
-    return Laws(scene.stiffness_per_area, scene.friction, scene.regularisation, falling)
+        return ContactLaws(friction=scene.friction, falling=falling)
+    return ContactLaws(scene.stiffness_per_area, scene.friction, scene.regularisation, falling)
 
 
 def hertz_model(scene: HertzScene) -> ContactModel:
     """The pair of bodies of a Hertz scene."""
-    from wheelrail.contact.laws.material import Steel
+    from wheelrail.contact.laws.material import Material
 
     if scene.model == "standard":
         from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics
@@ -54,8 +54,8 @@ def hertz_model(scene: HertzScene) -> ContactModel:
     return hertz_pair(
         scene.upper.radii,
         scene.lower.radii,
-        upper_steel=Steel(scene.upper.E, scene.upper.nu),
-        lower_steel=Steel(scene.lower.E, scene.lower.nu),
+        upper_steel=Material(scene.upper.E, scene.upper.nu),
+        lower_steel=Material(scene.lower.E, scene.lower.nu),
         load=scene.load,
         approach=scene.approach,
         surface_size=scene.surface_size,
@@ -71,7 +71,7 @@ def hertz_model(scene: HertzScene) -> ContactModel:
     )
 
 
-def hertz_motion(scene: HertzScene) -> Motion:
+def hertz_motion(scene: HertzScene) -> RigidMotion:
     """Material of both bodies flows backwards through the contact at the speed, the upper one's creepage faster.
 
     The creepage is shared, so that the mean of both velocities is the speed itself. Zero for a frictionless scene that
@@ -79,15 +79,15 @@ def hertz_motion(scene: HertzScene) -> Motion:
     """
     import numpy as np
 
-    from wheelrail.contact.kinematics.frames import Motion, Twist
+    from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 
     if scene.shift is not None:
         push, still = 0.5 * np.array([*scene.shift, 0.0]), np.zeros(3)
-        return Motion(Twist(push, still, still), Twist(-push, still, still))
+        return RigidMotion(Twist(push, still, still), Twist(-push, still, still))
     speed, (xi, eta, phi) = scene.speed or 0.0, scene.creepage or (0.0, 0.0, 0.0)
     flow, slip, origin = np.array([-speed, 0.0, 0.0]), speed * np.array([xi, eta, 0.0]), np.zeros(3)
     spin = np.array([0.0, 0.0, speed * phi])
-    return Motion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
+    return RigidMotion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
 
 
 def hertz_scale(scene: HertzScene, load: float) -> float:
@@ -105,10 +105,10 @@ def wheelset_contact(scene: WheelsetScene | RunScene, profiles: Sequence[Profile
     profiles: wheel, and rail as laid, the scene's own unless given. Raises SceneError for a profile that cannot be
     read, or a rail without the gauge's height.
     """
-    from wheelrail.contact.laws.material import Steel
+    from wheelrail.contact.laws.material import Material
     from wheelrail.contact.models.wheelset import WheelsetContact
 
-    axle, steel = scene.wheelset, Steel(scene.E, scene.nu)
+    axle, steel = scene.wheelset, Material(scene.E, scene.nu)
     wheel, rail = profiles or laid_profiles(scene)
     mounting = mounted(scene, rail)
     if scene.model == "standard":
@@ -158,11 +158,11 @@ def _standard(
     scene: HertzScene | WheelsetScene | RunScene, surfaces: RigidPair, upper: Material, lower: Material
 ) -> ContactModel:
     """The contact of multibody codes."""
-    from wheelrail.contact.laws.material import Steel
+    from wheelrail.contact.laws.material import Material
     from wheelrail.contact.models.standard.model import StandardContact
 
     given = {key: value for key in ("normal", "tangential") if (value := getattr(scene, key)) is not None}
-    above, below = (Steel(body.E, body.nu) for body in (upper, lower))
+    above, below = (Material(body.E, body.nu) for body in (upper, lower))
     return StandardContact(surfaces, laws(scene), above, below, **given)
 
 
@@ -191,15 +191,15 @@ def loaded_bodies(
     scene: HertzScene | WheelsetScene, pose: Pose, names: Iterable[str], profiles: Sequence[Profile] | None = None
 ) -> dict[str, LoadedBody]:
     """Bodies of a scene as ones that its tractions load: "upper" and "lower", or "wheel" and "rail"."""
-    from wheelrail.contact.laws.material import Steel
+    from wheelrail.contact.laws.material import Material
     from wheelrail.contact.stress.subsurface import LoadedBody
 
     if isinstance(scene, HertzScene):
         pair = {"upper": scene.upper, "lower": scene.lower}
-        return {name: LoadedBody.block(name == "upper", Steel(pair[name].E, pair[name].nu)) for name in names}
+        return {name: LoadedBody.block(name == "upper", Material(pair[name].E, pair[name].nu)) for name in names}
     from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
 
-    steel = Steel(scene.E, scene.nu)
+    steel = Material(scene.E, scene.nu)
     wheel, rail = profiles or laid_profiles(scene)
     made = {
         "wheel": lambda: LoadedBody.wheel(wheel_outline(wheel, scene.wheelset.radius), steel, pose),
@@ -208,14 +208,14 @@ def loaded_bodies(
     return {name: made[name]() for name in names}
 
 
-def _fineness(scene: HertzScene | WheelsetScene | RunScene) -> dict[str, Fineness]:
+def _fineness(scene: HertzScene | WheelsetScene | RunScene) -> dict[str, Resolution]:
     """Strips and cells of fitted points, where the scene gives any."""
     given = {key: value for key in ("strips", "cells") if (value := getattr(scene, key)) is not None}
     if not given:
         return {}
-    from wheelrail.contact.models.fitted.resolution import Fineness
+    from wheelrail.contact.models.fitted.resolution import Resolution
 
-    return {"fineness": Fineness(**given)}
+    return {"fineness": Resolution(**given)}
 
 
 def wheel_scale(scene: WheelsetScene, load: float) -> float:

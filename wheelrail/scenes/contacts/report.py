@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from wheelrail.contact.results.result import ContactResult
-    from wheelrail.contact.stress.subsurface import Underneath
+    from wheelrail.contact.stress.subsurface import SubsurfaceStress
 
 
 def side_report(
@@ -22,7 +22,7 @@ def side_report(
     roll: float,
     solves: int,
     seconds: float,
-    stress: Mapping[str, Underneath] | None = None,
+    stress: Mapping[str, SubsurfaceStress] | None = None,
 ) -> dict[str, Any]:
     """One contact: resultants, patches, where the wheel stands, and what it cost; its error_estimate where the result
     has one, in the units of what it is an estimate of, and stresses inside the bodies where there are any.
@@ -55,7 +55,7 @@ def side_report(
     }
 
 
-def stress_report(found: Underneath) -> dict[str, Any]:
+def stress_report(found: SubsurfaceStress) -> dict[str, Any]:
     """By patch: depth m, position m, stress Pa, von_mises Pa and where it is largest; and what it cost."""
     patches = []
     for patch in found.patches:

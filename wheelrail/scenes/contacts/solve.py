@@ -22,14 +22,14 @@ from wheelrail.scenes.builders.contact import (
 from wheelrail.scenes.contacts.report import overall, side_report
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
-from wheelrail.support.interrupts import later
+from wheelrail.support.interrupts import deferred_interrupts
 
 if TYPE_CHECKING:
     from wheelrail.contact.kinematics.frames import Pose
-    from wheelrail.contact.loading.wheelset import Seat
+    from wheelrail.contact.loading.wheelset import WheelsetEquilibrium
     from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
     from wheelrail.contact.results.result import ContactResult
-    from wheelrail.contact.stress.subsurface import Underneath
+    from wheelrail.contact.stress.subsurface import SubsurfaceStress
     from wheelrail.meshes.profiles.profile import Profile
 
 Say = Callable[[str], None]
@@ -37,7 +37,7 @@ Seen = Callable[[str, "ContactResult"], None]
 
 
 @dataclass(frozen=True)
-class Solved:
+class SideSolution:
     """The contact of one side: its result, the pose (of the upper body in the frame of the lower one) that it stands
     in, z m and roll rad of the wheelset, contact solves and seconds that it took, and stresses inside the bodies.
 
@@ -50,10 +50,10 @@ class Solved:
     roll: float = nan
     solves: int = 0
     seconds: float = 0.0
-    stress: Mapping[str, Underneath] = field(default_factory=dict)
+    stress: Mapping[str, SubsurfaceStress] = field(default_factory=dict)
 
     @classmethod
-    def unfound(cls, reason: str) -> Solved:
+    def unfound(cls, reason: str) -> SideSolution:
         """The load cannot be carried."""
         from wheelrail.contact.results.result import ContactResult
 
@@ -103,7 +103,7 @@ def solve_sides(
     model: ContactModel | WheelsetContact | None = None,
     profiles: Sequence[Profile] | None = None,
     say: Say = lambda _: None,
-) -> Iterator[tuple[str, Solved]]:
+) -> Iterator[tuple[str, SideSolution]]:
     """Every side of a scene, "contact" for a Hertz pair, solved in its turn.
 
     model: one that was built for this scene, or for one that differs only in pose, motion and load; profiles of wheel
@@ -126,7 +126,7 @@ def ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     }
 
 
-def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[tuple[str, Solved]]:
+def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[tuple[str, SideSolution]]:
     from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
     from wheelrail.contact.loading.load_search import LoadError
 
@@ -138,14 +138,14 @@ def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[
     with _clock() as seconds:
         if scene.load is None:
             depth, solves = float(scene.approach or 0.0), 1
-            with later():
+            with deferred_interrupts():
                 result = model(hertz_pose(depth), motion, None)
         else:
             try:
-                with later():
+                with deferred_interrupts():
                     found = hertz_under_load(model, motion, scene.load, expected=hertz_scale(scene, scene.load))
             except LoadError as error:
-                yield "contact", Solved.unfound(str(error))
+                yield "contact", SideSolution.unfound(str(error))
                 return
             depth, solves, result = found.depth, found.trials, found.results[0]
     spent, pose = seconds(), hertz_pose(depth)
@@ -154,12 +154,12 @@ def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[
     if scene.error_estimate:
         say("the same on half as many cells")
         result = _estimated(result, lambda: _halved(model)(pose, motion, None))
-    yield "contact", Solved(result, pose, -depth, 0.0, solves, spent, _stress(scene, result, pose, None, say))
+    yield "contact", SideSolution(result, pose, -depth, 0.0, solves, spent, _stress(scene, result, pose, None, say))
 
 
 def _wheelset(
     scene: WheelsetScene, contact: WheelsetContact | None, profiles: Sequence[Profile] | None, say: Say
-) -> Iterator[tuple[str, Solved]]:
+) -> Iterator[tuple[str, SideSolution]]:
     from wheelrail.contact.loading.load_search import LoadError
 
     if contact is None:
@@ -169,10 +169,10 @@ def _wheelset(
         say(f"contact of the {' and '.join(sides)} wheel")
         with _clock() as seconds:
             try:
-                with later():
+                with deferred_interrupts():
                     seat = solve()
             except LoadError as error:
-                yield from ((side, Solved.unfound(str(error))) for side in sides)
+                yield from ((side, SideSolution.unfound(str(error))) for side in sides)
                 continue
         share, time = seat.solves // len(sides), seconds() / len(sides)
         state = seat.state
@@ -185,7 +185,7 @@ def _wheelset(
             stress = _stress(scene, result, pose, profiles, say)
             if side == "right":
                 pose, stress = pose.mirrored(), {name: found.mirrored() for name, found in stress.items()}
-            yield side, Solved(result, pose, state.z, state.roll, share, time, stress)
+            yield side, SideSolution(result, pose, state.z, state.roll, share, time, stress)
 
 
 def _halved(model: ContactModel) -> ContactModel:
@@ -203,7 +203,7 @@ def _estimated(result: ContactResult, rough: Callable[[], ContactResult]) -> Con
 
     if not result.patches:
         return result
-    with later():
+    with deferred_interrupts():
         other = rough()
     return replace(result, error_estimate=difference(result, other) if other.ok else ErrorEstimate.unknown())
 
@@ -214,7 +214,7 @@ def _stress(
     pose: Pose,
     profiles: Sequence[Profile] | None,
     say: Say,
-) -> dict[str, Underneath]:
+) -> dict[str, SubsurfaceStress]:
     """Stresses by body, in the frame of the result's fields. Raises SceneError for depths that leave a body."""
     if scene.stress is None or not result.patches:
         return {}
@@ -230,7 +230,9 @@ def _stress(
     return found
 
 
-def _seats(scene: WheelsetScene, contact: WheelsetContact) -> Iterator[tuple[tuple[str, ...], Callable[[], Seat]]]:
+def _seats(
+    scene: WheelsetScene, contact: WheelsetContact
+) -> Iterator[tuple[tuple[str, ...], Callable[[], WheelsetEquilibrium]]]:
     """The solves that a wheelset scene asks for: sides, and the call that seats them."""
     from wheelrail.contact.kinematics.wheelset_state import WheelsetState
     from wheelrail.contact.loading.wheelset import axle_under_load, placed, wheel_under_load, wheels_under_load

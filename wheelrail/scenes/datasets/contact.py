@@ -16,7 +16,7 @@ from wheelrail.support.arrays import Array, Mask
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.contact.laws.parameters import Laws
+    from wheelrail.contact.laws.parameters import ContactLaws
 
 LOCAL = ("longitudinal", "lateral", "normal")
 SIDEWAYS = np.array([1.0, -1.0, 1.0])  # of local components in a mirror, where the lateral axis turns round
@@ -29,7 +29,7 @@ ERRORS = {
 }
 
 
-def contact_dataset(results: Mapping[str, ContactResult], laws: Laws) -> Dataset:
+def contact_dataset(results: Mapping[str, ContactResult], laws: ContactLaws) -> Dataset:
     """A Dataset over side, patch (by falling load, padded with NaN) and point (those of all sides, one after another).
 
     Sides are left and right, each in a frame of its own rail, parallel to the track's, or "contact" for a Hertz pair.
@@ -82,7 +82,7 @@ def _totals(results: Mapping[str, ContactResult]) -> dict[str, Any]:
     return found
 
 
-def _points(results: Mapping[str, ContactResult], laws: Laws) -> dict[str, Any]:
+def _points(results: Mapping[str, ContactResult], laws: ContactLaws) -> dict[str, Any]:
     """Values at the contact points of all sides; a right-hand pair's fields, solved as a left one's, turned back."""
     parts = [
         (side, _in_place(result.fields, side == "right"), sticks(result.fields, laws))
@@ -137,7 +137,7 @@ def _in_place(fields: Fields, mirrored: bool) -> Fields:
     )
 
 
-def sticks(fields: Fields | None, laws: Laws) -> Mask:
+def sticks(fields: Fields | None, laws: ContactLaws) -> Mask:
     """Where loaded surfaces stick (n,): traction below its bound, or no slip where that falls, unless the model knows.
 
     Without friction nothing does.

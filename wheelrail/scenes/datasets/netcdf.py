@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -48,7 +48,7 @@ def write(data: Dataset, file: Path) -> None:
     """Write NetCDF, whole or not at all; raises OSError if it cannot be written."""
     arrays = (name for name, values in data.data_vars.items() if values.ndim > 0 and values.dtype.kind not in "OU")
     packed = {name: {"zlib": True, "complevel": 1} for name in arrays}  # texts cannot be
-    with whole_file(file) as part:
+    with atomic_file(file) as part:
         try:
             data.to_netcdf(part, engine="netcdf4", encoding=packed)
         except RuntimeError as error:  # what the library makes of a full disk

@@ -36,7 +36,7 @@ WINDOW = 0.1  # s, over which a force is taken as a parabola when its scatter is
 
 
 @dataclass(frozen=True)
-class Difference:
+class RunDifference:
     """RMS and worst difference of a channel in its unit, the distance m where it is worst, and the channel's range in
     the first run, largest less smallest value.
     """
@@ -57,7 +57,7 @@ def channels(data: Dataset) -> Iterator[tuple[str, str, Array]]:
             yield label if side is None else f"{label}, {side}", unit, scale * values.values
 
 
-def differences(one: Dataset, other: Dataset) -> list[Difference]:
+def differences(one: Dataset, other: Dataset) -> list[RunDifference]:
     """Of all channels, other less one, at the samples of the first run that the second one reached.
 
     Between its own samples the second run is taken as straight lines.
@@ -70,7 +70,7 @@ def differences(one: Dataset, other: Dataset) -> list[Difference]:
         worst = int(np.argmax(np.abs(apart)))
         rms = float(np.sqrt(_mean(time[own], apart**2)))
         found.append(
-            Difference(label, unit, rms, float(abs(apart[worst])), float(distance[worst]), float(np.ptp(mine[own])))
+            RunDifference(label, unit, rms, float(abs(apart[worst])), float(distance[worst]), float(np.ptp(mine[own])))
         )
     return found
 
@@ -109,7 +109,7 @@ def noise(data: Dataset) -> dict[str, tuple[float, float]]:
     return found
 
 
-def table(found: list[Difference], names: tuple[str, str]) -> Table:
+def table(found: list[RunDifference], names: tuple[str, str]) -> Table:
     """To read: a line for every channel."""
     from rich.table import Table
 
@@ -130,6 +130,6 @@ def _mean(time: Array, values: Array) -> float:
     return float(trapezoid(values, time) / (time[-1] - time[0]))
 
 
-def rows(found: list[Difference]) -> list[dict[str, Any]]:
+def rows(found: list[RunDifference]) -> list[dict[str, Any]]:
     """For a file."""
     return [dict(d.__dict__) for d in found]

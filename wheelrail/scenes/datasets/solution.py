@@ -13,7 +13,7 @@ from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.contact.geometry.quadric_pair import curvature
 from wheelrail.scenes.builders.contact import laws
 from wheelrail.scenes.contacts.report import overall
-from wheelrail.scenes.contacts.solve import Solved, ways
+from wheelrail.scenes.contacts.solve import SideSolution, ways
 from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.netcdf import versions
 from wheelrail.scenes.datasets.patches import means
@@ -30,7 +30,7 @@ OUTLINE = 2e-4  # m, between the points that are kept of a profile
 
 def solution_dataset(
     scene: HertzScene | WheelsetScene,
-    solved: Mapping[str, Solved],
+    solved: Mapping[str, SideSolution],
     profiles: Sequence[Profile] = (),
     arguments: Mapping[str, Any] | None = None,
 ) -> Dataset:
@@ -65,7 +65,7 @@ def solution_dataset(
     )
 
 
-def _stand(solved: Mapping[str, Solved]) -> dict[str, Any]:
+def _stand(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
     """Where the wheelset, and where each wheel stands in the frame of its rail."""
     origin, rotation = np.full((len(solved), 3), np.nan), np.full((len(solved), 3, 3), np.nan)
     for row, found in enumerate(solved.values()):
@@ -80,7 +80,7 @@ def _stand(solved: Mapping[str, Solved]) -> dict[str, Any]:
     }
 
 
-def _cost(solved: Mapping[str, Solved]) -> dict[str, Any]:
+def _cost(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
     solves, seconds = ([getattr(found, name) for found in solved.values()] for name in ("solves", "seconds"))
     return {
         "contact_solves": ("side", solves, means("1", "contact problems solved")),
@@ -89,7 +89,7 @@ def _cost(solved: Mapping[str, Solved]) -> dict[str, Any]:
 
 
 def _curvatures(
-    scene: HertzScene | WheelsetScene, solved: Mapping[str, Solved], profiles: Sequence[Profile]
+    scene: HertzScene | WheelsetScene, solved: Mapping[str, SideSolution], profiles: Sequence[Profile]
 ) -> dict[str, Any]:
     """Coefficients A and B of the gap A x2 + B y2 between the rigid bodies in the middle of each patch: Hertz's."""
     most = max([1, *(len(found.result.patches) for found in solved.values())])
@@ -131,7 +131,7 @@ def _outlines(profiles: Sequence[Profile]) -> dict[str, Any]:
     }
 
 
-def _stress(solved: Mapping[str, Solved]) -> dict[str, Any]:
+def _stress(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
     """Stresses below the patches where they were asked for, over body and depth."""
     bodies = list(dict.fromkeys(body for found in solved.values() for body in found.stress))
     if not bodies:

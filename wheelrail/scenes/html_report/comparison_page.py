@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.datasets.run_differences import differences, table
-from wheelrail.scenes.html_report.elements import Page, Part, Section, Table
+from wheelrail.scenes.html_report.elements import Page, PageSection, PageTable, Part
 from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import opening, origin, pictures, seconds
@@ -41,20 +41,20 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
     apart = table(differences(one, other), names)
     caption = f"{names[1]} less {names[0]}: RMS, worst and where, range of {names[0]}"
     sections = [
-        Section(
+        PageSection(
             "Differences",
-            [Table.of_rich(apart, caption)],
+            [PageTable.of_rich(apart, caption)],
             HOW,
         ),
-        Section("Key figures", key_tables(dict(zip(names, runs, strict=True)))),
+        PageSection("Key figures", key_tables(dict(zip(names, runs, strict=True)))),
         *(
-            Section(f"Extremes of {name}", [wheel_table(data), vehicle_table(data)], SIGNS)
+            PageSection(f"Extremes of {name}", [wheel_table(data), vehicle_table(data)], SIGNS)
             for data, name in zip(runs, names, strict=True)
         ),
-        Section("Pictures", _pictures(runs, names, both)),
+        PageSection("Pictures", _pictures(runs, names, both)),
     ]
     if view:
-        sections.insert(2, Section("In three dimensions", [moment(one, folder / names[0] / "run.nc", names[0])]))
+        sections.insert(2, PageSection("In three dimensions", [moment(one, folder / names[0] / "run.nc", names[0])]))
     done = [str(data.attrs["status"]) for data in runs]
     facts = {
         **origin(other.attrs),

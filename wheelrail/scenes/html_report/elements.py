@@ -16,7 +16,7 @@ LONG = 30  # rows of a table
 
 
 @dataclass(frozen=True)
-class Table:
+class PageTable:
     """Heads and rows of texts; the first column names the row. numbers: columns that stand at the right. A long one
     scrolls, and is sorted by a click on a head.
     """
@@ -33,7 +33,7 @@ class Table:
         return len(self.rows) > LONG
 
     @classmethod
-    def of_rich(cls, table: RichTable, caption: str = "") -> Table:
+    def of_rich(cls, table: RichTable, caption: str = "") -> PageTable:
         """The same as a table of the command line."""
         columns = [[str(cell) for cell in column.cells] for column in table.columns]
         right = frozenset(k for k, column in enumerate(table.columns) if column.justify == "right")
@@ -43,7 +43,7 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Picture:
+class PagePicture:
     """source: a data URI."""
 
     kind: ClassVar[str] = "picture"
@@ -53,7 +53,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class View:
+class PageView:
     """A three-dimensional one: a page of its own, and a still picture (data URI) where that cannot be shown."""
 
     kind: ClassVar[str] = "view"
@@ -64,18 +64,18 @@ class View:
 
 
 @dataclass(frozen=True)
-class Note:
+class PageNote:
     """A paragraph in place of what is not there."""
 
     kind: ClassVar[str] = "note"
     text: str
 
 
-Part = Table | Picture | View | Note
+Part = PageTable | PagePicture | PageView | PageNote
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     title: str
     parts: Sequence[Part]
     text: str = ""
@@ -94,7 +94,7 @@ class Page:
     lead: str
     facts: Mapping[str, str]
     sources: Mapping[str, str]
-    sections: Sequence[Section] = field(default_factory=tuple)
+    sections: Sequence[PageSection] = field(default_factory=tuple)
 
 
 def number(value: Any, digits: int = 4) -> str:

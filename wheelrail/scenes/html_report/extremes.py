@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.integrate import trapezoid
 
-from wheelrail.scenes.html_report.elements import Table, number
+from wheelrail.scenes.html_report.elements import PageTable, number
 from wheelrail.scenes.plots.runs import named
 from wheelrail.support.arrays import Array
 
@@ -61,7 +61,7 @@ VEHICLE: tuple[Row, ...] = (
 )
 
 
-def wheel_table(data: Dataset) -> Table:
+def wheel_table(data: Dataset) -> PageTable:
     """A row for every quantity of the wheels: value and distance m, left and right."""
     sides = [str(side) for side in data["side"].values]
     head = ["quantity", *(text for side in sides for text in (f"{named(side, data)} wheel", "at [m]"))]
@@ -70,13 +70,15 @@ def wheel_table(data: Dataset) -> Table:
         for row in WHEELS
         if row[1] in data
     ]
-    return Table("Wheels and rails", head, [*rows, *_shares(data, sides)], frozenset(range(1, len(head))))
+    return PageTable("Wheels and rails", head, [*rows, *_shares(data, sides)], frozenset(range(1, len(head))))
 
 
-def vehicle_table(data: Dataset) -> Table:
+def vehicle_table(data: Dataset) -> PageTable:
     """The same of the bodies, largest either way."""
     rows = [[row[0], *extreme(data, row)] for row in VEHICLE if row[1] in data]
-    return Table("Bodies of the vehicle, largest either way", ["quantity", "value", "at [m]"], rows, frozenset({1, 2}))
+    return PageTable(
+        "Bodies of the vehicle, largest either way", ["quantity", "value", "at [m]"], rows, frozenset({1, 2})
+    )
 
 
 def extreme(data: Dataset, row: Row) -> tuple[str, str]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.scenes.html_report.elements import Picture, View
+from wheelrail.scenes.html_report.elements import PagePicture, PageView
 from wheelrail.scenes.plots.style import STYLE
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 LARGE = 250_000  # bytes of a picture in lines, beyond which its pixels take less
 
 
-def picture(draw: Callable[[], Figure | None], caption: str, alt: str) -> Picture | None:
+def picture(draw: Callable[[], Figure | None], caption: str, alt: str) -> PagePicture | None:
     """What draw makes, in lines where that is small; None where it makes nothing."""
     from matplotlib import rc_context
 
@@ -27,10 +27,10 @@ def picture(draw: Callable[[], Figure | None], caption: str, alt: str) -> Pictur
         content, kind = _saved(figure, "svg"), "svg+xml"
         if len(content) > LARGE:
             content, kind = _saved(figure, "png"), "png"
-    return Picture(_uri(content, kind), caption, alt)
+    return PagePicture(_uri(content, kind), caption, alt)
 
 
-def view(plotter: Any, caption: str, alt: str) -> View:
+def view(plotter: Any, caption: str, alt: str) -> PageView:
     """A plotter's scene to turn, and how it looks at first; the plotter is closed."""
     from matplotlib.image import imsave
 
@@ -39,7 +39,7 @@ def view(plotter: Any, caption: str, alt: str) -> View:
     try:
         still = BytesIO()
         imsave(still, plotter.screenshot(None), format="png")
-        return View(view_html(plotter), _uri(still.getvalue(), "png"), caption, alt)
+        return PageView(view_html(plotter), _uri(still.getvalue(), "png"), caption, alt)
     finally:
         plotter.close()
 

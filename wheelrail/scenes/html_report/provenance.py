@@ -7,7 +7,7 @@ from datetime import datetime
 from itertools import takewhile
 from typing import Any
 
-from wheelrail.scenes.html_report.elements import Note, Part, Picture
+from wheelrail.scenes.html_report.elements import PageNote, PagePicture, Part
 
 
 def opening(text: str) -> str:
@@ -44,7 +44,7 @@ def seconds(value: float) -> str:
     return f"{value:.0f} s ({said})"
 
 
-def pictures(found: list[Picture | None], missing: str) -> list[Part]:
+def pictures(found: list[PagePicture | None], missing: str) -> list[Part]:
     """Those that there are, or a note."""
     there: list[Part] = [one for one in found if one is not None]
-    return there or [Note(missing)]
+    return there or [PageNote(missing)]

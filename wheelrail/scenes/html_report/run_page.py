@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.html_report.elements import Page, Picture, Section, Table, number
+from wheelrail.scenes.html_report.elements import Page, PagePicture, PageSection, PageTable, number
 from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import opening, origin, pictures, seconds
@@ -34,12 +34,12 @@ def run_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     """Of a run's data; file: the results, for names and for what lies beside them. view: with one to turn."""
     text, reached = str(data.attrs["scene"]), float(data["distance"].values[-1])
     sections = [
-        Section("Key figures", key_tables({"": data})),
-        Section("Extremes", [wheel_table(data), vehicle_table(data)], SIGNS),
-        Section("Pictures", pictures(list(figures(data)), "Fewer than two samples: there is nothing to draw.")),
+        PageSection("Key figures", key_tables({"": data})),
+        PageSection("Extremes", [wheel_table(data), vehicle_table(data)], SIGNS),
+        PageSection("Pictures", pictures(list(figures(data)), "Fewer than two samples: there is nothing to draw.")),
     ]
     if view:
-        sections.insert(2, Section("In three dimensions", [moment(data, file)]))
+        sections.insert(2, PageSection("In three dimensions", [moment(data, file)]))
     return Page(
         title=file.parent.resolve().name,
         what="Vehicle run",
@@ -55,7 +55,7 @@ def run_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
 SIGNS = "Forces act on the wheels, in the track's axes: Y to the left, Q upwards, X forward."
 
 
-def key_tables(runs: dict[str, Dataset]) -> list[Table]:
+def key_tables(runs: dict[str, Dataset]) -> list[PageTable]:
     """What was computed, a column for every run; and the contact solves, a column for every side of every run."""
     whole = {name or "value": dict(_steps(data)) for name, data in runs.items()}
     sides = {
@@ -66,10 +66,10 @@ def key_tables(runs: dict[str, Dataset]) -> list[Table]:
     return [_columns("The run", whole), _columns("Contact solves", sides)]
 
 
-def _columns(caption: str, columns: dict[str, dict[str, str]]) -> Table:
+def _columns(caption: str, columns: dict[str, dict[str, str]]) -> PageTable:
     labels = list(dict.fromkeys(label for column in columns.values() for label in column))
     rows = [[label, *(column.get(label, "–") for column in columns.values())] for label in labels]
-    return Table(caption, ["quantity", *columns], rows, frozenset(range(1, len(columns) + 1)))
+    return PageTable(caption, ["quantity", *columns], rows, frozenset(range(1, len(columns) + 1)))
 
 
 def _steps(data: Dataset) -> Iterator[tuple[str, str]]:
@@ -115,7 +115,7 @@ def _solves(one: Dataset) -> Iterator[tuple[str, str]]:
         yield "time of a solve [ms]", number(1e3 * one["contact_seconds"] / one["contact_solves"], 3)
 
 
-def figures(data: Dataset) -> Iterator[Picture | None]:
+def figures(data: Dataset) -> Iterator[PagePicture | None]:
     """All pictures that the data allow."""
     if data.sizes["time"] < 2:
         return

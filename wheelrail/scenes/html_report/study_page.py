@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.html_report.elements import Note, Page, Section, Table
+from wheelrail.scenes.html_report.elements import Page, PageNote, PageSection, PageTable
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.views import case
@@ -29,15 +29,15 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     counts = {str(s): int((data["status"] == s).sum()) for s in np.unique(data["status"].values)}
     spent = float(data["seconds"].sum())
     sections = [
-        Section("What was varied", [parameter_table(data)]),
-        Section("Failed cases", [failures(data, file.name)]),
-        Section("Cases", [Table.of_rich(case_table(data, ROWS, f"in {file.name}"))]),
-        Section("Pictures", pictures(_pictures(data), "Nothing that is drawn varies from case to case.")),
+        PageSection("What was varied", [parameter_table(data)]),
+        PageSection("Failed cases", [failures(data, file.name)]),
+        PageSection("Cases", [PageTable.of_rich(case_table(data, ROWS, f"in {file.name}"))]),
+        PageSection("Pictures", pictures(_pictures(data), "Nothing that is drawn varies from case to case.")),
     ]
     if errors_of(data):
-        sections.insert(2, Section("Convergence", [Table.of_rich(error_table(data))]))
+        sections.insert(2, PageSection("Convergence", [PageTable.of_rich(error_table(data))]))
     if view:
-        sections.append(Section("In three dimensions", [case(data, file)]))
+        sections.append(PageSection("In three dimensions", [case(data, file)]))
     if not counts.get("failed"):
         del sections[1]
     return Page(
@@ -55,7 +55,7 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     )
 
 
-def parameter_table(data: Dataset) -> Table:
+def parameter_table(data: Dataset) -> PageTable:
     """Parameters, their dimension and values."""
     rows = []
     for name in parameters(data):
@@ -68,20 +68,20 @@ def parameter_table(data: Dataset) -> Table:
         )
         dims = " x ".join(map(str, data[name].dims))
         rows.append([str(data[name].attrs.get("long_name", name)), unit if unit != "1" else "–", dims, said])
-    return Table("Parameters", ["parameter", "unit", "dimension", "values"], rows, frozenset())
+    return PageTable("Parameters", ["parameter", "unit", "dimension", "values"], rows, frozenset())
 
 
-def failures(data: Dataset, file: str) -> Table | Note:
+def failures(data: Dataset, file: str) -> PageTable | PageNote:
     """Parameters and error of every case that failed; file: what holds the rest of very many."""
     names = parameters(data)
     columns = [flat(data, name) for name in names]
     failed, errors = np.flatnonzero(flat(data, "status") == "failed"), flat(data, "error")
     if not failed.size:
-        return Note("None.")
+        return PageNote("None.")
     rows = [[*(shown(column[k].item()) for column in columns), str(errors[k])] for k in failed[:ROWS]]
     heads = [str(data[name].attrs.get("long_name", name)) for name in names]
     note = f"and {failed.size - ROWS} more, in {file}" if failed.size > ROWS else ""
-    return Table("Cases that failed, and why", [*heads, "error"], rows, frozenset(range(len(heads))), note)
+    return PageTable("Cases that failed, and why", [*heads, "error"], rows, frozenset(range(len(heads))), note)
 
 
 def _pictures(data: Dataset) -> list[Any]:

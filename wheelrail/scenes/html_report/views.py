@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.html_report.elements import Note, View, number
+from wheelrail.scenes.html_report.elements import PageNote, PageView, number
 from wheelrail.scenes.html_report.figures import view
 from wheelrail.scenes.plots.runs import named
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
@@ -18,20 +18,20 @@ from wheelrail.scenes.studies.tables import dimensions
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.scenes.studies.plan import Case
+    from wheelrail.scenes.studies.plan import StudyCase
 
 CHEAP = 30.0  # s that a case of a study may have taken to be solved once more for its view
 FEW = "No three-dimensional view"
 
 
-def moment(data: Dataset, file: Path, name: str = "") -> View | Note:
+def moment(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
     """The sample of the largest lateral force; file: the results, beside which the scene's files are looked for."""
     from wheelrail.scenes.views.view import bodies_of_run
 
     return _or_why_not(lambda: _moment(data, bodies_of_run(data, file), name))
 
 
-def _moment(data: Dataset, bodies: dict[str, Any], name: str) -> View:
+def _moment(data: Dataset, bodies: dict[str, Any], name: str) -> PageView:
     from wheelrail.scenes.views.run_snapshot import hardest, moment_view
 
     index = hardest(data)
@@ -45,14 +45,14 @@ def _moment(data: Dataset, bodies: dict[str, Any], name: str) -> View:
     return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {said}.")
 
 
-def case(data: Dataset, file: Path) -> View | Note:
+def case(data: Dataset, file: Path) -> PageView | PageNote:
     """One of a study; file: the results. Of runs that whose data are kept, the one with the largest peak pressure; of
     single contacts one that was solved quickly, the middle one of these by its time, which is solved once more.
     """
     return _or_why_not(lambda: _run(data, file) if data.attrs.get("scene_kind") == "run" else _contact(data))
 
 
-def _run(data: Dataset, file: Path) -> View:
+def _run(data: Dataset, file: Path) -> PageView:
     from wheelrail.scenes.datasets.netcdf import read
     from wheelrail.scenes.schema.scene import RunScene
     from wheelrail.scenes.views.view import bodies_of_scene
@@ -65,7 +65,7 @@ def _run(data: Dataset, file: Path) -> View:
     return _moment(run, bodies_of_scene(chosen.scene), f"run with the largest peak pressure, {chosen}")
 
 
-def _contact(data: Dataset) -> View:
+def _contact(data: Dataset) -> PageView:
     from wheelrail.scenes.schema.scene import RunScene
     from wheelrail.scenes.views.view import view_scene
 
@@ -89,7 +89,7 @@ def _contact(data: Dataset) -> View:
     return view(plotter, caption, f"Both bodies deformed and the stress below their contact, of the case {chosen}.")
 
 
-def _cases(data: Dataset) -> dict[tuple[int, ...], Case]:
+def _cases(data: Dataset) -> dict[tuple[int, ...], StudyCase]:
     """Of the study that gave these results, by their places."""
     from wheelrail.scenes.studies.plan import plan
     from wheelrail.scenes.studies.schema import check_study
@@ -116,10 +116,10 @@ def _said(data: Dataset, index: int, name: str) -> str:
     )
 
 
-def _or_why_not(draw: Callable[[], View]) -> View | Note:
+def _or_why_not(draw: Callable[[], PageView]) -> PageView | PageNote:
     """A view must not cost the page: without one there is the reason."""
     try:
         return draw()
     except (ImportError, OSError, RunFailed, ValueError) as error:
         said = (str(error).splitlines() or [type(error).__name__])[0]
-        return Note(f"{FEW}: {said.rstrip('.')}.")
+        return PageNote(f"{FEW}: {said.rstrip('.')}.")

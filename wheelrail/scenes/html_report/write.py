@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
     from wheelrail.scenes.html_report.elements import Page
@@ -30,7 +30,7 @@ def write_report(folder: str | Path, file: str | Path | None = None, *, view: bo
     folder = Path(folder)
     made = page(folder, view=view)
     target = folder / PAGE if file is None else Path(file)
-    with whole_file(target) as part:
+    with atomic_file(target) as part:
         part.write_text(rendered(made), encoding="utf-8")
     return target
 

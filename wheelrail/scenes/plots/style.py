@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,5 +79,5 @@ def panels(figure: Figure) -> tuple[Axes, ...]:
 
 def save(figure: Figure, file: Path) -> None:
     """Write a picture, whole or not at all; the ending names its format."""
-    with whole_file(file) as part:
+    with atomic_file(file) as part:
         figure.savefig(part)

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from wheelrail.scenes.runs.checkpoint_format import checksum_of, entries, entry
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.support.atomic_file import atomic_file
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 from wheelrail.vehicle.simulation.recorder import Row
 
@@ -93,7 +93,7 @@ class CheckpointFile:
         line = json.dumps(self.header).encode() + b"\n"
         data, checksum = entry(checksum_of(line), payload)
         with ExitStack() as failure:
-            with whole_file(self.path) as part:
+            with atomic_file(self.path) as part:
                 stream = failure.enter_context(open(part, "r+b", buffering=0))
                 _lock(stream)
                 _write_at(stream, line + data, 0)

@@ -12,13 +12,13 @@ from wheelrail.scenes.runs.resume import ended
 from wheelrail.scenes.runs.run import run_scene
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import ELEMENTS, RunScene, parse_scene
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from xarray import Dataset
 
-    from wheelrail.scenes.datasets.run_differences import Difference
+    from wheelrail.scenes.datasets.run_differences import RunDifference
 
 TABLE = "differences.json"
 
@@ -30,7 +30,7 @@ class Comparison:
     """
 
     names: tuple[str, str]
-    differences: list[Difference]
+    differences: list[RunDifference]
     energy: tuple[float | None, float | None]
     files: tuple[Path, ...]
 
@@ -75,7 +75,7 @@ def compare_scene(file: Path, text: str, other: str, folder: Path, console: Cons
         "scatter": {name: noise(data) for name, data in zip(names, (one, two), strict=True)},
         "channels": rows(found),
     }
-    with whole_file(table) as part:
+    with atomic_file(table) as part:
         part.write_text(json.dumps(report, indent=1) + "\n")
     return Comparison(names, found, energy, (*files, table))
 

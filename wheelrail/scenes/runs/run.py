@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RunOutcome:
     """A run that ended: its history, and the files that were written."""
 
     history: History
@@ -56,7 +56,7 @@ def run_scene(
     *,
     resume: bool = False,
     checkpoints: Path | None = None,
-) -> Outcome:
+) -> RunOutcome:
     """Run a scene and keep what it gives in a folder; text is the scene as written, kept with the results; checkpoints
     go to a file in the folder unless another one is given.
 
@@ -75,13 +75,13 @@ def run_scene(
     start = latest(checkpoint_file, checkpoint_file.report) if resume else None
     history = _simulated(scene, console, checkpoint_file, start)
     if not len(history):
-        return Outcome(history, ())
+        return RunOutcome(history, ())
     with console.status("results and pictures"):
         files = tuple(keep(history, text, folder, scene))
     if history.status == "completed":
         checkpoint_file.remove()
     resumable = history.status == "interrupted" and checkpoint_file.path.exists()
-    return Outcome(history, files, resumable)
+    return RunOutcome(history, files, resumable)
 
 
 def simulate_scene(scene: RunScene, text: str, console: Console) -> tuple[History, Dataset | None]:
@@ -102,13 +102,13 @@ def _simulated(
     from wheelrail.support.progress import heard_by
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
     from wheelrail.vehicle.simulation.simulate import simulate
-    from wheelrail.vehicle.track.speed_profile import Drive
+    from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
     checkpoints = None
     if checkpoint_file is not None and scene.output.checkpoint:
         checkpoints = Checkpoints(scene.output.checkpoint, checkpoint_file.append, start)
     speed, length = scene.vehicle.drive, scene.track.length
-    end = Drive.of(speed).time_at(length)
+    end = SpeedProfile.of(speed).time_at(length)
     gone = length * start.time / end if start else 0.0
     with (
         heard_by(partial(console.print, highlight=False, markup=False)),

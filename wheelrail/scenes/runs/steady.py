@@ -11,16 +11,16 @@ from wheelrail.scenes.builders.contact import wheelset_contact
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
-from wheelrail.support.interrupts import later
+from wheelrail.support.interrupts import deferred_interrupts
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from wheelrail.contact.kinematics.frames import Side
     from wheelrail.contact.results.result import Patch
-    from wheelrail.vehicle.steady.curving import Steady
+    from wheelrail.vehicle.steady.curving import SteadyCurving
     from wheelrail.vehicle.steady.modes import Mode
-    from wheelrail.vehicle.track.constant_curve import Curve
+    from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
 
 def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
@@ -34,17 +34,17 @@ def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
         return [modes(Dynamics(given, Track(), contact, speed)) for speed in speeds]
 
 
-def curve_of(scene: RunScene) -> Curve:
+def curve_of(scene: RunScene) -> ConstantCurve:
     """Where the scene's track is sharpest."""
-    from wheelrail.vehicle.track.constant_curve import Curve
+    from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
     line, length = track(scene), scene.track.length
     s = max((length * i / 1000 for i in range(1001)), key=lambda s: abs(line.curvature(s)[0]))
     curvature, lift = line.curvature(s)[0], line.lift(s)[0]
-    return Curve(scene.vehicle.first_speed, curvature, -lift if curvature < 0.0 else lift, line.base)
+    return ConstantCurve(scene.vehicle.first_speed, curvature, -lift if curvature < 0.0 else lift, line.base)
 
 
-def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[Steady]:
+def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[SteadyCurving]:
     """At the speeds m/s, in their order, from one to the next. Raises RunFailed where no equilibrium is found."""
     from wheelrail.vehicle.steady.curving import curving_over
 
@@ -59,7 +59,7 @@ def _failures_told() -> Iterator[None]:
     from wheelrail.vehicle.steady.equilibrium import EquilibriumError
 
     try:
-        with later():
+        with deferred_interrupts():
             yield
     except (EquilibriumError, StepFailure) as error:
         raise RunFailed(str(error)) from error
@@ -79,7 +79,7 @@ def modes_table(found: Sequence[Mode], speed: float) -> Table:
     return view
 
 
-def curving_table(found: Sequence[Steady]) -> Table:
+def curving_table(found: Sequence[SteadyCurving]) -> Table:
     """A column for each speed."""
     from rich.table import Table
 
@@ -102,7 +102,7 @@ def _sides(values: Mapping[Side, float], scale: float, digits: int) -> str:
     return "  ".join(f"{scale * values[side]:.{digits}f}" for side in values)
 
 
-_ROWS: tuple[tuple[str, Callable[[Steady], str]], ...] = (
+_ROWS: tuple[tuple[str, Callable[[SteadyCurving], str]], ...] = (
     ("cant deficiency (mm)", lambda s: f"{1e3 * s.curve.deficiency():.1f}"),
     ("wheel load Q, left, right (kN)", lambda s: _sides(s.wheel_load, 1e-3, 2)),
     ("guiding force Y, outwards (kN)", lambda s: _sides(s.guiding_force, 1e-3, 2)),

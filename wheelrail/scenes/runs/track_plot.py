@@ -34,10 +34,10 @@ def _figure(scene: RunScene) -> Figure:
     from matplotlib.figure import Figure
 
     from wheelrail.scenes.builders.vehicle import wagon
-    from wheelrail.vehicle.track.speed_profile import Drive
+    from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import centre_line
 
-    line, drive = scene.track, Drive.of(scene.vehicle.drive)
+    line, drive = scene.track, SpeedProfile.of(scene.vehicle.drive)
     track, gravity = line.track(), wagon(scene).gravity
     uneven = track.irregularities
     s = np.linspace(0.0, line.length, POINTS, dtype=np.float64)

@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from wheelrail.scenes.schema.scene import RunScene
-    from wheelrail.vehicle.track.speed_profile import Drive
+    from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import Track
 
 
-def cant_deficiency(track: Track, drive: Drive, gravity: float, stations: list[float]) -> list[float]:
+def cant_deficiency(track: Track, drive: SpeedProfile, gravity: float, stations: list[float]) -> list[float]:
     """By how much more the outer rail would have to be raised for no lateral acceleration in the rails' plane at these
     stations m, in m; positive where a curve to the left has too little cant, or one to the right too much.
     """
@@ -30,9 +30,9 @@ def segment_table(scene: RunScene) -> Table:
     from rich.table import Table
 
     from wheelrail.scenes.builders.vehicle import wagon
-    from wheelrail.vehicle.track.speed_profile import Drive
+    from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
-    line, drive = scene.track, Drive.of(scene.vehicle.drive)
+    line, drive = scene.track, SpeedProfile.of(scene.vehicle.drive)
     track, gravity = line.track(), wagon(scene).gravity
     view = Table(title="Track; radius, cant, slope, speed and cant deficiency at the end of each segment")
     for name in ("segment", "from m", "to m", "radius m", "cant mm", "slope ‰", "speed m/s", "cant deficiency mm"):

@@ -17,7 +17,7 @@ from wheelrail.scenes.schema.quantities import Range
 Keys = tuple[int | str, ...]
 
 
-def complain(
+def refuse(
     error: ValidationError,
     model: type[BaseModel],
     data: Mapping[str, Any],

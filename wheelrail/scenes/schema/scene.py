@@ -18,21 +18,21 @@ from pydantic import (
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.messages import complain
+from wheelrail.scenes.schema.messages import refuse
 from wheelrail.scenes.schema.tables import (
-    Axle,
-    BlockStress,
-    Body,
-    Falling,
-    Output,
-    Profiles,
+    AxleTable,
+    BlockStressTable,
+    BodyTable,
+    FallingTable,
+    OutputTable,
+    ProfilesTable,
+    SceneTable,
     Sides,
-    Solver,
-    Stress,
-    Table,
-    Track,
-    Vehicle,
-    Wheelset,
+    SolverTable,
+    StressTable,
+    TrackTable,
+    VehicleTable,
+    WheelsetTable,
 )
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.track import TrackLine
@@ -41,7 +41,7 @@ MOST_SAMPLES = 1_000_000  # each of which takes kilobytes of memory
 ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
 
 
-class Contact(Table):
+class Contact(SceneTable):
     """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip.
 
     laws: "exact", no penetration and Coulomb's law itself, takes no constants; "paper", the default of runs, is penalty
@@ -59,7 +59,7 @@ class Contact(Table):
     model: Literal["condensed", "full", "standard"] = "condensed"
     laws: Literal["paper", "exact"] = "exact"
     friction: q.Friction
-    falling: Falling | None = None
+    falling: FallingTable | None = None
     surface_size: q.SurfaceSize | None = None
     normal: Literal["hertz", "kik-piotrowski"] | None = None
     tangential: Literal["fastsim", "polach"] | None = None
@@ -78,7 +78,7 @@ class Contact(Table):
     @classmethod
     def _once(cls, value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
         """A table of the kind that is checked already is fine."""
-        fine = isinstance(value, Table) and type(value) is cls.model_fields[str(info.field_name)].annotation
+        fine = isinstance(value, SceneTable) and type(value) is cls.model_fields[str(info.field_name)].annotation
         return value if fine else check(value)
 
     @model_validator(mode="after")
@@ -129,7 +129,7 @@ class Contact(Table):
         return "solid" if meshed else "waveguide"
 
 
-def _between(wheelset: Axle, gauge: float) -> None:
+def _between(wheelset: AxleTable, gauge: float) -> None:
     """Raises the error of a check unless the wheels' backs fit between the rails."""
     if not wheelset.flange_back_distance < gauge:
         raise q.refuse(f"must be less than the track's gauge of {gauge:g} m", "wheelset.flange_back_distance")
@@ -163,9 +163,9 @@ class HertzScene(Solve):
     speed: q.Speed | None = None
     creepage: Annotated[tuple[q.Creepage, q.Creepage, q.Spin], Strict(False)] | None = None
     shift: Annotated[tuple[q.Shift, q.Shift], Strict(False)] | None = None
-    upper: Body
-    lower: Body
-    stress: BlockStress | None = None
+    upper: BodyTable
+    lower: BodyTable
+    stress: BlockStressTable | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> HertzScene:
@@ -200,10 +200,10 @@ class WheelsetScene(Solve):
     sides: Sides = ("left", "right")
     E: q.Young
     nu: q.Poisson
-    profiles: Profiles
-    track: Track
-    wheelset: Wheelset
-    stress: Stress | None = None
+    profiles: ProfilesTable
+    track: TrackTable
+    wheelset: WheelsetTable
+    stress: StressTable | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> WheelsetScene:
@@ -227,20 +227,20 @@ class RunScene(Contact):
     laws: Literal["paper", "exact"] = "paper"
     E: q.Young
     nu: q.Poisson
-    profiles: Profiles
+    profiles: ProfilesTable
     track: TrackLine
-    wheelset: Axle
-    vehicle: Vehicle
-    solver: Solver = Solver()
-    output: Output = Output()
+    wheelset: AxleTable
+    vehicle: VehicleTable
+    solver: SolverTable = SolverTable()
+    output: OutputTable = OutputTable()
 
     @model_validator(mode="after")
     def _samples(self) -> RunScene:
-        from wheelrail.vehicle.track.speed_profile import Drive
+        from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
         _between(self.wheelset, self.track.gauge)
         if self.output.interval:
-            shortest = Drive.of(self.vehicle.drive).time_at(self.track.length) / MOST_SAMPLES
+            shortest = SpeedProfile.of(self.vehicle.drive).time_at(self.track.length) / MOST_SAMPLES
             if self.output.interval < shortest:
                 raise q.refuse(
                     f"must be 0, or at least {shortest:.2g} s: at most {MOST_SAMPLES} samples", "output.interval"
@@ -289,7 +289,7 @@ def checked(
     try:
         return known.model_validate(data, context={"folder": Path(path).parent, "at_hand": at_hand})
     except ValidationError as error:
-        raise complain(error, known, data, path, unnamed) from None
+        raise refuse(error, known, data, path, unnamed) from None
 
 
 __all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "checked", "load_scene", "parse_scene"]

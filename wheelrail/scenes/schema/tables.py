@@ -14,17 +14,17 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.override import overridden
 
 if TYPE_CHECKING:
-    from wheelrail.vehicle.track.speed_profile import Drive
+    from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.wagon.wagon import Wagon
 
 
-class Table(BaseModel):
+class SceneTable(BaseModel):
     """A table of a scene: strict types, no unknown keys, immutable."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 
-class Body(Table):
+class BodyTable(SceneTable):
     """A body of a Hertz pair: principal radii (in x, in y) in m and its material."""
 
     radii: Annotated[tuple[q.Radius, q.Radius], Strict(False)]
@@ -32,14 +32,14 @@ class Body(Table):
     nu: q.Poisson
 
 
-class Falling(Table):
+class FallingTable(SceneTable):
     """Friction falls with the slip velocity, at a rate in s/m, to a share of what it is without slip (Polach 2005)."""
 
     share: q.Share
     rate: q.FallingRate
 
 
-class Stress(Table):
+class StressTable(SceneTable):
     """Stress inside wheel and rail at depths m below every patch, along its normal under its resultant."""
 
     body: Literal["wheel", "rail", "both"] = "both"
@@ -50,7 +50,7 @@ class Stress(Table):
         return ("wheel", "rail") if self.body == "both" else (self.body,)
 
 
-class BlockStress(Table):
+class BlockStressTable(SceneTable):
     """The same inside the bodies of a Hertz pair."""
 
     body: Literal["upper", "lower", "both"] = "both"
@@ -61,7 +61,7 @@ class BlockStress(Table):
         return ("upper", "lower") if self.body == "both" else (self.body,)
 
 
-class Profiles(Table):
+class ProfilesTable(SceneTable):
     """Cross-sections of wheel and rail, a name or a file each; laying_angle turns the rail to the track's centre."""
 
     wheel: str
@@ -93,20 +93,20 @@ class Profiles(Table):
         return str(file.absolute())
 
 
-class Rails(Table):
+class RailsTable(SceneTable):
     """Position of the rails."""
 
     gauge: q.Gauge
     gauge_height: q.GaugeHeight
 
 
-class Track(Rails):
+class TrackTable(RailsTable):
     """Position of the rails and curvature of the track."""
 
     curvature: q.Curvature
 
 
-class Axle(Table):
+class AxleTable(SceneTable):
     """How the wheels sit on the axle, m."""
 
     flange_back_distance: q.FlangeBackDistance
@@ -114,7 +114,7 @@ class Axle(Table):
     radius: q.WheelRadius
 
 
-class Wheelset(Axle):
+class WheelsetTable(AxleTable):
     """Position and motion of a wheelset, and exactly one of wheel_load (N), axle_load (N) and z (m)."""
 
     y: q.Offset
@@ -130,7 +130,7 @@ class Wheelset(Axle):
     z: q.Offset | None = None
 
     @model_validator(mode="after")
-    def _one_condition(self) -> Wheelset:
+    def _one_condition(self) -> WheelsetTable:
         given = [key for key in ("wheel_load", "axle_load", "z") if getattr(self, key) is not None]
         if len(given) != 1:
             raise q.refuse(
@@ -141,7 +141,7 @@ class Wheelset(Axle):
         return self
 
     @model_validator(mode="after")
-    def _rolls(self) -> Wheelset:
+    def _rolls(self) -> WheelsetTable:
         if self.speed is not None and self.pitch_rate is not None:
             full = self.speed / self.radius
             if not 0.0 <= self.pitch_rate <= 2.0 * full:
@@ -150,7 +150,7 @@ class Wheelset(Axle):
         return self
 
 
-class Vehicle(Table):
+class VehicleTable(SceneTable):
     """The wagon's speed in m/s, or pairs of a time s and the speed then, and the file that it is read from, else it is
     the Manchester wagon.
 
@@ -183,14 +183,14 @@ class Vehicle(Table):
         return value
 
     @property
-    def drive(self) -> float | Drive:
+    def drive(self) -> float | SpeedProfile:
         """The speed in the words of `vehicle`."""
         if not isinstance(self.speed, tuple):
             return self.speed
-        from wheelrail.vehicle.track.speed_profile import Drive
+        from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
         times, speeds = zip(*self.speed, strict=True)
-        return Drive.through(times, speeds)
+        return SpeedProfile.through(times, speeds)
 
     @property
     def first_speed(self) -> float:
@@ -198,7 +198,7 @@ class Vehicle(Table):
         return self.speed[0][1] if isinstance(self.speed, tuple) else self.speed
 
     @model_validator(mode="after")
-    def _wagon_has_them(self) -> Vehicle:
+    def _wagon_has_them(self) -> VehicleTable:
         if self.model_extra:
             self.on(None)
         return self
@@ -228,7 +228,7 @@ def _on_wheels(radius: float) -> Wagon:
     return found
 
 
-class Solver(Table):
+class SolverTable(SceneTable):
     """Time stepper and its tolerances; with two workers, the right-hand contact is solved in a process of its own."""
 
     method: Literal["ode23", "ode45", "rosenbrock"] = "ode23"
@@ -237,7 +237,7 @@ class Solver(Table):
     workers: Literal[1, 2] = 1
 
 
-class Output(Table):
+class OutputTable(SceneTable):
     """What is kept: one sample per interval s (0 keeps every accepted step), and the pictures; and the number of steps
     from one checkpoint to the next, from which `--resume` goes on (0: none).
 

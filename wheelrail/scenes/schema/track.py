@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
 from wheelrail.scenes.schema import quantities as q
-from wheelrail.scenes.schema.tables import Rails, Table
+from wheelrail.scenes.schema.tables import RailsTable, SceneTable
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.track.alignment import Segment
@@ -23,7 +23,7 @@ SHORT = ("curvature", "cant", "tangent", "transition_length", "curve")
 Shape = Literal["quintic", "clothoid", "bloss"]
 
 
-class SegmentTable(Table):
+class SegmentTable(SceneTable):
     """One of a track's segments, length m.
 
     An arc has a radius m or a curvature 1/m, positive to the left, and a cant m; a transition a shape, and what it ends
@@ -63,7 +63,7 @@ class SegmentTable(Table):
         )
 
 
-class IrregularityTable(Table):
+class IrregularityTable(SceneTable):
     """Irregularities from a file, or from the spectrum ERRI B176 low or high by a seed, between two wavelengths m.
 
     They grow from nothing over the first `fade` m.
@@ -114,7 +114,7 @@ class IrregularityTable(Table):
         return made(length + self.fade, seed=self.seed, wavelengths=self.wavelengths, fade=self.fade)
 
 
-class TrackLine(Rails):
+class TrackLine(RailsTable):
     """Segments one upon the other; or in short a tangent, a transition and a curve of constant curvature and cant.
 
     Lengths in m. slope is rise over run of the short form; transition the shape of all that have none of their own;
@@ -187,7 +187,7 @@ class TrackLine(Rails):
 
     @model_validator(mode="after")
     def _meet(self) -> TrackLine:
-        from wheelrail.vehicle.track.alignment import LayoutError, courses
+        from wheelrail.vehicle.track.alignment import AlignmentError, courses
 
         if self.length > LONGEST:
             raise q.refuse(f"must be at most {LONGEST:g} m long, all in all", "segments" if self.segments else "curve")
@@ -196,7 +196,7 @@ class TrackLine(Rails):
             raise q.refuse(f"{text} along the track", "irregularities.wavelengths")
         try:
             courses(self.layout, corner=self.corner)
-        except LayoutError as error:
+        except AlignmentError as error:
             given = self.segments[error.index] if self.segments else None
             key = "radius" if error.key == "curvature" and given and given.radius is not None else error.key
             raise q.refuse(error.says, f"segments.{error.index}.{key}") from None

@@ -43,7 +43,7 @@ def wagon_toml(wagon: Wagon) -> str:
 
 def _lines(part: Any, title: str = "") -> Iterator[str]:
     """Values of a dataclass, then tables of the dataclasses in it."""
-    from wheelrail.vehicle.wagon.force_law import Characteristic
+    from wheelrail.vehicle.wagon.force_law import ForceLaw
 
     if title:
         yield from ("", f"[{title}]")
@@ -51,10 +51,10 @@ def _lines(part: Any, title: str = "") -> Iterator[str]:
     units = {name: known.unit for name, known in WAGON.items()}
     for name, value in values.items():
         unit = "share of it in the plane model" if title == "scaling" else units.get(name)
-        if isinstance(value, Characteristic):
+        if isinstance(value, ForceLaw):
             yield from (f"{name} = [  # {unit}", *(f"  [{x!r}, {f!r}]," for x, f in value.points), "]")
         elif isinstance(value, float | int):
             yield f"{name} = {float(value)!r}  # {unit}"
     for name, value in values.items():
-        if not isinstance(value, Characteristic | float | int):
+        if not isinstance(value, ForceLaw | float | int):
             yield from _lines(value, name)

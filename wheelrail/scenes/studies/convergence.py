@@ -8,7 +8,7 @@ import numpy as np
 
 from wheelrail.scenes.plots.fits import EXACT, fitted
 from wheelrail.scenes.schema.scene import KINDS, HertzScene
-from wheelrail.scenes.studies.plan import Axis, Plan
+from wheelrail.scenes.studies.plan import Plan, StudyAxis
 from wheelrail.scenes.studies.quantities import PHYSICAL
 from wheelrail.support.arrays import Array
 
@@ -67,7 +67,7 @@ def closed_form(data: Dataset, plan: Plan) -> dict[str, DataArray]:
     return {name: data["seconds"].copy(data=values) for name, values in found.items() if name in data}
 
 
-def counts(plan: Plan, axis: Axis) -> bool:
+def counts(plan: Plan, axis: StudyAxis) -> bool:
     """Whether the numbers of a dimension are counts, of which more is finer."""
     from wheelrail.scenes.schema.messages import whole
 

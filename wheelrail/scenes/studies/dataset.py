@@ -14,13 +14,13 @@ import numpy as np
 from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.studies.plan import Plan, numbers, shown
 from wheelrail.scenes.studies.quantities import MEANINGS
-from wheelrail.scenes.studies.solve import Found
+from wheelrail.scenes.studies.solve import CaseResult
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def dataset(plan: Plan, found: Mapping[tuple[int, ...], Found]) -> Dataset:
+def dataset(plan: Plan, found: Mapping[tuple[int, ...], CaseResult]) -> Dataset:
     """Parameters as coordinates, quantities by side where a scene has several; what is not known is NaN.
 
     status of a case: "converged", "separated", "completed", "failed" with its error, or "not computed". The reference
@@ -28,7 +28,7 @@ def dataset(plan: Plan, found: Mapping[tuple[int, ...], Found]) -> Dataset:
     """
     from xarray import Dataset
 
-    build = Builder(plan, found)
+    build = StudyDataset(plan, found)
     data = Dataset(build.variables(), coords=build.coordinates(), attrs=_attributes(plan))
     if plan.study.histories:
         from wheelrail.scenes.studies.histories import histories
@@ -38,11 +38,11 @@ def dataset(plan: Plan, found: Mapping[tuple[int, ...], Found]) -> Dataset:
 
 
 @dataclass(frozen=True)
-class Builder:
+class StudyDataset:
     """Arrays over the dimensions of a plan."""
 
     plan: Plan
-    found: Mapping[tuple[int, ...], Found]
+    found: Mapping[tuple[int, ...], CaseResult]
 
     @property
     def dims(self) -> tuple[str, ...]:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from wheelrail.scenes.studies.plan import Plan
-from wheelrail.scenes.studies.solve import Found
+from wheelrail.scenes.studies.solve import CaseResult
 
 
-def histories(plan: Plan, found: Mapping[tuple[int, ...], Found]) -> dict[str, Any]:
+def histories(plan: Plan, found: Mapping[tuple[int, ...], CaseResult]) -> dict[str, Any]:
     """Variables over the dimensions and `time`, NaN after the end of a run.
 
     All runs keep one sample per interval, so that times are the same up to the end of the shortest; a last sample

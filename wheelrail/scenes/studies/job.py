@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from wheelrail.scenes.schema.scene import Scene, checked
-from wheelrail.scenes.studies.plan import Case
+from wheelrail.scenes.studies.plan import StudyCase
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Job:
     folder: str = ""
 
     @classmethod
-    def of(cls, case: Case, *, histories: bool = False, timed: bool = False, folder: Path | None = None) -> Job:
+    def of(cls, case: StudyCase, *, histories: bool = False, timed: bool = False, folder: Path | None = None) -> Job:
         """folder: of finished cases. Raises OSError for a file that has gone meanwhile."""
         files: dict[str, bytes] = {}
         table = _packed(dict(case.table), case.scene.model_dump(), files)

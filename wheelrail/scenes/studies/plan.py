@@ -15,7 +15,7 @@ from wheelrail.scenes.schema.edits import changed, keys_of, without
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import unit_of, whole
 from wheelrail.scenes.schema.scene import KINDS, HertzScene, Scene, checked
-from wheelrail.scenes.studies.schema import Convergence, LatinHypercube, Study
+from wheelrail.scenes.studies.schema import Convergence, LatinHypercube, StudyTable
 from wheelrail.scenes.studies.validation import Checking, complaints
 
 MOST = 10_000  # cases: a slip of the pen multiplies quickly
@@ -25,7 +25,7 @@ SAMPLE = "sample"  # the dimension of a Latin hypercube
 
 
 @dataclass(frozen=True)
-class Axis:
+class StudyAxis:
     """A dimension: n points, each with a value for every one of its parameters; where these stand in the study."""
 
     name: str
@@ -47,7 +47,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Case:
+class StudyCase:
     """Place in the grid, the parameters there, and the scene as a table and checked."""
 
     place: tuple[int, ...]
@@ -63,20 +63,20 @@ class Case:
 class Plan:
     """Dimensions and cases of a study; units of parameters by name; where files in the scenes are looked for."""
 
-    study: Study
-    axes: tuple[Axis, ...]
-    cases: tuple[Case, ...]
+    study: StudyTable
+    axes: tuple[StudyAxis, ...]
+    cases: tuple[StudyCase, ...]
     units: Mapping[str, str]
     scene: Mapping[str, Any]
     kind: str
-    convergence: Axis | None = None
+    convergence: StudyAxis | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
         return tuple(len(axis) for axis in self.axes)
 
 
-def plan(study: Study, path: str | Path = "study") -> Plan:
+def plan(study: StudyTable, path: str | Path = "study") -> Plan:
     """All cases of a study, checked; path names it in errors.
 
     Raises SceneError for too many cases, and for those that are no scene: file, case, key, value and what is allowed.
@@ -100,26 +100,26 @@ def plan(study: Study, path: str | Path = "study") -> Plan:
     return Plan(study, tuple(axes), tuple(cases), units, base, str(kind), over)
 
 
-def _axes(study: Study, whole: Callable[[str], bool]) -> list[Axis]:
-    axes = [Axis(dimension(name), {name: values}) for name, values in study.grid.items()]
-    axes += [Axis(dimension(next(iter(t))), t, where=f"together[{i}]") for i, t in enumerate(study.together)]
+def _axes(study: StudyTable, whole: Callable[[str], bool]) -> list[StudyAxis]:
+    axes = [StudyAxis(dimension(name), {name: values}) for name, values in study.grid.items()]
+    axes += [StudyAxis(dimension(next(iter(t))), t, where=f"together[{i}]") for i, t in enumerate(study.together)]
     if study.latin_hypercube is not None:
         drawn = draw(study.latin_hypercube, set(filter(whole, study.latin_hypercube.ranges)))
-        axes.append(Axis(SAMPLE, drawn, where="latin_hypercube.ranges"))
+        axes.append(StudyAxis(SAMPLE, drawn, where="latin_hypercube.ranges"))
     return axes
 
 
 def _cases(
-    axes: Sequence[Axis], base: Mapping[str, Any], fixed: Mapping[str, Any], file: Path, path: str | Path
-) -> list[Case]:
+    axes: Sequence[StudyAxis], base: Mapping[str, Any], fixed: Mapping[str, Any], file: Path, path: str | Path
+) -> list[StudyCase]:
     """All combinations, checked; the first complaints, where there are any. fixed: what base has from the study."""
-    found, check, points = dict[tuple[int, ...], Case](), Checking(file), [axis.points() for axis in axes]
+    found, check, points = dict[tuple[int, ...], StudyCase](), Checking(file), [axis.points() for axis in axes]
 
     def complaints_of(place: tuple[int, ...]) -> Iterator[str]:
         parameters = {name: value for at, i in zip(points, place, strict=True) for name, value in at[i].items()}
         try:
             table = changed(base, parameters, path)
-            found[place] = Case(place, parameters, table, check(table))
+            found[place] = StudyCase(place, parameters, table, check(table))
         except SceneError as error:
             places = {name: f"set.{name}" for name in fixed}
             places |= {name: axis.place(name, i) for axis, i in zip(axes, place, strict=True) for name in axis.values}
@@ -143,7 +143,7 @@ def _cases(
     return [found[place] for place in every]
 
 
-def _alone(axes: Sequence[Axis]) -> Iterator[tuple[int, ...]]:
+def _alone(axes: Sequence[StudyAxis]) -> Iterator[tuple[int, ...]]:
     """Places that show nearly everything that can be wrong: the points of each dimension with the first of all others,
     those of extreme values before the rest.
     """
@@ -153,7 +153,7 @@ def _alone(axes: Sequence[Axis]) -> Iterator[tuple[int, ...]]:
             yield tuple(k if i == j else 0 for j in range(len(axes)))
 
 
-def _extremes(axis: Axis) -> Iterator[int]:
+def _extremes(axis: StudyAxis) -> Iterator[int]:
     for values in filter(numbers, axis.values.values()):
         yield from (int(np.argmin(values)), int(np.argmax(values)))
 
@@ -201,7 +201,7 @@ def draw(cube: LatinHypercube, wholes: set[str]) -> dict[str, list[Any]]:
     return found
 
 
-def _over(wanted: Convergence, axes: Sequence[Axis], model: type[BaseModel], path: str | Path) -> Axis:
+def _over(wanted: Convergence, axes: Sequence[StudyAxis], model: type[BaseModel], path: str | Path) -> StudyAxis:
     """The dimension of convergence, with the reference as its last point where that is a case."""
     possible = [axis for axis in axes if axis.name != SAMPLE and numbers(next(iter(axis.values.values())))]
     known = {name: axis for axis in possible for name in (axis.name, *axis.values)}
@@ -224,7 +224,7 @@ def _over(wanted: Convergence, axes: Sequence[Axis], model: type[BaseModel], pat
     return replace(over, values=values, reference=True)
 
 
-def _check_histories(cases: Sequence[Case], path: str | Path) -> None:
+def _check_histories(cases: Sequence[StudyCase], path: str | Path) -> None:
     intervals = {case.scene.output.interval if case.scene.kind == "run" else None for case in cases}
     if None in intervals:
         raise SceneError(f'{path}: histories = true: only for scenes of kind = "run"')

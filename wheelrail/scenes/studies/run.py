@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.runs.progress import case_bar
 from wheelrail.scenes.studies.plan import Plan, plan
-from wheelrail.scenes.studies.schema import Study, check_study, load_study
-from wheelrail.scenes.studies.solve import Found
+from wheelrail.scenes.studies.schema import StudyTable, check_study, load_study
+from wheelrail.scenes.studies.solve import CaseResult
 from wheelrail.scenes.studies.workers import SchedulerGone, Workers, check_address, cluster, finished, processes
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ RESULTS, CASES = "study.nc", "cases"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StudyOutcome:
     """A study that ended: its results, the files that were written, and how many cases were computed this time."""
 
     data: Dataset
@@ -46,7 +46,7 @@ class Outcome:
 
 
 def run_study(
-    study: Study | Mapping[str, Any] | str | Path,
+    study: StudyTable | Mapping[str, Any] | str | Path,
     folder: str | Path | None = None,
     *,
     scheduler: str | None = None,
@@ -65,7 +65,7 @@ def run_study(
     from rich.console import Console
 
     path = Path(study) if isinstance(study, str | Path) else Path("study")
-    if not isinstance(study, Study):
+    if not isinstance(study, StudyTable):
         study = check_study(study) if isinstance(study, Mapping) else load_study(path)
     planned, console = plan(study, path), Console(stderr=True)
     with tempfile.TemporaryDirectory(prefix="wheelrail-study-") as spare:
@@ -86,7 +86,7 @@ def run_plan(
     scheduler: str | None = None,
     fresh: bool = False,
     pictures: bool = True,
-) -> Outcome:
+) -> StudyOutcome:
     """Compute what is missing, then write results and pictures; Ctrl-C stops at once and writes what is there.
 
     Raises OSError when the folder cannot be written, RunFailed and SceneError for a cluster that cannot be reached, or
@@ -145,14 +145,14 @@ def run_plan(
         from wheelrail.scenes.studies.plots import draw_study
 
         files += draw_study(data, folder)
-    return Outcome(data, tuple(files), computed, interrupted)
+    return StudyOutcome(data, tuple(files), computed, interrupted)
 
 
 def _workers(planned: Plan, scheduler: str | None, jobs: int) -> AbstractContextManager[Workers]:
     return cluster(scheduler) if scheduler is not None else processes(min(planned.study.processes, jobs))
 
 
-def _keep(store: Any, key: str, one: Found, tell: Callable[[str], None]) -> None:
+def _keep(store: Any, key: str, one: CaseResult, tell: Callable[[str], None]) -> None:
     try:
         store.keep(key, one)
     except OSError as error:
@@ -160,7 +160,7 @@ def _keep(store: Any, key: str, one: Found, tell: Callable[[str], None]) -> None
 
 
 def _written(
-    planned: Plan, found: Mapping[tuple[int, ...], Found], folder: Path, kept: Mapping[str, Any]
+    planned: Plan, found: Mapping[tuple[int, ...], CaseResult], folder: Path, kept: Mapping[str, Any]
 ) -> tuple[Dataset, list[Path]]:
     """kept: which run's data are in which file."""
     from wheelrail.scenes.datasets.netcdf import write

@@ -11,8 +11,8 @@ from pydantic import Field, Strict, ValidationError, ValidationInfo, field_valid
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.messages import complain
-from wheelrail.scenes.schema.tables import Table
+from wheelrail.scenes.schema.messages import refuse
+from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 
 Values = Annotated[tuple[Any, ...], Strict(False), Field(min_length=1)]
@@ -20,7 +20,7 @@ Count = Annotated[int, Strict(), q.Range(1, 100_000, whole=True)]
 Processes = Annotated[int, Strict(), q.Range(1, 1024, whole=True)]
 
 
-class Between(Table):
+class Between(SceneTable):
     """A number from low to high, drawn evenly, or evenly in its logarithm; rounded where the scene wants whole ones."""
 
     low: q.Finite
@@ -36,7 +36,7 @@ class Between(Table):
         return self
 
 
-class LatinHypercube(Table):
+class LatinHypercube(SceneTable):
     """Samples spread evenly over ranges of parameters (McKay, Beckman, Conover 1979), the same for the same seed."""
 
     samples: Count
@@ -44,7 +44,7 @@ class LatinHypercube(Table):
     ranges: Annotated[dict[str, Between], Field(min_length=1)]
 
 
-class Convergence(Table):
+class Convergence(SceneTable):
     """How fast the error falls along one dimension, `over` (the first one of numbers, unless given).
 
     reference: "hertz", the closed form of a Hertz pair, or values for a case that is finer than all others.
@@ -54,7 +54,7 @@ class Convergence(Table):
     reference: Literal["hertz"] | Annotated[dict[str, Any], Field(min_length=1)]
 
 
-class Study(Table):
+class StudyTable(SceneTable):
     """A scene, keys of it to leave out (`without`), values that hold in all cases (`set`), and what is varied: values
     of a `grid`, tables of parameters that change `together`, a Latin hypercube; all their combinations are the cases.
 
@@ -86,7 +86,7 @@ class Study(Table):
         return str(file.resolve())
 
     @model_validator(mode="after")
-    def _varied(self) -> Study:
+    def _varied(self) -> StudyTable:
         if not any(self.tables):
             raise q.refuse("nothing is varied: give values in [grid], [[together]] or [latin_hypercube]", "grid")
         named = [(name, place) for place, table in self.places for name in table]
@@ -151,20 +151,20 @@ def _hashable(value: Any) -> Any:
     return value
 
 
-def load_study(path: str | Path) -> Study:
+def load_study(path: str | Path) -> StudyTable:
     """The study in a TOML file. Raises SceneError naming file, key, value and what is allowed."""
     return check_study(parse(read_text(Path(path)), path), path)
 
 
-def check_study(data: Mapping[str, Any], path: str | Path = "study") -> Study:
+def check_study(data: Mapping[str, Any], path: str | Path = "study") -> StudyTable:
     """The study that a table describes; path names it in errors, and files in it are looked for beside it."""
     if "kind" in data and data["kind"] != "study":
         raise SceneError(f'{path}: kind = {data["kind"]!r}: must be "study"')
     data = _dotted(data)
     try:
-        return Study.model_validate(data, context={"folder": Path(path).parent})
+        return StudyTable.model_validate(data, context={"folder": Path(path).parent})
     except ValidationError as error:
-        raise complain(error, Study, data, path) from None
+        raise refuse(error, StudyTable, data, path) from None
 
 
 def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:

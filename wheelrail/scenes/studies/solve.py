@@ -21,7 +21,7 @@ WARM: set[bool] = set()  # not empty when this process has solved a case
 
 
 @dataclass(frozen=True)
-class Found:
+class CaseResult:
     """What is known of a case: status, what went wrong, seconds in all, numbers by side and in all, histories.
 
     status: "converged", "separated" or "completed", or "failed" with the error. lost: the worker ended, and nothing is
@@ -51,7 +51,7 @@ class Found:
         return json.dumps(asdict(self))
 
 
-def solve(job: Job) -> Found:
+def solve(job: Job) -> CaseResult:
     """Never raises for what a case does: a failure is a status too."""
     with ALONE:
         if job.timed and job.table["kind"] != "run" and not WARM:
@@ -65,7 +65,7 @@ def solve(job: Job) -> Found:
             found = {"status": "failed", "error": _said(error), "lost": True}
         except Exception as error:
             found = {"status": "failed", "error": _said(error)}
-        return Found(**found, seconds=perf_counter() - start, host=os.uname().nodename)
+        return CaseResult(**found, seconds=perf_counter() - start, host=os.uname().nodename)
 
 
 def _solved(job: Job) -> dict[str, Any]:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wheelrail.scenes.studies.job import run_data, unfinished
-from wheelrail.scenes.studies.solve import Found
-from wheelrail.support.atomic_file import whole_file
+from wheelrail.scenes.studies.solve import CaseResult
+from wheelrail.support.atomic_file import atomic_file
 
 
 @dataclass(frozen=True)
@@ -25,20 +25,20 @@ class Store:
 
     folder: Path
 
-    def load(self, key: str) -> Found | None:
+    def load(self, key: str) -> CaseResult | None:
         """The result of a case; None if it is missing, damaged or of another version, so that it is computed again."""
         try:
             checksum, text = self._file(key).read_text(encoding="utf-8").split("\n", 1)
             if checksum != _checksum(key, text):
                 return None
-            return Found(**json.loads(text))
+            return CaseResult(**json.loads(text))
         except (OSError, ValueError, TypeError):
             return None
 
-    def keep(self, key: str, found: Found) -> None:
+    def keep(self, key: str, found: CaseResult) -> None:
         """Write a result atomically, on disk when this returns, and remove the case's checkpoints. Raises OSError."""
         text = found.text()
-        with whole_file(self._file(key)) as part, part.open("w", encoding="utf-8") as stream:
+        with atomic_file(self._file(key)) as part, part.open("w", encoding="utf-8") as stream:
             stream.write(f"{_checksum(key, text)}\n{text}")
             stream.flush()
             os.fsync(stream.fileno())
@@ -48,7 +48,7 @@ class Store:
         for file in (self._file(key), unfinished(self.folder, key), run_data(self.folder, key)):
             file.unlink(missing_ok=True)
 
-    def hardest_run(self, known: Mapping[str, Found]) -> str | None:
+    def hardest_run(self, known: Mapping[str, CaseResult]) -> str | None:
         """Key of the run with the largest peak pressure among those with data on disk; removes the data of all others.
 
         A failed run is chosen only if no other has data.

@@ -10,7 +10,7 @@ from typing import Any
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import Scene, checked
-from wheelrail.scenes.schema.tables import Table
+from wheelrail.scenes.schema.tables import SceneTable
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Checking:
     """Checks scenes in a file, or as if in it; a table in them that was found fine in one is not checked again."""
 
     file: Path
-    fine: dict[tuple[str, str], Table] = field(default_factory=dict)
+    fine: dict[tuple[str, str], SceneTable] = field(default_factory=dict)
 
     def __call__(self, tables: Mapping[str, Any]) -> Scene:
         """Raises SceneError as `checked` does."""
@@ -29,7 +29,7 @@ class Checking:
         except SceneError:
             return checked(tables, self.file)  # which has all words for it
         for name, text in names.items():
-            if isinstance(table := getattr(scene, name, None), Table):
+            if isinstance(table := getattr(scene, name, None), SceneTable):
                 self.fine[text] = table
         return scene
 

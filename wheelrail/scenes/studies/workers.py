@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.studies.job import Job
-from wheelrail.scenes.studies.solve import Found, solve
+from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.support.interrupts import ignore
 
 if TYPE_CHECKING:
@@ -47,15 +47,15 @@ class Workers(Protocol):
 
     @property
     def room(self) -> int: ...
-    def submit(self, job: Job) -> Future[Found]: ...
+    def submit(self, job: Job) -> Future[CaseResult]: ...
 
 
-def finished(workers: Workers, jobs: Sequence[Job]) -> Iterator[tuple[Job, Found]]:
+def finished(workers: Workers, jobs: Sequence[Job]) -> Iterator[tuple[Job, CaseResult]]:
     """Every job with what came of it, in the order in which they end; a worker that ends is a failure of its job.
 
     Raises SchedulerGone, after what has ended well.
     """
-    waiting, running = deque(jobs), dict[Future[Found], Job]()
+    waiting, running = deque(jobs), dict[Future[CaseResult], Job]()
     while waiting or running:
         while waiting and len(running) < workers.room:
             job = waiting.popleft()
@@ -68,16 +68,18 @@ def finished(workers: Workers, jobs: Sequence[Job]) -> Iterator[tuple[Job, Found
             raise SchedulerGone
 
 
-def _outcome(future: Future[Found]) -> Found | None:
+def _outcome(future: Future[CaseResult]) -> CaseResult | None:
     """None of a job that was given back unfinished."""
     try:
         return future.result()
     except BrokenProcessPool:
-        return Found("failed", "the worker ended abruptly: out of memory, killed, or crashed in a library", lost=True)
+        return CaseResult(
+            "failed", "the worker ended abruptly: out of memory, killed, or crashed in a library", lost=True
+        )
     except CancelledError:
         return None
     except Exception as error:
-        return Found("failed", f"the worker was lost: {type(error).__name__}: {error}", lost=True)
+        return CaseResult("failed", f"the worker was lost: {type(error).__name__}: {error}", lost=True)
 
 
 @dataclass
@@ -85,10 +87,10 @@ class Processes:
     """Processes on this machine, each a pool of one: when a process dies it is known which case it had."""
 
     room: int
-    work: Callable[[Job], Found] = solve
-    pools: dict[int, tuple[Executor, Future[int], Future[Found]]] = field(default_factory=dict)
+    work: Callable[[Job], CaseResult] = solve
+    pools: dict[int, tuple[Executor, Future[int], Future[CaseResult]]] = field(default_factory=dict)
 
-    def submit(self, job: Job) -> Future[Found]:
+    def submit(self, job: Job) -> Future[CaseResult]:
         """Raises RuntimeError when all are at work."""
         place = next((i for i in range(self.room) if i not in self.pools or self.pools[i][2].done()), None)
         if place is None:
@@ -117,7 +119,7 @@ class Processes:
 
 
 @contextmanager
-def processes(count: int, work: Callable[[Job], Found] = solve) -> Iterator[Processes]:
+def processes(count: int, work: Callable[[Job], CaseResult] = solve) -> Iterator[Processes]:
     """Workers on this machine; they end on leaving, and when this process dies."""
     workers = Processes(count, work)
     try:
@@ -139,7 +141,7 @@ class Cluster:
             threads: dict[str, int] = self.client.nthreads()
         return max(2, 2 * sum(threads.values()))
 
-    def submit(self, job: Job) -> Future[Found]:
+    def submit(self, job: Job) -> Future[CaseResult]:
         with _reached():
             return self.executor.submit(solve, job)
 

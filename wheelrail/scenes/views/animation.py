@@ -58,7 +58,7 @@ def animate_run(
         raise ValueError(f"frames, fps and scale must be positive, not {frames}, {fps:g} and {scale:g}")
     if data.sizes["time"] == 0:
         raise ValueError("a run without samples has nothing to show")
-    film = Film(data, wheel, rail, mounting, scale)
+    film = Animation(data, wheel, rail, mounting, scale)
     time = data["time"].values
     shown = np.searchsorted(time, np.linspace(time[0], time[-1], frames)).clip(0, len(time) - 1)
     view = film.view
@@ -77,7 +77,7 @@ def animate_run(
 
 
 @dataclass
-class Film:
+class Animation:
     """The plotter of a film, its bodies made once; `show` moves them to a sample of the data."""
 
     data: Dataset

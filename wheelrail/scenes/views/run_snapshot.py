@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.views.animation import Film
+from wheelrail.scenes.views.animation import Animation
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -40,7 +40,7 @@ def moment_view(
     count = data.sizes["time"]
     if not -count <= index < count:
         raise IndexError(f"sample {index}: the run has {count}")
-    film = Film(data, wheel, rail, mounting, scale)
+    film = Animation(data, wheel, rail, mounting, scale)
     film.show(index % count)
     film.view.title = title
     return film.view

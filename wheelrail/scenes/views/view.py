@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.meshes.profiles.profile import Profile
-    from wheelrail.scenes.contacts.solve import Solved
+    from wheelrail.scenes.contacts.solve import SideSolution
 
 NO_BODIES = 'model = "standard": knows no bodies to look at, only with "condensed" or "full"'
 
@@ -43,7 +43,7 @@ def view_scene(
 def view_side(
     scene: HertzScene | WheelsetScene,
     side: str,
-    solved: Solved,
+    solved: SideSolution,
     *,
     title: str,
     profiles: Sequence[Profile] | None = None,
