@@ -17,8 +17,8 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.scenes.builders.contact import wheelset_contact
 from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.simulation.history import History

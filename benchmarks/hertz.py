@@ -16,7 +16,7 @@ from benchmarks.common.hertz_pairs import CIRCULAR, ELLIPTIC, HEAVY, Timed, cloc
 from benchmarks.common.machine import stated
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.builders import Bodies, Model
+from wheelrail.contact.models.discretisation import Bodies, Model
 
 PENALTY, EXACT = 1e15, np.inf  # N/m3
 CREEPAGE, FRICTION = 1e-3, 0.3

@@ -10,6 +10,7 @@ from .loading.load_search import find_depth_for_load as find_depth_for_load
 from .models.builders import hertz_pair as hertz_pair
 from .models.builders import wheel_rail_pair as wheel_rail_pair
 from .models.condensed import CondensedContact as CondensedContact
+from .models.discretisation import Discretisation as Discretisation
 from .models.fitted.model import FittedContact as FittedContact
 from .models.fitted.resolution import Resolution as Resolution
 from .models.full.model import FullContact as FullContact

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ def cattaneo_section(quick: bool, say: Say) -> TableSection:
         )
         size = pair.size(points=POINTS)
         depth, _ = pressed(pair, size)
-        model = hertz_model(pair, frictional(case["mu"]), size, tangential="shift", fineness=FINENESS)
+        model = replace(hertz_model(pair, frictional(case["mu"]), size), tangential="shift", fineness=FINENESS)
         distance, result = pushed(model, depth, exact.force, exact.shift)
         section.count(carrying(result))
         fields = result.fields

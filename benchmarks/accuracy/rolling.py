@@ -30,9 +30,7 @@ def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
     depth, _ = pressed(pair, size)
     a, b = pair.exact.semi_axes
     # at most 288 points: 24 cells along, as traction is singular where the contact ends, on at most 12 strips
-    model = hertz_model(
-        pair, frictional(STICKING), size, fineness=Resolution(max(4, int(12 * min(1, a / b / 0.75))), 24)
-    )
+    model = hertz_model(pair, frictional(STICKING), size, strips=max(4, int(12 * min(1, a / b / 0.75))), cells=24)
     c, small = np.sqrt(a * b), 1e-4
     found = [solved(model, depth, rolling(*creep)) for creep in np.diag([small, small, small / c])]
     (fx, *_), (_, fy, mz, _), (_, fy_spin, mz_spin, _) = (
@@ -102,7 +100,7 @@ def curve_errors(curve: dict[str, Any], fineness: Resolution, every: int = 1) ->
     pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
     size = pair.size(points=POINTS)
     depth, _ = pressed(pair, size)
-    model = hertz_model(pair, frictional(curve["mu"]), size, fineness=fineness)
+    model = hertz_model(pair, frictional(curve["mu"]), size, strips=fineness.strips, cells=fineness.cells)
     unit = curve["mu"] * pair.load * np.array([1, 1, np.sqrt(np.prod(pair.exact.semi_axes))])
     errors, count = [], 0
     for _, xi, eta, phi, *known in curve["cases"][::every]:

@@ -17,7 +17,8 @@ from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
-from wheelrail.contact.models.builders import Bodies, Model, hertz_pair
+from wheelrail.contact.models.builders import hertz_pair
+from wheelrail.contact.models.discretisation import Bodies, Discretisation, Model
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.support.arrays import Array
@@ -57,18 +58,8 @@ class Pair:
         self, across: float, laws: ContactLaws, *, model: Model = "condensed", bodies: Bodies = "solid"
     ) -> ContactModel:
         """The pair, meshed."""
-        return hertz_pair(
-            self.upper,
-            self.lower,
-            upper_steel=STEEL,
-            lower_steel=STEEL,
-            load=self.load,
-            surface_size=self.size(across),
-            laws=laws,
-            model=model,
-            bodies=bodies,
-            points="grid",
-        )
+        how = Discretisation(self.size(across), model=model, bodies=bodies, points="grid")
+        return hertz_pair((self.upper, self.lower), (STEEL, STEEL), laws, how, load=self.load)
 
 
 CIRCULAR = Pair("circular, 10 kN", (0.3, 0.3), (np.inf, np.inf), 10e3)

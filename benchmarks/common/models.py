@@ -16,12 +16,13 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.library import load_profile
 from wheelrail.support.arrays import Array
 
-OPTIONS: dict[str, Any] = {"bodies": "waveguide"}  # of every pair: bodies, degree, order, discretisation ..
+CHOICES: dict[str, Any] = {"bodies": "waveguide"}  # of the discretisation of every pair
 EXACT = np.inf  # N/m3
 STEEL = Material()
 
@@ -71,18 +72,10 @@ class Ellipse:
         return cls((radius, float(radius * low if ratio > 1 else radius / low)), load, steel)
 
 
-def hertz_model(pair: Ellipse, laws: ContactLaws, size: float, **options: Any) -> ContactModel:
-    """Contact model of a pair with surface size [m]."""
-    return hertz_pair(
-        pair.radii,
-        (np.inf, np.inf),
-        upper_steel=pair.steel,
-        lower_steel=pair.steel,
-        load=pair.load,
-        surface_size=size,
-        laws=laws,
-        **(OPTIONS | options),
-    )
+def hertz_model(pair: Ellipse, laws: ContactLaws, size: float, **choices: Any) -> Any:
+    """Contact model of a pair with surface size [m] and choices of `Discretisation`."""
+    how = Discretisation(size, **(CHOICES | choices))
+    return hertz_pair((pair.radii, (np.inf, np.inf)), (pair.steel, pair.steel), laws, how, load=pair.load)
 
 
 @dataclass(frozen=True)
@@ -97,19 +90,11 @@ class PairTrack:
 
 
 @cache
-def wheelset_model(track: PairTrack, laws: ContactLaws, size: float, **options: Any) -> WheelsetContact:
+def wheelset_model(track: PairTrack, laws: ContactLaws, size: float, **choices: Any) -> WheelsetContact:
     """S1002 on UIC60 (inclined 1/40 as given) with surface size [m]."""
     wheel, rail = load_profile("S1002", "wheel"), load_profile("UIC60-benchmark", "rail")
-    model = wheel_rail_pair(
-        wheel,
-        rail,
-        radius=track.radius,
-        wheel_steel=track.steel,
-        rail_steel=track.steel,
-        surface_size=size,
-        laws=laws,
-        **{**OPTIONS, **options},
-    )
+    how = Discretisation(size, **(CHOICES | choices))
+    model = wheel_rail_pair((wheel, rail), track.radius, (track.steel, track.steel), laws, how)
     return WheelsetContact(
         model, Mounting(track.wheel_y, rail.gauge_offset(track.gauge, track.gauge_height), track.radius)
     )

@@ -14,7 +14,7 @@ from benchmarks.common.reference_table import reference
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_under_load
-from wheelrail.contact.models.builders import Bodies, Model
+from wheelrail.contact.models.discretisation import Bodies, Model
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import ContactModel
@@ -132,13 +132,13 @@ def _loaded(variant: ModelVariant, pair: Ellipse) -> float:
 @lru_cache(maxsize=8)  # with friction and without, of all pairs: finenesses share them, and grids are large
 def _made(pair: Ellipse, laws: ContactLaws, variant: ModelVariant) -> ContactModel:
     """Meshes, spectra and tables are shared by all finenesses."""
-    options: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
+    choices: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
     return hertz_model(
         pair,
         laws,
         pair.size(points=variant.points),
         model=variant.model,
         bodies=variant.bodies,
-        order=variant.order,
-        **options,
+        slip_order=variant.order,
+        **choices,
     )

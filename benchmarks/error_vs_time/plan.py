@@ -10,7 +10,7 @@ from benchmarks.common.models import EXACT
 from benchmarks.error_vs_time.cases import ModelVariant, TimedCase
 from benchmarks.error_vs_time.measure import normal_row, rolling_row
 from benchmarks.error_vs_time.reference import Reference, Say
-from wheelrail.contact.models.builders import Bodies, Model
+from wheelrail.contact.models.discretisation import Bodies, Model
 from wheelrail.contact.models.fitted.resolution import Resolution
 
 FINENESSES = ((4, 6), (6, 8), (6, 12), (8, 12), (12, 16), (20, 24))

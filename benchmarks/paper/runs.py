@@ -16,7 +16,7 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.vehicle.simulation.history import RunCost
 
 FAILURES = (RuntimeError, ValueError, ArithmeticError, np.linalg.LinAlgError)

@@ -11,7 +11,7 @@ import numpy as np
 
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics

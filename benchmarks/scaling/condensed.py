@@ -17,8 +17,8 @@ from benchmarks.common.reference_table import reference
 from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.builders import Bodies, Points
 from wheelrail.contact.models.condensed import CondensedContact
+from wheelrail.contact.models.discretisation import Bodies, Points
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
@@ -47,11 +47,11 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
     if bodies == "waveguide":  # the blocks end somewhere
         depth -= 2 * lacking(pair.steel.nu)[0] * pair.load / (pair.steel.E * pair.half_width(size))
     strips = max(4, round(np.sqrt(wanted / ALONG)))
-    options: dict[str, Any] = (
-        {} if points == "grid" else {"fineness": Resolution(strips, max(4, round(wanted / strips)))}
-    )
+    choices: dict[str, Any] = {}
+    if points != "grid":
+        choices = {"strips": strips, "cells": max(4, round(wanted / strips))}
     laws = frictional(curve["mu"])  # with room upstream
-    model = hertz_model(pair, laws, size, bodies=bodies, points=points, **options)
+    model = hertz_model(pair, laws, size, bodies=bodies, points=points, **choices)
     assert isinstance(model, CondensedContact | FittedContact)
     # what all solves share, spectra, tables and compiled kernels, is made by a first one
     few = replace(model, fineness=Resolution(4, 8)) if isinstance(model, FittedContact) else model

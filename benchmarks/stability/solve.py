@@ -15,6 +15,7 @@ from benchmarks.stability.sample import RADIUS, SIZES, SampledCase
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
@@ -123,13 +124,6 @@ def twin_of(case: SampledCase) -> ContactModel:
 @lru_cache(maxsize=4)
 def _pair(rail: str, size: float, grid: bool) -> Any:
     """Model without friction, whose laws are replaced case by case."""
-    return wheel_rail_pair(
-        named_profile("S1002"),
-        named_profile(rail),
-        radius=RADIUS,
-        wheel_steel=Material(),
-        rail_steel=Material(),
-        surface_size=size,
-        laws=ContactLaws(1e15 if grid else np.inf, 0.0, 0.0),
-        bodies="waveguide",
-    )
+    laws = ContactLaws(1e15 if grid else np.inf, 0.0, 0.0)
+    profiles = named_profile("S1002"), named_profile(rail)
+    return wheel_rail_pair(profiles, RADIUS, (Material(), Material()), laws, Discretisation(size, bodies="waveguide"))

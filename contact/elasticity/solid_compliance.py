@@ -9,12 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.contact.geometry.surface_grid import ContactGrid
+from wheelrail.contact.laws.material import Material
+from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.cache import load, store
+from wheelrail.support.cache import digest, load, store
 from wheelrail.support.progress import Countdown
 
 if TYPE_CHECKING:
@@ -91,3 +95,27 @@ class SurfaceCompliance:
         nodes = self._nodes(tile)
         self._matrix[3 * nodes + direction] = columns * self.scale
         self._filled[nodes, direction] = True
+
+
+def solid_compliance(
+    solid: Solid, key: str, material: Material, degree: int, *, scale: float = 1.0
+) -> SurfaceCompliance:
+    """Surface compliance of a meshed body, cached on disk under the mesh's key, the material and the degree."""
+    grid = ContactGrid.on(solid, degree)
+    name = digest(mesh=key, E=material.E, nu=material.nu, degree=degree)
+    return SurfaceCompliance(name, grid.shape, partial(elastic_body, solid, material, degree), scale=scale)
+
+
+def elastic_body(solid: Solid, material: Material, degree: int) -> ElasticBody:
+    """Stiffness of a meshed body; imports dolfinx only when it is called."""
+    from wheelrail.contact.elasticity.solid_body import ElasticBody
+
+    return ElasticBody(solid, material, degree=degree)
+
+
+def distributed_body(solid: Solid, material: Material, degree: int) -> ElasticBody:
+    """The same, split over all processes that `mpirun` started."""
+    from wheelrail.contact.elasticity.solid_body import ElasticBody
+    from wheelrail.support.mpi import everyone
+
+    return ElasticBody(solid, material, degree=degree, ranks=everyone())

@@ -18,6 +18,7 @@ from benchmarks.stability.solve import BETWEEN, SolveOutcome, carried, model_of,
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult, Patch, Statistics
 from wheelrail.meshes.profiles.named import named_profile
@@ -52,16 +53,8 @@ def test_grids_say_when_they_cannot_see_the_contact() -> None:
 
 @cache
 def half_spaces(rail: str) -> ContactModel:
-    return wheel_rail_pair(
-        named_profile("S1002"),
-        named_profile(rail),
-        radius=RADIUS,
-        wheel_steel=Material(),
-        rail_steel=Material(),
-        surface_size=SIZE,
-        laws=ContactLaws(np.inf, 0.0, 0.0),
-        bodies="half-space",
-    )
+    profiles, how = (named_profile("S1002"), named_profile(rail)), Discretisation(SIZE, bodies="half-space")
+    return wheel_rail_pair(profiles, RADIUS, (Material(), Material()), ContactLaws(np.inf, 0.0, 0.0), how)
 
 
 def test_half_spaces_carry_about_the_loads_asked_for_and_bodies_that_give_way_less() -> None:

@@ -84,7 +84,8 @@ def test_what_is_no_run_or_finds_no_rest_is_told(monkeypatch: pytest.MonkeyPatch
         assert refused.exit_code == 2
         assert "wheelrail contact" in refused.stderr
     monkeypatch.setattr(
-        "wheelrail.scenes.runs.steady.wheelset_contact", lambda scene: lambda *_: ContactResult.separated()
+        "wheelrail.scenes.runs.steady.wheelset_contact",
+        lambda scene: replace(CONTACT, model=lambda *_: ContactResult.separated()),
     )
     failed = CliRunner().invoke(app, ["modes", str(SCENES / "curve.toml")])
     assert failed.exit_code == 1

@@ -14,7 +14,7 @@ from wheelrail.contact.elasticity.waveguide.coordinates import WaveguideCoordina
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.contact.stress.solid_fields import solid_fields
@@ -29,18 +29,8 @@ BALL, FORCE = (0.3, 0.3), 10e3
 def pressed() -> tuple[ContactResult, Hertz]:
     """A ball on a flat at Hertz's approach, half-spaces so that he is right, without friction."""
     exact = hertzian(BALL, FORCE)
-    pair = hertz_pair(
-        BALL,
-        (np.inf, np.inf),
-        upper_steel=STEEL,
-        lower_steel=STEEL,
-        load=FORCE,
-        surface_size=0.5e-3,
-        laws=ContactLaws(friction=0.0),
-        bodies="half-space",
-        points="fitted",
-        fineness=Resolution(10, 12),
-    )
+    how = Discretisation(0.5e-3, bodies="half-space", points="fitted", strips=10, cells=12)
+    pair = hertz_pair((BALL, (np.inf, np.inf)), (STEEL, STEEL), ContactLaws(friction=0.0), how, load=FORCE)
     return pair(hertz_pose(exact.approach), AT_REST, None), exact
 
 

@@ -18,7 +18,8 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
-from wheelrail.contact.models.builders import Bodies, hertz_pair, wheel_rail_pair
+from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
+from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.fitted.edge_rules import CAUTION, TIP, edge_rules, line_contact, tip
 from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, settling
 from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
@@ -55,20 +56,10 @@ def exact() -> Hertz:
 def pair(
     friction: float = 0.0, bodies: Bodies = "half-space", fineness: Resolution | None = None, estimate: bool = False
 ) -> FittedContact:
-    model = hertz_pair(
-        RADII,
-        (np.inf, np.inf),
-        upper_steel=STEEL,
-        lower_steel=STEEL,
-        load=LOAD,
-        surface_size=1e-3,
-        laws=ContactLaws(friction=friction),
-        bodies=bodies,
-        fineness=fineness or Resolution(),
-        estimate=estimate,
-    )
+    how = Discretisation(1e-3, bodies=bodies)
+    model = hertz_pair((RADII, (np.inf, np.inf)), (STEEL, STEEL), ContactLaws(friction=friction), how, load=LOAD)
     assert isinstance(model, FittedContact)
-    return model
+    return replace(model, fineness=fineness or Resolution(), estimate=estimate)
 
 
 def loaded(model: FittedContact) -> tuple[float, ContactResult]:
@@ -256,14 +247,11 @@ def test_penalty_and_other_misfits_are_refused() -> None:
         replace(pair(), laws=ContactLaws.penalty())
     with pytest.raises(ValueError, match="fitted"):
         hertz_pair(
-            RADII,
-            RADII,
-            upper_steel=STEEL,
-            lower_steel=STEEL,
+            (RADII, RADII),
+            (STEEL, STEEL),
+            ContactLaws(),
+            Discretisation(1e-3, bodies="solid", points="fitted"),
             load=1e3,
-            surface_size=1e-3,
-            laws=ContactLaws(),
-            points="fitted",
         )
     with pytest.raises(ValueError, match="4 strips"):
         Resolution(2, 8)
@@ -272,16 +260,8 @@ def test_penalty_and_other_misfits_are_refused() -> None:
 @cache
 def wheelset(friction: float) -> WheelsetContact:
     rail = named_profile("UIC60-benchmark")
-    model = wheel_rail_pair(
-        named_profile("S1002"),
-        rail,
-        radius=0.46,
-        wheel_steel=STEEL,
-        rail_steel=STEEL,
-        surface_size=1e-3,
-        laws=ContactLaws(friction=friction),
-        bodies="half-space",
-    )
+    profiles, how = (named_profile("S1002"), rail), Discretisation(1e-3, bodies="half-space")
+    model = wheel_rail_pair(profiles, 0.46, (STEEL, STEEL), ContactLaws(friction=friction), how)
     return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
 
 
@@ -349,16 +329,8 @@ def test_warm_cells_from_far_away_do_no_harm() -> None:
 
 def test_equal_steels_share_one_compliance() -> None:
     assert pair().operators.alike
-    other = hertz_pair(
-        RADII,
-        (np.inf, np.inf),
-        upper_steel=STEEL,
-        lower_steel=Material(2.1e11, 0.3 + 1e-12),
-        load=LOAD,
-        surface_size=1e-3,
-        laws=ContactLaws(friction=0.3),
-        bodies="half-space",
-    )
+    steels, how = (STEEL, Material(2.1e11, 0.3 + 1e-12)), Discretisation(1e-3, bodies="half-space")
+    other = hertz_pair((RADII, (np.inf, np.inf)), steels, ContactLaws(friction=0.3), how, load=LOAD)
     assert isinstance(other, FittedContact)
     assert not other.operators.alike
     pose = hertz_pose(exact().approach)

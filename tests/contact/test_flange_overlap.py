@@ -18,6 +18,7 @@ from wheelrail.contact.loading.hertz import sphere_approach
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.condensed import CondensedContact
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
@@ -32,16 +33,9 @@ EXPECTED = sphere_approach(LOAD, radius=0.3, modulus=0.5 * Material().E / (1 - M
 @cache
 def pair(size: float, friction: float = 0.3) -> CondensedContact:
     """The paper's laws on waveguides; spectra of lines 3 mm apart take a second, none is needed for points alone."""
-    made = wheel_rail_pair(
-        WHEEL,
-        RAIL,
-        radius=RADIUS,
-        wheel_steel=Material(),
-        rail_steel=Material(),
-        surface_size=size,
-        laws=ContactLaws.penalty() if friction else ContactLaws(1e15, 0.0, 0.0),
-        bodies="waveguide",
-    )
+    laws = ContactLaws.penalty() if friction else ContactLaws(1e15, 0.0, 0.0)
+    how = Discretisation(size, bodies="waveguide")
+    made = wheel_rail_pair((WHEEL, RAIL), RADIUS, (Material(), Material()), laws, how)
     assert isinstance(made, CondensedContact)
     return made
 

@@ -14,6 +14,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.solvers.active_set import CachedFactors, CoupledPressure
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
@@ -149,17 +150,9 @@ def test_shift_against_cattaneo() -> None:
 
 
 def test_shift_of_a_pair() -> None:
-    pair = hertz_pair(
-        (RADIUS, RADIUS),
-        (np.inf, np.inf),
-        upper_steel=STEEL,
-        lower_steel=STEEL,
-        load=10e3,
-        surface_size=PATCH.semi_axes[0] / 6,
-        laws=COULOMB,
-        bodies="waveguide",
-        tangential="shift",
-    )
+    how = Discretisation(PATCH.semi_axes[0] / 6, bodies="waveguide")
+    rolling = hertz_pair(((RADIUS, RADIUS), (np.inf, np.inf)), (STEEL, STEEL), COULOMB, how, load=10e3)
+    pair = replace(rolling, tangential="shift")
     full = 3 * 0.3 * PATCH.force * 1.7 / (8 * 210e9 / 2.6 * PATCH.semi_axes[0])
     still = np.zeros(3)
     for angle in (0.0, 0.7):

@@ -17,6 +17,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_under_load
 from wheelrail.contact.loading.load_search import find_depth_for_load
 from wheelrail.contact.models.builders import hertz_pair
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import solve_tractions
@@ -178,15 +179,8 @@ def test_pair_of_a_scene() -> None:
     """The pair that scenes ask for, on its own large blocks, with only 5 points across."""
     A, B = curvature((0.46, 0.3)) + curvature((np.inf, 0.3))
     expected = hertz(A, B, E_STAR, force=10e3)
-    model = hertz_pair(
-        (0.46, 0.3),
-        (np.inf, 0.3),
-        upper_steel=STEEL,
-        lower_steel=STEEL,
-        load=10e3,
-        surface_size=min(expected.semi_axes) / 2.5,
-        laws=EXACT,
-    )
+    how = Discretisation(min(expected.semi_axes) / 2.5, bodies="solid")
+    model = hertz_pair(((0.46, 0.3), (np.inf, 0.3)), (STEEL, STEEL), EXACT, how, load=10e3)
     result = hertz_under_load(model, AT_REST, 10e3, expected=expected.approach).results[0]
     (patch,) = result.patches
     assert patch.max_pressure == pytest.approx(expected.peak, rel=0.04)

@@ -19,9 +19,9 @@ from wheelrail.contact.kinematics.frames import MIRROR, Pose, RigidMotion, Twist
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.builders import Bodies, hertz_pair
+from wheelrail.contact.models.builders import hertz_pair
+from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
 
 FEW = settings(
@@ -47,20 +47,16 @@ def frictionless(
     ratio: float, scale: float = 1.0, *, cells: int = CELLS, bodies: Bodies = "half-space"
 ) -> FittedContact:
     """A steel body with radii R and ratio R on a plane; all lengths times the scale."""
+    how = Discretisation(scale * SIZE, bodies=bodies, strips=cells, cells=cells)
     model = hertz_pair(
-        (scale * RADIUS, scale * ratio * RADIUS),
-        (np.inf, np.inf),
-        upper_steel=Material(),
-        lower_steel=Material(),
+        ((scale * RADIUS, scale * ratio * RADIUS), (np.inf, np.inf)),
+        (Material(), Material()),
+        ContactLaws(np.inf, 0.0, 0.0),
+        how,
         approach=scale * APPROACH,
-        surface_size=scale * SIZE,
-        laws=ContactLaws(np.inf, 0.0, 0.0),
-        bodies=bodies,
-        fineness=Resolution(cells, cells),
-        tolerance=1e-7,  # ends as exact as they can be, so that all that is left is the cells
     )
     assert isinstance(model, FittedContact)
-    return model
+    return replace(model, tolerance=1e-7)  # ends as exact as they can be, so that all that is left is the cells
 
 
 def rolling(xi: float, eta: float, phi: float) -> RigidMotion:

@@ -13,7 +13,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.subsurface import LoadedBody
 from wheelrail.contact.stress.surface_loads import CellLoads
@@ -152,19 +152,9 @@ def pressed(points: str) -> tuple[ContactResult, tuple[float, float]]:
     """A ball of 0.3 m on a flat at Hertz's approach for 10 kN, without friction; radius m and peak Pa of its patch."""
     steel, ball = Material(), (0.3, 0.3)
     exact = hertz(0.5 / 0.3, 0.5 / 0.3, modulus((steel.E, steel.nu), (steel.E, steel.nu)), force=10e3)
-    options = {"fineness": Resolution(10, 12)} if points == "fitted" else {}
-    pair = hertz_pair(
-        ball,
-        (np.inf, np.inf),
-        upper_steel=steel,
-        lower_steel=steel,
-        load=10e3,
-        surface_size=0.5e-3,
-        laws=ContactLaws(friction=0.0),
-        bodies="waveguide",
-        points=points,  # type: ignore[arg-type]
-        **options,
-    )
+    strips, cells = (10, 12) if points == "fitted" else (None, None)
+    how = Discretisation(0.5e-3, bodies="waveguide", points=points, strips=strips, cells=cells)  # type: ignore[arg-type]
+    pair = hertz_pair((ball, (np.inf, np.inf)), (steel, steel), ContactLaws(friction=0.0), how, load=10e3)
     still = Twist(np.zeros(3), np.zeros(3), np.zeros(3))
     result = pair(hertz_pose(exact.approach), RigidMotion(still, still), None)
     # the blocks are not half-spaces: the force is a little less than Hertz's at his approach

@@ -6,13 +6,13 @@ from functools import cache
 
 import numpy as np
 
+from wheelrail.contact.elasticity.solid_compliance import solid_compliance
 from wheelrail.contact.geometry.profile_pair import ProfilePair
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.builders import compliance
 from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.bodies.extrusion import Cell
@@ -57,7 +57,10 @@ def model(laws: ContactLaws) -> CondensedContact:
     (wheel_section, rail_section) = outlines()
     wheel_solid, _, wheel_key = wheel(wheel_section, size=SIZE, half_length=0.1)
     rail_solid, _, rail_key = rail(rail_section, size=SIZE, half_length=0.2)
-    above, below = compliance(wheel_solid, wheel_key, Material(), 1), compliance(rail_solid, rail_key, Material(), 1)
+    above, below = (
+        solid_compliance(wheel_solid, wheel_key, Material(), 1),
+        solid_compliance(rail_solid, rail_key, Material(), 1),
+    )
     return CondensedContact(geometry(), above, below, laws)
 
 

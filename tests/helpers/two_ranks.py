@@ -16,6 +16,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.results.result import ContactResult
@@ -63,8 +64,8 @@ def overlapping(cells: float) -> Any:
 def on_rail() -> dict[str, Any]:
     """An S1002 wheel on a UIC60 rail without friction, by the meshes that scenes use."""
     wheel, rail = load_profile("S1002", "wheel"), load_profile("UIC60-benchmark", "rail")
-    kwargs: dict[str, Any] = {"wheel_steel": Material(), "rail_steel": Material(), "laws": FRICTIONLESS}
-    model = wheel_rail_pair(wheel, rail, radius=0.46, surface_size=6e-3, model="full", **kwargs)
+    how = Discretisation(6e-3, model="full")
+    model = wheel_rail_pair((wheel, rail), 0.46, (Material(), Material()), FRICTIONLESS, how)
     assert isinstance(model, FullContact)
     state = WheelsetState(y=0.002, z=-2e-4, speed=45.0, pitch_rate=45.0 / 0.46)
     pose, motion = Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46).left_pair(state)

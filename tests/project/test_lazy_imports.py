@@ -65,7 +65,7 @@ def test_the_standard_contact_needs_no_meshes_and_no_finite_elements() -> None:
     script = f"""
 from pathlib import Path
 from wheelrail.scenes.contacts.solve import solve_contact
-from wheelrail.scenes.builders.contact import wheelset_contact
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import parse_scene
 text = (Path({str(ROOT)!r}) / "scenes" / "wheelset.toml").read_text()
 report = solve_contact(parse_scene(text.replace('model = "condensed"', 'model = "standard"')))
@@ -85,12 +85,12 @@ def test_an_empty_cache_asks_for_both(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
     script = """
 from wheelrail.contact.laws.parameters import ContactLaws; from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.builders import compliance
+from wheelrail.contact.elasticity.solid_compliance import solid_compliance
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
 import numpy as np
 solid, key = block((2, 2), half_width=4.0, grading=Grading(1.0, 1.0))
-compliance(solid, key, Material(), 1).block(np.arange(3))
+solid_compliance(solid, key, Material(), 1).block(np.arange(3))
 """
     assert heavy_after(script) >= {"gmsh", "dolfinx", "petsc4py"}
     assert heavy_after(script) == set()
@@ -143,7 +143,7 @@ def watch_friction(counter: Counter) -> None:
     counter.watch(tractions_module, "tangential_contact")
     counter.watch(condensed_module, "creepage")
     counter.watch(full_module, "creepage")
-    counter.watch(operators_module, "couple")
+    counter.watch(operators_module, "contact_operators")
     counter.watch(SurfaceCompliance, "_fill")
 
 
@@ -154,7 +154,7 @@ def test_no_friction_no_tangential_work(counter: Counter) -> None:
     assert result.status == "converged"
     assert not counter.calls["tangential_contact"]
     assert not counter.calls["creepage"]
-    couplings = counter.calls["couple"]
+    couplings = counter.calls["contact_operators"]
     assert len(couplings) == 2
     assert all(order == 0 for *_, order in couplings)
     # and only the compliance along the normal is ever asked for
@@ -175,7 +175,7 @@ def test_full_without_friction_solves_for_overlaps_alone(counter: Counter) -> No
     watch_friction(counter)
     assert model(TOUCHING, AT_REST).status == "converged"  # nor does it need to roll
     assert not counter.calls["creepage"]
-    assert all(order == 0 for *_, order in counter.calls["couple"])
+    assert all(order == 0 for *_, order in counter.calls["contact_operators"])
     assert model.law.components == 1
 
 
@@ -195,7 +195,7 @@ def test_no_overlap_returns_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     pair = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty())
     nobody: Any = Untouchable()
     apart = hertz_pose(-1e-6)
-    for name in ("couple_both", "creepage", "solve_tractions", "condense"):
+    for name in ("pair_operators", "creepage", "solve_tractions", "condense"):
         monkeypatch.setattr(condensed_module, name, never)
     result = type(pair)(pair.geometry, nobody, nobody, ContactLaws.penalty())(apart, CREEP)
     assert result.status == "separated"

@@ -16,7 +16,9 @@ from rich.console import Console
 from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.scenes.builders.contact import hertz_motion, hertz_scale, laws, wheelset_contact
+from wheelrail.scenes.builders.hertz import hertz_motion, hertz_scale
+from wheelrail.scenes.builders.laws import laws
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.contacts.report import table
 from wheelrail.scenes.contacts.solve import solve_contact
 from wheelrail.scenes.datasets.contact import contact_dataset
@@ -152,11 +154,9 @@ EXACT = changed(HERTZ, 'laws = "paper"', 'laws = "exact"')
 
 
 def test_points_are_fitted_where_they_can_be() -> None:
-    """As in `wheelrail.contact.models.builders`: endless bodies and the exact normal law, unless the scene says
-    otherwise.
-    """
+    """Waveguides and the exact normal law take fitted points, unless the scene says otherwise."""
     half = 'laws = "paper"\nstiffness_per_area = inf'
-    for text, placing in (
+    for text, points in (
         (HERTZ, "grid"),
         (EXACT, "fitted"),
         (changed(EXACT, 'laws = "exact"', 'laws = "exact"\npoints = "grid"'), "grid"),
@@ -167,7 +167,7 @@ def test_points_are_fitted_where_they_can_be() -> None:
         (CURVE, "grid"),
         (changed(CURVE, 'laws = "paper"', 'laws = "exact"'), "fitted"),
     ):
-        assert parse_scene(text).placing == placing
+        assert parse_scene(text).discretisation.points == points
     fine = parse_scene(changed(EXACT, 'laws = "exact"', 'laws = "exact"\nstrips = 8\ncells = 20'))
     assert (fine.strips, fine.cells) == (8, 20)
 

@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
+from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance, solid_compliance
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.builders import compliance
 from wheelrail.meshes.bodies import solids as bodies
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
@@ -186,7 +185,7 @@ def test_cached_mesh_is_not_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_long_work_tells_its_memory_and_the_time_left(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     solid, key = block((2, 2), half_width=4.0, grading=COARSE)
-    found = compliance(solid, key, Material(), 1)
+    found = solid_compliance(solid, key, Material(), 1)
     clock = count(0, 10)  # s, ten for each group of nodes
     monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
     heard: list[str] = []

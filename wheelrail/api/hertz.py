@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from wheelrail.api.arguments import keys_of, known, plain, replaced, scene_of
 from wheelrail.api.solution import Solution, solved
-from wheelrail.scenes.builders.contact import hertz_model
+from wheelrail.scenes.builders.hertz import hertz_model
 from wheelrail.scenes.contacts.solve import solve_sides
 from wheelrail.scenes.schema.scene import HertzScene
 from wheelrail.scenes.schema.tables import BodyTable

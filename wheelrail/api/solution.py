@@ -98,7 +98,7 @@ class Solution(StoredDataset):
             chosen,
             sides[chosen],
             title=title,
-            profiles=profiles or None,
+            profiles=(profiles[0], profiles[1]) if profiles else None,
             body=body,
             scale=scale,
             off_screen=None if file is None else True,

@@ -11,7 +11,7 @@ from wheelrail.api.arguments import keys_of, known, replaced, scene_of
 from wheelrail.api.solution import Solution, solved
 from wheelrail.meshes.profiles.library import load_profile
 from wheelrail.meshes.profiles.profile import Kind, Profile
-from wheelrail.scenes.builders.contact import mounted, wheelset_contact
+from wheelrail.scenes.builders.wheelset import mounted, wheelset_contact
 from wheelrail.scenes.contacts.solve import solve_sides
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene

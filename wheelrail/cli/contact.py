@@ -53,7 +53,7 @@ def contact(
 
 def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], file: Path) -> None:
     """Save the picture, or end with the reason why not on standard error."""
-    from wheelrail.scenes.builders.contact import laws
+    from wheelrail.scenes.builders.laws import laws
     from wheelrail.scenes.datasets.contact import contact_dataset
     from wheelrail.scenes.plots.patches import draw_patches
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import ClassVar
 
 import numpy as np
@@ -17,7 +17,8 @@ from scipy.ndimage import convolve1d
 from scipy.special import roots_legendre
 
 from wheelrail.contact.elasticity.half_space import floor_correction, strip_antiderivative, strip_flexibility
-from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError
+from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
+from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError, surface_error
 from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, interpolation, pair_places, rule
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.material import Material
@@ -177,6 +178,31 @@ class ElementInfluence(HalfSpaceInfluence):
     error: Callable[[], SurfaceError] = field(kw_only=True)
     flat: ClassVar[bool] = False
     _cache: dict[tuple[int, int], ElementCorrection] = field(init=False, default_factory=dict, repr=False)
+
+    @classmethod
+    def of_waveguide(
+        cls,
+        body: WaveguideCompliance,
+        lines: Array,
+        arc: Array,
+        reach: float,
+        material: Material,
+        degree: int,
+        *,
+        unit: float = 1.0,
+    ) -> ElementInfluence:
+        """From the spectrum behind the grid of a body, along lines (ns, 2) m at arc lengths (ns,) m."""
+        return cls(
+            lines,
+            arc,
+            reach,
+            material.nu,
+            radius=body.radius,
+            unit=unit,
+            scale=body.scale,
+            spectrum=body.spectrum,
+            error=partial(surface_error, material.nu, degree),
+        )
 
     @cached_property
     def samples(self) -> ComplianceSpectrum:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -10,15 +10,10 @@ from math import nan
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
-from wheelrail.scenes.builders.contact import (
-    hertz_model,
-    hertz_motion,
-    hertz_scale,
-    laws,
-    stressed_bodies,
-    wheel_scale,
-    wheelset_contact,
-)
+from wheelrail.scenes.builders.hertz import hertz_model, hertz_motion, hertz_scale
+from wheelrail.scenes.builders.laws import laws
+from wheelrail.scenes.builders.loaded_bodies import stressed_bodies
+from wheelrail.scenes.builders.wheelset import wheel_scale, wheelset_contact
 from wheelrail.scenes.contacts.report import overall, side_report
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
@@ -101,7 +96,7 @@ def solve_sides(
     scene: HertzScene | WheelsetScene,
     *,
     model: ContactModel | WheelsetContact | None = None,
-    profiles: Sequence[Profile] | None = None,
+    profiles: tuple[Profile, Profile] | None = None,
     say: Say = lambda _: None,
 ) -> Iterator[tuple[str, SideSolution]]:
     """Every side of a scene, "contact" for a Hertz pair, solved in its turn.
@@ -118,10 +113,11 @@ def ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     """How the bodies and their contact are modelled."""
     if scene.model == "standard":
         return {"normal": scene.normal or "kik-piotrowski", "tangential": scene.tangential or "fastsim"}
+    how = scene.discretisation
     return {
         "laws": scene.laws,
-        "bodies": scene.meshes,
-        "points": scene.placing,
+        "bodies": how.bodies,
+        "points": how.points,
         "surface_size": scene.surface_size,
     }
 
@@ -158,7 +154,7 @@ def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[
 
 
 def _wheelset(
-    scene: WheelsetScene, contact: WheelsetContact | None, profiles: Sequence[Profile] | None, say: Say
+    scene: WheelsetScene, contact: WheelsetContact | None, profiles: tuple[Profile, Profile] | None, say: Say
 ) -> Iterator[tuple[str, SideSolution]]:
     from wheelrail.contact.loading.load_search import LoadError
 
@@ -212,7 +208,7 @@ def _stress(
     scene: HertzScene | WheelsetScene,
     result: ContactResult,
     pose: Pose,
-    profiles: Sequence[Profile] | None,
+    profiles: tuple[Profile, Profile] | None,
     say: Say,
 ) -> dict[str, SubsurfaceStress]:
     """Stresses by body, in the frame of the result's fields. Raises SceneError for depths that leave a body."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.scenes.builders.contact import laws
+from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.contacts.report import overall
 from wheelrail.scenes.contacts.solve import SideSolution, ways
 from wheelrail.scenes.datasets.contact import contact_dataset

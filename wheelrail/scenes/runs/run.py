@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.builders.contact import wheelset_contact
 from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
 from wheelrail.scenes.schema.scene import RunScene

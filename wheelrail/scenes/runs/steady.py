@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.builders.contact import wheelset_contact
 from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.interrupts import deferred_interrupts

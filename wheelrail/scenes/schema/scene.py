@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Mapping
 from math import isinf
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import (
     Strict,
@@ -36,6 +36,9 @@ from wheelrail.scenes.schema.tables import (
 )
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.track import TrackLine
+
+if TYPE_CHECKING:
+    from wheelrail.contact.models.discretisation import Discretisation
 
 MOST_SAMPLES = 1_000_000  # each of which takes kilobytes of memory
 ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
@@ -97,36 +100,33 @@ class Contact(SceneTable):
             for key in ("stiffness_per_area", "regularisation"):
                 if key in self.model_fields_set:
                     raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
-        if self.bodies in ("waveguide", "half-space") and (self.model == "full" or self.cell == "hexahedron"):
-            raise q.refuse('"solid" with model = "full" or hexahedra, which need meshes in 3D', "bodies")
-        if self.bodies == "half-space" and self.placing == "grid":
-            raise q.refuse('"half-space" needs points = "fitted" and the exact normal law', "bodies")
-        if self.points == "fitted" and not self._fittable:
-            needs = 'bodies = "waveguide" and laws = "exact", or stiffness_per_area = inf'
-            raise q.refuse(f'"fitted" needs {needs}', "points")
-        for key in ("strips", "cells"):
-            if getattr(self, key) is not None and self.placing != "fitted":
-                raise q.refuse('only with points = "fitted"', key)
-        if self.slip_order == 1 and self.placing == "fitted":
-            raise q.refuse('1 only with points = "grid"; fitted points have second order', "slip_order")
+        from wheelrail.contact.models.discretisation import IncompatibleChoice
+
+        try:
+            _ = self.discretisation
+        except IncompatibleChoice as error:
+            raise q.refuse(error.allowed, error.key) from None
         return self
 
     @property
-    def _fittable(self) -> bool:
-        return self.meshes != "solid" and (self.laws == "exact" or isinf(self.stiffness_per_area))
+    def discretisation(self) -> Discretisation:
+        """Model, bodies, points and elements, with every choice made; raises IncompatibleChoice."""
+        from wheelrail.contact.models.discretisation import Discretisation
 
-    @property
-    def placing(self) -> Literal["fitted", "grid"]:
-        """Where contact points are: as given, or fitted to the patch where that is possible."""
-        return "fitted" if self._fittable and self.points != "grid" else "grid"
-
-    @property
-    def meshes(self) -> Literal["solid", "waveguide", "half-space"]:
-        """How the bodies are discretised: as given, or as suits the laws."""
-        if self.bodies is not None:
-            return self.bodies
-        meshed = self.laws == "paper" or self.model == "full" or self.cell == "hexahedron"
-        return "solid" if meshed else "waveguide"
+        assert self.model != "standard"
+        assert self.surface_size is not None
+        how = Discretisation(
+            self.surface_size,
+            model=self.model,
+            bodies=self.bodies or ("solid" if self.laws == "paper" else None),
+            points=self.points,
+            degree=self.degree or 0,
+            cell=self.cell,
+            slip_order=self.slip_order,
+            strips=self.strips,
+            cells=self.cells,
+        )
+        return how.for_laws(exact=self.laws == "exact" or isinf(self.stiffness_per_area))
 
 
 def _between(wheelset: AxleTable, gauge: float) -> None:
@@ -145,7 +145,7 @@ class Solve(Contact):
 
     @model_validator(mode="after")
     def _estimable(self) -> Solve:
-        if self.error_estimate and (self.placing != "fitted" or self.model == "standard"):
+        if self.error_estimate and (self.model == "standard" or self.discretisation.points != "fitted"):
             raise q.refuse('only with points = "fitted": error estimates need fitted points', "error_estimate")
         return self
 

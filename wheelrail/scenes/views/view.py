@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.scenes.builders.contact import laid_profiles, loaded_bodies, mounted
+from wheelrail.scenes.builders.loaded_bodies import loaded_bodies
+from wheelrail.scenes.builders.wheelset import laid_profiles, mounted
 from wheelrail.scenes.contacts.solve import Say, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
@@ -46,7 +47,7 @@ def view_side(
     solved: SideSolution,
     *,
     title: str,
-    profiles: Sequence[Profile] | None = None,
+    profiles: tuple[Profile, Profile] | None = None,
     body: str = "both",
     scale: float | None = None,
     off_screen: bool | None = None,

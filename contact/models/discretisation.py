@@ -1,0 +1,89 @@
+"""How bodies and contact are discretised, and which choices go together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from wheelrail.contact.models.fitted.resolution import Resolution
+
+Model = Literal["condensed", "full"]
+Bodies = Literal["solid", "waveguide", "half-space"]
+Points = Literal["fitted", "grid"]
+Cell = Literal["tetrahedron", "hexahedron"]
+DEGREE: dict[Bodies, int] = {"solid": 1, "waveguide": 2, "half-space": 0}
+
+
+class IncompatibleChoice(ValueError):
+    """A choice that the others do not allow.
+
+    Parameters:
+        key: the field of `Discretisation`.
+        allowed: what it must be.
+    """
+
+    def __init__(self, key: str, allowed: str) -> None:
+        super().__init__(f"{key} must be {allowed}")
+        self.key, self.allowed = key, allowed
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """Model, bodies, contact points and elements; what is None is decided by `for_laws`.
+
+    Parameters:
+        surface_size: spacing of the nodes or lines of the surface in contact, m.
+        model: "condensed" solves for tractions on the surface compliance, "full" for all displacements.
+        bodies: meshed solids, bodies invariant along the track or about the axle by wavenumbers, or half-spaces.
+        points: strips of cells "fitted" to the patch, or a regular "grid".
+        degree: of the displacements, 1 or 2; 0 is 1 for solids, 2 for waveguides.
+        cell: of solids.
+        slip_order: of the difference formula for the slip on a grid, 1 or 2.
+        strips, cells: of fitted points, over the width of a patch and along a strip; None is the default of
+            `Resolution`.
+    """
+
+    surface_size: float
+    model: Model = "condensed"
+    bodies: Bodies | None = None
+    points: Points | None = None
+    degree: int = 0
+    cell: Cell = "tetrahedron"
+    slip_order: int = 2
+    strips: int | None = None
+    cells: int | None = None
+
+    def for_laws(self, *, exact: bool) -> Discretisation:
+        """The discretisation with every choice made.
+
+        Parameters:
+            exact: whether the normal law is exact: a penalty needs a grid.
+
+        Raises IncompatibleChoice.
+        """
+        meshed = not exact or self.model == "full" or self.cell == "hexahedron"
+        bodies: Bodies = self.bodies or ("solid" if meshed else "waveguide")
+        fittable = bodies != "solid" and exact
+        points: Points = "fitted" if fittable and self.points != "grid" else "grid"
+        if bodies != "solid" and (self.model == "full" or self.cell == "hexahedron"):
+            raise IncompatibleChoice("bodies", '"solid" with model = "full" or hexahedra, which need meshes in 3D')
+        if bodies == "half-space" and points == "grid":
+            raise IncompatibleChoice("bodies", '"half-space" needs points = "fitted" and the exact normal law')
+        if self.points == "fitted" and not fittable:
+            needs = 'bodies = "waveguide" and laws = "exact", or stiffness_per_area = inf'
+            raise IncompatibleChoice("points", f'"fitted" needs {needs}')
+        for key in ("strips", "cells"):
+            if getattr(self, key) is not None and points != "fitted":
+                raise IncompatibleChoice(key, 'only with points = "fitted"')
+        if self.slip_order == 1 and points == "fitted":
+            raise IncompatibleChoice("slip_order", '1 only with points = "grid"; fitted points have second order')
+        return replace(self, bodies=bodies, points=points, degree=self.degree or DEGREE[bodies])
+
+    @property
+    def resolution(self) -> Resolution:
+        """Strips and cells of fitted points. Raises ValueError for too few."""
+        from wheelrail.contact.models.fitted.resolution import Resolution
+
+        given = {"strips": self.strips, "cells": self.cells}
+        return Resolution(**{key: number for key, number in given.items() if number is not None})

@@ -1,0 +1,104 @@
+"""A wheel and a rail of given profiles, discretised."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.contact.elasticity.compliance import Compliance
+from wheelrail.contact.elasticity.solid_compliance import distributed_body, solid_compliance
+from wheelrail.contact.elasticity.waveguide.bodies import rail_waveguide, wheel_waveguide
+from wheelrail.contact.geometry.profile_pair import ProfilePair
+from wheelrail.contact.geometry.surface_grid import ContactGrid
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
+from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.fitted.surfaces import ProfileStrips
+from wheelrail.meshes.bodies.extrusion import Solid
+from wheelrail.meshes.bodies.outlines import rail_outline, rim_outline, wheel_outline
+from wheelrail.meshes.bodies.solids import Strip, rail, rail_touches, wheel, wheel_touches
+from wheelrail.meshes.profiles.profile import Profile
+
+if TYPE_CHECKING:
+    from wheelrail.contact.elasticity.solid_body import ElasticBody
+
+REACH = 0.2  # m along the rolling direction, between the ends of what fitted cells can cover
+
+
+@dataclass(frozen=True)
+class ProfileBodies:
+    """Left-hand pair of a wheel of nominal radius m and a rail as laid; profiles and materials in this order."""
+
+    profiles: tuple[Profile, Profile]
+    radius: float
+    materials: tuple[Material, Material]
+
+    @property
+    def _strips(self) -> ProfileStrips:
+        return ProfileStrips(*self.profiles, self.radius)
+
+    def half_space_strips(self, how: Discretisation) -> StripOperators:
+        return StripOperators(self._strips, *self._half_spaces(how.surface_size))
+
+    def _half_spaces(self, size: float) -> Iterator[HalfSpaceInfluence]:
+        wheel_profile, rail_profile = self.profiles
+        for outline, ends, material in (
+            (wheel_outline(wheel_profile, self.radius), wheel_touches(wheel_profile), self.materials[0]),
+            (rail_outline(rail_profile), rail_touches(rail_profile), self.materials[1]),
+        ):
+            arc = Strip.over(outline, ends, half_length=size, size=size).arc
+            yield HalfSpaceInfluence.under(outline.surface(arc), arc, REACH, material)
+
+    def waveguide_strips(self, how: Discretisation) -> StripOperators:
+        return StripOperators(
+            self._strips,
+            *(
+                ElementInfluence.of_waveguide(body, outline.surface(strip.arc), strip.arc, REACH, material, how.degree)
+                for (outline, (body, _, strip)), material in zip(self._waveguides(how), self.materials, strict=True)
+            ),
+        )
+
+    def waveguide_grids(self, how: Discretisation) -> tuple[ProfilePair, Compliance, Compliance]:
+        (_, (above, wheel_grid, wheel_strip)), (_, (below, rail_grid, rail_strip)) = self._waveguides(how)
+        surfaces = ProfilePair(*self.profiles, self.radius, wheel_strip, rail_strip, wheel_grid, rail_grid)
+        return surfaces, above, below
+
+    def _waveguides(self, how: Discretisation) -> Iterator[tuple[Any, Any]]:
+        """Outline of each body, with its compliance, grid and strip."""
+        sections = wheel_outline(self.profiles[0], self.radius), rail_outline(self.profiles[1])
+        for section, made, material in zip(sections, (wheel_waveguide, rail_waveguide), self.materials, strict=True):
+            yield section, made(section, material, size=how.surface_size, degree=how.degree)
+
+    def solid_grids(self, how: Discretisation) -> tuple[ProfilePair, Compliance, Compliance]:
+        surfaces, solids = self._solids(how, lambda mesh: mesh())
+        above, below = (
+            solid_compliance(solid, key, material, how.degree)
+            for (solid, key), material in zip(solids, self.materials, strict=True)
+        )
+        return surfaces, above, below
+
+    def solid_bodies(self, how: Discretisation) -> tuple[ProfilePair, ElasticBody, ElasticBody]:
+        from wheelrail.support.mpi import everyone
+
+        surfaces, solids = self._solids(how, everyone().shared)
+        above, below = (
+            distributed_body(solid, material, how.degree)
+            for (solid, _), material in zip(solids, self.materials, strict=True)
+        )
+        return surfaces, above, below
+
+    def _solids(
+        self, how: Discretisation, meshed: Callable[[Callable[[], Any]], Any]
+    ) -> tuple[ProfilePair, list[tuple[Solid, str]]]:
+        """Surfaces, and both solids with their keys in the cache; meshed: who makes the meshes."""
+        size, cell, degree = how.surface_size, how.cell, how.degree
+        rim = rim_outline(self.profiles[0], self.radius)
+        wheel_solid, wheel_strip, wheel_key = meshed(partial(wheel, rim, size=size, cell=cell))
+        outline = rail_outline(self.profiles[1], chord_error=min(0.5 * size, 5e-4))
+        rail_solid, rail_strip, rail_key = meshed(partial(rail, outline, size=size, cell=cell))
+        grids = ContactGrid.on(wheel_solid, degree), ContactGrid.on(rail_solid, degree)
+        surfaces = ProfilePair(*self.profiles, self.radius, wheel_strip, rail_strip, *grids, degree)
+        return surfaces, [(wheel_solid, wheel_key), (rail_solid, rail_key)]

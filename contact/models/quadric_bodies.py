@@ -1,0 +1,130 @@
+"""Two quadratic surfaces on large blocks, discretised."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.contact.analytical.hertz import hertz, modulus
+from wheelrail.contact.elasticity.compliance import Compliance
+from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance, distributed_body, solid_compliance
+from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
+from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
+from wheelrail.contact.geometry.quadric_pair import QuadricPair, curvature
+from wheelrail.contact.geometry.surface_grid import ContactGrid
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
+from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.meshes.bodies.extrusion import Solid
+from wheelrail.meshes.bodies.solids import block
+
+if TYPE_CHECKING:
+    from wheelrail.contact.elasticity.solid_body import ElasticBody
+
+ROOM = 1.25  # times the approach that the surface has room for
+WIDTH = 40.0  # least width of a block over the longer semi-axis of the patch
+
+
+@dataclass(frozen=True)
+class QuadricBodies:
+    """Upper and lower body, with principal radii m in x and y, under a load N or at an approach m, on equal blocks."""
+
+    radii: tuple[tuple[float, float], tuple[float, float]]
+    materials: tuple[Material, Material]
+    laws: ContactLaws
+    load: float | None = None
+    approach: float | None = None
+
+    @cached_property
+    def _curvatures(self) -> tuple[float, float]:
+        """Coefficients A and B of the gap, 1/m."""
+        A, B = curvature(self.radii[0]) + curvature(self.radii[1])
+        return float(A), float(B)
+
+    @cached_property
+    def _expected(self) -> tuple[float, float]:
+        """Depth m that the surface has room for, and the longer semi-axis m, by Hertz."""
+        upper, lower = self.materials
+        E_star = modulus((upper.E, upper.nu), (lower.E, lower.nu))
+        exact = hertz(*self._curvatures, E_star, force=self.load, approach=self.approach)
+        return ROOM * (exact.approach + exact.peak * self.laws.normal_compliance), max(exact.semi_axes)
+
+    def _half_cells(self, how: Discretisation) -> tuple[int, int]:
+        """Cells of the surface on either side of the middle, along and across."""
+        depth, _ = self._expected
+        steps = how.slip_order if self.laws.friction > 0 else 0
+        half = [int(np.ceil(np.sqrt(depth / c) / how.surface_size)) + 1 for c in self._curvatures]
+        return half[0] + steps, half[1]
+
+    def _half_width(self, how: Discretisation) -> float:
+        """In cells, and in coarse steps, so that one mesh and one compliance serve many scenes."""
+        return float(2.0 ** np.ceil(np.log2(WIDTH * self._expected[1] / how.surface_size)))
+
+    @property
+    def _reach(self) -> float:
+        """Longest distance along the strips, m."""
+        return 5 * float(np.sqrt(self._expected[0] / self._curvatures[0]))
+
+    def _equal_or_not(self, make: Callable[[Material], Any]) -> tuple[Any, Any]:
+        """What is made for the material of each body, once where they are equal."""
+        upper, lower = self.materials
+        above = make(upper)
+        return above, above if lower == upper else make(lower)
+
+    def half_space_strips(self, how: Discretisation) -> StripOperators:
+        across = self._half_cells(how)[1]
+        lines = np.arange(-across, across + 1, dtype=np.float64) * how.surface_size
+        flat = np.column_stack([lines, np.zeros_like(lines)])
+        halves = self._equal_or_not(lambda material: HalfSpaceInfluence.under(flat, lines, self._reach, material))
+        return StripOperators(QuadricStrips(*self.radii), *halves)
+
+    def waveguide_strips(self, how: Discretisation) -> StripOperators:
+        def influence(material: Material) -> ElementInfluence:
+            body, grid = self._waveguide(how, material)
+            lines = grid.position[0, :, 1:]
+            return ElementInfluence.of_waveguide(
+                body, lines, lines[:, 0], self._reach, material, how.degree, unit=how.surface_size
+            )
+
+        return StripOperators(QuadricStrips(*self.radii), *self._equal_or_not(influence))
+
+    def waveguide_grids(self, how: Discretisation) -> tuple[QuadricPair, Compliance, Compliance]:
+        (above, grid), (below, _) = self._equal_or_not(lambda material: self._waveguide(how, material))
+        return QuadricPair(grid, *self.radii), above, below
+
+    def _waveguide(self, how: Discretisation, material: Material) -> tuple[WaveguideCompliance, ContactGrid]:
+        half_cells, half_width = self._half_cells(how), self._half_width(how)
+        return block_waveguide(half_cells, material, size=how.surface_size, half_width=half_width, degree=how.degree)
+
+    def solid_grids(self, how: Discretisation) -> tuple[QuadricPair, Compliance, Compliance]:
+        surfaces, solid, key = self._solid(how, lambda mesh: mesh())
+
+        def compliance(material: Material) -> SurfaceCompliance:
+            scale = 1 / (material.E * how.surface_size)
+            return solid_compliance(solid, key, Material(1.0, material.nu), how.degree, scale=scale)
+
+        return surfaces, *self._equal_or_not(compliance)
+
+    def solid_bodies(self, how: Discretisation) -> tuple[QuadricPair, ElasticBody, ElasticBody]:
+        from wheelrail.support.mpi import everyone
+
+        surfaces, solid, _ = self._solid(how, everyone().shared)
+        scaled = partial(np.multiply, how.surface_size)
+        above, below = (distributed_body(solid.mapped(scaled), material, how.degree) for material in self.materials)
+        return surfaces, above, below
+
+    def _solid(self, how: Discretisation, meshed: Callable[[Callable[[], Any]], Any]) -> tuple[QuadricPair, Solid, str]:
+        """Surfaces, and the block of unit cells with its key in the cache; meshed: who makes the mesh."""
+        half_cells, half_width = self._half_cells(how), self._half_width(how)
+        solid, key = meshed(partial(block, half_cells, half_width=half_width, cell=how.cell))
+        grid = ContactGrid.on(solid, how.degree)
+        size = how.surface_size
+        scaled = ContactGrid(grid.position * size, grid.weight * size**2, grid.stride)
+        return QuadricPair(scaled, *self.radii), solid, key

@@ -1,0 +1,55 @@
+"""Contact model and motion of a Hertz scene. Everything heavy is imported when a model is built, not before."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.scenes.builders.laws import laws, material, standard_contact
+from wheelrail.scenes.schema.scene import HertzScene
+
+if TYPE_CHECKING:
+    from wheelrail.contact.kinematics.frames import RigidMotion
+    from wheelrail.contact.models.wheelset import ContactModel
+
+
+def hertz_model(scene: HertzScene) -> ContactModel:
+    """Contact model of the pair of bodies."""
+    radii = scene.upper.radii, scene.lower.radii
+    if scene.model == "standard":
+        from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics
+
+        return standard_contact(scene, RigidQuadrics(*radii), scene.upper, scene.lower)
+    from wheelrail.contact.models.builders import hertz_pair
+
+    materials, how = (material(scene.upper), material(scene.lower)), scene.discretisation
+    model: Any = hertz_pair(radii, materials, laws(scene), how, load=scene.load, approach=scene.approach)
+    return model if scene.shift is None else replace(model, tangential="shift")  # type: ignore[no-any-return]
+
+
+def hertz_motion(scene: HertzScene) -> RigidMotion:
+    """Material of both bodies flows backwards through the contact at the speed, the upper one's creepage faster.
+
+    The creepage is shared, so that the mean of both velocities is the speed itself. Zero for a frictionless scene that
+    gives no motion; for a shift, both bodies' displacements instead.
+    """
+    import numpy as np
+
+    from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+
+    if scene.shift is not None:
+        push, still = 0.5 * np.array([*scene.shift, 0.0]), np.zeros(3)
+        return RigidMotion(Twist(push, still, still), Twist(-push, still, still))
+    speed, (xi, eta, phi) = scene.speed or 0.0, scene.creepage or (0.0, 0.0, 0.0)
+    flow, slip, origin = np.array([-speed, 0.0, 0.0]), speed * np.array([xi, eta, 0.0]), np.zeros(3)
+    spin = np.array([0.0, 0.0, speed * phi])
+    return RigidMotion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
+
+
+def hertz_scale(scene: HertzScene, load: float) -> float:
+    """Approach m at which to look for the load: Hertz's for a sphere of the mean relative curvature."""
+    from wheelrail.contact.loading.hertz import sphere_approach
+
+    curvature = sum(1.0 / radius for body in (scene.upper, scene.lower) for radius in body.radii)
+    modulus = 1.0 / sum((1.0 - body.nu**2) / body.E for body in (scene.upper, scene.lower))
+    return sphere_approach(load, radius=2.0 / curvature, modulus=modulus)

@@ -1,0 +1,51 @@
+"""Laws of the interface and materials of a scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
+
+if TYPE_CHECKING:
+    from wheelrail.contact.geometry.rigid_surfaces import RigidPair
+    from wheelrail.contact.laws.material import Material
+    from wheelrail.contact.laws.parameters import ContactLaws
+    from wheelrail.contact.models.standard.model import StandardContact
+
+
+class ElasticConstants(Protocol):
+    """Anything that has Young's modulus, Pa, and Poisson's ratio."""
+
+    @property
+    def E(self) -> float: ...
+    @property
+    def nu(self) -> float: ...
+
+
+def material(body: ElasticConstants) -> Material:
+    """Material with the elastic constants of a table of the scene."""
+    from wheelrail.contact.laws.material import Material
+
+    return Material(body.E, body.nu)
+
+
+def laws(scene: HertzScene | WheelsetScene | RunScene) -> ContactLaws:
+    """Penalty pressure and regularised Coulomb friction with the scene's constants, or the exact laws; of these the
+    standard contact takes the friction.
+    """
+    from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
+
+    falling = None if scene.falling is None else FallingFriction(scene.falling.share, scene.falling.rate)
+    if scene.laws == "exact" or scene.model == "standard":
+        return ContactLaws(friction=scene.friction, falling=falling)
+    return ContactLaws(scene.stiffness_per_area, scene.friction, scene.regularisation, falling)
+
+
+def standard_contact(
+    scene: HertzScene | WheelsetScene | RunScene, surfaces: RigidPair, upper: ElasticConstants, lower: ElasticConstants
+) -> StandardContact:
+    """The contact of multibody codes between two surfaces, with the scene's friction and theories."""
+    from wheelrail.contact.models.standard.model import StandardContact
+
+    theories = {key: value for key in ("normal", "tangential") if (value := getattr(scene, key)) is not None}
+    return StandardContact(surfaces, laws(scene), material(upper), material(lower), **theories)

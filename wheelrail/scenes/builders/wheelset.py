@@ -1,0 +1,74 @@
+"""Contact model of a wheelset on the scene's track. Everything heavy is imported when a model is built, not before."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wheelrail.scenes.builders.laws import laws, material, standard_contact
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
+
+if TYPE_CHECKING:
+    from wheelrail.contact.kinematics.wheelset_state import Mounting
+    from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.meshes.profiles.profile import Profile
+
+
+def wheelset_contact(
+    scene: WheelsetScene | RunScene, profiles: tuple[Profile, Profile] | None = None
+) -> WheelsetContact:
+    """Both wheels of a wheelset on the rails of the scene's track; one model serves both sides.
+
+    profiles: wheel, and rail as laid, the scene's own unless given. Raises SceneError for a profile that cannot be
+    read, or a rail without the gauge's height.
+    """
+    from wheelrail.contact.models.wheelset import WheelsetContact
+
+    pair = profiles or laid_profiles(scene)
+    mounting, radius = mounted(scene, pair[1]), scene.wheelset.radius
+    if scene.model == "standard":
+        from wheelrail.contact.geometry.rigid_surfaces import MERGE, RigidWheelRail
+
+        merge = MERGE if scene.merge_distance is None else scene.merge_distance
+        rigid = RigidWheelRail(*pair, radius, merge)
+        return WheelsetContact(standard_contact(scene, rigid, scene, scene), mounting)
+    from wheelrail.contact.models.builders import wheel_rail_pair
+
+    how = scene.discretisation
+    model = wheel_rail_pair(pair, radius, (material(scene), material(scene)), laws(scene), how)
+    if scene.kind == "run" and how.points == "fitted":
+        model = replace(model, warm=True)
+    return WheelsetContact(model, mounting)
+
+
+def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
+    """How wheels sit on the axle and rails, as laid, in the track. Raises SceneError for a rail without the gauge's
+    height.
+    """
+    from wheelrail.contact.kinematics.wheelset_state import Mounting
+
+    axle, track = scene.wheelset, scene.track
+    try:
+        rail_y = rail.gauge_offset(track.gauge, track.gauge_height)
+    except ValueError as error:
+        raise SceneError(f"profiles: {error}") from error
+    return Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
+
+
+def laid_profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
+    """Profiles of wheel and rail, the rail as laid. Raises SceneError for one that cannot be read."""
+    from wheelrail.meshes.profiles.library import load_profile
+
+    try:
+        wheel = load_profile(scene.profiles.wheel, "wheel")
+        return wheel, load_profile(scene.profiles.rail, "rail").laid(scene.profiles.laying_angle)
+    except ValueError as error:
+        raise SceneError(f"profiles: {error}") from error
+
+
+def wheel_scale(scene: WheelsetScene, load: float) -> float:
+    """Approach m at which to look for a wheel load: that of a sphere as curved as a rail head, R = 0.3 m."""
+    from wheelrail.contact.loading.hertz import sphere_approach
+
+    return sphere_approach(load, radius=0.3, modulus=0.5 * scene.E / (1.0 - scene.nu**2))
