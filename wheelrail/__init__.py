@@ -9,7 +9,10 @@ SI units everywhere: m, N, Pa, s, rad. x forward, y to the left, z up; forces ac
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, Any
+
+from wheelrail.support.progress import LOGGERS
 
 if TYPE_CHECKING:
     from wheelrail.api.contact_geometry import contact_geometry
@@ -59,6 +62,9 @@ __all__ = [
     "run",
     "study",
 ]
+
+for _name in LOGGERS:  # nothing is printed unless the user configures logging
+    logging.getLogger(_name).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:

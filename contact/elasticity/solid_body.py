@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from functools import cached_property
 from typing import Any
 
@@ -17,7 +18,8 @@ from wheelrail.forms.elasticity import lame, stiffness
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.mpi import ALONE, Ranks
-from wheelrail.support.progress import tell
+
+log = logging.getLogger(__name__)
 
 FACTOR = 165.0  # bytes over unknowns to the power 4/3 of CHOLMOD's factors, 185 to 160 at 30 000 to 107 000 unknowns
 COLUMNS = 192  # right-hand sides per batch: enough for level-3 BLAS, small in memory
@@ -94,7 +96,8 @@ class ElasticBody:
     def factor(self) -> Any:
         """Sparse Cholesky factorisation of the stiffness."""
         unknowns = self.stiffness.getSize()[0]
-        tell(f"stiffness of a solid: {unknowns} unknowns, about {1e-9 * FACTOR * unknowns ** (4 / 3):.1f} GB of memory")
+        memory = 1e-9 * FACTOR * unknowns ** (4 / 3)
+        log.info("stiffness of a solid: %d unknowns, about %.1f GB of memory", unknowns, memory)
         pc = PETSc.PC().create(PETSc.COMM_SELF)
         pc.setOperators(self.stiffness)
         pc.setType("cholesky")

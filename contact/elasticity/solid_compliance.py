@@ -7,6 +7,7 @@ kept on disk.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -19,11 +20,14 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.cache import digest, load, store
-from wheelrail.support.progress import Countdown
+from wheelrail.support.progress import ProgressTimer
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
     from wheelrail.support.arrays import Nodes
+
+log = logging.getLogger(__name__)
+
 
 ALL: tuple[int, int, int] = (0, 1, 2)
 TILE = 8  # nodes along x: patches on the tread are half as long as the strip, which must hold those on the flange
@@ -63,7 +67,7 @@ class SurfaceCompliance:
     def _fill(self, nodes: Nodes, direction: int) -> None:
         row, line = np.divmod(nodes, self.shape[1])
         missing = sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
-        countdown = Countdown(f"compliance of a solid's surface in {'xyz'[direction]}, groups of nodes", len(missing))
+        timer = ProgressTimer(log, f"compliance of a solid's surface in {'xyz'[direction]}, groups of nodes")
         for done, tile in enumerate(missing, 1):
             if self._recall(tile, direction):
                 continue
@@ -74,7 +78,7 @@ class SurfaceCompliance:
             self.columns_solved += len(columns)
             store(self._name(tile, direction), {"columns": columns})
             self._keep(tile, direction, columns)
-            countdown(done)
+            timer(done, len(missing))
 
     def _nodes(self, tile: tuple[int, int]) -> Nodes:
         first = tile[0] * TILE

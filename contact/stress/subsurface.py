@@ -99,21 +99,14 @@ class LoadedBody:
         section = self.section(fields, _size(fields, depths))
         top, inward = under(self, section, result)
         places = (top[:, None] + depths[:, None] * inward[:, None]).reshape(-1, 3)
-        told: list[int] = []
-        found = stress(
-            section,
-            self.loads(section, fields),
-            places,
-            tolerance=tolerance,
-            progress=lambda done, _: told.append(done),
-        )
+        found, wavenumbers = stress(section, self.loads(section, fields), places, tolerance=tolerance)
         turn = self.frame.rotation
         shape = (len(top), len(depths))
         position = (self.frame.origin + places @ turn.T).reshape(*shape, 3)
         tensor = (turn @ found @ turn.T).reshape(*shape, 3, 3)
         return SubsurfaceStress(
             tuple(PatchStress(depths, *both) for both in zip(position, tensor, strict=True)),
-            len(told),
+            wavenumbers,
             perf_counter() - start,
         )
 

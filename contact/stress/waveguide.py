@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from wheelrail.contact.elasticity.waveguide.coordinates import WaveguideCoordinates
 from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.stress.surface_loads import CellLoads
-from wheelrail.contact.stress.wavenumbers import Progress, sampled
+from wheelrail.contact.stress.wavenumbers import sampled
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.stress import cauchy
 from wheelrail.support.arrays import Array, Complex, Mask
@@ -22,9 +22,8 @@ def stress(
     places: Array,
     *,
     tolerance: float = 2e-3,
-    progress: Progress | None = None,
-) -> Array:
-    """Cauchy stress (m, 3, 3) Pa in body axes at places (m, 3) m inside the body.
+) -> tuple[Array, int]:
+    """Cauchy stress (m, 3, 3) Pa in body axes at places (m, 3) m inside the body, and the number of wavenumbers used.
 
     tolerance: of the interpolation between wavenumbers, relative to the largest stress amplitude's integral. Bodies of
     revolution have their axle along y through the origin, angles counted forward from straight below. Raises
@@ -43,9 +42,9 @@ def stress(
         lambda U, k: cauchy(gradients(U, k), λ, μ),
         shallowest=float(gradients.depth.min()),
         tolerance=tolerance,
-        progress=progress,
     )
-    return chart.turned(np.einsum("km,kmab->mab", waves.weights(chart.along), waves.samples[:, number]).real)
+    tensor = np.einsum("km,kmab->mab", waves.weights(chart.along), waves.samples[:, number]).real
+    return chart.turned(tensor), len(waves.k)
 
 
 class Gradients:

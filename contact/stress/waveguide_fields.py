@@ -18,7 +18,7 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.stress.fields import BodyFields, Shape
 from wheelrail.contact.stress.subsurface import LoadedBody, narrowest, under
 from wheelrail.contact.stress.waveguide import Gradients, inside
-from wheelrail.contact.stress.wavenumbers import Progress, WavenumberResponse, integral, sampled
+from wheelrail.contact.stress.wavenumbers import WavenumberResponse, integral, sampled
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.stress import cauchy
 from wheelrail.meshes.bodies.extrusion import layers
@@ -102,7 +102,6 @@ def look_inside(
     *,
     across: int = ACROSS,
     tolerance: float = 1e-2,
-    progress: Progress | None = None,
 ) -> InternalFields:
     """Displacement and stress in a body by the tractions of all patches, the section's lines so many across the
     narrowest patch.
@@ -150,7 +149,6 @@ def look_inside(
         shallowest=0.0,
         tolerance=tolerance,
         scale=scale,
-        progress=progress,
     )
     return InternalFields(body, section, spots, triangles, tuple(lines), waves, top, half)
 

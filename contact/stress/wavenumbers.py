@@ -7,6 +7,7 @@ and the stiffness stays real.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -18,8 +19,10 @@ from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.elasticity.waveguide.spectrum import WavenumberAxis, interpolation, refine, rule
 from wheelrail.contact.stress.surface_loads import CellLoads
 from wheelrail.support.arrays import Array, Complex
+from wheelrail.support.progress import ProgressTimer
 
-Progress = Callable[[int, int], None]
+log = logging.getLogger(__name__)
+
 
 REACH = 2 * np.pi  # largest wavenumber times the cells' mean length: there a cell's load has its first zero
 DECAY = 6.0  # largest wavenumber times the shallowest depth: beyond, e^-6 is left of what a smooth load has there
@@ -66,7 +69,6 @@ def sampled(
     shallowest: float,
     tolerance: float,
     scale: Callable[[Mapping[float, Complex]], Array | float] = integral,
-    progress: Progress | None = None,
 ) -> WavenumberResponse:
     """Amplitudes of what is observed of the displacements (3 n,) at each wavenumber, down to the shallowest depth [m].
 
@@ -78,17 +80,18 @@ def sampled(
     around = None if body.radius is None else 2 * np.pi * body.radius
     force = _local(body, loads)
     found: dict[float, Complex] = {}
+    timer = ProgressTimer(log, "fields inside a body by wavenumbers, up to this refinement")
 
     def take(wavenumbers: list[float]) -> None:
-        for i, k in enumerate(wavenumbers):
+        total = len(found) + len(wavenumbers)
+        for k in wavenumbers:
             cell = force * (np.sinc(k * loads.step / (2 * np.pi)) * np.exp(-1j * k * (loads.x - middle)))[:, None]
             F = np.zeros((len(body.section.surface), 3), dtype=complex)
             np.add.at(F, loads.line, cell)
             F[:, 0] *= 1j
             U = body.displacement(k, np.column_stack([F.real.ravel(), F.imag.ravel()]))
             found[k] = observe(U[:, 0] + 1j * U[:, 1], k)
-            if progress is not None:
-                progress(len(found), len(found) + len(wavenumbers) - 1 - i)
+            timer(len(found), total)
 
     size = float(np.ptp(body.section.points, axis=0).max())
     largest = min(REACH / loads.mean_step, DECAY / shallowest if shallowest > 0 else np.inf)

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import re
 import signal
 import subprocess
 import sys
 import textwrap
-from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 from spring_contact import SpringContact
-from standin_contact import CONTACT
+from standin_contact import CONTACT, FunctionContact
 from typer.testing import CliRunner
 
 from wheelrail.cli.main import app
@@ -25,6 +27,8 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.contacts.report import json_text
+from wheelrail.scenes.runs.progress import case_bar
+from wheelrail.support.terminal import messages_on
 
 SCENES = Path(__file__).parents[2] / "scenes"
 HERTZ, WHEELSET = (SCENES / name for name in ("hertz.toml", "wheelset.toml"))
@@ -80,14 +84,12 @@ def test_curving_is_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_what_is_no_run_or_finds_no_rest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    nothing = FunctionContact(lambda *_: ContactResult.separated())
     for command in ("modes", "curving"):
         refused = CliRunner().invoke(app, [command, str(HERTZ)])
         assert refused.exit_code == 2
         assert "wheelrail contact" in refused.stderr
-    monkeypatch.setattr(
-        "wheelrail.scenes.runs.steady.wheelset_contact",
-        lambda scene: replace(CONTACT, model=lambda *_: ContactResult.separated()),
-    )
+    monkeypatch.setattr("wheelrail.scenes.runs.steady.wheelset_contact", lambda scene: nothing)
     failed = CliRunner().invoke(app, ["modes", str(SCENES / "curve.toml")])
     assert failed.exit_code == 1
     assert "50 mm" in failed.stderr
@@ -332,6 +334,57 @@ def test_what_libraries_print_does_not_reach_standard_output() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "result\n"
     assert "noise from C" in done.stderr
+
+
+LOGGED = """
+import logging, sys
+import wheelrail
+from wheelrail.support.terminal import stdout_for_results
+def log():
+    for name, level in (("contact.some", 20), ("scenes.some", 10), ("", 20), ("UFL", 30), ("other", 30), ("other", 40)):
+        logging.getLogger(name).log(level, "%s at %d", name or "root", level)
+log()
+with stdout_for_results():
+    logging.basicConfig()  # as FFCx does
+    log()
+print("result")
+logging.getLogger("contact.some").warning("afterwards")
+"""
+
+
+def test_commands_show_messages_of_this_package_and_errors_of_libraries() -> None:
+    """Outside of commands, messages of this package go nowhere until the user configures logging."""
+    done = subprocess.run([sys.executable, "-c", LOGGED], capture_output=True, text=True, check=True)
+    assert done.stdout == "result\n"
+    before, during = ["UFL at 30", "other at 30", "other at 40"], ["contact.some at 20", "other at 40"]
+    assert done.stderr.splitlines() == before + during
+
+
+def test_messages_are_lines_above_a_progress_bar() -> None:
+    console = Console(file=StringIO(), force_terminal=True, width=80)
+    long = "compliance of a solid's surface in z, groups of nodes: 12 of 123, 456 s left, [bold]as written[/bold]"
+    with messages_on(console), case_bar(console, 3) as done:
+        done(True)
+        logging.getLogger("wheelrail.contact.elasticity.solid_compliance").info(long)
+        done(True)
+    assert isinstance(console.file, StringIO)
+    lines = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", console.file.getvalue()).replace("\r", "\n").split("\n")
+    assert long in lines
+    assert any(line.startswith("2/3 cases") for line in lines)
+    assert not logging.getLogger("contact").isEnabledFor(logging.INFO)
+
+
+def test_messages_never_fall_into_the_results(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
+    solve = SpringContact.__call__
+
+    def logged(model: SpringContact, *given: Any) -> ContactResult:
+        logging.getLogger("wheelrail.contact.elasticity.solid_compliance").info("5 s left")
+        return solve(model, *given)
+
+    monkeypatch.setattr(SpringContact, "__call__", logged)
+    outcome = contact(HERTZ, "--json")
+    assert json.loads(outcome.stdout)["status"] == "converged"
+    assert "5 s left\n" in outcome.stderr
 
 
 def test_help_imports_nothing_heavy() -> None:

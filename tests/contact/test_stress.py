@@ -58,7 +58,7 @@ def on_axis(s: Array, nu: float = 0.3) -> tuple[Array, Array]:
 def test_hertz_on_the_axis(body: WaveguideSection) -> None:
     """20 cells across: von Mises maximum 0.62 p0 and its depth 0.48 a within 2 %, all components within 0.5 % of p0."""
     a, s = 10.0, np.linspace(0.1, 1.2, 45)
-    σ = stress(body, cells(hertz_cells(a), (0.0, 0.0, -1.0)), np.outer(s * a, [0.0, 0.0, -1.0]))
+    σ, _ = stress(body, cells(hertz_cells(a), (0.0, 0.0, -1.0)), np.outer(s * a, [0.0, 0.0, -1.0]))
     radial, vertical = on_axis(s)
     exact = np.einsum("am,ab->mab", [radial, radial, vertical], np.eye(3))
     assert np.abs(σ - exact).max() < 5e-3
@@ -87,21 +87,20 @@ def test_loads_in_all_directions(middle: float) -> None:
     distance = np.linalg.norm(r, axis=-1)
     share = -3 * np.einsum("mnsa,na->mns", r, loads.force / 36) * r[..., 2] / (2 * np.pi * distance**5)
     exact = np.einsum("mns,mnsa->ma", share, r)
-    found = stress(body, loads, places)
+    found, _ = stress(body, loads, places)
     np.testing.assert_allclose(found, found.swapaxes(1, 2), atol=1e-14)
     assert np.abs(found[:, 2] - exact).max() < 3e-3 * np.abs(exact).max()
     # every component is a linear function of the load
     double = CellLoads(loads.x, loads.line, 2 * loads.force, loads.step)
-    np.testing.assert_allclose(stress(body, double, places), 2 * found, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(stress(body, double, places)[0], 2 * found, rtol=1e-9, atol=1e-12)
 
 
 def test_a_looser_tolerance_takes_fewer_wavenumbers_and_costs_no_more_than_it_says(body: WaveguideSection) -> None:
     loads, places = cells(hertz_cells(6.0), (0.3, 0.1, -1.0)), np.array([[0.0, 0.0, -2.0], [4.0, 1.0, -3.0]])
 
-    told: dict[float, list[int]] = {0.05: [], 1e-5: []}
-    σ = {t: stress(body, loads, places, tolerance=t, progress=lambda i, _, t=t: told[t].append(i)) for t in told}
-    assert len(told[0.05]) < len(told[1e-5])
-    assert np.abs(σ[0.05] - σ[1e-5]).max() < 0.05
+    (loose, few), (tight, many) = (stress(body, loads, places, tolerance=t) for t in (0.05, 1e-5))
+    assert few < many
+    assert np.abs(loose - tight).max() < 0.05
 
 
 def revolved(radius: float) -> WaveguideSection:
@@ -118,12 +117,12 @@ def test_stress_in_a_wheel() -> None:
     flat = block_body(HALF, STEEL, size=1.0, half_width=128.0)
     mirror = np.diag([1.0, 1.0, -1.0])
     down = CellLoads(loads.x, loads.line, loads.force @ mirror, 1.0)
-    block = mirror @ stress(flat, down, places @ mirror) @ mirror
+    block = mirror @ stress(flat, down, places @ mirror)[0] @ mirror
     difference = []
     for radius in (1e3, 8e3):
         drum = revolved(radius)
         at = places + np.array([0.0, 0.0, -radius])
-        σ = stress(drum, loads, at)
+        σ, _ = stress(drum, loads, at)
         difference.append(np.abs(σ - block).max() / np.abs(block).max())
     assert difference[0] < 0.05
     assert difference[1] < 0.01
@@ -131,7 +130,7 @@ def test_stress_in_a_wheel() -> None:
     c, s = np.cos(shift / radius), np.sin(shift / radius)
     T = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
     moved = CellLoads(loads.x + shift, loads.line, loads.force @ T.T, 1.0)
-    np.testing.assert_allclose(stress(drum, moved, at @ T.T), T @ σ @ T.T, atol=1e-6 * np.abs(σ).max())
+    np.testing.assert_allclose(stress(drum, moved, at @ T.T)[0], T @ σ @ T.T, atol=1e-6 * np.abs(σ).max())
 
 
 def test_gradients_of_cubics_are_exact(body: WaveguideSection) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import errno
+import logging
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -17,13 +19,13 @@ import numpy as np
 import pytest
 
 from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance, solid_compliance
+from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies import solids as bodies
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
 from wheelrail.support.cache import cached, digest, load, store
-from wheelrail.support.progress import heard_by, tell
 
 ROOT = Path(__file__).parents[2]
 ARRAYS = {"points": np.linspace(0.0, 1.0, 12).reshape(4, 3), "cells": np.arange(8), "mask": np.array([True, False])}
@@ -183,22 +185,46 @@ def test_cached_mesh_is_not_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
         block((2, 2), half_width=4.5, grading=COARSE)
 
 
-def test_long_work_tells_its_memory_and_the_time_left(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_long_work_logs_its_memory_and_the_time_left(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
     solid, key = block((2, 2), half_width=4.0, grading=COARSE)
     found = solid_compliance(solid, key, Material(), 1)
     clock = count(0, 10)  # s, ten for each group of nodes
     monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
-    heard: list[str] = []
-    with heard_by(heard.append):
+    with caplog.at_level(logging.INFO, "contact"):
         found.block(np.arange(found.shape[0] * found.shape[1]), (2,))
+    heard = [record.getMessage() for record in caplog.records]
+    assert [record.name for record in caplog.records] == ["wheelrail.contact.elasticity.solid_body"] + [
+        "wheelrail.contact.elasticity.solid_compliance"
+    ] * (len(heard) - 1)
     groups = found.shape[1]
     assert heard[0].startswith(f"stiffness of a solid: {3 * len(solid.points)} unknowns, about ")
     assert heard[0].endswith("GB of memory")
     assert [text.split(": ")[1] for text in heard[1:]] == [
         f"{done} of {groups}, {10 * (groups - done)} s left" for done in range(2, groups + 1)
     ]
-    tell("nobody listens any more")
     assert len(heard) == groups
+
+
+def test_sampling_a_spectrum_logs_the_time_left(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    clock = count(0, 10)  # s, ten for each wavenumber
+    monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
+    body, _ = block_waveguide((2, 2), Material(), size=1.0, half_width=50.0)
+    with caplog.at_level(logging.INFO, "contact"):
+        body.block(np.arange(4))
+    first, *heard = [record.getMessage() for record in caplog.records]
+    assert re.fullmatch(r"compliance of a prismatic body by wavenumbers: \d+ unknowns in its section", first)
+    numbers = [re.search(r": (\d+) of (\d+), (\d+) s left$", text) for text in heard]
+    figures = [tuple(int(group) for group in found.groups()) for found in numbers if found]
+    assert [done for done, _, _ in figures] == list(range(2, len(heard) + 2))
+    assert all(left == 10 * (total - done) for done, total, left in figures)
+    assert figures[-1][0] == figures[-1][1] > figures[0][1]  # refined meanwhile
+    caplog.clear()
+    block_waveguide((2, 2), Material(), size=1.0, half_width=50.0)[0].block(np.arange(4))  # from the cache
+    assert not caplog.records
 
 
 def test_damaged_compliance_is_solved_again(folder: Path) -> None:

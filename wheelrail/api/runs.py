@@ -107,7 +107,7 @@ def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = Fa
     from wheelrail.scenes.schema.errors import SceneError
     from wheelrail.scenes.schema.scene import RunScene, checked
     from wheelrail.scenes.schema.toml import parse, read_text
-    from wheelrail.support.terminal import progress_console
+    from wheelrail.support.terminal import messages_on, progress_console
 
     text = read_text(Path(scene))
     if changes:
@@ -120,12 +120,15 @@ def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = Fa
     if not isinstance(given, RunScene):
         raise SceneError(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail.load')
     console = progress_console() if progress else Console(quiet=True)
+    messages = messages_on(console) if progress else nullcontext()
     if out is None:
-        history, data = simulate_scene(given, text, console)
+        with messages:
+            history, data = simulate_scene(given, text, console)
         if data is None:
             raise RuntimeError(f"{scene}: {history.status} before the first step")
         return Run(data)
-    outcome = run_scene(given, text, Path(out), console)
+    with messages:
+        outcome = run_scene(given, text, Path(out), console)
     if not outcome.files:
         raise RuntimeError(f"{scene}: {outcome.status} before the first step")
     return Run(read(Path(out) / RESULTS))

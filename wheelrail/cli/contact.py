@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -68,14 +67,11 @@ def _solved(scene: HertzScene | WheelsetScene, name: Path, results: dict[str, Co
     """The report of the contact; an error on the way is a status too, with its traceback on standard error."""
     from wheelrail.scenes.contacts.solve import solve_contact
     from wheelrail.scenes.schema.errors import SceneError
-    from wheelrail.support.progress import heard_by
 
     console = progress_console()
     try:
         with stdout_for_results(), console.status("reading the scene") as status:
-            say = status.update if console.is_terminal else partial(console.print, highlight=False)
-            with heard_by(say):
-                return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
+            return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
     except SceneError as error:
         raise refused(f"{name}: {error}") from None
     except Exception as error:

@@ -1,4 +1,4 @@
-"""Standard output for results only, standard error for progress and complaints."""
+"""Standard output for results only, standard error for progress, log messages and errors."""
 
 from __future__ import annotations
 
@@ -7,14 +7,20 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import TYPE_CHECKING
+
+from wheelrail.support.progress import LOGGERS
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 
+@cache
 def progress_console() -> Console:
-    """The console for progress: standard error."""
+    """The console for progress and log messages: standard error, always the same one, so that a message does not break
+    a progress bar.
+    """
     from rich.console import Console
 
     return Console(stderr=True)
@@ -27,13 +33,57 @@ def result_console() -> Console:
     return Console(width=None if sys.stdout.isatty() else 120, soft_wrap=True)
 
 
+class ConsoleHandler(logging.Handler):
+    """Prints log messages on a console, above the progress bar that is on it."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__(logging.INFO)
+        self.console = console
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.console.print(self.format(record), highlight=False, markup=False, soft_wrap=True)
+
+
+@contextmanager
+def messages_on(console: Console) -> Iterator[None]:
+    """Log messages of this package from level INFO on a console, and nowhere else."""
+    handler, loggers = ConsoleHandler(console), [logging.getLogger(name) for name in LOGGERS]
+    before = [(logger.level, logger.propagate) for logger in loggers]
+    for logger in loggers:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
+    try:
+        yield
+    finally:
+        for logger, (level, propagate) in zip(loggers, before, strict=True):
+            logger.removeHandler(handler)
+            logger.setLevel(level)
+            logger.propagate = propagate
+
+
+def quieten_libraries() -> logging.Handler:
+    """From now on only errors of what libraries log, by a handler of the root logger: messages of form compilers run
+    into hundreds of lines.
+    """
+    handler = logging.StreamHandler()
+    handler.setLevel(logging.ERROR)
+    logging.getLogger().addHandler(handler)  # else FFCx adds one for all messages
+    logging.getLogger("UFL").addFilter(_is_error)  # has a handler of its own
+    return handler
+
+
+def _is_error(record: logging.LogRecord) -> bool:
+    return record.levelno >= logging.ERROR
+
+
 @contextmanager
 def stdout_for_results() -> Iterator[None]:
     """Nothing but results on standard output: what libraries in C print there goes to standard error meanwhile.
 
-    Log messages below an error are left out: those of form compilers run into hundreds of lines.
+    Log messages of this package go to the progress console, of libraries only errors.
     """
-    logging.disable(logging.WARNING)
+    errors = quieten_libraries()
     sys.stdout.flush()
     try:
         kept = os.dup(1)
@@ -42,9 +92,10 @@ def stdout_for_results() -> Iterator[None]:
     try:
         if kept >= 0:
             os.dup2(2, 1)
-        yield
+        with messages_on(progress_console()):
+            yield
     finally:
-        logging.disable(logging.NOTSET)
+        logging.getLogger().removeHandler(errors)
         sys.stdout.flush()
         if kept >= 0:
             os.dup2(kept, 1)

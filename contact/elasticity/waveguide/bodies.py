@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -18,6 +19,8 @@ from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, body_key, rail_tou
 from wheelrail.meshes.bodies.triangulation import Grading, SectionMesh, triangulate
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached, digest
+
+log = logging.getLogger(__name__)
 
 # Largest wavenumber times the shortest of spacing and step: the spectrum of a cell has its second zero there, and what
 # lies beyond is 1e-3 of a cell's own compliance and next to nothing between cells.
@@ -38,7 +41,6 @@ if TYPE_CHECKING:
     from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 
 Ends = tuple[float, float]
-Progress = Callable[[int, int], None]
 Parts = tuple[WaveguideCompliance, ContactGrid, Strip]
 
 
@@ -53,7 +55,6 @@ def rail_waveguide(
     degree: int = 2,
     grading: Grading = GRADING,
     tolerance: float = TOLERANCE,
-    progress: Progress | None = None,
 ) -> Parts:
     """Endless rail on its clamped foot: compliance, grid and strip between two arc lengths of its profile [m].
 
@@ -61,9 +62,7 @@ def rail_waveguide(
     half_length [m] to either side.
     """
     strip = Strip.over(outline, ends or rail_touches(outline.profile), half_length=half_length, size=size)
-    return _profiled(
-        "rail", outline, strip, None, steel, step or size, half_length, degree, grading, tolerance, progress
-    )
+    return _profiled("rail", outline, strip, None, steel, step or size, half_length, degree, grading, tolerance)
 
 
 def wheel_waveguide(
@@ -77,14 +76,11 @@ def wheel_waveguide(
     degree: int = 2,
     grading: Grading = GRADING,
     tolerance: float = TOLERANCE,
-    progress: Progress | None = None,
 ) -> Parts:
     """The whole wheel, lengths along its rim counted on the rolling circle; see `rail_waveguide`."""
     strip = Strip.over(outline, ends or wheel_touches(outline.profile), half_length=half_length, size=size)
     radius = outline.offset[1]
-    return _profiled(
-        "wheel", outline, strip, radius, steel, step or size, half_length, degree, grading, tolerance, progress
-    )
+    return _profiled("wheel", outline, strip, radius, steel, step or size, half_length, degree, grading, tolerance)
 
 
 def rail_body(
@@ -134,7 +130,6 @@ def block_waveguide(
     degree: int = 2,
     grading: Grading = GRADING,
     tolerance: float = TOLERANCE,
-    progress: Progress | None = None,
 ) -> tuple[WaveguideCompliance, ContactGrid]:
     """Endless block below z = 0, clamped at its bottom, with a grid of 2 half_cells (along x, along y) cells.
 
@@ -160,7 +155,6 @@ def block_waveguide(
             radius=None,
             degree=degree,
             tolerance=tolerance,
-            progress=progress,
         ),
         grid.shape,
         along,
@@ -189,7 +183,6 @@ def _profiled(
     degree: int,
     grading: Grading,
     tolerance: float,
-    progress: Progress | None,
 ) -> Parts:
     rows = 2 * int(np.ceil(half_length / step)) + 1
     grid = invariant_grid(outline.surface(strip.arc), rows, step, radius=radius)
@@ -206,7 +199,6 @@ def _profiled(
         radius=radius,
         degree=degree,
         tolerance=tolerance,
-        progress=progress,
     )
     return WaveguideCompliance(spectrum, grid.shape, step, radius=radius, scale=1 / steel.E), grid, strip
 
@@ -226,7 +218,6 @@ def _spectrum(
     radius: float | None,
     degree: int,
     tolerance: float,
-    progress: Progress | None,
 ) -> Callable[[], ComplianceSpectrum]:
     """Fetches the spectrum of a section of unit modulus from the cache, or samples it.
 
@@ -249,6 +240,8 @@ def _spectrum(
         from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
         body = WaveguideSection(mesh(), Material(1.0, nu), degree=degree, radius=radius)
+        shape = "body of revolution" if radius else "prismatic body"
+        log.info("compliance of a %s by wavenumbers: %d unknowns in its section", shape, 3 * len(body.points))
         found = sample(
             body.flexibility,
             shift=shift,
@@ -256,7 +249,6 @@ def _spectrum(
             step=finest,
             tolerance=tolerance,
             around=around,
-            progress=progress,
         )
         return {"k": found.k, "values": found.values, "error": np.array(found.error)}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,6 +14,9 @@ from scipy.interpolate import CubicSpline
 from scipy.special import roots_legendre
 
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.progress import ProgressTimer
+
+log = logging.getLogger(__name__)
 
 Samples = TypeVar("Samples", Array, NDArray[np.complex128])
 
@@ -108,23 +112,22 @@ def sample(
     step: float,
     tolerance: float,
     around: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
 ) -> ComplianceSpectrum:
     """Sample H(k) (3 ns, 3 ns) from 0 to the largest wavenumber, halving intervals until the tolerance holds.
 
     step [m] is the cell length along x for which the error counts. around [m]: once round a body of revolution, which
-    is sampled at whole harmonics. progress is told samples done and known to come. Raises RuntimeError when 400 samples
-    do not do.
+    is sampled at whole harmonics. Raises RuntimeError when 400 samples do not do.
     """
     axis = WavenumberAxis(shift, None if around is None else 2 * np.pi / around)
     k = axis.spaced(largest, START)
     found: dict[float, Array] = {}
+    timer = ProgressTimer(log, "compliance by wavenumbers, up to this refinement")
 
     def take(wavenumbers: list[float]) -> None:
-        for i, wavenumber in enumerate(wavenumbers):
+        total = len(found) + len(wavenumbers)
+        for wavenumber in wavenumbers:
             found[wavenumber] = pack(H(wavenumber))
-            if progress is not None:
-                progress(len(found), len(found) + len(wavenumbers) - 1 - i)
+            timer(len(found), total)
 
     take(k)
     scale = _scale(found, shift, 16 * step)

@@ -99,7 +99,6 @@ def _simulated(
     """The history of a scene; checkpoints are appended to a file, the run continues from start."""
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
-    from wheelrail.support.progress import heard_by
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
     from wheelrail.vehicle.simulation.simulate import simulate
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
@@ -111,7 +110,6 @@ def _simulated(
     end = SpeedProfile.of(speed).time_at(length)
     gone = length * start.time / end if start else 0.0
     with (
-        heard_by(partial(console.print, highlight=False, markup=False)),
         _workers(contact, scene.solver.workers) as shared,
         progress_bar(console, length, gone) as progress,
     ):

@@ -64,15 +64,18 @@ def run_study(
 
     from rich.console import Console
 
+    from wheelrail.support.terminal import messages_on
+
     path = Path(study) if isinstance(study, str | Path) else Path("study")
     if not isinstance(study, StudyTable):
         study = check_study(study) if isinstance(study, Mapping) else load_study(path)
     planned, console = plan(study, path), Console(stderr=True)
     with tempfile.TemporaryDirectory(prefix="wheelrail-study-") as spare:
         place = Path(spare if folder is None else folder)
-        outcome = run_plan(
-            planned, place, console, scheduler=scheduler, fresh=fresh, pictures=pictures and folder is not None
-        )
+        with messages_on(console):
+            outcome = run_plan(
+                planned, place, console, scheduler=scheduler, fresh=fresh, pictures=pictures and folder is not None
+            )
     if outcome.interrupted:
         raise KeyboardInterrupt
     return outcome.data
