@@ -1,7 +1,8 @@
-"""Work that kills its worker, or raises, at certain loads."""
+"""Work that kills its worker, raises at certain loads, or logs messages."""
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 
@@ -17,3 +18,10 @@ def fragile(job: Job) -> CaseResult:
     if job.table["load"] == RAISING:
         raise ZeroDivisionError("at work")
     return CaseResult("converged", whole={"pid": os.getpid(), "threads": float(os.environ["OMP_NUM_THREADS"])})
+
+
+def talkative(job: Job) -> CaseResult:
+    logging.getLogger("contact.work").info("%g N, 5 %%", job.table["load"])
+    logging.getLogger("contact.work").debug("details")
+    logging.getLogger("library").warning("noise")
+    return CaseResult("converged")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import signal
 import subprocess
@@ -16,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fragile_worker import DEADLY, RAISING, fragile
+from fragile_worker import DEADLY, RAISING, fragile, talkative
 from typer.testing import CliRunner
 from xarray import Dataset, open_dataset
 from xarray.testing import assert_identical
@@ -441,6 +442,13 @@ def test_a_worker_that_dies_takes_one_case_with_it() -> None:
     assert found[DEADLY].lost
     assert found[1e4].whole["threads"] == 1
     assert not any(Path("/proc", str(pid)).exists() for pid in pids)
+
+
+def test_messages_of_workers_are_logged_here(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.INFO, "contact"), processes(2, talkative) as workers:
+        assert all(one.ok for _, one in finished(workers, cases(1e4, 2e4, 3e4)))
+    heard = [(record.name, record.levelname, record.getMessage()) for record in caplog.records]
+    assert sorted(heard) == [("contact.work", "INFO", f"{load:g} N, 5 %") for load in (1e4, 2e4, 3e4)]
 
 
 def test_a_lost_case_is_computed_the_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

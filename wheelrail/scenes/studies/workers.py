@@ -15,10 +15,12 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol
 
+from scenes.studies.messages import received_messages, send_messages
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.studies.job import Job
 from wheelrail.scenes.studies.solve import CaseResult, solve
@@ -87,6 +89,7 @@ class Processes:
     """Processes on this machine, each a pool of one: when a process dies it is known which case it had."""
 
     room: int
+    messages: Connection
     work: Callable[[Job], CaseResult] = solve
     pools: dict[int, tuple[Executor, Future[int], Future[CaseResult]]] = field(default_factory=dict)
 
@@ -103,7 +106,7 @@ class Processes:
                     return self.pools[place][2]
             pool.shutdown(wait=False)
         with _quiet_start():
-            pool = ProcessPoolExecutor(1, get_context("spawn"), _begin)
+            pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self.messages,))
             pid = pool.submit(os.getpid)
         self.pools[place] = pool, pid, pool.submit(self.work, job)
         return self.pools[place][2]
@@ -121,11 +124,12 @@ class Processes:
 @contextmanager
 def processes(count: int, work: Callable[[Job], CaseResult] = solve) -> Iterator[Processes]:
     """Workers on this machine; they end on leaving, and when this process dies."""
-    workers = Processes(count, work)
-    try:
-        yield workers
-    finally:
-        workers.stop()
+    with received_messages() as messages:
+        workers = Processes(count, messages, work)
+        try:
+            yield workers
+        finally:
+            workers.stop()
 
 
 @dataclass(frozen=True)
@@ -212,10 +216,10 @@ def _quiet_start() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _begin() -> None:
+def _begin(messages: Connection) -> None:
     """In a new worker: Ctrl-C is the parent's business, and when the parent is gone, so is the worker."""
     ignore()
-    logging.disable(logging.WARNING)
+    send_messages(messages)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

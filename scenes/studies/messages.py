@@ -1,0 +1,55 @@
+"""Log messages of worker processes, logged again by the process that started them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from threading import Thread
+
+from contact.telling import LOGGERS
+from scenes.terminal import quieten_libraries
+
+LONGEST = 1000  # characters of a message: what several processes write to a pipe stays whole up to 4096 bytes
+
+
+class PipeHandler(logging.Handler):
+    """Sends name, level and text of log messages through a pipe."""
+
+    def __init__(self, pipe: Connection) -> None:
+        super().__init__(logging.INFO)
+        self.pipe = pipe
+
+    def emit(self, record: logging.LogRecord) -> None:
+        with suppress(OSError):  # nobody reads any more
+            self.pipe.send((record.name, record.levelno, self.format(record)[:LONGEST]))
+
+
+def send_messages(pipe: Connection) -> None:
+    """In a worker process: messages of this package from level INFO go to the pipe, of libraries only errors show."""
+    quieten_libraries()
+    for name in LOGGERS:
+        logging.getLogger(name).addHandler(PipeHandler(pipe))
+        logging.getLogger(name).setLevel(logging.INFO)
+
+
+@contextmanager
+def received_messages() -> Iterator[Connection]:
+    """The pipe for worker processes that have ended when the block ends."""
+    here, there = Pipe(duplex=False)
+    thread = Thread(target=_log, args=(here,), daemon=True)
+    thread.start()
+    try:
+        yield there
+    finally:
+        there.close()
+        thread.join(timeout=1.0)
+
+
+def _log(pipe: Connection) -> None:
+    with pipe, suppress(EOFError, OSError):
+        while True:
+            name, level, text = pipe.recv()
+            logging.getLogger(name).log(level, "%s", text)
