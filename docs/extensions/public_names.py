@@ -23,6 +23,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.contact.solvers.options",
         "wheelrail.contact.loading.load_search",
         "wheelrail.contact.models.wheelset",
+        "wheelrail.contact.results.vehicle_contact",
         "wheelrail.contact.loading.wheelset",
         "wheelrail.contact.results.result",
         "wheelrail.contact.results.error_estimate",
