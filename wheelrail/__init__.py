@@ -12,7 +12,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.support.progress import LOGGERS
+from wheelrail.support.progress import LOGGER
 
 if TYPE_CHECKING:
     from wheelrail.api.contact_geometry import contact_geometry
@@ -63,8 +63,7 @@ __all__ = [
     "study",
 ]
 
-for _name in LOGGERS:  # nothing is printed unless the user configures logging
-    logging.getLogger(_name).addHandler(logging.NullHandler())
+logging.getLogger(LOGGER).addHandler(logging.NullHandler())  # nothing is printed unless the user configures logging
 
 
 def __getattr__(name: str) -> Any:

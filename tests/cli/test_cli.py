@@ -341,14 +341,15 @@ import logging, sys
 import wheelrail
 from wheelrail.support.terminal import stdout_for_results
 def log():
-    for name, level in (("contact.some", 20), ("scenes.some", 10), ("", 20), ("UFL", 30), ("other", 30), ("other", 40)):
+    ours = ("wheelrail.contact.some", 20), ("wheelrail.scenes.some", 10)
+    for name, level in (*ours, ("", 20), ("UFL", 30), ("other", 30), ("other", 40)):
         logging.getLogger(name).log(level, "%s at %d", name or "root", level)
 log()
 with stdout_for_results():
     logging.basicConfig()  # as FFCx does
     log()
 print("result")
-logging.getLogger("contact.some").warning("afterwards")
+logging.getLogger("wheelrail.contact.some").warning("afterwards")
 """
 
 
@@ -356,7 +357,7 @@ def test_commands_show_messages_of_this_package_and_errors_of_libraries() -> Non
     """Outside of commands, messages of this package go nowhere until the user configures logging."""
     done = subprocess.run([sys.executable, "-c", LOGGED], capture_output=True, text=True, check=True)
     assert done.stdout == "result\n"
-    before, during = ["UFL at 30", "other at 30", "other at 40"], ["contact.some at 20", "other at 40"]
+    before, during = ["UFL at 30", "other at 30", "other at 40"], ["wheelrail.contact.some at 20", "other at 40"]
     assert done.stderr.splitlines() == before + during
 
 
@@ -371,7 +372,7 @@ def test_messages_are_lines_above_a_progress_bar() -> None:
     lines = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", console.file.getvalue()).replace("\r", "\n").split("\n")
     assert long in lines
     assert any(line.startswith("2/3 cases") for line in lines)
-    assert not logging.getLogger("contact").isEnabledFor(logging.INFO)
+    assert not logging.getLogger("wheelrail").isEnabledFor(logging.INFO)
 
 
 def test_messages_never_fall_into_the_results(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:

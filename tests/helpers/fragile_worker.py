@@ -21,7 +21,7 @@ def fragile(job: Job) -> CaseResult:
 
 
 def talkative(job: Job) -> CaseResult:
-    logging.getLogger("contact.work").info("%g N, 5 %%", job.table["load"])
-    logging.getLogger("contact.work").debug("details")
+    logging.getLogger("wheelrail.contact.work").info("%g N, 5 %%", job.table["load"])
+    logging.getLogger("wheelrail.contact.work").debug("details")
     logging.getLogger("library").warning("noise")
     return CaseResult("converged")

@@ -6,7 +6,7 @@ import logging
 from dataclasses import dataclass, field
 from time import monotonic
 
-LOGGERS = ("contact", "meshes", "vehicle", "scenes")  # at the root of the names of all loggers of this package
+LOGGER = "wheelrail"  # root of all loggers of this package
 PERIOD = 10.0  # s between two messages of one computation
 
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from functools import cache
 from typing import TYPE_CHECKING
 
-from wheelrail.support.progress import LOGGERS
+from wheelrail.support.progress import LOGGER
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -47,19 +47,17 @@ class ConsoleHandler(logging.Handler):
 @contextmanager
 def messages_on(console: Console) -> Iterator[None]:
     """Log messages of this package from level INFO on a console, and nowhere else."""
-    handler, loggers = ConsoleHandler(console), [logging.getLogger(name) for name in LOGGERS]
-    before = [(logger.level, logger.propagate) for logger in loggers]
-    for logger in loggers:
-        logger.addHandler(handler)
-        logger.setLevel(logging.INFO)
-        logger.propagate = False
+    handler, logger = ConsoleHandler(console), logging.getLogger(LOGGER)
+    level, propagate = logger.level, logger.propagate
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    logger.propagate = False
     try:
         yield
     finally:
-        for logger, (level, propagate) in zip(loggers, before, strict=True):
-            logger.removeHandler(handler)
-            logger.setLevel(level)
-            logger.propagate = propagate
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+        logger.propagate = propagate
 
 
 def quieten_libraries() -> logging.Handler:

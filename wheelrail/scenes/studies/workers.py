@@ -20,9 +20,9 @@ from multiprocessing.connection import wait as wait_for
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol
 
-from scenes.studies.messages import received_messages, send_messages
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.studies.job import Job
+from wheelrail.scenes.studies.messages import received_messages, send_messages
 from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.support.interrupts import ignore
 

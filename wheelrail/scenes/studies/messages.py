@@ -9,8 +9,8 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from threading import Thread
 
-from contact.telling import LOGGERS
-from scenes.terminal import quieten_libraries
+from wheelrail.support.progress import LOGGER
+from wheelrail.support.terminal import quieten_libraries
 
 LONGEST = 1000  # characters of a message: what several processes write to a pipe stays whole up to 4096 bytes
 
@@ -30,9 +30,9 @@ class PipeHandler(logging.Handler):
 def send_messages(pipe: Connection) -> None:
     """In a worker process: messages of this package from level INFO go to the pipe, of libraries only errors show."""
     quieten_libraries()
-    for name in LOGGERS:
-        logging.getLogger(name).addHandler(PipeHandler(pipe))
-        logging.getLogger(name).setLevel(logging.INFO)
+    logger = logging.getLogger(LOGGER)
+    logger.addHandler(PipeHandler(pipe))
+    logger.setLevel(logging.INFO)
 
 
 @contextmanager
