@@ -53,7 +53,7 @@ def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, 
     power_scale = max(most * max(float(np.hypot(*s.T).max()), most / G), 1e-300)
     in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
     # deformed overlap less the penalty's own: nothing where pressed, negative where open
-    d = fields.gap + fields.displacement[:, 2] - p * case.laws.normal_compliance
+    d = fields.penetration + fields.displacement[:, 2] - p * case.laws.normal_compliance
     apart = np.where(p > 0, np.abs(d), np.maximum(d, 0.0))
     return {
         "residual": result.statistics.residual,

@@ -97,9 +97,10 @@ class Fields:
 
     node (n,) index on the wheel's surface grid; patch (n,) index of the patch, -1 outside; point (n, 3) m in the rail
     frame; axes (n, 3, 3) rows longitudinal, lateral, outward normal of the wheel; area (n,) m2; step (n,) m, the
-    length along the rolling direction that a point stands for; gap (n,) undeformed overlap m, positive where the bodies
-    overlap; pressure (n,) Pa; traction (n, 2) Pa on the wheel; slip (n, 2) slip over rolling speed; displacement (n, 3)
-    m, wheel minus rail, in the local axes; sticks (n,) where the model itself knows it.
+    length along the rolling direction that a point stands for; penetration (n,) of the undeformed bodies m, NaN where
+    the model does not know it, positive where they overlap; pressure (n,) Pa; traction (n, 2) Pa on the wheel; slip (n,
+    2) slip over rolling speed; displacement (n, 3) m, wheel minus rail, in the local axes; sticks (n,) where the model
+    itself knows it.
     """
 
     node: Nodes
@@ -108,7 +109,7 @@ class Fields:
     axes: Array
     area: Array
     step: Array
-    gap: Array
+    penetration: Array
     pressure: Array
     traction: Array
     slip: Array

@@ -114,7 +114,7 @@ def elsewhere(result: ContactResult) -> ContactResult:
         (lambda r: changed(r, slip=-1.0), {"law", "work"}),
         (lambda r: changed(r, traction=1.001), {"force", "moment", "friction", "law"}),
         (lambda r: changed(r, pressure=-1.0), {"force", "moment", "pull", "friction"}),
-        (lambda r: changed(r, gap=1.001), {"penetration"}),
+        (lambda r: changed(r, penetration=1.001), {"penetration"}),
         (lambda r: changed(r, pressure=0.0), set(LIMITS)),
         (lambda r: replace(r, patches=()), {"patches", "missed"}),
         (elsewhere, {"missed"}),

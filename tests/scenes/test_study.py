@@ -448,7 +448,7 @@ def test_messages_of_workers_are_logged_here(caplog: pytest.LogCaptureFixture) -
     with caplog.at_level(logging.INFO, "contact"), processes(2, talkative) as workers:
         assert all(one.ok for _, one in finished(workers, cases(1e4, 2e4, 3e4)))
     heard = [(record.name, record.levelname, record.getMessage()) for record in caplog.records]
-    assert sorted(heard) == [("contact.work", "INFO", f"{load:g} N, 5 %") for load in (1e4, 2e4, 3e4)]
+    assert sorted(heard) == [("wheelrail.contact.work", "INFO", f"{load:g} N, 5 %") for load in (1e4, 2e4, 3e4)]
 
 
 def test_a_lost_case_is_computed_the_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

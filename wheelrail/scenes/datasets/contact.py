@@ -108,7 +108,7 @@ def _points(results: Mapping[str, ContactResult], laws: ContactLaws) -> dict[str
         "axes": (("point", "direction", "axis"), joined("axes", 3, 3), axes),
         "area": ("point", joined("area"), means("m2", "area that the point stands for")),
         "step": ("point", joined("step"), step),
-        "gap": ("point", joined("gap"), means("m", "undeformed overlap, positive where the bodies overlap")),
+        "penetration": ("point", joined("penetration"), means("m", "penetration of the undeformed bodies")),
         "pressure": ("point", joined("pressure"), means("Pa", "contact pressure")),
         "traction": (("point", "tangent"), joined("traction", 2), means("Pa", "tangential traction on the wheel")),
         "slip": (("point", "tangent"), joined("slip", 2), slip),
