@@ -148,15 +148,15 @@ WHILE_LOADING = [
         for name in ("wheelrail.support.interrupts", "wheelrail.cli.main", "typer", "wheelrail.cli.mpi_launcher")
     ),
     # python -m wheelrail.cli loads its own imports before it reaches the entry point
-    *(("wheelrail.cli.main", name) for name in ("wheelrail.support.interrupts", "wheelrail.cli.main")),
-    *((start, "wheelrail.scenes.schema.messages") for start in ("wheelrail.cli.entry", "wheelrail.cli.main")),
+    *(("wheelrail.cli", name) for name in ("wheelrail.support.interrupts", "wheelrail.cli.main")),
+    *((start, "wheelrail.scenes.schema.messages") for start in ("wheelrail.cli.entry", "wheelrail.cli")),
 ]
 
 
 @pytest.mark.parametrize(("start", "name"), WHILE_LOADING)
 def test_ctrl_c_while_the_command_is_loaded(name: str, start: str, tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(LOADING.format(name=name))
-    way = ["-m", start] if start == "wheelrail.cli.main" else ["-c", f"from {start} import main; main()"]
+    way = ["-m", start] if start == "wheelrail.cli" else ["-c", f"from {start} import main; main()"]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
     line = [sys.executable, *way, "contact", "none.toml"]
     done = subprocess.run(line, capture_output=True, text=True, env=environment, timeout=60)

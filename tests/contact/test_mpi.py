@@ -29,7 +29,7 @@ def mpirun(*command: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def ranks() -> list[dict[str, Any]]:
-    done = mpirun("tests/two_ranks.py")
+    done = mpirun("tests/helpers/two_ranks.py")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout.splitlines()[-1])
     assert isinstance(found, list)
@@ -76,7 +76,7 @@ def test_each_rank_starts_from_its_own_part_of_a_guess(ranks: list[dict[str, Any
 
 
 def test_an_error_on_one_rank_ends_the_other() -> None:
-    done = mpirun("tests/two_ranks.py", "stumble")  # within the time limit
+    done = mpirun("tests/helpers/two_ranks.py", "stumble")  # within the time limit
     assert done.returncode != 0
     assert "MemoryError: out of memory on one rank" in done.stderr
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -68,7 +69,7 @@ for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["api"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
-MAY_IMPORT[""] = {"api", "scenes.schema"}
+MAY_IMPORT[""] = {"api", "scenes.schema", "support"}
 
 ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"}
 HEAVY = ELEMENTS | {"gmsh", "pyvista", "xarray", "matplotlib", "netCDF4"}
@@ -217,6 +218,14 @@ def test_packages_say_what_they_are_and_have_a_size_to_survey(package: str) -> N
     assert ast.get_docstring(ast.parse(init.read_text(encoding="utf-8")))
     modules = [path for path in FILES if package_of(path) == package and path.stem not in ("__init__", "__main__")]
     assert len(modules) <= 15
+
+
+@pytest.mark.parametrize("package", sorted(MAY_IMPORT))
+def test_no_public_name_of_a_package_hides_one_of_its_modules(package: str) -> None:
+    (init,) = (path for path in FILES if path.stem == "__init__" and module_of(path) == package)
+    names = set(import_module(f"wheelrail.{package}".rstrip(".")).__dict__.get("__all__", ()))
+    inside = {path.stem for path in init.parent.iterdir() if path.suffix == ".py" or path.is_dir()}
+    assert not names & inside
 
 
 def test_the_check_sees_what_it_should(tmp_path: Path) -> None:

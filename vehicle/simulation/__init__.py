@@ -1,6 +1,6 @@
 """Runs in time: stepping, recording, checkpoints, costs, energy balance.
 
-`simulate` returns a `History`.
+`simulate.simulate` returns a `History`.
 """
 
 import lazy_loader

@@ -1,4 +1,3 @@
 from .checkpoint import Checkpoint as Checkpoint
 from .history import History as History
 from .limits import Limits as Limits
-from .simulate import simulate as simulate

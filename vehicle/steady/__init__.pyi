@@ -1,1 +1,1 @@
-from .equilibrium import equilibrium as equilibrium
+from .equilibrium import Equilibrium as Equilibrium
