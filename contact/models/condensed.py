@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Literal
@@ -10,16 +11,16 @@ import numpy as np
 
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
-from wheelrail.contact.geometry.grid_points import SurfacePair
+from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.results.result import ContactResult, Statistics
-from wheelrail.contact.results.resultants import assemble_result, connected
+from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
-from wheelrail.contact.solvers.tractions import ContactCompliance, solve_tractions
+from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
 
 
@@ -47,82 +48,122 @@ class CondensedContact:
             raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
-        start = perf_counter()
-        shifts = self.tangential == "shift"
-        order = 0 if not self.laws.friction else 1 if shifts else self.order
+        started = perf_counter()
         try:
-            points, approach = self.geometry.contact_points(pose, order)
+            points, approach = self.geometry.contact_points(pose, self._slip_order)
         except OutsideSurface as error:
             return ContactResult.failed(str(error))
         if points is None:
             return ContactResult.separated(approach)
         try:
-            speed, rigid = (
-                (0.0, None) if not order else (0.0, shift(points, motion)) if shifts else creepage(points, motion)
-            )
+            speed, rigid = self._rigid(points, motion)
         except NotRolling as error:
             return ContactResult.failed(str(error), approach)
-        found = perf_counter()
-        wheel, rail = pair_operators(points, order)
-        if shifts:
+        placed = perf_counter()
+        displacement, slip = self._compliance(points)
+        gathered = perf_counter()
+        # a pressure pushes along the inward normal: the last columns count -p
+        operator = ContactCompliance(np.vstack([slip, displacement[-len(points.node) :]]), len(points.node), self.laws)
+        count = IterationCount()
+        try:
+            tractions = self._tractions(operator, points, rigid, speed, guess, count)
+        except (NotConverged, np.linalg.LinAlgError) as error:
+            return ContactResult.failed(str(error), approach)
+        solved = perf_counter()
+        solution = TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, tractions)
+        statistics = Statistics(
+            newton=count.newton,
+            linear=count.linear,
+            points=len(points.node),
+            residual=count.residual,
+            seconds={"points": placed - started, "compliance": gathered - placed, "solve": solved - gathered},
+        )
+        return self._result(points, solution, displacement, approach, statistics)
+
+    @property
+    def _shifts(self) -> bool:
+        return self.tangential == "shift"
+
+    @property
+    def _slip_order(self) -> int:
+        """Of the upstream slip; 0 without friction."""
+        return 0 if not self.laws.friction else 1 if self._shifts else self.order
+
+    def _rigid(self, points: GridPoints, motion: RigidMotion) -> tuple[float, Array | None]:
+        """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction. Raises NotRolling."""
+        if not self._slip_order:
+            return 0.0, None
+        return (0.0, shift(points, motion)) if self._shifts else creepage(points, motion)
+
+    def _compliance(self, points: GridPoints) -> tuple[Array, Array]:
+        """Relative displacement and slip (rows) of the points by unit tractions (columns) on the wheel."""
+        wheel, rail = pair_operators(points, self._slip_order)
+        if self._shifts:
             wheel, rail = replace(wheel, slip=None), replace(rail, slip=None)
-        columns = np.tile(points.area, 3 if order else 1)
+        columns = np.tile(points.area, 3 if self._slip_order else 1)
         displacement, slip = (
             a + b for a, b in zip(condense(wheel, self.wheel), condense(rail, self.rail), strict=True)
         )
         displacement *= columns
         slip *= columns
-        if shifts and order:
+        if self._shifts and self._slip_order:
             slip = displacement[: -len(points.node)]
-        gathered = perf_counter()
-        n = len(points.node)
-        normal = displacement[-n:]
-        # a pressure pushes along the inward normal: the last columns count -p
-        operator = ContactCompliance(np.vstack([slip, normal]), n, self.laws)
-        count = IterationCount()
-        for attempt in (warm(guess, points.node), None):  # what a stale guess led astray may converge from nothing
-            try:
-                found_tractions = solve_tractions(
-                    operator,
-                    points.overlap,
-                    rigid,
-                    laws=self.laws,
-                    speed=speed,
-                    guess=attempt,
-                    options=self.options,
-                    count=count,
-                )
-                break
-            except (NotConverged, np.linalg.LinAlgError) as error:
-                if attempt is None:
-                    return ContactResult.failed(str(error), approach)
-        solved = perf_counter()
-        p, q = found_tractions.pressure, found_tractions.tangential
-        loads = np.concatenate([*q.T, -p]) if order else -p
+        return displacement, slip
+
+    def _tractions(
+        self,
+        operator: ContactCompliance,
+        points: GridPoints,
+        rigid: Array | None,
+        speed: float,
+        guess: ContactResult | None,
+        count: IterationCount,
+    ) -> Tractions:
+        """From a guess or, where a stale one led astray, from nothing. Raises NotConverged."""
+
+        def solved(start: tuple[Array, Array] | None) -> Tractions:
+            return solve_tractions(
+                operator,
+                points.overlap,
+                rigid,
+                laws=self.laws,
+                speed=speed,
+                guess=start,
+                options=self.options,
+                count=count,
+            )
+
+        start = warm(guess, points.node)
+        if start is not None:
+            with suppress(NotConverged, np.linalg.LinAlgError):
+                return solved(start)
+        return solved(None)
+
+    def _result(
+        self,
+        points: GridPoints,
+        solution: TangentProblem,
+        displacement: Array,
+        approach: float,
+        statistics: Statistics,
+    ) -> ContactResult:
+        """In the frame of the rail, from the compliance (rows displacement) and the tractions."""
+        n, p, q = len(points.node), solution.found.pressure, solution.found.tangential
+        loads = np.concatenate([*q.T, -p]) if self._slip_order else -p
         moved = np.zeros((n, 3))
         moved[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
+        bound = self.laws.friction_at(np.hypot(*solution.found.slip.T), solution.speed)[0] * p
         result = assemble_result(
-            points,
+            FrictionalWork.below(bound, points, q, solution.motion, solution.speed),
             node=points.node,
             patch=connected(points.node, p > 0, self.wheel.shape),
             pressure=p,
-            traction=q,
-            slip=found_tractions.slip,
-            motion=motion,
-            speed=speed,
+            slip=solution.found.slip,
             displacement=moved,
             approach=approach,
-            bound=self.laws.friction_at(np.hypot(*found_tractions.slip.T), speed)[0] * p,
-            statistics=Statistics(
-                newton=count.newton,
-                linear=count.linear,
-                points=n,
-                residual=count.residual,
-                seconds={"points": found - start, "compliance": gathered - found, "solve": solved - gathered},
-            ),
+            statistics=statistics,
         )
-        around = TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, found_tractions)
-        return replace(result, force_tangent=tangent_of(around))
+        return replace(result, force_tangent=tangent_of(solution))
 
 
 def condense(coupling: ContactOperators, compliance: Compliance) -> tuple[Array, Array]:

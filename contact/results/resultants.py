@@ -16,28 +16,23 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 
 
 def assemble_result(
-    points: SurfacePoints,
+    rubbing: FrictionalWork,
     *,
     node: Nodes,
     patch: Nodes,
     pressure: Array,
-    traction: Array,
     slip: Array,
-    motion: RigidMotion,
-    speed: float,
     displacement: Array,
     approach: float,
-    bound: Array,
     statistics: Statistics,
 ) -> ContactResult:
     """Converged result in the frame of the rail, moment about its origin.
 
-    pressure (n,), traction (n, 2) on the wheel and bound (n,), the largest possible traction, in Pa; slip (n, 2) over
-    the rolling speed m/s, which is 0 where nothing rolls or rubs; displacement (n, 3) m, wheel minus rail; node (n,)
-    and patch (n,) as in `Fields`.
+    pressure (n,) Pa; slip (n, 2) over the rolling speed, which is 0 where nothing rolls or rubs; displacement (n, 3) m,
+    wheel minus rail; node (n,) and patch (n,) as in `Fields`.
     """
-    area = points.area[:, None]
-    local = np.column_stack([traction, -pressure]) * area
+    points, traction = rubbing.points, rubbing.traction
+    local = np.column_stack([traction, -pressure]) * points.area[:, None]
     forces = (local[:, None, :] @ points.axes)[:, 0]
     load = np.bincount(patch + 1, local[:, 2], patch.max(initial=-1) + 2)[1:]
     order = np.argsort(load, kind="stable")[: np.count_nonzero(load)]
@@ -47,7 +42,7 @@ def assemble_result(
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=LazyPatches(partial(_summarised, points, patch, forces, pressure, traction, bound, motion, speed)),
+        patches=LazyPatches(partial(_summarised, rubbing, patch, forces, pressure)),
         fields=Fields(
             node,
             patch,
@@ -79,6 +74,13 @@ class FrictionalWork:
     motion: RigidMotion
     speed: float
 
+    @classmethod
+    def below(
+        cls, bound: Array, points: SurfacePoints, traction: Array, motion: RigidMotion, speed: float
+    ) -> FrictionalWork:
+        """Points stick where the traction stays below a bound (n,) Pa, the largest possible one."""
+        return cls(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
+
     @cached_property
     def power(self) -> Array:
         """Power (n,) W of the tractions over the rigid slip.
@@ -100,20 +102,10 @@ class FrictionalWork:
         return float(slip[0]), float(slip[1]), float(axes[2] @ (wheel.rotation - rail.rotation)) / self.speed
 
 
-def _summarised(
-    points: SurfacePoints,
-    patch: Nodes,
-    forces: Array,
-    pressure: Array,
-    traction: Array,
-    bound: Array,
-    motion: RigidMotion,
-    speed: float,
-) -> tuple[Patch, ...]:
+def _summarised(rubbing: FrictionalWork, patch: Nodes, forces: Array, pressure: Array) -> tuple[Patch, ...]:
     """Every patch, by falling load."""
-    rubbing = FrictionalWork(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
     return tuple(
-        summarise(points, patch == k, forces=forces, pressure=pressure, rubbing=rubbing)
+        summarise(rubbing.points, patch == k, forces=forces, pressure=pressure, rubbing=rubbing)
         for k in range(patch.max(initial=-1) + 1)
     )
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -44,47 +47,21 @@ def triangulate(
     clamped (m + 1,) marks the polygon's edges that are fixed: from the last surface point along rest back to the first.
     Quadrilaterals come from halving a mesh of twice the size, so they need an odd number of surface points.
     """
-    import gmsh  # heavy, and not needed when the mesh is cached
-
     if quadrilaterals and len(surface) % 2 == 0:
         raise ValueError(
             f"a surface of {len(surface)} points has an odd number of cells and cannot carry quadrilaterals"
         )
     stride = 2 if quadrilaterals else 1
-    corners = np.vstack([surface[::stride], rest])
-    n, last = len(corners), (len(surface) - 1) // stride
     scale = 1.0 / (size * stride)  # gmsh's tolerances are absolute
-    started = not gmsh.isInitialized()
-    if started:
-        gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("General.NumThreads", 1)
-        gmsh.model.add("section")
-        geo, field = gmsh.model.geo, gmsh.model.mesh.field
-        points = [geo.addPoint(x, y, 0.0) for x, y in corners * scale]
-        lines = [geo.addLine(points[i], points[(i + 1) % n]) for i in range(n)]
-        face = geo.addPlaneSurface([geo.addCurveLoop(lines)])
-        geo.synchronize()
-        for line in lines[:last]:
-            gmsh.model.mesh.setTransfiniteCurve(line, 2)
+    with _gmsh_model() as gmsh:
+        points, lines = _polygon(gmsh, np.vstack([surface[::stride], rest]) * scale)
+        last = (len(surface) - 1) // stride
+        contact = lines[:last]
         fixed = [line for line, is_fixed in zip(lines[last:], clamped, strict=True) if is_fixed]
-        gmsh.model.addPhysicalGroup(1, lines[:last], name="contact")
-        gmsh.model.addPhysicalGroup(1, fixed, name="clamped")
-        gmsh.model.addPhysicalGroup(2, [face], name="body")
-        distance = field.add("Distance")
-        field.setNumbers(distance, "CurvesList", lines[:last])
-        field.setNumber(distance, "Sampling", 3)
-        target = field.add("MathEval")
-        field.setString(target, "F", f"Min({grading.largest * scale},{grading.first}+{grading.growth}*F{distance})")
-        field.setAsBackgroundMesh(target)
-        for source in ("MeshSizeFromPoints", "MeshSizeFromCurvature", "MeshSizeExtendFromBoundary"):
-            gmsh.option.setNumber("Mesh." + source, 0)
-        gmsh.option.setNumber("Mesh.Algorithm", 8 if quadrilaterals else 6)
-        gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 1)
-        gmsh.option.setNumber("Mesh.RecombineAll", int(quadrilaterals))
-        gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", int(quadrilaterals))
-        gmsh.model.mesh.generate(2)
+        for line in contact:
+            gmsh.model.mesh.setTransfiniteCurve(line, 2)
+        _set_sizes(gmsh, contact, grading, scale)
+        _generate(gmsh, quadrilaterals)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         xy = coordinates.reshape(-1, 3)[:, :2] / scale
         index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
@@ -95,16 +72,67 @@ def triangulate(
         for line in fixed:
             nodes = gmsh.model.mesh.getNodes(1, line, includeBoundary=True)[0]
             is_clamped[index[nodes.astype(np.int64)]] = True
-        on_surface = [gmsh.model.mesh.getNodes(0, p)[0][0] for p in points[: last + 1]]
-        if quadrilaterals:
-            middles = [gmsh.model.mesh.getNodes(1, line)[0][0] for line in lines[:last]]
-            on_surface = [node for pair in zip(on_surface, middles, strict=False) for node in pair] + on_surface[-1:]
-        surface_nodes = index[np.array(on_surface, dtype=np.int64)]
+        surface_nodes = index[_along_surface(gmsh, points[: last + 1], contact, quadrilaterals)]
+    return _compact(xy, cells, surface_nodes, is_clamped, surface)
+
+
+@contextmanager
+def _gmsh_model() -> Iterator[Any]:
+    """gmsh with a model of its own, silent and on one thread."""
+    import gmsh  # heavy, and not needed when the mesh is cached
+
+    started = not gmsh.isInitialized()
+    if started:
+        gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.model.add("section")
+        yield gmsh
         gmsh.model.remove()
     finally:
         if started:
             gmsh.finalize()
-    return _compact(xy, cells, surface_nodes, is_clamped, surface)
+
+
+def _polygon(gmsh: Any, corners: Array) -> tuple[list[int], list[int]]:
+    """A face with these corners (n, 2): its points, and its lines from each of them to the next."""
+    geo, n = gmsh.model.geo, len(corners)
+    points = [geo.addPoint(x, y, 0.0) for x, y in corners]
+    lines = [geo.addLine(points[i], points[(i + 1) % n]) for i in range(n)]
+    geo.addPlaneSurface([geo.addCurveLoop(lines)])
+    geo.synchronize()
+    return points, lines
+
+
+def _set_sizes(gmsh: Any, contact: list[int], grading: Grading, scale: float) -> None:
+    """Element sizes by their distance from the lines of the contact surface."""
+    field = gmsh.model.mesh.field
+    distance = field.add("Distance")
+    field.setNumbers(distance, "CurvesList", contact)
+    field.setNumber(distance, "Sampling", 3)
+    target = field.add("MathEval")
+    field.setString(target, "F", f"Min({grading.largest * scale},{grading.first}+{grading.growth}*F{distance})")
+    field.setAsBackgroundMesh(target)
+    for source in ("MeshSizeFromPoints", "MeshSizeFromCurvature", "MeshSizeExtendFromBoundary"):
+        gmsh.option.setNumber("Mesh." + source, 0)
+
+
+def _generate(gmsh: Any, quadrilaterals: bool) -> None:
+    gmsh.option.setNumber("Mesh.Algorithm", 8 if quadrilaterals else 6)
+    gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 1)
+    gmsh.option.setNumber("Mesh.RecombineAll", int(quadrilaterals))
+    gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", int(quadrilaterals))
+    gmsh.model.mesh.generate(2)
+
+
+def _along_surface(gmsh: Any, points: list[int], lines: list[int], quadrilaterals: bool) -> Nodes:
+    """Tags of the nodes on the contact surface, in order: at its points and, between quadrilaterals, on its lines."""
+    nodes = [gmsh.model.mesh.getNodes(0, p)[0][0] for p in points]
+    if quadrilaterals:
+        middles = [gmsh.model.mesh.getNodes(1, line)[0][0] for line in lines]
+        nodes = [node for pair in zip(nodes, middles, strict=False) for node in pair] + nodes[-1:]
+    return np.array(nodes, dtype=np.int64)
 
 
 def _compact(xy: Array, cells: Nodes, surface_nodes: Nodes, is_clamped: Mask, surface: Array) -> SectionMesh:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wheelrail.api.rigid_pair import contact_values, placed_pair
-from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.api.rigid_pair import PlacedPair, contact_values, placed_pair
+from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
@@ -51,31 +52,15 @@ def contact_geometry(
     """
     from xarray import Dataset
 
-    from wheelrail.contact.geometry.conicity import equivalent_conicity
     from wheelrail.contact.geometry.first_contact import seats
     from wheelrail.scenes.datasets.patches import means
 
-    places = np.atleast_1d(np.asarray(np.linspace(-6e-3, 6e-3, 121) if y is None else y, dtype=np.float64))
-    if places.ndim != 1 or not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 0.1:
-        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm are 0.002), got {y!r}")
+    places = _positions(y)
     pair = placed_pair(wheel, rail, **more)
     found = seats(pair.rigid, pair.mounting, places, yaw)
-    values = {name: np.empty((len(places), len(SIDES))) for name in BY_SIDE}
-    for row, (_, touches) in enumerate(found):
-        for column, side in enumerate(SIDES):
-            for name, value in contact_values(pair, touches[side], -1.0 if side == "right" else 1.0).items():
-                values[name][row, column] = value
+    values = _by_side(pair, [touches for _, touches in found])
     radii = values["rolling_radius"]
     amplitude = np.unique(places[places > 0.0])
-    base = 2.0 * pair.mounting.wheel_y
-    conicity: Array = np.empty(0)
-    if amplitude.size:
-        fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
-        pairs = [found for _, found in seats(pair.rigid, pair.mounting, fine)]
-        left, right = (
-            np.array([contact_values(pair, one[side], 1.0)["rolling_radius"] for one in pairs]) for side in SIDES
-        )
-        conicity = equivalent_conicity(fine, left - right, amplitude, base=base, radius=pair.mounting.radius)
     return Dataset(
         {
             **{name: (("y", "side"), values[name], means(units, text)) for name, (units, text) in BY_SIDE.items()},
@@ -88,7 +73,7 @@ def contact_geometry(
             ),
             "equivalent_conicity": (
                 "amplitude",
-                conicity,
+                _conicity(pair, amplitude),
                 means("1", "equivalent conicity, from the length of the wave (EN 15302)"),
             ),
         },
@@ -101,8 +86,42 @@ def contact_geometry(
             "title": "Contact geometry of rigid profiles",
             "wheel": pair.rigid.wheel.name,
             "rail": pair.rigid.rail.name,
-            "base": base,
+            "base": 2.0 * pair.mounting.wheel_y,
             "nominal_radius": pair.mounting.radius,
             "yaw": yaw,
         },
     )
+
+
+def _positions(y: ArrayLike | None) -> Array:
+    """Lateral positions (n,) m of the wheelset, -6 to 6 mm unless given. Raises ValueError for others than numbers."""
+    places = np.atleast_1d(np.asarray(np.linspace(-6e-3, 6e-3, 121) if y is None else y, dtype=np.float64))
+    if places.ndim != 1 or not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 0.1:
+        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm are 0.002), got {y!r}")
+    return places
+
+
+def _by_side(pair: PlacedPair, touches: Sequence[Mapping[Side, Any]]) -> dict[str, Array]:
+    """Variables (n, 2) of the contact points of both sides at n positions."""
+    values = {name: np.empty((len(touches), len(SIDES))) for name in BY_SIDE}
+    for row, touch in enumerate(touches):
+        for column, side in enumerate(SIDES):
+            for name, value in contact_values(pair, touch[side], -1.0 if side == "right" else 1.0).items():
+                values[name][row, column] = value
+    return values
+
+
+def _conicity(pair: PlacedPair, amplitude: Array) -> Array:
+    """Equivalent conicity (n,) at amplitudes (n,) m, in order."""
+    from wheelrail.contact.geometry.conicity import equivalent_conicity
+    from wheelrail.contact.geometry.first_contact import seats
+
+    if not amplitude.size:
+        return np.empty(0)
+    fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
+    touches = [touch for _, touch in seats(pair.rigid, pair.mounting, fine)]
+    left, right = (
+        np.array([contact_values(pair, touch[side], 1.0)["rolling_radius"] for touch in touches]) for side in SIDES
+    )
+    base, radius = 2.0 * pair.mounting.wheel_y, pair.mounting.radius
+    return equivalent_conicity(fine, left - right, amplitude, base=base, radius=radius)

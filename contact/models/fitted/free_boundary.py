@@ -74,11 +74,7 @@ def fit(
         load = (pressure * np.diff(layout.edges)).sum(axis=1)
         moves = np.clip(np.nan_to_num(_beyond(layout, pressure)), -FARTHEST, FARTHEST) * held[:, None]
         tips = _tips(layout, load)
-        if tips.shape != last.shape:
-            last, damping = np.zeros(tips.shape), np.ones(tips.shape)
-        # a tip that swings is moved less and less, one that creeps gets its full step back
-        damping = np.where(tips * last < 0, 0.5 * damping, np.minimum(1.0, 1.5 * damping))
-        last = tips
+        damping, last = _damped(tips, last, damping), tips
         error = float(np.sqrt((moves[held] ** 2).mean()))
         log.debug(
             "step %d: ends move by %.1e, tips by %s widths, %d of %d strips",
@@ -95,12 +91,7 @@ def fit(
             return FittedPressure(layout, pressure, factors, True, step)
         if best is None or distance < best[0]:
             best = distance, layout, pressure, factors
-        if previous is not None and previous.shape == moves.shape:
-            change = moves - previous
-            bottom = float((change**2).sum())
-            if bottom > 0:
-                stretch = float(np.clip(-stretch * (previous * change).sum() / bottom, 0.7, 2.2))
-        previous = moves
+        stretch, previous = _relaxation(stretch, previous, moves), moves
         ends = layout.ends + stretch * moves * np.diff(layout.ends) * [-1.0, 1.0]
         moved = _retipped(replace(layout, ends=ends), load, damping * tips, fineness)
         if moved is None:
@@ -111,6 +102,24 @@ def fit(
         layout = moved
     assert best is not None
     return FittedPressure(*best[1:], False, STEPS)
+
+
+def _damped(tips: Array, before: Array, damping: Array) -> Array:
+    """Factors (parts, 2) on steps of the tips, from the steps before and their factors: a tip that swings is moved less
+    and less, one that creeps gets its full step back.
+    """
+    if tips.shape != before.shape:
+        return np.ones(tips.shape)
+    return np.asarray(np.where(tips * before < 0, 0.5 * damping, np.minimum(1.0, 1.5 * damping)))
+
+
+def _relaxation(factor: float, before: Array | None, moves: Array) -> float:
+    """Relaxation factor of the ends by a secant through the last two steps (S, 2), from the factor before."""
+    if before is None or before.shape != moves.shape:
+        return factor
+    change = moves - before
+    bottom = float((change**2).sum())
+    return float(np.clip(-factor * (before * change).sum() / bottom, 0.7, 2.2)) if bottom > 0 else factor
 
 
 def follow(

@@ -32,7 +32,7 @@ from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.extrapolation import difference
 from wheelrail.contact.results.result import ContactResult, Statistics
-from wheelrail.contact.results.resultants import assemble_result
+from wheelrail.contact.results.resultants import FrictionalWork, assemble_result
 from wheelrail.contact.solvers.active_set import CachedFactors
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
@@ -154,17 +154,13 @@ class FittedContact:
         bound = self.laws.friction_at(np.hypot(*found.slip.T), around.speed)[0] * p
         strip = connected(layout, p.reshape(len(layout.sides), -1))
         result = assemble_result(
-            places,
+            FrictionalWork.below(bound, places, q, around.motion, around.speed),
             node=np.arange(n),
             patch=np.where(p > 0, np.repeat(strip, self.fineness.cells), -1),
             pressure=p,
-            traction=q,
             slip=found.slip,
-            motion=around.motion,
-            speed=around.speed,
             displacement=moved,
             approach=approach,
-            bound=bound,
             statistics=statistics,
         )
         return replace(sharpened(result, layout, bound), force_tangent=tangent_of(around), warm_start=cells)

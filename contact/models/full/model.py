@@ -28,7 +28,7 @@ from wheelrail.contact.models.full.newton import FullIterationCount, FullOptions
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.contact.models.full.two_body_stiffness import both, with_rigid_motions
 from wheelrail.contact.results.result import ContactResult, Statistics
-from wheelrail.contact.results.resultants import assemble_result, connected
+from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
 from wheelrail.support.arrays import Array
 
 
@@ -92,18 +92,16 @@ class FullContact:
         moved = np.zeros((n, 3))
         local = ranks.total(problem.displacement @ u).reshape(-1, n).T
         moved[:, 3 - local.shape[1] :] = local
+        tangential = traction[:, 1:] if order else np.zeros((n, 2))
+        bound = -traction[:, 0] * self.laws.friction_at(np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)[0]
         result = assemble_result(
-            points,
+            FrictionalWork.below(bound, points, tangential, motion, speed),
             node=points.node,
             patch=connected(points.node, traction[:, 0] < 0, self.wheel.grid.shape),
             pressure=-traction[:, 0] + 0.0,
-            traction=traction[:, 1:] if order else np.zeros((n, 2)),
             slip=z[:, 1:] if order else np.zeros((n, 2)),
-            motion=motion,
-            speed=speed,
             displacement=moved,
             approach=approach,
-            bound=-traction[:, 0] * self.laws.friction_at(np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)[0],
             statistics=Statistics(
                 newton=count.newton,
                 linear=count.linear,
