@@ -21,9 +21,11 @@ from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.equations import Dynamics
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 
 SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
 EVERY = 0.01  # s, between the rows that are compared
@@ -76,15 +78,10 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
     with in_parallel(own) if variant.workers == 2 else nullcontext(own) as both:
         began = perf_counter()
         history = simulate(
-            wagon(scene),
-            track(scene),
-            both,
-            speed=scene.vehicle.drive,
-            span=(0.0, seconds),
-            method=variant.method,
-            rtol=variant.rtol,
-            atol=1e-3 * variant.rtol,
-            every=EVERY,
+            Dynamics(wagon(scene), track(scene), both, scene.vehicle.drive),
+            (0.0, seconds),
+            steps=StepSettings(variant.method, variant.rtol, 1e-3 * variant.rtol),
+            recording=Recording(EVERY),
         )
         return TimedRun(variant, history, perf_counter() - began)
 

@@ -15,8 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.exudyn.linear_contact import LinearContact
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -36,16 +38,11 @@ def ours(*, wagon: Wagon | None = None, end: float = END, rtol: float = 1e-8) ->
     """Positions (n, 9) by `simulate`."""
     wagon = wagon or Wagon()
     history = simulate(
-        wagon,
-        Track(),
-        LinearContact(wagon.wheel_load),
-        speed=1.0,
-        span=(0.0, end),
-        method="ode45",
-        rtol=rtol,
-        atol=1e-3 * rtol,
+        Dynamics(wagon, Track(), LinearContact(wagon.wheel_load), 1.0),
+        (0.0, end),
         initial=initial(),
-        every=EVERY,
+        steps=StepSettings("ode45", rtol, 1e-3 * rtol),
+        recording=Recording(EVERY),
     )
     if history.status != "completed":
         raise RuntimeError(history.status)

@@ -23,6 +23,7 @@ from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
@@ -133,14 +134,9 @@ class TrackSegment:
                 raise RuntimeError(f"the reference run is {100 * share:.0f} % done after {patience:g} s")
 
         return simulate(
-            wagon(self.scene),
-            track(self.scene),
-            contact,
-            speed=self.scene.vehicle.drive,
-            span=(self.start, self.start + self.seconds),
-            method=method,
-            rtol=rtol,
-            atol=atol,
+            Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.drive),
+            (self.start, self.start + self.seconds),
             initial=self.initial,
+            steps=StepSettings(method, rtol, atol),
             progress=hurry,
         )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import wheelrail.vehicle.simulation.simulate
 from benchmarks.paper.segment import PaperBody
+from wheelrail.vehicle.integration.integrate import METHODS
 
 TOLERANCE = 1e-8  # relative residual of Newton's method in all runs but the references
 ETAS = (0.5, 1e-1, 1e-2, 1e-3, 1e-4)
@@ -48,7 +48,7 @@ def sparse(jacobian: str = "exact") -> tuple[tuple[str, Any], ...]:
 
 def implicit() -> list[str]:
     """Steppers of the vehicle that are neither ODE23 nor ODE45."""
-    return [name for name in vars(wheelrail.vehicle.simulation.simulate)["METHODS"] if name not in ("ode23", "ode45")]
+    return [name for name in METHODS if name not in ("ode23", "ode45")]
 
 
 def both_forms(method: str) -> list[PaperVariant]:

@@ -16,6 +16,8 @@ from benchmarks.common.machine import stated
 from benchmarks.robustness.cases import ELASTIC, RobustnessCase, cases, contact_of, scene
 from benchmarks.robustness.diagnostics import APART, Findings, apart
 from wheelrail.scenes.builders.vehicle import wagon
+from wheelrail.vehicle.dynamics.equations import Dynamics
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -53,15 +55,10 @@ def run(case: RobustnessCase, rtol: float = RTOL) -> History:
     contact, own = contact_of(case.model, case.friction), wagon(scene(case.model, case.friction))
     with in_parallel(contact) if case.model == ELASTIC else nullcontext(contact) as both:
         return simulate(
-            own,
-            case.track(),
-            both,
-            speed=case.speed,
-            span=case.span,
-            method="rosenbrock",
-            rtol=rtol,
-            atol=1e-3 * rtol,
+            Dynamics(own, case.track(), both, case.speed),
+            case.span,
             initial=case.start(own, contact),
+            steps=StepSettings("rosenbrock", rtol, 1e-3 * rtol),
             progress=watch,
         )
 

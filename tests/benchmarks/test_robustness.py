@@ -26,6 +26,7 @@ from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR, ROLL, Y, Z
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, wheels
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
@@ -57,16 +58,8 @@ def kicked(contact: VehicleContact, **rates: float) -> np.ndarray:
 def run(  # type: ignore[no-untyped-def]
     contact: VehicleContact, seconds: float, track: Track | None = None, *, rtol: float = 3e-3, **options
 ) -> History:
-    return simulate(
-        Wagon(),
-        track or Track(),
-        contact,
-        **({"speed": V} | options),
-        span=(0.0, seconds),
-        method="rosenbrock",
-        rtol=rtol,
-        atol=1e-3 * rtol,
-    )
+    dynamics = Dynamics(Wagon(), track or Track(), contact, options.pop("speed", V))
+    return simulate(dynamics, (0.0, seconds), steps=StepSettings("rosenbrock", rtol, 1e-3 * rtol), **options)
 
 
 def in_the_air(history: History) -> np.ndarray:

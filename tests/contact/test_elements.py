@@ -15,8 +15,9 @@ from wheelrail.scenes.datasets.run import dataset
 from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.jacobian import STEP, Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, mirrored
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.elements import ElementPair, ForceElement, ForceElements
@@ -275,8 +276,8 @@ def test_the_jacobian_sees_the_springs_in_series() -> None:
 
 @pytest.mark.parametrize("method", ["ode23", "rosenbrock"])
 def test_a_run_with_tables_and_springs_in_series(method: str) -> None:
-    wagon = WAGONS["both"]
-    found = simulate(wagon, LEFT, CONTACT, speed=V, span=(0.0, 0.3), method=method, every=0.1)
+    dynamics = Dynamics(WAGONS["both"], LEFT, CONTACT, V)
+    found = simulate(dynamics, (0.0, 0.3), steps=StepSettings(method), recording=Recording(0.1))
     assert found.status == "completed"
     assert found.state.shape == (4, 28)
     assert found.series_deflection.shape == (4, 8)
@@ -285,4 +286,4 @@ def test_a_run_with_tables_and_springs_in_series(method: str) -> None:
     kept = dataset(found)["series_deflection"]
     assert (kept.dims, kept.shape) == (("time", "series"), (4, 8))
     with pytest.raises(ValueError, match="28 numbers"):
-        simulate(wagon, LEFT, CONTACT, speed=V, initial=np.zeros(20))
+        simulate(dynamics, initial=np.zeros(20))

@@ -15,7 +15,8 @@ from benchmarks.exudyn.linear_contact import LinearContact
 from benchmarks.exudyn.report import EVERY, REFERENCE, initial, ours, relative, theirs
 from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -51,8 +52,8 @@ def test_equations_of_motion(lagrange: Lagrange, s: float) -> None:
 def test_run_through_a_transition(lagrange: Lagrange) -> None:
     """A run beside an integration of order 8 of Lagrange's equations: 1e-6 of each channel's largest value."""
     end = 1.0
-    run = {"speed": V, "span": (0.0, end), "method": "ode45", "rtol": 1e-7, "atol": 1e-10, "every": 0.1}
-    history = simulate(WAGON, CURVE, CONTACT, initial=0.3 * initial(), **run)  # type: ignore[arg-type]
+    dynamics, steps = Dynamics(WAGON, CURVE, CONTACT, V), StepSettings("ode45", 1e-7, 1e-10)
+    history = simulate(dynamics, (0.0, end), initial=0.3 * initial(), steps=steps, recording=Recording(0.1))
     nominal = V / WAGON.radius
 
     def rate(time: float, state: np.ndarray) -> np.ndarray:

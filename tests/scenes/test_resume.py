@@ -29,10 +29,12 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, StillRunning, read_header
 from wheelrail.scenes.runs.checkpoint_format import RestrictedUnpickler, Unreadable, entries
 from wheelrail.scenes.runs.resume import differences
+from wheelrail.vehicle.dynamics.equations import Dynamics
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -41,9 +43,9 @@ CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=20.0, length=200.0)
 HEADER = {"scene": {"solver": {"rtol": 1e-3}}, "versions": {"wheelrail": "1"}}
 
 
-def run(contact=CONTACT, *, checkpoints: Checkpoints | None = None, **options) -> History:  # type: ignore[no-untyped-def]
-    options = {"span": (0.0, 0.2)} | options
-    return simulate(Wagon(), CURVE, contact, speed=45.0, checkpoints=checkpoints, **options)
+def run(contact=CONTACT, *, checkpoints: Checkpoints | None = None, every=None, **options) -> History:  # type: ignore[no-untyped-def]
+    dynamics, span = Dynamics(Wagon(), CURVE, contact, 45.0), options.pop("span", (0.0, 0.2))
+    return simulate(dynamics, span, steps=StepSettings(**options), recording=Recording(every, checkpoints))
 
 
 def kept(steps: int, contact=CONTACT, **options) -> tuple[History, list[bytes]]:  # type: ignore[no-untyped-def]

@@ -9,8 +9,10 @@ from standin_contact import CONTACT, FunctionContact
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COUNT
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -24,9 +26,8 @@ def no_contact(state: WheelsetState, side: Side, guess: ContactResult | None = N
 
 
 def test_a_wheel_that_nothing_turns_keeps_its_spin() -> None:
-    run = simulate(
-        Wagon(), Track(), no_contact, speed=BRAKES, span=(0.0, 3.0), initial=np.zeros(2 * COUNT), method="ode45"
-    )
+    dynamics = Dynamics(Wagon(), Track(), no_contact, BRAKES)
+    run = simulate(dynamics, (0.0, 3.0), initial=np.zeros(2 * COUNT), steps=StepSettings("ode45"))
     assert run.status == "completed"
     np.testing.assert_allclose(run.wheelset_rate[:, 3], 40.0 / 0.46, rtol=1e-4)
     np.testing.assert_allclose(run.wheelset[:, 3], 40.0 / 0.46 * run.time, rtol=1e-4, atol=1e-6)
@@ -34,9 +35,8 @@ def test_a_wheel_that_nothing_turns_keeps_its_spin() -> None:
 
 def test_rails_turn_the_wheelset_slower_while_the_vehicle_brakes() -> None:
     """Both contacts together push forward by -J dV/dt / r^2; the pitch is what was rolled, but for the creepage."""
-    run = simulate(
-        Wagon(), Track(), CONTACT, speed=BRAKES, span=(0.0, 4.5), method="rosenbrock", rtol=1e-5, atol=1e-8, every=0.05
-    )
+    dynamics, steps = Dynamics(Wagon(), Track(), CONTACT, BRAKES), StepSettings("rosenbrock", 1e-5, 1e-8)
+    run = simulate(dynamics, (0.0, 4.5), steps=steps, recording=Recording(0.05))
     assert run.status == "completed"
     deceleration = np.array([BRAKES(t).acceleration for t in run.time])
     pull = run.outputs.force[:, :, 0].sum(axis=1)
@@ -50,7 +50,7 @@ def test_rails_turn_the_wheelset_slower_while_the_vehicle_brakes() -> None:
 
 def test_constant_speed_is_the_same_as_a_drive_that_never_changes_it() -> None:
     one, other = (
-        simulate(Wagon(), Track(), CONTACT, speed=speed, span=(0.0, 0.1), method="rosenbrock")
+        simulate(Dynamics(Wagon(), Track(), CONTACT, speed), (0.0, 0.1), steps=StepSettings("rosenbrock"))
         for speed in (40.0, SpeedProfile.of(40.0))
     )
     np.testing.assert_array_equal(one.state, other.state)

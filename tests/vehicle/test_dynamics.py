@@ -15,8 +15,7 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.state import MIRROR
-from wheelrail.vehicle.integration.explicit import ODE45
-from wheelrail.vehicle.integration.integrate import integrate
+from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
@@ -214,7 +213,7 @@ def test_energy_of_the_undamped_free_wagon(track: Track) -> None:
     start = np.zeros(20)
     start[10:19] = [0.2, 0.1, 0.1, -0.3, 0.2, 0.3, 0.1, -0.2, 0.2]
     energies = [
-        conserved(d, frame, step.x) for step in integrate(d, 0.0, start, 0.2, tableau=ODE45, rtol=1e-9, atol=1e-11)
+        conserved(d, frame, step.x) for step in integrate(d, 0.0, start, 0.2, StepSettings("ode45", 1e-9, 1e-11))
     ]
     scale = 0.5 * 8000 * 0.2**2
     assert np.ptp([conserved(d, frame, start), *energies]) < 1e-5 * scale

@@ -10,6 +10,8 @@ from standin_contact import CONTACT
 
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.datasets.run_derived import with_energy
+from wheelrail.vehicle.dynamics.equations import Dynamics
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.energy_balance import POWERS, EnergyBalance, energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -23,7 +25,7 @@ SPAN = (0.0, 0.4)
 
 
 def run(wagon: Wagon, track: Track, speed: float | SpeedProfile, rtol: float, method: str = "ode45") -> History:
-    return simulate(wagon, track, CONTACT, speed=speed, span=SPAN, method=method, rtol=rtol, atol=1e-3 * rtol)
+    return simulate(Dynamics(wagon, track, CONTACT, speed), SPAN, steps=StepSettings(method, rtol, 1e-3 * rtol))
 
 
 def series_wagon() -> Wagon:
@@ -71,11 +73,10 @@ def test_a_force_that_is_left_out_shows() -> None:
 def test_gravity_works_on_what_sinks() -> None:
     """On a straight level track the work of gravity is the weight times the way down."""
     wagon, plane = Wagon(), Wagon().plane
-    aside = simulate(wagon, Track(), CONTACT, speed=45.0, span=(0.0, 0.01)).state[0]
+    dynamics = Dynamics(wagon, Track(), CONTACT, 45.0)
+    aside = simulate(dynamics, (0.0, 0.01)).state[0]
     aside[1] += 0.02
-    history = simulate(
-        wagon, Track(), CONTACT, speed=45.0, span=(0.0, 0.5), initial=aside, method="ode45", rtol=1e-7, atol=1e-9
-    )
+    history = simulate(dynamics, (0.0, 0.5), initial=aside, steps=StepSettings("ode45", 1e-7, 1e-9))
     found = energy_balance(history, wagon, Track())
     masses = np.array([plane.car_body.mass, plane.bogie.mass, plane.wheelset.mass])
     down = -(history.state[:, [1, 4, 7]] - aside[[1, 4, 7]]) @ masses

@@ -23,7 +23,7 @@ from wheelrail.scenes.runs.progress import costs
 from wheelrail.scenes.schema.tables import SolverTable
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.jacobian import COLUMNS, KEPT, SEEN, Jacobian, Linearised
-from wheelrail.vehicle.integration.integrate import integrate
+from wheelrail.vehicle.integration.integrate import FirstStep, StepSettings, integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
@@ -66,7 +66,7 @@ def test_coefficients_are_checked() -> None:
     with pytest.raises(ValueError, match="rows"):
         replace(ROS34PW2, alpha=ROS34PW2.alpha[:2])
     with pytest.raises(ValueError, match="jacobian"):
-        list(integrate(lambda t, x, p: Rate(-x), 0.0, np.ones(1), 1.0, tableau=ROS34PW2))
+        list(integrate(lambda t, x, p: Rate(-x), 0.0, np.ones(1), 1.0, StepSettings("rosenbrock")))
 
 
 def driven(t: float, x: np.ndarray, previous: Rate | None = None) -> Rate:
@@ -90,8 +90,8 @@ def test_third_order_whatever_the_jacobian(share: float) -> None:
 
     lengths, errors = 4.0 / np.array([32, 64, 128, 256]), []
     for h in lengths:
-        fixed = {"atol": 1e9, "first_step": h, "max_step": h, "min_step": h / 2}
-        *_, last = integrate(driven, 0.0, start, 4.0, tableau=ROS34PW2, jacobian=jacobian, **fixed)
+        fixed = StepSettings("rosenbrock", atol=1e9, max_step=h, min_step=h / 2)
+        *_, last = integrate(driven, 0.0, start, 4.0, fixed, jacobian=jacobian, first=FirstStep(length=h))
         errors.append(np.abs(last.x - exact).max())
     assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(3.0, abs=0.25)
 
@@ -108,8 +108,8 @@ def test_stiffness_does_not_bound_the_step() -> None:
         def jacobian(t: float, x: np.ndarray, at: Rate, s: float = stiff) -> Linearised:
             return Linearised(np.array([[-s]]), np.array([-s * np.sin(t) - np.cos(t)]))
 
-        options = {"tableau": ROS34PW2, "jacobian": jacobian, "rtol": 1e-4, "atol": 1e-4, "min_step": 1e-14}
-        *_, last = integrate(rhs, 0.0, np.array([1.5]), 6.0, counts=counts, **options)
+        settings = StepSettings("rosenbrock", 1e-4, 1e-4, min_step=1e-14)
+        *_, last = integrate(rhs, 0.0, np.array([1.5]), 6.0, settings, jacobian=jacobian, counts=counts)
         assert last.x[0] == pytest.approx(np.cos(6.0), abs=1e-4)
         assert counts.jacobians == 0  # counted by who makes them
         assert counts.factorisations == counts.accepted + counts.rejected
@@ -164,7 +164,8 @@ def test_the_wagons_derivative_by_time() -> None:
 
 
 def run(contact=CONTACT, span: tuple[float, float] = (0.0, 2.0), **options) -> History:  # type: ignore[no-untyped-def]
-    return simulate(Wagon(), CURVE, contact, speed=V, span=span, **{"method": "rosenbrock", **options})
+    settings = StepSettings(**{"method": "rosenbrock", **options})
+    return simulate(Dynamics(Wagon(), CURVE, contact, V), span, steps=settings)
 
 
 @pytest.fixture(scope="module")
@@ -282,10 +283,8 @@ def test_each_evaluation_is_handed_the_one_before() -> None:
     def jacobian(t: float, x: np.ndarray, at: Rate) -> Linearised:
         return Linearised(-np.eye(1), np.array([-40 * np.sin(40 * t)]))
 
-    counts = StepStatistics()
-    steps = list(
-        integrate(rhs, 0.0, np.zeros(1), 1.0, tableau=ROS34PW2, jacobian=jacobian, first_step=0.5, counts=counts)
-    )
+    counts, settings, first = StepStatistics(), StepSettings("rosenbrock"), FirstStep[Rate](length=0.5)
+    steps = list(integrate(rhs, 0.0, np.zeros(1), 1.0, settings, jacobian=jacobian, first=first, counts=counts))
     assert counts.rejected > 0
     known = {id(result): i for i, (_, result) in enumerate(calls)}
     accepted = {id(steps[0].start), *(id(s.end) for s in steps)}

@@ -16,8 +16,9 @@ from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, rea
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.irregularity import Irregularities
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
@@ -111,14 +112,16 @@ def test_the_mirrored_track_gives_the_mirrored_run() -> None:
     state[[1, 4, 7]] += uneven.at(np.array([20.0]))[0, 1] - 2e-4
     runs = [
         simulate(
-            Wagon(),
-            Track.of(
-                [Segment("tangent", 5.0), Segment("transition", 30.0), Segment("arc", 60.0, k, 0.05)],
-                irregularities=irregularities,
+            Dynamics(
+                Wagon(),
+                Track.of(
+                    [Segment("tangent", 5.0), Segment("transition", 30.0), Segment("arc", 60.0, k, 0.05)],
+                    irregularities=irregularities,
+                ),
+                CONTACT,
+                40.0,
             ),
-            CONTACT,
-            speed=40.0,
-            span=(0.5, 0.55),
+            (0.5, 0.55),
             initial=initial,
         )
         for k, irregularities, initial in ((1 / 900, uneven, state), (-1 / 900, mirrored, MIRROR * state))
@@ -137,9 +140,8 @@ def test_vertical_response_is_that_of_three_masses() -> None:
     values = np.zeros((4001, 4))
     values[:, 1] = size * np.cos(2 * np.pi * stations / length)
     track = Track(irregularities=Irregularities.faded(stations, values))
-    run = simulate(
-        Wagon(), track, CONTACT, speed=speed, span=(0.0, 4.0), method="rosenbrock", rtol=1e-3, atol=1e-6, every=0.01
-    )
+    dynamics = Dynamics(Wagon(), track, CONTACT, speed)
+    run = simulate(dynamics, (0.0, 4.0), steps=StepSettings("rosenbrock"), recording=Recording(0.01))
     plane, w = Wagon().plane, 2 * np.pi * speed / length
     steel, primary, secondary = (
         2 * STIFFNESS,

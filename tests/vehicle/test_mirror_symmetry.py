@@ -11,7 +11,9 @@ from standin_contact import CONTACT
 from test_standard import wheel_on_rail
 
 from wheelrail.contact.kinematics.frames import MIRROR
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import mirrored
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.track.track import Track
@@ -20,16 +22,8 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 def into_a_curve(contact: object, curvature: float, method: str, end: float) -> History:
     track = Track.curve(curvature=curvature, cant=0.06, transition=15.0, length=50.0)
-    return simulate(
-        Wagon(),
-        track,
-        contact,  # type: ignore[arg-type]
-        speed=45.0,
-        span=(0.0, end),
-        method=method,
-        rtol=3e-3,
-        atol=3e-6,
-    )
+    dynamics = Dynamics(Wagon(), track, contact, 45.0)  # type: ignore[arg-type]
+    return simulate(dynamics, (0.0, end), steps=StepSettings(method, 3e-3, 3e-6))
 
 
 @pytest.mark.parametrize(

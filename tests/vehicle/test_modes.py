@@ -14,7 +14,8 @@ from standin_contact import CONTACT
 from benchmarks.exudyn.linear_contact import LinearContact
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.steady.modes import Mode, held_modes, modes
 from wheelrail.vehicle.track.track import Track
@@ -120,8 +121,8 @@ def test_a_small_motion_decays_as_its_mode(contact, moving: str) -> None:  # typ
     mode = next(m for m in modes(dynamics, rest) if m.swings and m.moving.startswith(moving))
     start = rest.state + 1e-5 * np.concatenate([mode.shape, mode.eigenvalue * mode.shape]).real
     every = 0.08 / mode.frequency
-    run = {"speed": 30.0, "span": (0.0, 8 * every), "method": "ode45", "rtol": 1e-7, "atol": 1e-11}
-    history = simulate(WAGON, Track(), contact, initial=start, every=every, **run)  # type: ignore[arg-type]
+    settings = StepSettings("ode45", 1e-7, 1e-11)
+    history = simulate(dynamics, (0.0, 8 * every), initial=start, steps=settings, recording=Recording(every))
     signal = history.state[:, COORDINATES.index(moving)] - rest.state[COORDINATES.index(moving)]
     a, b = np.linalg.lstsq(np.stack([signal[1:-1], signal[:-2]], axis=1), signal[2:], rcond=None)[0]
     measured = np.log(max(np.roots([1.0, -a, -b]), key=np.imag)) / every

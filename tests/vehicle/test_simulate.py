@@ -15,9 +15,11 @@ from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.simulate import Progress, Recording, simulate
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -45,8 +47,24 @@ class Watched(VehicleContact):
         return self.calls[-1][2]
 
 
-def run(contact=CONTACT, track: Track = CURVE, span: tuple[float, float] = (0.0, 0.15), **options) -> History:  # type: ignore[no-untyped-def]
-    return simulate(Wagon(), track, contact, speed=V, span=span, **options)
+def run(  # type: ignore[no-untyped-def]
+    contact=CONTACT,
+    track: Track = CURVE,
+    span: tuple[float, float] = (0.0, 0.15),
+    *,
+    interval: float | None = None,
+    initial: np.ndarray | None = None,
+    progress: Progress | None = None,
+    **steps,
+) -> History:
+    return simulate(
+        Dynamics(Wagon(), track, contact, V),
+        span,
+        initial=initial,
+        steps=StepSettings(**steps),
+        recording=Recording(interval),
+        progress=progress,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +151,7 @@ def test_right_hand_curve_is_the_mirror_image(plain: History) -> None:
 
 
 def test_even_times(plain: History) -> None:
-    even = run(every=0.01)
+    even = run(interval=0.01)
     np.testing.assert_allclose(even.time, np.arange(16) * 0.01, atol=1e-15)
     assert even.cost.steps == plain.cost.steps
     for column in (1, 6, 7, 16):
@@ -213,7 +231,7 @@ def test_mistakes_are_not_swallowed() -> None:
 
     with pytest.raises(TypeError):
         run(wrong)
-    for options in ({"method": "euler"}, {"every": 0.0}, {"span": (1.0, 1.0)}):
+    for options in ({"method": "euler"}, {"interval": 0.0}, {"span": (1.0, 1.0)}):
         with pytest.raises(ValueError):
             run(**options)
 

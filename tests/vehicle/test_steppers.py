@@ -9,12 +9,13 @@ import pytest
 from scipy.integrate import RK23, RK45, solve_ivp
 
 from wheelrail.vehicle.integration.explicit import METHODS, ODE23, ODE45, Tableau
-from wheelrail.vehicle.integration.integrate import StepTooSmall, integrate
+from wheelrail.vehicle.integration.integrate import FirstStep, StepSettings, StepTooSmall, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
 PAIRS = [(ODE23, RK23), (ODE45, RK45)]
 STANDARD = StepController(proportional=1.0, integral=0.0)
+TIGHT = StepSettings("ode45", 1e-12, 1e-13)
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,12 @@ def test_fitted_order_with_fixed_steps(tableau: Tableau, at_eight: np.ndarray) -
     for h in lengths:
         steps = list(
             integrate(
-                plain(rotor), 0.0, START, 8.0, tableau=tableau, atol=1e9, first_step=h, max_step=h, min_step=h / 2
+                plain(rotor),
+                0.0,
+                START,
+                8.0,
+                StepSettings(tableau.name, atol=1e9, max_step=h, min_step=h / 2),
+                first=FirstStep(length=h),
             )
         )
         assert len(steps) == round(8.0 / h)
@@ -76,11 +82,8 @@ def test_adaptive_steps_like_scipy(tableau: Tableau, theirs: type, rtol: float, 
             0.0,
             START,
             8.0,
-            tableau=tableau,
-            rtol=rtol,
-            atol=rtol * 1e-2,
+            StepSettings(tableau.name, rtol, rtol * 1e-2, control=STANDARD),
             counts=counts,
-            control=STANDARD,
         )
     )
     other = solve_ivp(rotor, (0.0, 8.0), START, method=theirs, rtol=rtol, atol=rtol * 1e-2)
@@ -97,7 +100,7 @@ def test_error_follows_the_tolerance(tableau: Tableau, at_eight: np.ndarray) -> 
     errors = []
     tolerances = 10.0 ** -np.arange(3, 9)
     for tol in tolerances:
-        *_, last = integrate(plain(rotor), 0.0, START, 8.0, tableau=tableau, rtol=tol, atol=tol)
+        *_, last = integrate(plain(rotor), 0.0, START, 8.0, StepSettings(tableau.name, tol, tol))
         errors.append(np.abs(last.x - at_eight).max())
     assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] > 0.8 * tableau.error_order / (tableau.error_order + 1)
     assert errors[-1] < 1e-6
@@ -107,11 +110,12 @@ def test_states_between_steps_are_of_fourth_order() -> None:
     lengths, errors = 4.0 / np.array([8, 16, 32, 64]), []
     for h in lengths:
         worst = 0.0
-        for s in integrate(plain(rotor), 0.0, START, 4.0, tableau=ODE45, atol=1e9, first_step=h, max_step=h):
+        fixed = StepSettings("ode45", atol=1e9, max_step=h)
+        for s in integrate(plain(rotor), 0.0, START, 4.0, fixed, first=FirstStep(length=h)):
             np.testing.assert_allclose(s.at(s.t0), s.x0, atol=1e-15)
             np.testing.assert_allclose(s.at(s.t), s.x, atol=1e-15)
             middle = s.t0 + 0.4 * h
-            exact = list(integrate(plain(rotor), s.t0, s.x0, middle, tableau=ODE45, rtol=1e-12, atol=1e-13))[-1].x
+            exact = list(integrate(plain(rotor), s.t0, s.x0, middle, TIGHT))[-1].x
             worst = max(worst, np.abs(s.at(middle) - exact).max())
         errors.append(worst)
     assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.3)
@@ -124,9 +128,8 @@ def test_smooth_control_wastes_fewer_steps_at_the_limit_of_stability() -> None:
     counts = {}
     for name, control in (("smooth", StepController()), ("standard", STANDARD)):
         counts[name] = StepStatistics()
-        *_, last = integrate(
-            plain(stiff), 0.0, np.array([1.5]), 2.0, tableau=ODE23, control=control, counts=counts[name]
-        )
+        settings = StepSettings("ode23", control=control)
+        *_, last = integrate(plain(stiff), 0.0, np.array([1.5]), 2.0, settings, counts=counts[name])
         assert last.x[0] == pytest.approx(np.cos(2.0), abs=2e-3)
     assert counts["smooth"].rejected < 0.25 * counts["standard"].rejected
     assert counts["smooth"].evaluations < counts["standard"].evaluations
@@ -142,10 +145,8 @@ def test_a_failure_shortens_the_step() -> None:
             raise StepFailure("behind the wall")
         return Rate(-(x**2))
 
-    counts = StepStatistics()
-    steps = list(
-        integrate(wall, 0.0, np.array([4.0]), 2.0, tableau=ODE45, first_step=2.0, rtol=1e-6, atol=1e-9, counts=counts)
-    )
+    counts, settings = StepStatistics(), StepSettings("ode45", 1e-6, 1e-9)
+    steps = list(integrate(wall, 0.0, np.array([4.0]), 2.0, settings, first=FirstStep(length=2.0), counts=counts))
     assert counts.failed == len(refused) >= 1
     assert steps[0].t - steps[0].t0 <= 0.5
     assert steps[-1].x[0] == pytest.approx(1 / (0.25 + 2.0), rel=1e-5)
@@ -159,8 +160,8 @@ def test_a_failure_that_stays_ends_with_an_error_that_names_it() -> None:
             raise StepFailure("no contact beyond 1 s")
         return Rate(np.ones(1))
 
-    counts = StepStatistics()
-    steps = integrate(cliff, 0.0, np.zeros(1), 2.0, tableau=ODE23, min_step=1e-6, counts=counts, first_step=0.1)
+    counts, settings = StepStatistics(), StepSettings("ode23", min_step=1e-6)
+    steps = integrate(cliff, 0.0, np.zeros(1), 2.0, settings, first=FirstStep(length=0.1), counts=counts)
     with pytest.raises(StepTooSmall, match="no contact beyond 1 s"):
         reached.extend(step.t for step in steps)
     assert 1.0 - 1e-5 < reached[-1] <= 1.0
@@ -170,10 +171,10 @@ def test_a_failure_that_stays_ends_with_an_error_that_names_it() -> None:
 def test_rates_that_are_not_finite_and_jumps_do_not_pass() -> None:
     holes = plain(lambda t, x: np.full(1, np.nan if t > 0.5 else 1.0))
     with pytest.raises(StepTooSmall, match="not finite"):
-        list(integrate(holes, 0.0, np.zeros(1), 1.0, tableau=ODE23))
+        list(integrate(holes, 0.0, np.zeros(1), 1.0, StepSettings("ode23")))
     blow_up = plain(lambda t, x: x**2)
     with pytest.raises(StepTooSmall, match="tolerances"):
-        list(integrate(blow_up, 0.0, np.ones(1), 2.0, tableau=ODE45, min_step=1e-6))
+        list(integrate(blow_up, 0.0, np.ones(1), 2.0, StepSettings("ode45", min_step=1e-6)))
 
 
 def test_each_evaluation_is_handed_the_one_before() -> None:
@@ -185,8 +186,8 @@ def test_each_evaluation_is_handed_the_one_before() -> None:
         calls.append((t, previous, result))
         return result
 
-    counts = StepStatistics()
-    steps = list(integrate(rhs, 0.0, np.zeros(1), 1.0, tableau=ODE23, first_step=0.5, counts=counts))
+    counts, first = StepStatistics(), FirstStep[Rate](length=0.5)
+    steps = list(integrate(rhs, 0.0, np.zeros(1), 1.0, StepSettings("ode23"), first=first, counts=counts))
     assert counts.rejected > 0
     assert calls[0][1] is None
     accepted = {id(steps[0].start), *(id(s.end) for s in steps)}
@@ -205,11 +206,11 @@ def test_each_evaluation_is_handed_the_one_before() -> None:
 
 
 def test_senseless_input_is_refused() -> None:
-    for wrong in ({"rtol": -1.0}, {"atol": 0.0}, {"min_step": 0.0}, {"max_step": 1e-9}):
+    for wrong in ({"method": "euler"}, {"rtol": -1.0}, {"atol": 0.0}, {"min_step": 0.0}, {"max_step": 1e-9}):
         with pytest.raises(ValueError):
-            list(integrate(plain(rotor), 0.0, START, 1.0, tableau=ODE23, **wrong))  # type: ignore[arg-type]
+            StepSettings(**wrong)  # type: ignore[arg-type]
     with pytest.raises(ValueError):
-        list(integrate(plain(rotor), 1.0, START, 1.0, tableau=ODE23))
+        list(integrate(plain(rotor), 1.0, START, 1.0, StepSettings("ode23")))
     with pytest.raises(ValueError):
         replace(ODE23, error=(0.1, 0.0, 0.0, 0.0))
     with pytest.raises(ValueError):

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic
 
 import numpy as np
 
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
 from wheelrail.vehicle.integration.problem import E, Linearise, RightHandSide, StepFailure, StepMethod
-from wheelrail.vehicle.integration.rosenbrock import RosenbrockCoefficients, RosenbrockW
+from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, RosenbrockCoefficients, RosenbrockW
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
+
+METHODS: dict[str, Tableau | RosenbrockCoefficients] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
 
 
 class StepTooSmall(RuntimeError):
@@ -43,57 +46,82 @@ class Step(Generic[E]):
         return np.asarray((1 - u) * self.x0 + u * self.x + u * (u - 1) * bow)
 
 
+@dataclass(frozen=True)
+class StepSettings:
+    """Method, tolerances and bounds of adaptive steps.
+
+    method: a name of METHODS; errors are measured in tolerances atol + rtol |x|, atol a number or one for each
+    component; max_step and min_step s; control of the step length. Raises ValueError for an unknown method and for
+    senseless numbers.
+    """
+
+    method: str = "ode23"
+    rtol: float = 1e-3
+    atol: float | Array = 1e-6
+    max_step: float = np.inf
+    min_step: float = 1e-8
+    control: StepController = field(default_factory=StepController)
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise ValueError(f"method {self.method!r}: one of {', '.join(METHODS)}")
+        if not (self.rtol >= 0.0 and np.all(np.asarray(self.atol) > 0.0) and 0.0 < self.min_step <= self.max_step):
+            raise ValueError("steps: rtol >= 0, atol > 0 and 0 < min_step <= max_step are needed")
+
+    @property
+    def tableau(self) -> Tableau | RosenbrockCoefficients:
+        return METHODS[self.method]
+
+    def scale(self, size: Array) -> Array:
+        """Tolerances (n,) of components of a size (n,)."""
+        return np.asarray(self.atol + self.rtol * size)
+
+
+@dataclass(frozen=True)
+class FirstStep(Generic[E]):
+    """The evaluation at the initial state (None: to be made), length s of the first step (None: estimated), and error
+    of the step before it, in tolerances.
+    """
+
+    evaluation: E | None = None
+    length: float | None = None
+    error_before: float = 1.0
+
+
 def integrate(
     rhs: RightHandSide[E],
     t0: float,
     x0: Array,
     t1: float,
+    settings: StepSettings,
     *,
-    tableau: Tableau | RosenbrockCoefficients,
     jacobian: Linearise[E] | None = None,
-    rtol: float = 1e-3,
-    atol: float | Array = 1e-6,
-    control: StepController | None = None,
-    start: E | None = None,
-    first_step: float | None = None,
-    before: float = 1.0,
-    max_step: float = np.inf,
-    min_step: float = 1e-8,
+    first: FirstStep[E] | None = None,
     counts: StepStatistics | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
     The right-hand side is handed the evaluation before: of the stage before, or of the last accepted state for the
     first stage, so that nothing of a rejected step lives on. It may raise StepFailure: the step is then tried again,
-    shorter. An implicit method asks the jacobian once at every accepted state. Error: largest component over atol +
-    rtol |x|; before, that of the step before the first one. Raises StepTooSmall below min_step, ValueError for
-    senseless input.
+    shorter. An implicit method asks the jacobian once at every accepted state. Raises StepTooSmall below the smallest
+    step, ValueError unless t1 > t0.
     """
-    if not (t1 > t0 and rtol >= 0.0 and np.all(np.asarray(atol) > 0.0) and 0.0 < min_step <= max_step):
-        raise ValueError("integrate: t1 > t0, rtol >= 0, atol > 0 and 0 < min_step <= max_step are needed")
-    control, counts = control or StepController(), counts if counts is not None else StepStatistics()
-    attempt: StepMethod[E] = (
-        ExplicitRungeKutta(rhs, tableau, counts)
-        if isinstance(tableau, Tableau)
-        else RosenbrockW(rhs, tableau, counts, jacobian)
-    )
-    t, x, k = t0, np.array(x0, dtype=float), tableau.error_order + 1
-    if start is None:
-        counts.evaluations += 1
-        start = rhs(t, x, None)
-    if first_step is None:
-        counts.evaluations += 1
-        first_step = _first_step(rhs, t, x, start, atol + rtol * np.abs(x), k)
-    h, fresh = min(first_step, max_step), True
+    if not t1 > t0:
+        raise ValueError(f"integrate: t1 > t0 is needed, got {t0:g} and {t1:g} s")
+    control, counts = settings.control, counts if counts is not None else StepStatistics()
+    attempt, k = _method(rhs, settings.tableau, jacobian, counts), settings.tableau.error_order + 1
+    t, x = t0, np.array(x0, dtype=float)
+    start, h, before = _started(rhs, t, x, settings, first or FirstStep(), counts)
+    fresh = True
     reason: StepFailure | None = None
     while t < t1:
         if t + 1.01 * h >= t1:
             h = t1 - t
-        elif h < min_step:
-            raise StepTooSmall(f"step {h:.3g} s < {min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
+        elif h < settings.min_step:
+            raise StepTooSmall(f"step {h:.3g} s < {settings.min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
         try:
             new, difference, last = attempt(t, x, start, h)
-            error = float(np.max(np.abs(difference) / (atol + rtol * np.maximum(np.abs(x), np.abs(new)))))
+            error = float(np.max(np.abs(difference) / settings.scale(np.maximum(np.abs(x), np.abs(new)))))
             if error > 1.0:
                 counts.rejected += 1
                 reason, fresh = StepFailure(f"error of {error:.3g} tolerances"), False
@@ -108,10 +136,35 @@ def integrate(
             continue
         counts.accepted += 1
         factor = control.factor(error, before, k)
-        h = min(max_step, h * (factor if fresh else min(1.0, factor)))
+        h = min(settings.max_step, h * (factor if fresh else min(1.0, factor)))
         step = Step(t, x, start, after, new, end, error, h)
         t, x, start, before, fresh, reason = after, new, end, error, True, None
         yield step
+
+
+def _method(
+    rhs: RightHandSide[E],
+    tableau: Tableau | RosenbrockCoefficients,
+    jacobian: Linearise[E] | None,
+    counts: StepStatistics,
+) -> StepMethod[E]:
+    if isinstance(tableau, Tableau):
+        return ExplicitRungeKutta(rhs, tableau, counts)
+    return RosenbrockW(rhs, tableau, counts, jacobian)
+
+
+def _started(
+    rhs: RightHandSide[E], t: float, x: Array, settings: StepSettings, first: FirstStep[E], counts: StepStatistics
+) -> tuple[E, float, float]:
+    """Evaluation at the initial state, length of the first step, and error of the one before."""
+    start, length = first.evaluation, first.length
+    if start is None:
+        counts.evaluations += 1
+        start = rhs(t, x, None)
+    if length is None:
+        counts.evaluations += 1
+        length = _first_step(rhs, t, x, start, settings.scale(np.abs(x)), settings.tableau.error_order + 1)
+    return start, min(length, settings.max_step), first.error_before
 
 
 def _first_step(rhs: RightHandSide[E], t: float, x: Array, start: E, scale: Array, k: int) -> float:

@@ -4,142 +4,164 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import deferred_interrupts
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, graded
-from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
-from wheelrail.vehicle.integration.explicit import Tableau
-from wheelrail.vehicle.integration.integrate import StepTooSmall, integrate
+from wheelrail.vehicle.integration.integrate import METHODS, FirstStep, Step, StepSettings, StepTooSmall, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, RosenbrockCoefficients
-from wheelrail.vehicle.integration.step_control import StepController
+from wheelrail.vehicle.integration.rosenbrock import RosenbrockCoefficients
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
 from wheelrail.vehicle.simulation.history import History, RunCost
 from wheelrail.vehicle.simulation.limits import LIMITS, Limits, OutOfBounds, whereabouts
 from wheelrail.vehicle.simulation.recorder import Recorder
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
-from wheelrail.vehicle.track.speed_profile import SpeedProfile
-from wheelrail.vehicle.track.track import Track
-from wheelrail.vehicle.wagon.wagon import Wagon
 
 Progress = Callable[[float, Mapping[str, float]], None]
 
-METHODS: dict[str, Tableau | RosenbrockCoefficients] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
+
+@dataclass(frozen=True)
+class Recording:
+    """What is recorded of a run: rows every interval s (None: at accepted steps), and checkpoints, if any.
+
+    Raises ValueError for an interval that is not positive.
+    """
+
+    interval: float | None = None
+    checkpoints: Checkpoints | None = None
+
+    def __post_init__(self) -> None:
+        if self.interval is not None and not self.interval > 0.0:
+            raise ValueError(f"interval = {self.interval} s: positive, or None for all accepted steps")
 
 
 def simulate(
-    wagon: Wagon,
-    track: Track,
-    contact: VehicleContact,
-    *,
-    speed: float | SpeedProfile,
+    dynamics: Dynamics,
     span: tuple[float, float] = (0.0, 10.0),
-    method: str = "ode23",
-    rtol: float = 1e-3,
-    atol: float | Array = 1e-6,
+    *,
     initial: Array | None = None,
-    every: float | None = None,
-    max_step: float = np.inf,
-    min_step: float = 1e-8,
-    control: StepController | None = None,
+    steps: StepSettings | None = None,
+    recording: Recording | None = None,
     limits: Limits = LIMITS,
     progress: Progress | None = None,
-    checkpoints: Checkpoints | None = None,
 ) -> History:
-    """Motion of the wagon over the times span s at constant speed m/s or on a drive; distance is zero at time zero.
+    """Motion of the wagon over the times span s; distance is zero at time zero.
 
-    method: "ode23" and "ode45" are explicit and follow the contact's 150 Hz; "rosenbrock" is linearly implicit and uses
-    the contact's tangent where there is one. atol: see `tolerances`. initial: a state (see
-    `wheelrail.vehicle.dynamics.state`), else the equilibrium at the start. Rows at accepted steps, or `every` so many
-    seconds. Each contact solve starts from the result before, the first of a step from the latest accepted one. A solve
-    that fails makes the step shorter; when min_step s does not help either, beyond the limits, or on Ctrl-C, the
-    history ends there and its status tells. progress gets the share done and figures at each accepted step. With
-    checkpoints the run goes on from the latest one; all else given must be the same. Raises ValueError for senseless
-    input.
+    initial: a state (see `wheelrail.vehicle.dynamics.state`), else the equilibrium at the start. steps: "ode23" and
+    "ode45" are explicit and follow the contact's 150 Hz; "rosenbrock" is linearly implicit and uses the contact's
+    tangent where there is one; atol: see `tolerances`. Each contact solve starts from the result before, the first of a
+    step from the latest accepted one. A solve that fails makes the step shorter; when the smallest step does not help
+    either, beyond the limits, or on Ctrl-C, the history ends there and its status tells. progress gets the share done
+    and figures at each accepted step. With checkpoints the run goes on from the latest one; all else given must be the
+    same. Raises ValueError for senseless input.
     """
-    if method not in METHODS:
-        raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
-    if every is not None and not every > 0.0:
-        raise ValueError(f"every = {every} s: positive, or None for all accepted steps")
-    (t0, t1), status = span, "completed"
-    at = checkpoints.latest if checkpoints else None
-    cost = deepcopy(at.cost) if at else RunCost(contact={side: ContactCost() for side in SIDES})
-    dynamics = Dynamics(wagon, track, CountedContact(contact, cost.contact), speed)
+    simulation = _Simulation(dynamics, span, steps or StepSettings(), recording or Recording(), limits, progress)
     if initial is not None and np.shape(initial) != (dynamics.size,):
         raise ValueError(f"initial: shape {np.shape(initial)}: a state of this wagon has {dynamics.size} numbers")
-    recorder = Recorder(dynamics, every, list(at.rows) if at else [])
-    began = perf_counter() - cost.seconds
-
-    def here(time: float, state: Array, step: float | None, error: float) -> Checkpoint:
-        cost.seconds = perf_counter() - began
-        return Checkpoint(time, state, step, error, deepcopy(cost), recorder.rows)
-
-    try:
-        with deferred_interrupts():
-            if at is None:
-                state = equilibrium(dynamics, time=t0).state if initial is None else np.array(initial, dtype=float)
-                at = here(t0, state, None, 1.0)
-            start = dynamics(at.time, at.state)
-            while True:
-                recorder.begin(at.time, at.state, start)
-                if checkpoints is not None:
-                    checkpoints.keep(at)
-                leg = integrate(
-                    dynamics,
-                    at.time,
-                    at.state,
-                    t1,
-                    tableau=METHODS[method],
-                    jacobian=Jacobian(dynamics, cost.steps),
-                    rtol=rtol,
-                    atol=tolerances(method, atol, dynamics.size),
-                    control=control,
-                    start=start,
-                    first_step=at.step,
-                    before=at.error,
-                    max_step=max_step,
-                    min_step=min_step,
-                    counts=cost.steps,
-                )
-                for done, step in enumerate(leg, start=1):
-                    recorder.add(step)
-                    limits.check(dynamics, step.t, step.x)
-                    if progress is not None:
-                        distance = dynamics.drive(step.t).distance
-                        progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, cost))
-                    if checkpoints is not None and done >= checkpoints.every and step.t < t1:
-                        at = here(step.t, step.x, step.following, step.error)
-                        if (anew := _anew(dynamics, at)) is not None:
-                            start = anew
-                            break
-                else:
-                    break
-    except KeyboardInterrupt:
-        status = "interrupted"
-    except StepTooSmall as error:
-        (last,) = recorder.latest
-        status = f"failed: {error}; {whereabouts(dynamics, last.time, last.state)}"
-    except (StepFailure, EquilibriumError, OutOfBounds) as error:
-        status = f"failed: {error}"
-    cost.seconds = perf_counter() - began
-    return History.of(recorder, cost, status)
+    status = simulation.run(initial)
+    simulation.cost.seconds = simulation.seconds
+    return History.of(simulation.recorder, simulation.cost, status)
 
 
-def _anew(dynamics: Dynamics, at: Checkpoint) -> Evaluation | None:
-    """The evaluation at a checkpoint, from nothing; None where contacts need the results before to be solved."""
-    try:
-        return dynamics(at.time, at.state)
-    except StepFailure:
+class _Simulation:
+    """A run in progress: its cost and records, on from the latest checkpoint if there is one."""
+
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        span: tuple[float, float],
+        steps: StepSettings,
+        recording: Recording,
+        limits: Limits,
+        progress: Progress | None,
+    ) -> None:
+        self.span, self.limits, self.progress, self.checkpoints = span, limits, progress, recording.checkpoints
+        self.latest = self.checkpoints.latest if self.checkpoints else None
+        self.cost = (
+            deepcopy(self.latest.cost) if self.latest else RunCost(contact={side: ContactCost() for side in SIDES})
+        )
+        self.dynamics = replace(dynamics, contact=CountedContact(dynamics.contact, self.cost.contact))
+        self.steps = replace(steps, atol=tolerances(steps.method, steps.atol, dynamics.size))
+        self.recorder = Recorder(self.dynamics, recording.interval, list(self.latest.rows) if self.latest else [])
+        self.began = perf_counter() - self.cost.seconds
+
+    @property
+    def seconds(self) -> float:
+        """Wall time s since the start, with that of the run before a checkpoint."""
+        return perf_counter() - self.began
+
+    def run(self, initial: Array | None) -> str:
+        """Runs through the span; returns the status of the history."""
+        try:
+            with deferred_interrupts():
+                self.integrate(self.latest or self.start(initial))
+        except KeyboardInterrupt:
+            return "interrupted"
+        except StepTooSmall as error:
+            (last,) = self.recorder.latest
+            return f"failed: {error}; {whereabouts(self.dynamics, last.time, last.state)}"
+        except (StepFailure, EquilibriumError, OutOfBounds) as error:
+            return f"failed: {error}"
+        return "completed"
+
+    def start(self, initial: Array | None) -> Checkpoint:
+        """At the initial state given, else in equilibrium."""
+        time = self.span[0]
+        state = equilibrium(self.dynamics, time=time).state if initial is None else np.array(initial, dtype=float)
+        return self.checkpoint(time, state, None, 1.0)
+
+    def checkpoint(self, time: float, state: Array, step: float | None, error: float) -> Checkpoint:
+        self.cost.seconds = self.seconds
+        return Checkpoint(time, state, step, error, deepcopy(self.cost), self.recorder.rows)
+
+    def integrate(self, at: Checkpoint) -> None:
+        """From checkpoint to checkpoint to the end of the span; from each, contacts are solved without a guess."""
+        following: tuple[Checkpoint, Evaluation] | None = at, self.dynamics(at.time, at.state)
+        while following is not None:
+            at, evaluation = following
+            self.recorder.begin(at.time, at.state, evaluation)
+            if self.checkpoints is not None:
+                self.checkpoints.keep(at)
+            following = self.leg(at, evaluation)
+
+    def leg(self, at: Checkpoint, evaluation: Evaluation) -> tuple[Checkpoint, Evaluation] | None:
+        """Steps to the next checkpoint, with the evaluation there; None at the end of the span."""
+        steps = integrate(
+            self.dynamics,
+            at.time,
+            at.state,
+            self.span[1],
+            self.steps,
+            jacobian=Jacobian(self.dynamics, self.cost.steps),
+            first=FirstStep(evaluation, at.step, at.error),
+            counts=self.cost.steps,
+        )
+        for done, step in enumerate(steps, start=1):
+            self.accept(step)
+            if self.checkpoints is not None and done >= self.checkpoints.every and step.t < self.span[1]:
+                at = self.checkpoint(step.t, step.x, step.following, step.error)
+                try:
+                    return at, self.dynamics(at.time, at.state)
+                except StepFailure:  # the contacts cannot be solved without a guess here
+                    continue
         return None
+
+    def accept(self, step: Step[Evaluation]) -> None:
+        """Records a step. Raises OutOfBounds beyond the limits."""
+        self.recorder.add(step)
+        self.limits.check(self.dynamics, step.t, step.x)
+        if self.progress is not None:
+            t0, t1 = self.span
+            distance = self.dynamics.drive(step.t).distance
+            self.progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, self.cost))
 
 
 def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float | Array:

@@ -8,7 +8,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import graded
-from wheelrail.vehicle.integration.integrate import integrate
+from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
@@ -36,16 +36,7 @@ def run_in(dynamics: Dynamics, time: float, start: Array) -> Array:
         PiecewiseFunction(ends, (0.0, of(s)[0])) for of in (line.curvature, line.lift, line.gradient)
     )
     way = replace(dynamics, track=Track(curvature, lift, gradient, line.base), speed=speed)
-    state = start
-    for step in integrate(
-        way,
-        0.0,
-        start,
-        RAMP + REST,
-        tableau=ROS34PW2,
-        jacobian=Jacobian(way, StepStatistics()),
-        rtol=TOLERANCE,
-        atol=graded(1e-3 * TOLERANCE, way.size),
-    ):
+    state, settings = start, StepSettings(ROS34PW2.name, TOLERANCE, graded(1e-3 * TOLERANCE, way.size))
+    for step in integrate(way, 0.0, start, RAMP + REST, settings, jacobian=Jacobian(way, StepStatistics())):
         state = step.x
     return state

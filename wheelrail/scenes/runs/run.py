@@ -99,8 +99,10 @@ def _simulated(
     """The history of a scene; checkpoints are appended to a file, the run continues from start."""
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
+    from wheelrail.vehicle.dynamics.equations import Dynamics
+    from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
-    from wheelrail.vehicle.simulation.simulate import simulate
+    from wheelrail.vehicle.simulation.simulate import Recording, simulate
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
     checkpoints = None
@@ -114,17 +116,11 @@ def _simulated(
         progress_bar(console, length, gone) as progress,
     ):
         return simulate(
-            wagon(scene),
-            track(scene),
-            shared,
-            speed=speed,
-            span=(0.0, end),
-            method=scene.solver.method,
-            rtol=scene.solver.rtol,
-            atol=scene.solver.atol,
-            every=scene.output.interval or None,
+            Dynamics(wagon(scene), track(scene), shared, speed),
+            (0.0, end),
+            steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
+            recording=Recording(scene.output.interval or None, checkpoints),
             progress=progress,
-            checkpoints=checkpoints,
         )
 
 
