@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -11,7 +13,9 @@ from wheelrail.contact.loading.load_search import (
     Results,
     find_depth_for_load,
 )
-from wheelrail.contact.models.wheelset import ContactModel
+
+if TYPE_CHECKING:
+    from wheelrail.contact.models.wheelset import ContactModel
 
 
 def sphere_approach(load: float, *, radius: float, modulus: float) -> float:
