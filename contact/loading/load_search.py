@@ -75,6 +75,7 @@ def find_depth_for_load(
     """
     target = compliant(load)
     below, above = -np.inf, np.inf  # depths that carry less; more, or where the contact fails
+    failed: Results = ()  # there
     depth, stride, slope = start, expected, target / expected
     last: tuple[float, float] | None = None  # depth and F^(2/3) of the last solve in contact
     best, width = LoadSolution(start, (), np.inf, 0, slope), np.inf
@@ -82,7 +83,7 @@ def find_depth_for_load(
         results = contact(depth, guess)
         overlap = max(result.approach for result in results)
         if not all(result.ok for result in results):
-            above = min(above, depth)
+            above, failed = min(above, depth), results
             if above - below < 1e-3 * expected:
                 check(results)
             depth = 0.5 * (below + above) if np.isfinite(below) else depth - max(overlap, stride)
@@ -90,13 +91,9 @@ def find_depth_for_load(
             continue
         guess, force = results, vertical(results)
         value, error = compliant(force), abs(force - load) / load
-        below, above = (depth, above) if force < load else (below, depth)
+        below, above, failed = (depth, above, failed) if force < load else (below, depth, ())
         if value > 0.0:
-            if last is not None and value != last[1] and depth != last[0]:
-                slope = (value - last[1]) / (depth - last[0])
-            elif overlap > 0.0:
-                slope = value / overlap
-            last = depth, value
+            slope, last = _slope(slope, last, (depth, value), overlap), (depth, value)
         stalled = best.error <= NOISE and error >= 0.5 * best.error
         if error < best.error:
             best = LoadSolution(depth, results, error, trial, slope)
@@ -105,6 +102,7 @@ def find_depth_for_load(
         if above - below <= max(0.1 * rtol * expected, 8.0 * np.spacing(abs(depth))):
             if best.error <= JUMP:
                 return replace(best, trials=trial)
+            check(failed)
             raise LoadError(f"the force jumps over {load:g} N at a depth of {depth:.9g} m, nearest {_nearest(best)}")
         if value > 0.0:
             room = 3.0 * max(overlap, expected)
@@ -118,6 +116,13 @@ def find_depth_for_load(
         if depth - start > deepest:
             raise LoadError(f"{load:g} N not reached within {deepest:g} m, nearest {_nearest(best)}")
     raise LoadError(f"{load:g} N not reached in {MOST} solves, nearest {_nearest(best)}")
+
+
+def _slope(slope: float, last: tuple[float, float] | None, now: tuple[float, float], overlap: float) -> float:
+    """Slope of F^(2/3) by the secant through two solves in contact (depth and F^(2/3)), or by the overlap m of one."""
+    if last is not None and now[1] != last[1] and now[0] != last[0]:
+        return (now[1] - last[1]) / (now[0] - last[0])
+    return now[1] / overlap if overlap > 0.0 else slope
 
 
 def _nearest(best: LoadSolution) -> str:

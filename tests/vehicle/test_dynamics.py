@@ -142,6 +142,9 @@ def test_equilibrium_goes_on_from_a_guess() -> None:
 
 
 def test_without_rest_there_is_an_error() -> None:
+    shallow = WheelsetContact(TwoPointContact(deepest=4e-5), CONTACT.mounting)  # fails before it carries the load
+    with pytest.raises(EquilibriumError, match="left contact: failed: off the mesh"):
+        equilibrium(dynamics(contact=shallow))
     with pytest.raises(EquilibriumError, match="50 mm"):
         equilibrium(dynamics(contact=no_contact))
     slippery = WheelsetContact(SmoothContact(cone=0.0, flange=0.0), CONTACT.mounting)
