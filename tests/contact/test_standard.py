@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipkm1
+from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
 
 from wheelrail.contact.analytical.hertz import hertz
 from wheelrail.contact.analytical.kalker import kalker
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
-from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.loading.hertz import hertz_pose
@@ -23,11 +24,8 @@ from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.standard.polach import polach
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.meshes.profiles.named import named_profile
 
 V, FLAT = 10.0, (np.inf, np.inf)
-WHEEL, RAIL = named_profile("S1002"), named_profile("UIC60-benchmark")
-MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
 STATE = WheelsetState(
     y=0.002, z=-2e-4, yaw=2e-3, y_rate=0.01, pitch_rate=45.0 / 0.46, speed=45.0, frame_rate=(0, 0, 0.04)
 )
@@ -36,11 +34,6 @@ STATE = WheelsetState(
 def pair(radii: tuple[float, float], friction: float = 0.3, **options: object) -> StandardContact:
     given = {"normal": "hertz", **options}
     return StandardContact(RigidQuadrics(radii, FLAT), ContactLaws(friction=friction), **given)  # type: ignore[arg-type]
-
-
-def wheel_on_rail(friction: float = 0.3, **options: object) -> WheelsetContact:
-    model = StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), ContactLaws(friction=friction), **options)  # type: ignore[arg-type]
-    return WheelsetContact(model, MOUNTING)
 
 
 def rolling(xi: float, eta: float, phi: float) -> RigidMotion:

@@ -55,7 +55,15 @@ MAY_IMPORT |= {
     "vehicle.track": {"contact.kinematics", "support"},
 }
 # One call drives a contact model: no meshes, no elements.
-_DRIVEN = {"contact.kinematics", "contact.results", "support", "vehicle.integration", "vehicle.track", "vehicle.wagon"}
+_DRIVEN = {
+    "contact.kinematics",
+    "contact.loading",
+    "contact.results",
+    "support",
+    "vehicle.integration",
+    "vehicle.track",
+    "vehicle.wagon",
+}
 MAY_IMPORT |= {
     "vehicle.dynamics": _DRIVEN,
     "vehicle.steady": _DRIVEN | {"vehicle.dynamics"},

@@ -125,7 +125,7 @@ def test_static_height_carries_the_axle_load(lower: float) -> None:
     """From contact, from 1 mm in the air, and from 1 mm too deep, where the contact model fails."""
     deepest = 1.2 * equilibrium(dynamics()).contacts["left"].approach
     mounting = replace(CONTACT.mounting, radius=CONTACT.mounting.radius - lower)
-    contact = Tally(WheelsetContact(TwoPointContact(deepest=deepest), mounting))
+    contact = CountedContact(WheelsetContact(TwoPointContact(deepest=deepest), mounting))
     d = dynamics(Track(), contact)
     balance = StaticResidual(d, d.frame(0.0))
     carried = Wrench.of(balance.contacts(balance.static())).force[2]

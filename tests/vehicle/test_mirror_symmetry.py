@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from small_fitted import warm_cells
+from standard_pair import wheel_on_rail
 from standin_contact import CONTACT
-from test_standard import wheel_on_rail
 
 from wheelrail.contact.kinematics.frames import MIRROR
 from wheelrail.vehicle.dynamics.equations import Dynamics
