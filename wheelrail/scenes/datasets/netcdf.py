@@ -14,19 +14,6 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def versions() -> dict[str, str]:
-    """Versions of this package and of what computes, by name."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    found = {}
-    for name in ("wheelrail", "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "xarray"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return found
-
-
 def machine() -> str:
     """The machine that this runs on, in a few words."""
     return f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"

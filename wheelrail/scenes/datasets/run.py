@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.scenes.datasets.netcdf import machine, versions
+from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.datasets.patches import means, patch_variables
+from wheelrail.support.version import commit, versions
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.track.irregularity import QUANTITIES
 
@@ -70,6 +71,7 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
         "evaluations": steps.evaluations,
         "scene": scene,
         "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
+        "commit": commit(),
         "machine": machine(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }

@@ -15,10 +15,10 @@ from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.contacts.report import overall
 from wheelrail.scenes.contacts.solve import SideSolution, ways
 from wheelrail.scenes.datasets.contact import contact_dataset
-from wheelrail.scenes.datasets.netcdf import versions
 from wheelrail.scenes.datasets.patches import means
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 from wheelrail.support.arrays import Array
+from wheelrail.support.version import commit, versions
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -61,6 +61,7 @@ def solution_dataset(
         **described,
         arguments=json.dumps(dict(arguments or {}), default=str),
         versions=", ".join(f"{name} {number}" for name, number in versions().items()),
+        commit=commit(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
     )
 

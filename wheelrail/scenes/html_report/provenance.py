@@ -22,6 +22,7 @@ def origin(attrs: Mapping[str, Any]) -> dict[str, str]:
         "computed": date(str(attrs.get("created", ""))),
         "machine": str(attrs.get("machine", "not known: results of an earlier version")),
         "versions": str(attrs.get("versions", "not known")),
+        **({"commit": str(attrs["commit"])} if attrs.get("commit") else {}),
     }
 
 

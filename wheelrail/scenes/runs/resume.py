@@ -24,7 +24,7 @@ FREE = ("output.figures", "solver.workers")  # what may differ: it does not chan
 
 def header(scene: RunScene) -> dict[str, Any]:
     """Header of a run's checkpoint file: the scene, and the versions that compute it."""
-    from wheelrail.scenes.datasets.netcdf import versions
+    from wheelrail.support.version import versions
 
     return {"versions": versions() | {"sources": sources()}, "scene": inputs(scene)}
 

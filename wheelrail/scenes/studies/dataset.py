@@ -15,6 +15,7 @@ from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.studies.plan import Plan, numbers, shown
 from wheelrail.scenes.studies.quantities import MEANINGS
 from wheelrail.scenes.studies.solve import CaseResult
+from wheelrail.support.version import commit
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -120,6 +121,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         "study": json.dumps(study.model_dump(), default=list),
         "scene": json.dumps(plan.scene, default=list),
         "versions": ", ".join(f"{name} {number}" for name, number in computer().items()),
+        "commit": commit(),
         "machine": machine(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }

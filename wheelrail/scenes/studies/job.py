@@ -72,8 +72,8 @@ def run_data(folder: Path, key: str) -> Path:
 @cache
 def computer() -> dict[str, str]:
     """Versions of what computes, the sources of this package by their hash."""
-    from wheelrail.scenes.datasets.netcdf import versions
     from wheelrail.scenes.runs.resume import sources
+    from wheelrail.support.version import versions
 
     return versions() | {"sources": sources()}
 

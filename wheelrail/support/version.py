@@ -1,0 +1,44 @@
+"""Version of the package, and the commit of a checkout."""
+
+from __future__ import annotations
+
+import subprocess
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+LIBRARIES = ("wheelrail", "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "xarray")
+PATIENCE = 5.0  # s for git
+
+
+def versions() -> dict[str, str]:
+    """Versions of this package and of the libraries that compute, by name."""
+    numbers = {}
+    for name in LIBRARIES:
+        try:
+            numbers[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return numbers
+
+
+@cache
+def commit() -> str:
+    """Abbreviated hash of the checkout's commit, with "-dirty" where files differ from it; "" for an installed release,
+    whose version says it all.
+    """
+    if not (ROOT / ".git").exists() or not (ROOT / "pyproject.toml").exists():
+        return ""
+    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    try:
+        described = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return described.stdout.strip()
+
+
+def release() -> str:
+    """Version and commit in one line: "0.2.0, commit 0123456789ab"."""
+    number, revision = versions().get("wheelrail", "not installed"), commit()
+    return f"{number}, commit {revision}" if revision else number
