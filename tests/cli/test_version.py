@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -28,7 +29,7 @@ def test_the_command_prints_version_and_commit() -> None:
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A repository of one commit in place of this one."""
     for command in ("init -q", "add .", "-c user.name=a -c user.email=a@b commit -qm first"):
-        (tmp_path / "pyproject.toml").write_text("")
+        (tmp_path / "pyproject.toml").write_text(f'[project]\nversion = "{NUMBER}"\n')
         subprocess.run(["git", "-C", str(tmp_path), *command.split()], check=True)
     monkeypatch.setattr(version, "ROOT", tmp_path)
     version.commit.cache_clear()
@@ -38,7 +39,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_changed_files_are_marked(checkout: Path) -> None:
     clean = version.commit()
     assert len(clean) == 12
-    (checkout / "pyproject.toml").write_text("changed")
+    (checkout / "pyproject.toml").write_text(f'[project]\nversion = "{NUMBER}"  # changed\n')
     version.commit.cache_clear()
     assert version.commit() == f"{clean}-dirty"
     assert version.release() == f"{NUMBER}, commit {clean}-dirty"
@@ -46,9 +47,10 @@ def test_changed_files_are_marked(checkout: Path) -> None:
 
 def test_an_installed_release_has_no_commit(checkout: Path) -> None:
     shutil.rmtree(checkout / ".git")
+    (checkout / "pyproject.toml").unlink()
     version.commit.cache_clear()
     assert version.commit() == ""
-    assert version.release() == NUMBER
+    assert version.release() == metadata.version("wheelrail")
 
 
 @pytest.fixture(autouse=True)
