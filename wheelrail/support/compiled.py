@@ -14,6 +14,7 @@ from tempfile import TemporaryFile
 from typing import Any, TypeVar, cast
 
 from numba import config, njit
+from numba.core.caching import FunctionCache
 
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.cache import cache_folder, source_digest
@@ -24,7 +25,23 @@ HERE = Path(__file__).parent
 SOURCES = tuple(HERE.parent / name for name in ("support", "meshes", "contact"))  # packages with compiled functions
 
 CHECKSUMS = "checksums.json"
-ROOM = 2**20  # bytes that must be free to cache machine code: the largest function takes 0.4 MB, all take 6 MB
+
+
+class TolerantCache(FunctionCache):  # type: ignore[misc]
+    """Numba's cache of the machine code of a function, where files that cannot be read or written cost time only."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # of a pickle that was cut off: almost any
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)
+        except Exception:
+            with suppress(OSError):  # an index that cannot be read is replaced by an empty one
+                self.flush()
 
 
 def compiled(function: F) -> F:
@@ -33,11 +50,11 @@ def compiled(function: F) -> F:
     Arithmetic is that of IEEE 754 as written. Were sums reordered, functions that call others would differ in the last
     bits between the process that compiles them and one that loads them, whose copies of the called ones are others.
     """
-    place = folder()
-    if place is None:
-        return cast(F, njit(nogil=True)(function))
-    with _cached_in(place):
-        return cast(F, njit(cache=True, nogil=True)(function))
+    dispatcher, place = njit(nogil=True)(function), folder()
+    if place is not None:
+        with _cached_in(place):
+            dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
+    return cast(F, dispatcher)
 
 
 @cache
@@ -46,8 +63,7 @@ def folder() -> Path | None:
     written.
 
     Numba checks the source file of a function alone, and would go on with old code of others that the function calls.
-    Damaged files are removed, and compiled again. What is not guarded: a disk that fills up later raises OSError, and
-    damage before a process first meets a file is noticed only where the file was cut off or blanked at its end.
+    Files that were damaged are removed. Not noticed are flipped bits from before a process first finds the file.
     """
     name = f"compiled-{source_digest(*SOURCES)}"
     for parent in _parents():
@@ -70,8 +86,7 @@ def _parents() -> Iterator[Path]:
 def _writable(place: Path) -> bool:
     try:
         place.mkdir(parents=True, exist_ok=True)
-        with TemporaryFile(dir=place) as file:
-            file.write(bytes(ROOM))
+        TemporaryFile(dir=place).close()
     except OSError:
         return False
     return True
@@ -85,8 +100,8 @@ def _remove_others(place: Path) -> None:
 
 
 def _remove_damaged(place: Path) -> None:
-    """Remove files whose content has changed since their checksum was recorded, while their time of writing has not,
-    and those that do not end as a pickle does; record the checksums of the others.
+    """Remove files whose content has changed since their checksum was recorded, while their time of writing has not;
+    record the checksums of new ones.
 
     Other processes may write meanwhile: Numba replaces files as a whole, and does without those that are gone.
     """
@@ -101,7 +116,7 @@ def _remove_damaged(place: Path) -> None:
             with path.open("rb") as file:
                 written, content = os.fstat(file.fileno()).st_mtime_ns, file.read()
             key, checksum = f"{path.parent.name}/{path.name} {written}", hashlib.sha256(content).hexdigest()
-            if content.endswith(b".") and before.get(key, checksum) == checksum:
+            if before.get(key, checksum) == checksum:
                 checksums[key] = checksum
             else:
                 path.unlink()

@@ -68,7 +68,7 @@ def run_scene(
     from wheelrail.scenes.runs.resume import header, latest
 
     folder.mkdir(parents=True, exist_ok=True)
-    tell = partial(console.print, highlight=False, markup=False)
+    tell = partial(console.print, highlight=False, markup=False, soft_wrap=True)
     checkpoint_file = CheckpointFile(checkpoints or folder / CHECKPOINTS, header(scene), tell)
     if not resume and read_header(checkpoint_file.path):
         console.print(f"{folder} holds a run that was stopped; this one starts anew, --resume would go on with it")
