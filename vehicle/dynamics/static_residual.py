@@ -7,8 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.loading.load_search import LoadError, Results, find_depth_for_load
-from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Wrench
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
@@ -20,9 +18,6 @@ from wheelrail.vehicle.track.frame import Frame
 # Of nine positions and the relative excess of spin: what is small (for differences), and the most one step changes.
 SMALL = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
 LARGE = np.array([3e-2, 3e-2, 2e-2, 3e-3, 3e-3, 5e-3, 1e-3, 2e-4, 1e-3, 1e-3])
-APPROACH = 1e-4  # m of wheel and rail under an axle load, on which to look for the height
-STATIC = 5e-3  # of the axle load: accuracy of the height from which Newton's method starts
-DEEPEST = 0.05  # m: farther than this below its nominal height a wheelset has left the track
 SEEN_BY_CONTACT = [Y, Z, ROLL, PITCH]
 SEEN_IN_TANGENT = [0, 1, 2, 7]  # y, z, roll and the rate of pitch
 
@@ -82,23 +77,40 @@ class StaticResidual:
             result[:, SEEN_BY_CONTACT] += self.weights[:, None] * linear.by_wrench(state) @ seen
         return result
 
-    def static(self) -> Array:
-        """All bodies upright, where the contacts carry the axle load within 0.5 %; raises StepFailure."""
-        unknown, heights = np.zeros(COUNT), [1, 4, Z]
+    def settled(self) -> Array:
+        """All bodies upright, lowered until the contacts carry the axle load within 2 %; raises StepFailure."""
+        unknown = np.zeros(COUNT)
+        heights = [1, 4, Z]
 
-        def lowered(depth: float, _: Results | None) -> Results:
-            unknown[heights] = -depth
+        def lifted(z: float) -> float:
+            unknown[heights] = z
+            carried = Wrench.of(self.contacts(unknown)).force[2]
+            # A Hertzian force grows as depth^(3/2): its power 2/3 is nearly straight.
+            return float(np.cbrt(max(carried, 0.0) / self.dynamics.wagon.axle_load) ** 2)
+
+        z, stride = 0.0, 5e-5
+        carried = lifted(z)
+        way = -1.0 if carried < 1.0 else 1.0
+        other, carried_other = z, carried
+        while (carried_other < 1.0) == (carried < 1.0):
+            if abs(other) > 0.05:
+                raise StepFailure("the wheels do not come to rest within 50 mm of the nominal height")
+            z, carried = other, carried_other
             try:
-                return tuple(self.contacts(unknown).values())
-            except StepFailure as failure:
-                return (ContactResult.failed(str(failure)),)
-
-        try:
-            found = find_depth_for_load(
-                lowered, self.dynamics.wagon.axle_load, expected=APPROACH, rtol=STATIC, deepest=DEEPEST
-            )
-        except LoadError as error:
-            where = f"within {1e3 * DEEPEST:.0f} mm of the nominal height"
-            raise StepFailure(f"the wheels do not carry the axle load {where}: {error}") from error
-        unknown[heights] = -found.depth
+                carried_other = lifted(z + way * stride)
+            except StepFailure:
+                if stride < 1e-7:
+                    raise
+                stride *= 0.25  # too deep for the contact model: more slowly from here
+                continue
+            other, stride = z + way * stride, 1.5 * stride
+        for _ in range(40):
+            middle = z + (1.0 - carried) * (other - z) / (carried_other - carried)
+            value = lifted(middle)
+            if abs(value - 1.0) < 0.013:
+                break
+            if (value < 1.0) == (carried < 1.0):
+                z, carried = middle, value
+            else:
+                other, carried_other = middle, value
         return unknown

@@ -52,7 +52,7 @@ def equilibrium(
     EquilibriumError.
     """
     balance = StaticResidual(dynamics, dynamics.frame(time).steady())
-    starts: list[Callable[[], Array]] = [balance.static]
+    starts: list[Callable[[], Array]] = [balance.settled]
     if guess is not None:
         starts.insert(0, partial(balance.unknown, guess))
     if bends(dynamics, time):
