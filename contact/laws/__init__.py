@@ -1,7 +1,7 @@
-"""Constitutive laws of the interface, as data and pointwise functions.
+"""Constitutive laws of the interface and materials, as data and pointwise functions.
 
-Unilateral contact or a penalty normal pressure, Coulomb friction, exact or regularised, constant or falling with the
-slip velocity; and the material of the bodies.
+Normal: unilateral contact or a penalty pressure. Tangential: Coulomb friction, exact or regularised, constant or
+falling with the slip velocity.
 """
 
 import lazy_loader

@@ -1,7 +1,7 @@
-"""The law of friction on fixed sides of it, to first order: own q' + by_slip s' = by_pressure p' + by_speed V'.
+"""Linearised law of friction at fixed stick and slip: own q' + by_slip s' = by_pressure p' + by_speed V'.
 
-It is F' = 0 of `wheelrail.contact.solvers.tangential` for the tractions found: a point that sticks has s' = 0, one that
-slides keeps |q| = b = mu(|s| V) p and turns q with its slip.
+It is F' = 0 of `wheelrail.contact.solvers.tangential` at a solution: s' = 0 where a point sticks; where it slides,
+|q| = b = mu(|s| V) p and q rotates with its slip.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from wheelrail.support.compiled import compiled
 
 @dataclass(frozen=True, eq=False)
 class LinearisedFriction:
-    """Factors at a points: own and by_slip (2, 2, a), by_pressure and by_speed (2, a); slides (a,)."""
+    """Coefficients at a points: own and by_slip (2, 2, a), by_pressure and by_speed (2, a); slides (a,) mask."""
 
     own: Array
     by_slip: Array
@@ -27,8 +27,14 @@ class LinearisedFriction:
 
     @classmethod
     def at(cls, rho: Array, p: Array, q: Array, s: Array, *, laws: ContactLaws, speed: float) -> LinearisedFriction:
-        """Around pressures (a,), tractions and slips (2, a); rho (a,) 1/Pa as in
-        `wheelrail.contact.solvers.tangential`, any will do.
+        """Linearisation at a solution.
+
+        Parameters:
+            rho: (a,) 1/Pa as in `wheelrail.contact.solvers.tangential`, arbitrary positive values.
+            p: (a,) Pa, pressures.
+            q, s: (2, a), tractions Pa and slips over the rolling speed.
+            laws: of the interface.
+            speed: m/s.
         """
         size = np.hypot(*s)
         mu, fall = laws.friction_at(size, speed)
@@ -64,7 +70,14 @@ TINY = 1e-300
 
 @compiled
 def residual(q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, Array, Mask, Array, float]:
-    """y, the larger of |y| and b rho + eps, where it is |y|, F and its norm, see `FrictionState`."""
+    """y (2, n), max(|y|, b rho + eps), where it is |y|, F (2, n) and its norm; see `FrictionState`.
+
+    Parameters:
+        q, s: (2, n), tractions Pa and slips.
+        b: (n,) Pa, friction bounds.
+        rho: (n,) 1/Pa.
+        eps: regularising creepage.
+    """
     n = len(b)
     y, F, longest, slides = np.empty((2, n)), np.empty((2, n)), np.empty(n), np.empty(n, dtype=np.bool_)
     total = 0.0
@@ -94,37 +107,43 @@ def derivative(
     falls: Array,
     eps: float,
 ) -> Array:
-    """dF/dq (2 k, 2 k) at the points index (k,): dF = dq - along db - across (rho dq - ds).
+    """dF/dq (2 k, 2 k) at the points index (k,): dF = dq - along db - across (rho dq - ds); column-major for LAPACK.
 
-    slip (2 k, 2 k) and slope (k, 2 k) are ds/dq and dp/dq, an empty slope none; falls (n,) p dmu/d|s|, empty for none.
-    Column by column in memory, as LAPACK wants it.
+    Parameters:
+        index: (k,) of the n points.
+        slip: ds/dq (2 k, 2 k) 1/Pa.
+        slope: dp/dq (k, 2 k), empty without coupling.
+        y, s, bound, longest, slides, mu: as in `FrictionState`.
+        rho: (n,) 1/Pa.
+        falls: (n,) p dmu/d|s|, empty for constant friction.
+        eps: regularising creepage.
     """
     k = len(index)
-    turned = np.empty((2 * k, 2 * k))
+    transposed = np.empty((2 * k, 2 * k))
     for i in range(k):
         m = index[i]
         length = max(np.sqrt(y[0, m] * y[0, m] + y[1, m] * y[1, m]), TINY)
         ux, uy = y[0, m] / length, y[1, m] / length
-        keep = bound[m] / longest[m]
+        part = bound[m] / longest[m]
         if slides[m]:
             along_x, along_y = ux, uy
-            xx, xy, yy = keep * (1.0 - ux * ux), -keep * ux * uy, keep * (1.0 - uy * uy)
+            xx, xy, yy = part * (1.0 - ux * ux), -part * ux * uy, part * (1.0 - uy * uy)
         else:
             over = eps / (longest[m] * longest[m])
             along_x, along_y = y[0, m] * over, y[1, m] * over
-            xx, xy, yy = keep, 0.0, keep
+            xx, xy, yy = part, 0.0, part
         for c in range(2 * k):
             sx, sy = slip[i, c], slip[k + i, c]
             db = 0.0
             if len(slope):
                 db += mu[m] * slope[i, c]
             if len(falls):
-                fast = max(np.sqrt(s[0, m] * s[0, m] + s[1, m] * s[1, m]), TINY)
-                db += falls[m] * (s[0, m] * sx + s[1, m] * sy) / fast
-            turned[c, i] = xx * sx + xy * sy - along_x * db
-            turned[c, k + i] = xy * sx + yy * sy - along_y * db
-        turned[i, i] += 1.0 - xx * rho[m]
-        turned[k + i, i] -= xy * rho[m]
-        turned[i, k + i] -= xy * rho[m]
-        turned[k + i, k + i] += 1.0 - yy * rho[m]
-    return turned.T
+                size = max(np.sqrt(s[0, m] * s[0, m] + s[1, m] * s[1, m]), TINY)
+                db += falls[m] * (s[0, m] * sx + s[1, m] * sy) / size
+            transposed[c, i] = xx * sx + xy * sy - along_x * db
+            transposed[c, k + i] = xy * sx + yy * sy - along_y * db
+        transposed[i, i] += 1.0 - xx * rho[m]
+        transposed[k + i, i] -= xy * rho[m]
+        transposed[i, k + i] -= xy * rho[m]
+        transposed[k + i, k + i] += 1.0 - yy * rho[m]
+    return transposed.T

@@ -7,13 +7,20 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic elastic material: Young's modulus [Pa] and Poisson's ratio. Raises ValueError for impossible values."""
+    """Isotropic linear elastic material.
+
+    Parameters:
+        E: Young's modulus, Pa, positive.
+        nu: Poisson's ratio, between -1 and 0.5.
+
+    Raises ValueError.
+    """
 
     E: float = 2.1e11
     nu: float = 0.3
 
     def __post_init__(self) -> None:
         if not self.E > 0:
-            raise ValueError(f"Young's modulus must be positive, got {self.E} Pa")
+            raise ValueError(f"E = {self.E} Pa: Young's modulus must be positive")
         if not -1 < self.nu < 0.5:
-            raise ValueError(f"Poisson's ratio must lie between -1 and 0.5, got {self.nu}")
+            raise ValueError(f"nu = {self.nu}: Poisson's ratio must lie between -1 and 0.5")

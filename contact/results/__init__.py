@@ -1,4 +1,4 @@
-"""What a contact solve returns: tractions, patches, resultants, error estimates."""
+"""Results of contact solves: tractions, patches, resultants, error estimates."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""How far a result is from what finer cells would give."""
+"""Estimated discretisation error of a contact result."""
 
 from __future__ import annotations
 
@@ -13,7 +13,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimated errors: force N (length of the vector's error), moment N m, max_pressure Pa, area m2 (NaN: unknown)."""
+    """Estimated discretisation errors; NaN is unknown.
+
+    Parameters:
+        force: N, length of the error vector.
+        moment: N m, length of the error vector.
+        max_pressure: Pa.
+        area: m2.
+    """
 
     force: float
     moment: float
@@ -22,4 +29,5 @@ class ErrorEstimate:
 
     @classmethod
     def unknown(cls) -> ErrorEstimate:
+        """The estimate with all values NaN."""
         return cls(np.nan, np.nan, np.nan, np.nan)

@@ -1,4 +1,4 @@
-"""Error estimate from two solutions, on all cells and on half as many."""
+"""Error estimate from solutions on two discretisations, all cells and half as many in each direction."""
 
 from __future__ import annotations
 
@@ -11,14 +11,21 @@ from wheelrail.contact.results.error_estimate import ErrorEstimate
 if TYPE_CHECKING:
     from wheelrail.contact.results.result import ContactResult
 
-FALL = 3.0  # of an error when cells halve both ways: 4 at second order, 2 at first
+REDUCTION = 3.0  # of an error on halving the cells: 4 at second order, 2 at first order
 
 
-SHARE = 1 / (FALL - 1)
+WEIGHT = 1 / (REDUCTION - 1)
 
 
-def difference(fine: ContactResult, rough: ContactResult) -> ErrorEstimate:
-    """From the same contact on half as many cells each way, errors falling by three, that of the area by two."""
+def difference(fine: ContactResult, coarse: ContactResult) -> ErrorEstimate:
+    """Richardson-type error estimate of the finer solution.
+
+    Parameters:
+        fine: result on all cells.
+        coarse: result of the same contact on half as many cells in each direction.
+
+    Errors are assumed to fall by `REDUCTION` on halving the cells, that of the area by two.
+    """
 
     def peak(result: ContactResult) -> float:
         return max((patch.max_pressure for patch in result.patches), default=0.0)
@@ -27,8 +34,8 @@ def difference(fine: ContactResult, rough: ContactResult) -> ErrorEstimate:
         return sum(patch.area for patch in result.patches)
 
     return ErrorEstimate(
-        force=SHARE * float(np.linalg.norm(fine.force - rough.force)),
-        moment=SHARE * float(np.linalg.norm(fine.moment - rough.moment)),
-        max_pressure=SHARE * abs(peak(fine) - peak(rough)),
-        area=abs(area(fine) - area(rough)),
+        force=WEIGHT * float(np.linalg.norm(fine.force - coarse.force)),
+        moment=WEIGHT * float(np.linalg.norm(fine.moment - coarse.moment)),
+        max_pressure=WEIGHT * abs(peak(fine) - peak(coarse)),
+        area=abs(area(fine) - area(coarse)),
     )

@@ -1,4 +1,4 @@
-"""What a contact solve returns."""
+"""Result of a contact solve: forces, patches, fields and statistics."""
 
 from __future__ import annotations
 
@@ -16,16 +16,26 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 
 @dataclass(frozen=True)
 class Patch:
-    """One connected contact patch. Forces act on the wheel (the upper body).
+    """One connected contact patch; forces act on the wheel (the upper body).
 
-    area m2; max_pressure Pa; normal_force N; force (3,) N, resultant in the track's axes; tangential_force N
-    (longitudinal, lateral in the contact plane); semi_axes m (along x, across) of the ellipse with the pressure's
-    second moments (exact for Hertz); contact_angle rad, turn of the contact plane about x; wheel_s and rail_s m, arc
-    length of the resultant on the profiles from the rolling circle and from the top of the rail, positive to the
-    field side; wheel_y and rail_y m, the same laterally; wheel_band and rail_band m, lateral extent (smallest,
-    largest) on the profiles; x m; stick_area m2. creepage: longitudinal and lateral one, and spin rad/m about the
-    upward normal, rigid velocity of wheel against rail at the resultant over the rolling speed; frictional_power W, of
-    the tractions over the rigid slip, which steady rolling turns into heat; both zero without friction and in a shift.
+    Parameters:
+        area: m2.
+        max_pressure: Pa.
+        normal_force: N.
+        force: (3,) N, resultant in the track's axes.
+        tangential_force: N, longitudinal and lateral in the contact plane.
+        semi_axes: m, along x and across, of the ellipse with the same second moments of pressure (exact for Hertz).
+        contact_angle: rad, rotation of the contact plane about x.
+        wheel_s, rail_s: m, arc length of the resultant on the profiles from the rolling circle and from the top of the
+            rail, positive to the field side.
+        wheel_y, rail_y: m, lateral position of the resultant on the profiles.
+        wheel_band, rail_band: m, lateral extent (smallest, largest) on the profiles.
+        x: m, longitudinal position of the resultant.
+        stick_area: m2.
+        creepage: longitudinal, lateral, and spin rad/m about the upward normal; rigid velocity of the wheel relative to
+            the rail at the resultant over the rolling speed. Zero without friction and for a tangential displacement.
+        frictional_power: W, of the tractions over the rigid slip, which steady rolling turns into heat; zero as
+            creepage.
     """
 
     area: float
@@ -47,6 +57,7 @@ class Patch:
     frictional_power: float = 0.0
 
     def mirrored(self) -> Patch:
+        """The patch in the mirror y = 0."""
         longitudinal, lateral = self.tangential_force
         xi, eta, phi = self.creepage
         return replace(
@@ -59,16 +70,21 @@ class Patch:
 
 
 class LazyPatches(Sequence[Patch]):
-    """Patches that are summed up when they are first looked at: a vehicle asks for forces alone most of the time."""
+    """Patch resultants, computed at the first access.
 
-    def __init__(self, made: Callable[[], tuple[Patch, ...]]) -> None:
-        self._made: Callable[[], tuple[Patch, ...]] | None = made
-        self._known: tuple[Patch, ...] = ()
+    Parameters:
+        compute: returns the patches. Most evaluations in a vehicle simulation need the forces only.
+    """
+
+    def __init__(self, compute: Callable[[], tuple[Patch, ...]]) -> None:
+        self._compute: Callable[[], tuple[Patch, ...]] | None = compute
+        self._patches: tuple[Patch, ...] = ()
 
     def all(self) -> tuple[Patch, ...]:
-        if self._made is not None:
-            self._known, self._made = self._made(), None
-        return self._known
+        """All patches."""
+        if self._compute is not None:
+            self._patches, self._compute = self._compute(), None
+        return self._patches
 
     @overload
     def __getitem__(self, index: int) -> Patch: ...
@@ -93,14 +109,22 @@ def _mirrored(patches: Sequence[Patch]) -> tuple[Patch, ...]:
 
 @dataclass(frozen=True)
 class Fields:
-    """Values at the n contact points that were candidates.
+    """Fields at the n candidate contact points.
 
-    node (n,) index on the wheel's surface grid; patch (n,) index of the patch, -1 outside; point (n, 3) m in the rail
-    frame; axes (n, 3, 3) rows longitudinal, lateral, outward normal of the wheel; area (n,) m2; step (n,) m, the
-    length along the rolling direction that a point stands for; penetration (n,) of the undeformed bodies m, NaN where
-    the model does not know it, positive where they overlap; pressure (n,) Pa; traction (n, 2) Pa on the wheel; slip (n,
-    2) slip over rolling speed; displacement (n, 3) m, wheel minus rail, in the local axes; sticks (n,) where the model
-    itself knows it.
+    Parameters:
+        node: (n,) index on the wheel's surface grid.
+        patch: (n,) index of the patch, -1 outside.
+        point: (n, 3) m in the rail frame.
+        axes: (n, 3, 3), rows longitudinal, lateral, outward normal of the wheel.
+        area: (n,) m2.
+        step: (n,) m, length of the point's cell along the rolling direction.
+        penetration: (n,) m of the undeformed bodies, positive where they interpenetrate; NaN where the model does not
+            compute it.
+        pressure: (n,) Pa.
+        traction: (n, 2) Pa on the wheel, longitudinal and lateral.
+        slip: (n, 2), slip over the rolling speed.
+        displacement: (n, 3) m, wheel minus rail, in the local axes.
+        sticks: (n,) mask; None unless the model itself distinguishes stick from slip.
     """
 
     node: Nodes
@@ -119,9 +143,15 @@ class Fields:
 
 @dataclass(frozen=True)
 class Statistics:
-    """Cost of one solve: Newton and linear iterations, candidate points, final relative residual, seconds by phase.
+    """Solver statistics of one solve.
 
-    settled: whether the ends of fitted cells came to rest; if not, the laws hold on cells that end a little aside.
+    Parameters:
+        newton, linear: Newton and linear iterations.
+        points: candidate points.
+        residual: final relative residual.
+        seconds: by phase.
+        settled: whether the patch-edge iteration of fitted cells converged; if not, the laws hold on cells whose ends
+            deviate slightly from the edge of the contact.
     """
 
     newton: int = 0
@@ -133,29 +163,37 @@ class Statistics:
 
 
 class ForceTangent(Protocol):
-    """Derivative of a result's force and moment by the wheel's position and motion, about the result's own point."""
+    """Derivative of force and moment by the wheel's position and motion, the moment about a reference point."""
 
     def __call__(self) -> Array:
-        """Change (6, 12) as `ContactResult.tangent` returns it."""
+        """Derivative (6, 12), see `ContactResult.tangent`."""
 
     def about(self, centre: Array) -> ForceTangent:
-        """With the moment about another point (3,) m."""
+        """The derivative with the moment about another point (3,) m."""
 
     def mirrored(self) -> ForceTangent:
-        """In the mirror y = 0."""
+        """The derivative in the mirror y = 0."""
 
 
 @dataclass(frozen=True)
 class ContactResult:
-    """Force (3,) N and moment (3,) N m on the wheel, patches, fields and how the solve went.
+    """Force and moment on the wheel, patches, fields, and the outcome of the solve.
 
-    In the frame of the rail, moment about the rail's origin, when a model returns it;
-    `wheelrail.contact.models.wheelset` moves it to the track's axes and the wheelset's centre. approach m: largest
-    undeformed overlap along the normal. status is "converged", "separated" (no overlap) or "failed: ..." with the
-    reason; a failed result carries no force to be used. error_estimate: when the model was asked for it.
-    force_tangent: what `tangent` is computed by, where the model keeps it. warm_start: what the same model starts the
-    next solve from (strips of cells, or displacements of all unknowns, m, under `mpirun` this rank's); another model
-    ignores it.
+    Models return it in the frame of the rail, with the moment about the rail's origin;
+    `wheelrail.contact.models.wheelset` transforms it to the track's axes and the wheelset's centre.
+
+    Parameters:
+        force: (3,) N.
+        moment: (3,) N m.
+        patches, fields: None of them without contact.
+        approach: m, largest undeformed penetration along the normal.
+        status: "converged", "separated" (no penetration) or "failed: ..." with the reason; the force of a failed result
+            must not be used.
+        statistics: of the solver.
+        error_estimate: if requested from the model.
+        force_tangent: computes `tangent`, where the model provides it.
+        warm_start: initial guess for the next solve of the same model (strips of cells, or displacements of all
+            unknowns, m, under `mpirun` those of this rank); other models ignore it.
     """
 
     force: Array
@@ -171,25 +209,25 @@ class ContactResult:
 
     @property
     def ok(self) -> bool:
+        """Whether the force can be used."""
         return self.status in ("converged", "separated")
 
     @classmethod
     def separated(cls, approach: float = 0.0) -> ContactResult:
-        """No overlap: no force."""
+        """Bodies without contact: zero force. approach: m, negative is the distance."""
         return cls(np.zeros(3), np.zeros(3), approach=approach)
 
     @classmethod
     def failed(cls, reason: str, approach: float = 0.0) -> ContactResult:
-        """No answer, and why."""
+        """A failed solve and its reason."""
         return replace(cls.separated(approach), status=f"failed: {reason}")
 
     def tangent(self) -> Array:
-        """Change (6, 12) of force and moment, about the point that it is about now, to first order; solved for when
-        asked, and then known.
+        """Derivative (6, 12) of force and moment, about the present reference point; computed at the first call.
 
-        By translation [m] of the wheel's frame, rotation [rad] about its origin, velocity [m/s] and rotation rate
-        [rad/s] of the wheel's motion, whose reference point moves with the frame; in a shift by the motion's m and rad.
-        Zero when separated. Raises ValueError for a failed result and for one whose model keeps no linearisation.
+        Columns: translation [m] of the wheel's frame, rotation [rad] about its origin, velocity [m/s] and rotation rate
+        [rad/s] of the wheel's motion, whose reference point moves with the frame; for a tangential displacement the
+        motion's m and rad. Zero when separated. Raises ValueError for a failed result and for a model without tangent.
         """
         if self.status == "separated":
             return np.zeros((6, 12))
@@ -198,9 +236,9 @@ class ContactResult:
         return self.force_tangent()
 
     def about(self, centre: Array) -> ContactResult:
-        """The same with the moment about another point (3,) m of the frame."""
-        seen = None if self.force_tangent is None else self.force_tangent.about(centre)
-        return replace(self, moment=self.moment - np.cross(centre, self.force), force_tangent=seen)
+        """The result with the moment about another point (3,) m of the frame."""
+        tangent = None if self.force_tangent is None else self.force_tangent.about(centre)
+        return replace(self, moment=self.moment - np.cross(centre, self.force), force_tangent=tangent)
 
     def mirrored(self) -> ContactResult:
         """Force, moment, patches and tangent in the mirror y = 0; the fields stay those of the left-hand pair."""

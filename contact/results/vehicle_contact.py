@@ -1,4 +1,4 @@
-"""The contact of both wheels of a wheelset as the equations of motion of a vehicle call it."""
+"""Interface between the contact of a wheelset and the equations of motion of a vehicle."""
 
 from __future__ import annotations
 
@@ -14,27 +14,37 @@ from wheelrail.support.arrays import Array
 class VehicleContact(Protocol):
     """Contact model of the left and the right wheel of a wheelset.
 
-    Explicit subclasses define the call; tangent and work ahead are optional, with defaults for models without them.
+    Subclasses define the call; `tangent`, `ahead` and `ahead_tangent` are optional, with defaults for models without
+    them.
     """
 
     @abstractmethod
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        """Result of one side in the track's axes, its moment about the wheelset's centre; guess: an earlier result of
-        the same side.
+        """Result of one side in the track's axes, with the moment about the wheelset's centre.
+
+        Parameters:
+            state: of the wheelset.
+            side: "left" or "right".
+            guess: an earlier result of the same side, as initial guess.
         """
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
-        """Derivative (6, 8) of force N and moment N m by y, z, roll, yaw, y_rate, z_rate, roll_rate and pitch_rate, at
-        a result of this state and side.
+        """Derivative (6, 8) of force N and moment N m at a result.
 
-        Raises ValueError where the model has none.
+        Columns: y, z, roll, yaw, y_rate, z_rate, roll_rate and pitch_rate.
+
+        Parameters:
+            state, side: for which the result was computed.
+            result: point of linearisation.
+
+        Raises ValueError for a model without tangent.
         """
         raise ValueError("the contact has no tangent")
 
     def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
-        """Announces the solve of the right side, which follows that of the left one: both may run at the same time."""
-        return  # one after the other
+        """Announces the solve of the right side after that of the left one, so that both can run in parallel."""
+        return  # sequential
 
     def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
-        """The same for the tangent of the right side."""
+        """Announces the tangent of the right side, see `ahead`."""
         return

@@ -1,4 +1,4 @@
-"""Active set for the pressure, semi-smooth Newton for friction, and the consistent tangent, on any compliance matrix.
+"""Contact solvers on a compliance matrix: active set for the pressure, semi-smooth Newton for friction, tangent.
 
 `solve_tractions` solves the normal and the tangential problem together; `NewtonOptions` are its tolerances.
 """

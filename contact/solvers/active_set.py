@@ -1,4 +1,4 @@
-"""The normal problem: pressures at the contact points, exactly, for any tangential tractions.
+"""Normal problem: exact pressures at the contact points for given tangential tractions.
 
 0 <= p, g = N p - d0 - D q >= 0, p g = 0, the penalty's compliance 1/K on the diagonal of N.
 """
@@ -14,72 +14,79 @@ from wheelrail.contact.solvers.options import IterationCount, NotConverged
 from wheelrail.support.arrays import Array, Mask
 
 ROUND_OFF = 1e-12
-PATIENCE = 5  # steps without progress before points change sides one by one
+PATIENCE = 5  # steps without progress before single points are exchanged
 
 
 class CachedFactors:
-    """LU factors of a compliance on sets of active points, the last few kept."""
+    """LU factors of a compliance matrix (n, n) m/Pa on sets of active points; the last `STORED` sets are cached."""
 
-    KEPT = 4
+    STORED = 4
 
     def __init__(self, compliance: Array) -> None:
         self.compliance = compliance
-        self._known: dict[bytes, Any] = {}
+        self._factors_of: dict[bytes, Any] = {}
 
     def of(self, active: Mask, count: IterationCount) -> Any:
+        """Factors of the rows and columns of the active points (n,), for `scipy.linalg.lu_solve`."""
         key = active.tobytes()
-        if key not in self._known:
+        if key not in self._factors_of:
             count.newton += 1
-            if len(self._known) >= self.KEPT:
-                del self._known[next(iter(self._known))]
-            own = self.compliance
+            if len(self._factors_of) >= self.STORED:
+                del self._factors_of[next(iter(self._factors_of))]
+            matrix = self.compliance
             if not active.all():
                 index = np.flatnonzero(active)
-                own = own[np.ix_(index, index)]
-            # columns carry the points' areas: positive definite up to that scaling, but not symmetric
-            self._known[key] = la.lu_factor(own, check_finite=False)
-        return self._known[key]
+                matrix = matrix[np.ix_(index, index)]
+            # columns are scaled by the points' areas: positive definite up to that scaling, but not symmetric
+            self._factors_of[key] = la.lu_factor(matrix, check_finite=False)
+        return self._factors_of[key]
 
 
 def normal_contact(
-    compliance: Array | CachedFactors, overlap: Array, active: Mask, count: IterationCount
+    compliance: Array | CachedFactors, penetration: Array, active: Mask, count: IterationCount
 ) -> tuple[Array, Mask]:
-    """Pressure p >= 0 with N p >= d0, p (N p - d0) = 0 by a primal-dual active set, N (n, n) m/Pa holding 1/K.
+    """Pressures p >= 0 with N p >= d0, p (N p - d0) = 0 by a primal-dual active set, and the active points.
 
-    Each step is a Newton step of the semi-smooth complementarity. Should the number of offending points not fall for
-    some steps, single points change sides until it does, which ends for certain as N is positive definite: block
+    Parameters:
+        compliance: N (n, n) m/Pa with 1/K on the diagonal, or its cached factors.
+        penetration: d0 (n,) m.
+        active: (n,) initial guess of the active points.
+        count: of iterations, updated.
+
+    Each step is a Newton step of the semi-smooth complementarity. If the number of violating points does not decrease
+    for `PATIENCE` steps, single points are exchanged until it does, which terminates as N is positive definite: block
     principal pivoting, Judice and Pires, doi:10.1016/0305-0548(94)90106-6. Raises NotConverged.
     """
     factors = compliance if isinstance(compliance, CachedFactors) else CachedFactors(compliance)
-    n = len(overlap)
+    n = len(penetration)
     active = active.copy()
-    slack = ROUND_OFF * np.abs(overlap).max()
+    slack = ROUND_OFF * np.abs(penetration).max()
     fewest, patience = n + 1, PATIENCE
     for _ in range(100 * (n + 1)):
         pressure = np.zeros(n)
         index = np.flatnonzero(active)
         if len(index):
-            pressure[index] = la.lu_solve(factors.of(active, count), overlap[index], check_finite=False)
-        pulls = active & (pressure < -ROUND_OFF * pressure.max(initial=0.0))
-        hits = ~active & (factors.compliance[:, index] @ pressure[index] < overlap - slack)
-        wrong = pulls | hits
-        offending = int(wrong.sum())
-        if not offending:
+            pressure[index] = la.lu_solve(factors.of(active, count), penetration[index], check_finite=False)
+        tensile = active & (pressure < -ROUND_OFF * pressure.max(initial=0.0))
+        penetrating = ~active & (factors.compliance[:, index] @ pressure[index] < penetration - slack)
+        violating = tensile | penetrating
+        violations = int(violating.sum())
+        if not violations:
             return np.maximum(pressure, 0.0), active
-        if offending < fewest:
-            fewest, patience = offending, PATIENCE
+        if violations < fewest:
+            fewest, patience = violations, PATIENCE
         else:
             patience -= 1
         if patience < 0:
-            last = int(np.flatnonzero(wrong)[-1])
-            wrong = np.zeros(n, dtype=bool)
-            wrong[last] = True
-        active ^= wrong
-    raise NotConverged("the contact area does not settle")
+            last = int(np.flatnonzero(violating)[-1])
+            violating = np.zeros(n, dtype=bool)
+            violating[last] = True
+        active ^= violating
+    raise NotConverged("the active set of contact points did not converge")
 
 
 class PrescribedPressure:
-    """Pressures that tangential tractions do not change: equal bodies, flat surfaces, or pressures from elsewhere."""
+    """Pressures independent of the tangential tractions: equal bodies, flat surfaces, or given pressures (n,) Pa."""
 
     def __init__(self, pressure: Array) -> None:
         self._pressure, self._active = pressure, pressure > 0
@@ -92,20 +99,20 @@ class PrescribedPressure:
 
 
 class CoupledPressure:
-    """Pressures as a function of the tangential tractions q (2 n,): the normal problem is solved for each of them.
+    """Pressures as a function of the tangential tractions q (2 n,) by solving the normal problem.
 
     Piecewise linear: N p = d0 + D q on the active points. normal: N (n, n) m/Pa; coupling: D (n, 2 n) m/Pa.
     """
 
-    def __init__(self, normal: CachedFactors, overlap: Array, coupling: Array) -> None:
-        self._factors, self._overlap, self._coupling = normal, overlap, coupling
+    def __init__(self, normal: CachedFactors, penetration: Array, coupling: Array) -> None:
+        self._factors, self._penetration, self._coupling = normal, penetration, coupling
 
     def at(self, q: Array, active: Mask, count: IterationCount) -> tuple[Array, Mask]:
-        """Pressures (n,) and active points, found from a set of active points."""
-        return normal_contact(self._factors, self._overlap + self._coupling @ q, active, count)
+        """Pressures (n,) and active points (n,) at q (2 n,), with active as the initial guess."""
+        return normal_contact(self._factors, self._penetration + self._coupling @ q, active, count)
 
     def slope(self, active: Mask, count: IterationCount) -> Array:
-        """dp/dq (a, 2 n) of the active points, of which a step of Newton's method may leave none."""
+        """dp/dq (a, 2 n) of the a active points; a may be zero after a Newton step."""
         if not active.any():
             return np.zeros((0, self._coupling.shape[1]))
         factor = self._factors.of(active, count)

@@ -1,4 +1,4 @@
-"""Linear systems of the contact solvers: BiCGStab, and LU factors that are reused."""
+"""Linear solvers of the contact problems: BiCGStab, and LU factors for repeated use."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ RELATIVE = "rtol" if "rtol" in signature(sla.bicgstab).parameters else "tol"  # 
 
 
 def iterated(matrix: Array, right: Array, options: NewtonOptions, count: IterationCount) -> Array | None:
-    """Solution of Newton's linear system by BiCGStab to the forcing term, eqs. (17) and (18); None if it does not get
-    there.
-    """
+    """Solution of Newton's linear system by BiCGStab to the forcing term, eqs. (17) and (18); None if not converged."""
     steps = 0
 
-    def tick(_: Array) -> None:
+    def counted(_: Array) -> None:
         nonlocal steps
         steps += 1
 
-    solution, info = sla.bicgstab(matrix, right, **{RELATIVE: options.forcing}, atol=0.0, maxiter=200, callback=tick)
+    solution, info = sla.bicgstab(matrix, right, **{RELATIVE: options.forcing}, atol=0.0, maxiter=200, callback=counted)
     count.linear += steps
     return np.asarray(solution) if info == 0 else None
 
 
 def factorised(matrix: Array) -> tuple[Array, Nodes]:
-    """LU factors, without the checks that cost as much as the factors of a small matrix. Raises LinAlgError."""
+    """LU factors of a small matrix without SciPy's checks, which cost as much as the factorisation.
+
+    Raises LinAlgError for a singular matrix.
+    """
     lu, pivots, info = la.lapack.dgetrf(matrix, overwrite_a=1)
     if info:
-        raise np.linalg.LinAlgError(f"the Jacobian of friction is singular (LAPACK's dgetrf: {info})")
+        raise np.linalg.LinAlgError(f"the Jacobian of the friction problem is singular (LAPACK's dgetrf: {info})")
     return lu, pivots

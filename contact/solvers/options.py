@@ -1,4 +1,4 @@
-"""How far an iteration may go, how far it went, and that it failed."""
+"""Options, iteration counts and errors of the contact solvers."""
 
 from __future__ import annotations
 
@@ -9,12 +9,19 @@ LinearSolver = Literal["lu", "bicgstab"]
 
 
 class NotConverged(RuntimeError):
-    """The tractions could not be found."""
+    """The iteration for the tractions did not converge."""
 
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """tolerance: residual over the norm of the friction bounds; forcing: relative residual of BiCGStab, eq. (18)."""
+    """Tolerances of the Newton iteration.
+
+    Parameters:
+        tolerance: of the residual relative to the norm of the friction bounds.
+        iterations: at most.
+        linear: solver of the linear systems, "lu" or "bicgstab".
+        forcing: relative residual of BiCGStab, eq. (18).
+    """
 
     tolerance: float = 1e-9
     iterations: int = 60
@@ -24,7 +31,7 @@ class NewtonOptions:
 
 @dataclass
 class IterationCount:
-    """Newton and linear iterations, last relative residual."""
+    """Number of Newton and linear iterations, and the last relative residual."""
 
     newton: int = 0
     linear: int = 0

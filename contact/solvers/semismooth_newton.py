@@ -1,4 +1,4 @@
-"""Semi-smooth Newton method for the tangential problem: damped steps, full steps, bounds held in turn."""
+"""Semi-smooth Newton method for the tangential problem: damped, undamped, and with iterated friction bounds."""
 
 from __future__ import annotations
 
@@ -15,38 +15,45 @@ from wheelrail.contact.solvers.tangential import (
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.interrupts import check_interrupt
 
-STALLS = 3  # steps without descent that end an attempt
-PATIENCE = 8  # steps that halve the misfit, or an attempt ends
+STALLS = 3  # steps without descent that end the iteration
+PATIENCE = 8  # steps within which the residual must halve
 FULL = 15  # steps without damping
-ROUNDS = 60  # bounds held in turn
-NEAR = 0.1  # of the bound: a misfit from which Newton's method is tried again
-CHORD = 0.1  # of the misfit: a step with old factors that leaves more is not worth it
+BOUND_ITERATIONS = 60  # of the fixed-point iteration of the friction bounds
+NEAR = 0.1  # of the bound: residual below which Newton's method is tried again
+CHORD = 0.1  # largest reduction of the residual at which a step with old factors is accepted
 
 
 def tangential_contact(
     friction: FrictionProblem, q: Array, active: Mask, options: NewtonOptions, count: IterationCount
 ) -> FrictionState:
-    """Tractions with F(q) = 0 from a guess q (2, n).
+    """Tractions with F(q) = 0.
 
-    Where pressure depends on friction, descent may creep along a kink of |F|, of a point that begins to slip: full
-    steps cross it. Newton may also end in a minimum of |F| that is no zero where friction falls steeply and F folds.
-    Then bounds are held and tractions found for them in turn, starting at Coulomb's: the more slip the less friction
-    and the less friction the more slip, so these bounds fall in order towards the largest that agree with their own
-    slip, and Newton takes over once it is near. Where pressure depends on friction, the same is a contraction. Raises
-    NotConverged.
+    Parameters:
+        friction: F and its derivative.
+        q: (2, n) Pa, initial guess.
+        active: (n,) initial guess of the active points.
+        options: tolerances.
+        count: of iterations, updated.
+
+    Where pressure depends on friction, damped steps may converge slowly along a kink of |F| of a point that begins to
+    slip: full steps cross it. Where friction falls steeply, F folds and Newton may end in a local minimum of |F| that
+    is no zero. Then the tractions are solved for fixed bounds and the bounds updated, starting with Coulomb's: more
+    slip means less friction and less friction more slip, so that the bounds decrease monotonically to the largest that
+    agree with their own slip; Newton takes over near it. Where pressure depends on friction, the same iteration is a
+    contraction. Raises NotConverged.
     """
     try:
         return newton(friction, friction.at(q, active, count), options, count)
     except NotConverged:
-        if not friction.falls:  # else full steps might find another of several answers
+        if not friction.falls:  # full steps could converge to another of several solutions
             with suppress(NotConverged):
                 return undamped(friction, friction.at(q, active, count), options, count)
         t = friction.at(np.zeros_like(q), active, count)
         bound = t.pressure * t.mu.max()
-        for k in range(ROUNDS):
+        for k in range(BOUND_ITERATIONS):
             t = newton(friction, friction.at(t.q, t.active, count, bound), options, count)
             t = friction.at(t.q, t.active, count)
-            if k == ROUNDS - 1:
+            if k == BOUND_ITERATIONS - 1:
                 break
             bound = t.bound
             if t.norm > NEAR * float(np.linalg.norm(bound)):
@@ -57,7 +64,7 @@ def tangential_contact(
 
 
 def newton(friction: FrictionProblem, t: FrictionState, options: NewtonOptions, count: IterationCount) -> FrictionState:
-    """Semi-smooth Newton with Armijo backtracking from a trial; its bound stays held if it is.
+    """Semi-smooth Newton with Armijo backtracking from a state; its bound stays fixed if held.
 
     Raises NotConverged.
     """
@@ -79,7 +86,7 @@ def newton(friction: FrictionProblem, t: FrictionState, options: NewtonOptions, 
             if trial.norm <= CHORD * t.norm:
                 t = trial
                 continue
-            chords = False  # sets change: only new factors know of it
+            chords = False  # the sets of sticking and sliding points change: new factors are needed
         count.newton += 1
         step, damping = friction.step(t, options, count), 1.0
         while True:
@@ -97,7 +104,7 @@ def newton(friction: FrictionProblem, t: FrictionState, options: NewtonOptions, 
 def undamped(
     friction: FrictionProblem, t: FrictionState, options: NewtonOptions, count: IterationCount
 ) -> FrictionState:
-    """Newton's full steps from a trial, whether |F| falls or not. Raises NotConverged."""
+    """Full Newton steps from a state, without descent of |F|. Raises NotConverged."""
     for _ in range(min(FULL, options.iterations)):
         check_interrupt()
         count.newton += 1

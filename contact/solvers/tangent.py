@@ -1,11 +1,11 @@
-"""Change of the contact force with pose and velocity, from the tractions found and the sets that they left.
+"""Derivative of the contact force by pose and velocity, at a solution and its sets of points.
 
-With the points frozen, and the same ones active, sticking and sliding, the laws are linear in small changes:
-N p' = d0' + D q' on the active points, s' = c' + S q' + T p', and F' = 0 of `wheelrail.contact.solvers.tangential`.
-What is held: the points, material places of the wheel in a frame that does not spin, with their areas, and the
-compliance between them. Fitted cells are held likewise: where they end pressure vanishes, and to first order nothing is
-lost or gained there. But material that rolls in where they begin starts its traction there, which rises like the
-pressure: as that end moves, which the pressure's change tells, q / p stays next to it.
+With the points fixed, and the same ones active, sticking and sliding, the laws are linear in small changes: N p' = d0'
++ D q' on the active points, s' = c' + S q' + T p', and F' = 0 of `wheelrail.contact.solvers.tangential`. Fixed are the
+points (material points of the wheel in a frame that does not spin), their areas and the compliance between them. Fitted
+cells are fixed likewise: pressure vanishes at their ends, so that moving ends contribute nothing to first order. At the
+leading end, however, the traction of incoming material starts from zero and rises like the pressure: as this end moves
+with the pressure's change, q / p stays constant next to it.
 """
 
 from __future__ import annotations
@@ -26,20 +26,28 @@ from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 CHANGES = 12
-ENTRY = 2  # first cells on the way in, whose slip looks ahead of the contact
+ENTRY = 2  # first cells at the leading end, whose slip uses points ahead of the contact
 MIRRORED = np.concatenate([MIRROR, -MIRROR])  # of a vector and an axial one
 
 
 @dataclass(frozen=True, eq=False)
 class TangentProblem:
-    """Laws and compliance around the tractions found, in the frame of the rail.
+    """Laws and compliance linearised at a solution, in the frame of the rail.
 
-    operator, rigid and speed as given to `wheelrail.contact.solvers.tractions.solve_tractions`; speed 0: a shift, whose
-    motion are displacements, so that changes count by m and rad. origin (3,) m of the wheel's frame; strip: cells of
-    each of the fitted strips, from the trailing end (0: points of a grid, which begin with no pressure); scale, by
-    which displacements, a shift's among them, are larger than the operator's while slip is the same. Cost for a active
-    points with friction: 18 a^3 where it changes the pressure, 5 a^3 where not or an `ContactCompliance` remembers; 2
-    a^3 / 3 without.
+    Parameters:
+        places: contact points.
+        origin: (3,) m of the wheel's frame.
+        motion: of both bodies; their displacements for speed 0, so that changes count in m and rad.
+        operator, rigid, speed: as for `wheelrail.contact.solvers.tractions.solve_tractions`; speed 0 is a tangential
+            displacement.
+        laws: of the interface.
+        found: the solution.
+        strip: cells of each fitted strip, from the trailing end; 0 for points of a grid, where the traction starts at
+            points without pressure.
+        scale: by which displacements, including a tangential displacement, exceed the operator's at equal slip.
+
+    Cost for a active points with friction: 18 a^3 if it changes the pressure, 5 a^3 if not or if a `ContactCompliance`
+    has cached the linearisation; 2 a^3 / 3 without friction.
     """
 
     places: SurfacePoints
@@ -55,8 +63,9 @@ class TangentProblem:
 
     @cached_property
     def matrix(self) -> Array:
-        """Change (6, 12) of force and moment about the rail's origin; `wheelrail.contact.kinematics.sensitivity` names
-        the changes.
+        """Derivative (6, 12) of force and moment about the rail's origin.
+
+        The columns are the changes of `wheelrail.contact.kinematics.sensitivity`.
         """
         index = np.flatnonzero(self.found.pressure > 0)
         a, axes = len(index), self.places.axes[index]
@@ -68,11 +77,11 @@ class TangentProblem:
             change += units[:, 0].T @ q[:a] + units[:, 1].T @ q[a:]
         if self.places.follows is not None and self.places.follows.rides:
             local = np.column_stack([self.found.tangential[index], -self.found.pressure[index]])
-            change[:, :6] += following(np.einsum("nk,nkj->j", local, units), self.origin)
+            change[:, :6] += co_moving_load(np.einsum("nk,nkj->j", local, units), self.origin)
         return change
 
     def _tractions(self, index: Nodes) -> tuple[Array, Array | None]:
-        """Change of pressures (a, 12) and of tangential tractions (2 a, 12) at the active points."""
+        """Derivatives of pressures (a, 12) and of tangential tractions (2 a, 12) at the active points."""
         places, n, a = self.places, len(self.places.area), len(index)
         assert places.follows is not None
         operator = self.operator
@@ -80,26 +89,26 @@ class TangentProblem:
         active = self.found.pressure > 0
         factor = body.normal.of(active, IterationCount())
         overlap = places.follows.overlap(places, self.origin)
-        deeper = np.zeros((a, CHANGES))
-        deeper[:, :6] = overlap[:, index].T / self.scale
-        p = la.lu_solve(factor, deeper, check_finite=False)
+        deepening = np.zeros((a, CHANGES))
+        deepening[:, :6] = overlap[:, index].T / self.scale
+        p = la.lu_solve(factor, deepening, check_finite=False)
         if self.rigid is None:
             return p, None
-        both = np.concatenate([index, n + index])
-        moved, speed = rigid_slip(places, self.origin, self.motion, overlap)
-        creep = moved[:, both].T
-        creep = (creep - self.rigid[both, None] * speed) / self.speed if self.speed else creep / self.scale
-        shift = body.shift if a == n else body.shift[np.ix_(both, index)]
+        rows = np.concatenate([index, n + index])
+        rigid_change, speed = rigid_slip(places, self.origin, self.motion, overlap)
+        creep = rigid_change[:, rows].T
+        creep = (creep - self.rigid[rows, None] * speed) / self.speed if self.speed else creep / self.scale
+        shift = body.shift if a == n else body.shift[np.ix_(rows, index)]
         p0, q0 = self.found.pressure[index], self.found.tangential[index].T
-        rho, s0 = own_compliance(np.diag(body.slip)[both]), self.found.slip[index].T
+        rho, s0 = self_compliance(np.diag(body.slip)[rows]), self.found.slip[index].T
         law = LinearisedFriction.at(rho, p0, q0, s0, laws=self.laws, speed=self.speed)
-        # a Newton step of `wheelrail.contact.solvers.tangential` from here left slip and pressure as functions of the
-        # tractions
+        # slip and pressure as functions of the tractions, cached by the last Newton step of
+        # `wheelrail.contact.solvers.tangential`
         stored = body.cache.linearised_for(active, active)
         if body.coupling is None or stored is None:
-            slip, slope = body.slip if a == n else body.slip[np.ix_(both, both)], None
+            slip, slope = body.slip if a == n else body.slip[np.ix_(rows, rows)], None
             if body.coupling is not None:
-                slope = la.lu_solve(factor, body.coupling[np.ix_(index, both)], check_finite=False)
+                slope = la.lu_solve(factor, body.coupling[np.ix_(index, rows)], check_finite=False)
                 slip = slip + shift @ slope
         else:
             _, slip, slope = stored
@@ -110,68 +119,76 @@ class TangentProblem:
             if slope is not None:
                 jacobian[i * a : (i + 1) * a] -= law.by_pressure[i][:, None] * slope
         right = law.by_speed.reshape(-1, 1) * speed + law.pressure(p) - law.slip(creep + shift @ p)
-        first = self._entering(index) & ~law.slides
-        begins = np.flatnonzero(np.tile(first, 2))
-        units = np.zeros((2 * a, len(begins)))
-        units[begins, np.arange(len(begins))] = 1.0
-        found = solve(jacobian, np.hstack([right, units]))
-        q, begun = found[:, :CHANGES], found[:, CHANGES:]
-        if first.any():
-            rise = (p if slope is None else p + slope @ q)[first]
-            kept = (q0 / p0 - law.by_pressure)[:, first, None] * rise
-            q = q + begun @ np.linalg.solve(begun[begins], kept.reshape(-1, CHANGES))
+        leading = self._leading(index) & ~law.slides
+        start = np.flatnonzero(np.tile(leading, 2))
+        unit_tractions = np.zeros((2 * a, len(start)))
+        unit_tractions[start, np.arange(len(start))] = 1.0
+        solution = solve(jacobian, np.hstack([right, unit_tractions]))
+        q, response = solution[:, :CHANGES], solution[:, CHANGES:]
+        if leading.any():
+            rise = (p if slope is None else p + slope @ q)[leading]
+            fixed_ratio = (q0 / p0 - law.by_pressure)[:, leading, None] * rise
+            q = q + response @ np.linalg.solve(response[start], fixed_ratio.reshape(-1, CHANGES))
         return (p if slope is None else p + slope @ q), q
 
-    def _entering(self, index: Nodes) -> Mask:
-        """Which active points lie where material rolls into a fitted strip."""
+    def _leading(self, index: Nodes) -> Mask:
+        """Mask of the active points at the leading end of a fitted strip."""
         rolls = self.strip and self.speed
         return np.asarray(index % self.strip >= self.strip - ENTRY) if rolls else np.zeros(len(index), dtype=bool)
 
 
-def following(load: Array, origin: Array) -> Array:
-    """Change (6, 6) of a force and its moment (6,) that move and turn with the wheel's frame."""
+def co_moving_load(load: Array, origin: Array) -> Array:
+    """Derivative (6, 6) of a force and its moment (6,) that move and rotate with the wheel's frame."""
     force = load[:3]
-    turned = TURN @ force
-    about = SHIFT @ skew(force) + turned @ skew(origin).T + TURN @ (load[3:] - skew(origin) @ force)
-    return np.asarray(np.hstack([turned, about]).T)
+    rotated = TURN @ force
+    moment = SHIFT @ skew(force) + rotated @ skew(origin).T + TURN @ (load[3:] - skew(origin) @ force)
+    return np.asarray(np.hstack([rotated, moment]).T)
 
 
 def solve(matrix: Array, right: Array) -> Array:
-    """Solution of a linear system whose matrix is lost: LAPACK factors its transpose in place, without a copy."""
+    """Solution of a linear system; the matrix is overwritten, as LAPACK factorises its transpose in place."""
     factor = la.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
     return np.asarray(la.lu_solve(factor, right, trans=1, check_finite=False))
 
 
-def own_compliance(diagonal: Array) -> Array:
-    """Slip (a,) of points by their own traction, 1/Pa, the mean of both directions, from the diagonal (2 a,)."""
-    own = diagonal.reshape(2, -1).mean(axis=0)
-    return np.asarray(np.maximum(own, 1e-3 * np.abs(own).max()))
+def self_compliance(diagonal: Array) -> Array:
+    """Diagonal compliance (a,) 1/Pa: slip of points by their own traction, mean of both directions, from (2 a,)."""
+    diagonal_mean = diagonal.reshape(2, -1).mean(axis=0)
+    return np.asarray(np.maximum(diagonal_mean, 1e-3 * np.abs(diagonal_mean).max()))
 
 
 @dataclass(frozen=True, eq=False)
 class ContactTangent:
-    """A linearisation as a result carries it: about a centre (3,) m in the rail's frame, then in a mirror or not."""
+    """Derivative of a contact force, stored with a result.
+
+    Parameters:
+        of: the linearised problem.
+        centre: (3,) m in the rail's frame, reference point of the moment.
+        mirror: whether the result is the mirror image in y = 0.
+    """
 
     of: TangentProblem
     centre: Array = field(default_factory=lambda: np.zeros(3))
     mirror: bool = False
 
     def about(self, centre: Array) -> ContactTangent:
-        """With the moment about another point (3,) m of the frame it is seen in, from the point it is about now."""
+        """The derivative with the moment about another point (3,) m, relative to the present one."""
         return replace(self, centre=self.centre + (MIRROR * centre if self.mirror else centre))
 
     def mirrored(self) -> ContactTangent:
+        """The derivative in the mirror y = 0."""
         return replace(self, mirror=not self.mirror)
 
     def __call__(self) -> Array:
-        """Change (6, 12) of force and moment by the changes of `wheelrail.contact.kinematics.sensitivity`, all in the
-        frame it is seen in.
+        """Derivative (6, 12) of force and moment in the present frame.
+
+        The columns are the changes of `wheelrail.contact.kinematics.sensitivity`.
         """
         change = self.of.matrix.copy()
         change[3:] -= skew(self.centre) @ change[:3]
         return np.asarray(MIRRORED[:, None] * change * np.tile(MIRRORED, 2)) if self.mirror else change
 
 
-def tangent_of(around: TangentProblem) -> ContactTangent | None:
-    """What a model hands to its result; None for points of which it is not known how they follow the wheel."""
-    return None if around.places.follows is None else ContactTangent(around)
+def tangent_of(problem: TangentProblem) -> ContactTangent | None:
+    """Tangent for a result; None for points without a `PointSensitivity`."""
+    return None if problem.places.follows is None else ContactTangent(problem)

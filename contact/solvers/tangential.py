@@ -1,11 +1,11 @@
-"""The tangential problem: a semi-smooth Newton for exact and regularised Coulomb friction.
+"""Tangential problem: semi-smooth Newton equations of exact and regularised Coulomb friction.
 
-The law q = -b s / max(|s|, eps), |q| <= b, of which eps = 0 leaves q undecided at s = 0, is the same as
+The law q = -b s / max(|s|, eps), |q| <= b, which for eps = 0 leaves q undetermined at s = 0, is equivalent to
 
     q = b y / max(|y|, b rho + eps),   y = rho q - s,
 
-for any rho > 0 [1/Pa]: a projection on the disc of radius b = mu(|s| V) p, smooth where it does not switch. Pressure
-follows the tractions, p = P(q), so Newton runs on q alone: F(q) = q - b y / max(|y|, b rho + eps).
+for any rho > 0 [1/Pa]: a projection on the disc of radius b = mu(|s| V) p, smooth away from the switch. The pressure is
+a function of the tractions, p = P(q), so Newton runs on q alone: F(q) = q - b y / max(|y|, b rho + eps).
 """
 
 from __future__ import annotations
@@ -25,14 +25,12 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 NONE, NOTHING = np.empty((0, 0)), np.empty(0)
 
 
-# k points, their indices (k,), ds/dq (2 k, 2 k) with the pressure following, and dp/dq (k, 2 k), None without coupling
+# indices (k,) of k points, total derivative ds/dq (2 k, 2 k), and dp/dq (k, 2 k), None without coupling
 SlipLinearisation = tuple[Nodes, Array, Array | None]
 
 
 class SolverCache:
-    """Linearisation of slip and pressure on one set of points, and LU factors of a Jacobian there, shared by solves
-    with the same compliance.
-    """
+    """Linearisation of slip and pressure on one set of points, and LU factors, for one compliance matrix."""
 
     def __init__(self) -> None:
         self.factors: tuple[Array, Nodes] | None = None
@@ -40,13 +38,11 @@ class SolverCache:
         self._linearisation: SlipLinearisation | None = None
 
     def linearised_for(self, active: Mask, loaded: Mask) -> SlipLinearisation | None:
-        """The linearisation stored for these active points (n,) and these that carry or may carry traction (n,), if
-        any.
-        """
+        """The linearisation for these active points (n,) and points that may carry traction (n,), or None."""
         return self._linearisation if self._points == _key(active, loaded) else None
 
     def store(self, active: Mask, loaded: Mask, linearisation: SlipLinearisation) -> None:
-        """Replaces what is stored for other points; their factors go, too."""
+        """Replaces the stored linearisation and discards the factors."""
         self._points, self._linearisation, self.factors = _key(active, loaded), linearisation, None
 
 
@@ -55,7 +51,7 @@ def _key(active: Mask, loaded: Mask) -> bytes:
 
 
 class PressureResponse(Protocol):
-    """Pressures as a function of the tangential tractions; see `wheelrail.contact.solvers.active_set`."""
+    """Pressures as a function of the tangential tractions, see `wheelrail.contact.solvers.active_set`."""
 
     def at(self, q: Array, active: Mask, count: IterationCount, /) -> tuple[Array, Mask]: ...
 
@@ -64,9 +60,20 @@ class PressureResponse(Protocol):
 
 @dataclass(frozen=True)
 class FrictionState:
-    """Everything at tractions q (2, n): pressure (n,), active points, slip s (2, n), y (2, n), friction mu (n,) and its
-    slope by |s|, bound b (n,), the larger of |y| and b rho + eps (n,), where |y| is (n,), F (2, n) and its norm,
-    and whether the bound is held.
+    """State of the tangential problem at given tractions.
+
+    Parameters:
+        q: (2, n) Pa, tangential tractions.
+        pressure: (n,) Pa.
+        active: (n,) mask.
+        s: (2, n), slip over the rolling speed.
+        y: (2, n), rho q - s.
+        mu, fall: (n,), friction coefficient and its derivative by |s|.
+        bound: b (n,) Pa.
+        longest: (n,), max(|y|, b rho + eps).
+        slides: (n,) mask, where |y| is the larger.
+        F, norm: residual (2, n) Pa and its norm.
+        held: whether the bound is fixed.
     """
 
     q: Array
@@ -85,8 +92,16 @@ class FrictionState:
 
 
 class FrictionProblem:
-    """F(q) and its derivative for n points: slip S (2 n, 2 n) 1/Pa of the tractions and rigid (2 n,); T (2 n, n) 1/Pa,
-    slip of the pressure (None: within rigid); speed m/s; cache, shared by solves with the same compliance.
+    """F(q) and its derivative at n points.
+
+    Parameters:
+        slip: S (2 n, 2 n) 1/Pa, slip by the tractions.
+        rigid: (2 n,), rigid slip over the rolling speed.
+        shift: T (2 n, n) 1/Pa, slip by the pressure; None if contained in rigid.
+        pressure: as a function of the tractions.
+        laws: of the interface.
+        speed: m/s.
+        cache: shared by solves with the same compliance.
     """
 
     def __init__(
@@ -100,8 +115,8 @@ class FrictionProblem:
         cache: SolverCache | None = None,
     ) -> None:
         n = len(rigid) // 2
-        own = 0.5 * (np.diag(slip)[:n] + np.diag(slip)[n:])
-        self.rho = np.maximum(own, 1e-3 * np.abs(own).max())
+        diagonal = 0.5 * (np.diag(slip)[:n] + np.diag(slip)[n:])
+        self.rho = np.maximum(diagonal, 1e-3 * np.abs(diagonal).max())
         self._slip, self._rigid, self._shift, self._pressure = slip, rigid, shift, pressure
         self._laws, self._speed = laws, speed
         self._cache = SolverCache() if cache is None else cache
@@ -112,7 +127,14 @@ class FrictionProblem:
         return self._laws.falling is not None
 
     def at(self, q: Array, active: Mask, count: IterationCount, bound: Array | None = None) -> FrictionState:
-        """The trial at q (2, n), with bounds (n,) held if given; active points are only where to start from."""
+        """State at tractions q.
+
+        Parameters:
+            q: (2, n) Pa.
+            active: (n,) initial guess of the active points.
+            count: of iterations, updated.
+            bound: (n,) Pa, fixed friction bounds; None computes them.
+        """
         p, active = self._pressure.at(q.ravel(), active, count)
         s = self._rigid + self._slip @ q.ravel()
         if self._shift is not None:
@@ -124,7 +146,7 @@ class FrictionProblem:
         return FrictionState(q, p, active, s, y, mu, fall, b, longest, slides, F, norm, bound is not None)
 
     def step(self, t: FrictionState, options: NewtonOptions, count: IterationCount) -> Array:
-        """Newton's step (2, n) from a trial."""
+        """Newton step (2, n) Pa from a state."""
         index, slip, slope = self._linearised(t, count)
         falls = bool(t.fall.any()) and not t.held
         jacobian = derivative(
@@ -142,23 +164,23 @@ class FrictionProblem:
             self._laws.regularisation,
         )
         right = -t.F[:, index].ravel()
-        if options.linear == "bicgstab" and (found := iterated(jacobian, right, options, count)) is not None:
-            return _spread(found, index, t.q.shape)
+        if options.linear == "bicgstab" and (solution := iterated(jacobian, right, options, count)) is not None:
+            return _scatter(solution, index, t.q.shape)
         self._cache.factors = factors = factorised(jacobian)
-        return _spread(la.lapack.dgetrs(*factors, right)[0], index, t.q.shape)
+        return _scatter(la.lapack.dgetrs(*factors, right)[0], index, t.q.shape)
 
     def chord(self, t: FrictionState, count: IterationCount) -> Array | None:
-        """The step (2, n) by the factors of an earlier Jacobian, if there are any for the same points."""
+        """Step (2, n) Pa with the factors of an earlier Jacobian; None if there are none for the same points."""
         cache = self._cache
         if cache.factors is None or t.held:
             return None
         index, _, _ = self._linearised(t, count)
-        if cache.factors is None:  # they were those of other points
+        if cache.factors is None:  # they belonged to other points
             return None
-        return _spread(la.lapack.dgetrs(*cache.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
+        return _scatter(la.lapack.dgetrs(*cache.factors, -t.F[:, index].ravel())[0], index, t.q.shape)
 
     def _linearised(self, t: FrictionState, count: IterationCount) -> SlipLinearisation:
-        """Slip and pressure by the tractions of the points that carry or may carry any, with the pressure following."""
+        """Derivatives of slip and pressure by the tractions of the points that carry or may carry any."""
         active = t.active
         loaded = active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
         stored = self._cache.linearised_for(active, loaded)
@@ -167,17 +189,17 @@ class FrictionProblem:
         index = np.flatnonzero(loaded)
         rows = np.concatenate([index, len(active) + index])
         slip = self._slip if loaded.all() else self._slip[np.ix_(rows, rows)]
-        steep, slope = self._pressure.slope(active, count), None
-        if steep is not None and self._shift is not None:
+        gradient, slope = self._pressure.slope(active, count), None
+        if gradient is not None and self._shift is not None:
             slope = np.zeros((len(index), len(rows)))
-            slope[active[index]] = steep[:, rows]
+            slope[active[index]] = gradient[:, rows]
             slip = slip + self._shift[np.ix_(rows, np.flatnonzero(active))] @ slope[active[index]]
         self._cache.store(active, loaded, (index, slip, slope))
         return index, slip, slope
 
 
-def _spread(values: Array, index: Nodes, shape: tuple[int, ...]) -> Array:
-    """Values (2 k,) at points of all (2, n)."""
+def _scatter(values: Array, index: Nodes, shape: tuple[int, ...]) -> Array:
+    """Values (2 k,) at the points index (k,), scattered into an array (2, n)."""
     if len(index) == shape[1]:
         return values.reshape(shape)
     whole = np.zeros(shape)

@@ -1,10 +1,10 @@
 """Tractions at the contact points from their compliance: exact and regularised laws, pressure and friction together.
 
-Unknowns are the pressures p and tangential tractions q. With the relative compliance known, overlap d and slip s are
-linear in them:  d = d0 + D q - N p,  s = c + S q + T p.
+Unknowns are the pressures p and tangential tractions q. Penetration d and slip s are linear in them by the relative
+compliance:  d = d0 + D q - N p,  s = c + S q + T p.
 Normal:      0 <= p, d <= p / K, p (d - p / K) = 0.  The penalty is a compliance on the diagonal; 1/K may be zero.
 Tangential:  |q| <= b, q = -b s / max(|s|, eps), b = mu(|s| V) p.  eps may be zero.
-The pressure follows any q exactly (`wheelrail.contact.solvers.active_set`), and Newton runs on q alone
+The pressure is solved exactly for any q (`wheelrail.contact.solvers.active_set`), and Newton runs on q alone
 (`wheelrail.contact.solvers.tangential`).
 """
 
@@ -41,7 +41,14 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Tractions:
-    """pressure (n,) Pa, tangential (n, 2) Pa on the wheel, slip (n, 2) over the rolling speed, active (n,) mask."""
+    """Solution of the contact problem at n points.
+
+    Parameters:
+        pressure: (n,) Pa.
+        tangential: (n, 2) Pa on the wheel, longitudinal and lateral.
+        slip: (n, 2), over the rolling speed.
+        active: (n,) mask.
+    """
 
     pressure: Array
     tangential: Array
@@ -50,16 +57,22 @@ class Tractions:
 
 
 class ContactCompliance:
-    """Relative compliance of n points, see `solve_tractions`, and what was made of it in earlier solves."""
+    """Relative compliance of n points with the factors cached by earlier solves.
+
+    Parameters:
+        operator: (n, n) or (3 n, 3 n), see `solve_tractions`.
+        points: n.
+        laws: of the interface; the penalty's compliance is added to the diagonal.
+    """
 
     def __init__(self, operator: Array, points: int, laws: ContactLaws) -> None:
         n = points
         normal = operator[-n:, -n:].copy()
         normal[np.arange(n), np.arange(n)] += laws.normal_compliance
         self.normal = CachedFactors(normal)
-        # the operator's last columns count -p
+        # the operator's last columns act on -p
         self.slip, self.shift = operator[: 2 * n, : 2 * n], -operator[: 2 * n, 2 * n :]
-        coupling = operator[-n:, :-n]  # overlap from tangential tractions
+        coupling = operator[-n:, :-n]  # penetration by tangential tractions
         coupled = coupling.size and np.abs(coupling).max() > ROUND_OFF * np.abs(normal).max()
         self.coupling = coupling if coupled else None
         self.cache = SolverCache()
@@ -67,7 +80,7 @@ class ContactCompliance:
 
 def solve_tractions(
     operator: Array | ContactCompliance,
-    overlap: Array,
+    penetration: Array,
     rigid: Array | None,
     *,
     laws: ContactLaws,
@@ -78,49 +91,58 @@ def solve_tractions(
 ) -> Tractions:
     """Pressure and traction at n points from their relative compliance.
 
-    operator maps tractions on the wheel (along the local axes, component by component) to slip and overlap: (n, n) for
-    normal components only, else (3 n, 3 n) with rows slip 1, slip 2, overlap; or what was made of it before. overlap
-    (n,) m undeformed; rigid (2 n,) creepage, None without friction; speed m/s, which only falling friction asks for;
-    guess (pressure, tangential (2 n,)). Raises NotConverged.
+    Parameters:
+        operator: from tractions on the wheel (along the local axes, component by component) to slip and penetration:
+            (n, n) for normal components only, else (3 n, 3 n) with rows slip 1, slip 2, penetration; or a
+            `ContactCompliance`.
+        penetration: (n,) m, undeformed.
+        rigid: (2 n,), creepage, longitudinal then lateral; None without friction.
+        laws: of the interface.
+        speed: m/s, needed for falling friction only.
+        guess: pressure (n,) and tangential traction (2 n,) Pa.
+        options: of Newton's method.
+        count: of iterations, updated.
+
+    Raises NotConverged.
     """
     options = options or NewtonOptions()
-    n = len(overlap)
+    n = len(penetration)
     body = operator if isinstance(operator, ContactCompliance) else ContactCompliance(operator, n, laws)
     q: Array = np.zeros((2, n)) if guess is None else guess[1].reshape(2, n)
-    active = overlap > 0.4 * overlap.max() if guess is None or not (guess[0] > 0).any() else guess[0] > 0
+    active = penetration > 0.4 * penetration.max() if guess is None or not (guess[0] > 0).any() else guess[0] > 0
     if rigid is None or not laws.friction:
-        pressure, active = normal_contact(body.normal, overlap, active, count)
-        count.residual = misfit(body.normal.compliance, overlap, pressure)
+        pressure, active = normal_contact(body.normal, penetration, active, count)
+        count.residual = normal_residual(body.normal.compliance, penetration, pressure)
         return Tractions(pressure, np.zeros((n, 2)), np.zeros((n, 2)), active)
 
-    raised = overlap
+    total_penetration = penetration
     if body.coupling is not None:
-        pressures = CoupledPressure(body.normal, overlap, body.coupling)
+        pressures = CoupledPressure(body.normal, penetration, body.coupling)
         friction = FrictionProblem(body.slip, rigid, body.shift, pressures, laws, speed, body.cache)
-        found = tangential_contact(friction, q, active, options, count)
-        q, pressure, active = found.q, found.pressure, found.active
-        raised = overlap + body.coupling @ q.ravel()
-    else:  # the pressure is known beforehand: only the points that carry it are left
-        pressure, active = normal_contact(body.normal, overlap, active, count)
+        state = tangential_contact(friction, q, active, options, count)
+        q, pressure, active = state.q, state.pressure, state.active
+        total_penetration = penetration + body.coupling @ q.ravel()
+    else:  # the pressure does not depend on friction: only points that carry it remain
+        pressure, active = normal_contact(body.normal, penetration, active, count)
         creep = rigid + body.shift @ pressure
         if active.all():
             friction = FrictionProblem(body.slip, creep, None, PrescribedPressure(pressure), laws, speed, body.cache)
             q = tangential_contact(friction, q, active, options, count).q
         else:
             index = np.flatnonzero(active)
-            both = np.concatenate([index, n + index])
+            rows = np.concatenate([index, n + index])
             friction = FrictionProblem(
-                body.slip[np.ix_(both, both)], creep[both], None, PrescribedPressure(pressure[index]), laws, speed
+                body.slip[np.ix_(rows, rows)], creep[rows], None, PrescribedPressure(pressure[index]), laws, speed
             )
-            found = tangential_contact(friction, q[:, index], active[index], options, count)
+            state = tangential_contact(friction, q[:, index], active[index], options, count)
             q = np.zeros((2, n))
-            q[:, index] = found.q
+            q[:, index] = state.q
     s = (rigid + body.slip @ q.ravel() + body.shift @ pressure).reshape(2, n)
-    count.residual = max(count.residual, misfit(body.normal.compliance, raised, pressure))
+    count.residual = max(count.residual, normal_residual(body.normal.compliance, total_penetration, pressure))
     return Tractions(pressure, q.T, s.T, active)
 
 
-def misfit(compliance: Array, overlap: Array, pressure: Array) -> float:
-    """Residual of the normal problem: norm of min(p, g / N_ii) over that of the pressure, g = N p - d the gap."""
-    gap = (compliance @ pressure - overlap) / np.diag(compliance)
+def normal_residual(compliance: Array, penetration: Array, pressure: Array) -> float:
+    """Residual of the normal problem: norm of min(p, g / N_ii) over that of the pressure, with the gap g = N p - d."""
+    gap = (compliance @ pressure - penetration) / np.diag(compliance)
     return float(np.linalg.norm(np.minimum(pressure, gap))) / max(float(np.linalg.norm(pressure)), TINY)
