@@ -1,7 +1,7 @@
 """Compliance of the bodies: displacements of the surface by tractions on it.
 
-Half-spaces in closed form, 3D finite elements (`solid_body`, `solid_compliance`), and bodies that are invariant along
-the track or about their axle by 2.5D finite elements (`waveguide`). `Compliance` is what the contact models call.
+Half-spaces in closed form, 3D finite elements (`solid_body`, `solid_compliance`), and bodies invariant along the track
+or about their axle by 2.5D finite elements (`waveguide`). `Compliance` is the interface to the contact models.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Surface compliance of a body, as the contact models call it."""
+"""Interface of the surface compliance of a body to the contact models."""
 
 from __future__ import annotations
 
@@ -15,7 +15,13 @@ class Compliance(Protocol):
     """Compliance of a body at an (nx, ns) grid of its surface."""
 
     @property
-    def shape(self) -> tuple[int, int]: ...
+    def shape(self) -> tuple[int, int]:
+        """Nodes (nx, ns) along x and across."""
 
     def block(self, nodes: Nodes, directions: Sequence[int] = ...) -> Array:
-        """Symmetric compliance (d n, d n) [m/N] between grid nodes (n,) along the given axes, node by node."""
+        """Symmetric compliance (d n, d n) [m/N] between grid nodes, node by node.
+
+        Parameters:
+            nodes: (n,) of the flattened grid.
+            directions: the d axes.
+        """

@@ -1,9 +1,8 @@
-"""Strips on a half-space: flexibility by wavenumbers and by distance along x, in closed form (Boussinesq and Cerruti).
+"""Strips on a half-space: flexibility by wavenumbers and by distance along x, in closed form (Boussinesq, Cerruti).
 
-A unit force displaces its own direction at (x, y) by 1/(2 pi G) times (1 - nu)/r along the normal, (1 - nu)/r + nu
-x^2/r^3 along x and (1 - nu)/r + nu y^2/r^3 across; x and across are coupled by nu x y/r^3 (Johnson 1985, eqs. 3.19,
-3.75).
-Means over strips, and over cells along x, are second differences of antiderivatives.
+The displacement by a unit force in its own direction at (x, y) is 1/(2 pi G) times (1 - nu)/r along the normal, (1 -
+nu)/r + nu x^2/r^3 along x and (1 - nu)/r + nu y^2/r^3 across; x and across are coupled by nu x y/r^3 (Johnson 1985,
+eqs. 3.19, 3.75). Means over strips, and over cells along x, are second differences of antiderivatives.
 """
 
 from __future__ import annotations
@@ -16,30 +15,35 @@ from scipy.special import iti0k0, k0, k1
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
-TERMS = 40  # of the series of the correction, for arguments up to 10
+TERMS = 40  # of the series of `floor_correction`, for arguments up to 10
 
 
 def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: float) -> Array:
-    """Mean displacement (nk, R, C, 4) of strips rows (R, 2) by unit loads per length along x, waves of wavenumbers k
-    (nk,), spread over strips columns (C, 2); unit modulus.
+    """Mean displacement (nk, R, C, 4) of strips by harmonic unit loads per length along x on strips; unit modulus.
 
-    Components: along x, across, normal, and along x by across (sine by cosine). 1/r goes like ln k at k = 0, and is
-    taken at sqrt(k^2 + floor^2) instead; see `floor_correction`.
+    Parameters:
+        k: (nk,) 1/m, wavenumbers.
+        rows, columns: (R, 2) and (C, 2) m, lateral bounds of displaced and of loaded strips.
+        nu: Poisson's ratio.
+        floor: 1/m, low-wavenumber cut-off: the transform of 1/r, singular like ln k at k = 0, is taken at
+            sqrt(k^2 + floor^2); see `floor_correction`.
+
+    Components: along x, across, normal, and along x by across (sine by cosine).
     """
 
-    def twice(z: Array) -> Array:  # second antiderivative of K0
+    def second_antiderivative(z: Array) -> Array:  # second antiderivative of K0
         once = z * k1(z)
         return np.asarray(np.where(z < 40.0, z * iti0k0(np.minimum(z, 40.0))[1], 0.5 * np.pi * z) + once - 1.0)
 
-    def turned(z: Array) -> Array:  # of z K0
+    def antiderivative(z: Array) -> Array:  # of z K0
         return np.asarray(z * k0(z) - np.where(z < 40.0, iti0k0(np.minimum(z, 40.0))[1], 0.5 * np.pi))
 
     widths = (rows[:, 1] - rows[:, 0])[:, None] * (columns[:, 1] - columns[:, 0])
-    raised, plain = np.hypot(k, floor), np.maximum(k, 1e-9 * k[-1])
-    K0 = second_difference(rows, columns, lambda y: twice(_waves(raised, y)), 0.0)
-    zK1 = second_difference(rows, columns, lambda y: _waves(raised, y) * k1(_waves(raised, y)), 1.0) + K0
-    yK0 = second_difference(rows, columns, lambda y: turned(_waves(plain, y)), 0.0, odd=True)
-    scale = 2 * (1 + nu) / np.pi / (raised[:, None, None] ** 2 * widths)
+    regularised, plain = np.hypot(k, floor), np.maximum(k, 1e-9 * k[-1])
+    K0 = second_difference(rows, columns, lambda y: second_antiderivative(_phases(regularised, y)), 0.0)
+    zK1 = second_difference(rows, columns, lambda y: _phases(regularised, y) * k1(_phases(regularised, y)), 1.0) + K0
+    yK0 = second_difference(rows, columns, lambda y: antiderivative(_phases(plain, y)), 0.0, odd=True)
+    scale = 2 * (1 + nu) / np.pi / (regularised[:, None, None] ** 2 * widths)
     cross = 2 * (1 + nu) / np.pi / (plain[:, None, None] ** 2 * widths)
     return np.stack(
         [(K0 - nu * zK1) * scale, ((1 - nu) * K0 + nu * zK1) * scale, (1 - nu) * K0 * scale, nu * yK0 * cross], axis=-1
@@ -48,80 +52,94 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: f
 
 @compiled
 def strip_antiderivative(x: Array, sides: Array, nu: float) -> Array:
-    """G (pairs, nodes, 4) at distances x (nodes,) of which the second derivative is the mean compliance between strips
-    with sides (S, 2), row by row of the pairs i <= j; unit modulus, components as above. The last one is odd in x, the
-    others are even.
+    """G (pairs, nodes, 4), whose second derivative is the mean compliance between strips; unit modulus.
+
+    Parameters:
+        x: (nodes,) m, distances.
+        sides: (S, 2) m, lateral bounds of the strips.
+        nu: Poisson's ratio.
+
+    Pairs i <= j row by row; components as for `strip_flexibility`, the last one odd in x, the others even.
     """
     S = len(sides)
-    where, apart, place = _distances(sides)
-    found = np.empty((S * (S + 1) // 2, len(x), 4))
-    known = np.empty((3, len(apart)))
+    side_number, distances, distance_number = _distances(sides)
+    result = np.empty((S * (S + 1) // 2, len(x), 4))
+    values = np.empty((3, len(distances)))
     for k in range(len(x)):
-        for d in range(len(apart)):
-            known[0, d], known[1, d], known[2, d] = _fourfold(abs(x[k]), apart[d])
-        turn = 1.0 if x[k] >= 0.0 else -1.0
+        for d in range(len(distances)):
+            values[0, d], values[1, d], values[2, d] = _fourfold(abs(x[k]), distances[d])
+        sign = 1.0 if x[k] >= 0.0 else -1.0
         at = 0
         for i in range(S):
             for j in range(i, S):
-                low, high, first, last = where[i, 0], where[i, 1], where[j, 0], where[j, 1]
-                # distances of upper and lower sides, crosswise and alike
-                up, down, lows, highs = place[high, first], place[low, last], place[low, first], place[high, last]
-                xx = known[0, up] + known[0, down] - known[0, lows] - known[0, highs]
-                yy = known[1, up] + known[1, down] - known[1, lows] - known[1, highs]
-                xy = 0.0  # odd across: nothing on the strip itself, and i lies below j
+                low, high, first, last = side_number[i, 0], side_number[i, 1], side_number[j, 0], side_number[j, 1]
+                # distances between unlike and between like sides
+                up, down, lows, highs = (
+                    distance_number[high, first],
+                    distance_number[low, last],
+                    distance_number[low, first],
+                    distance_number[high, last],
+                )
+                xx = values[0, up] + values[0, down] - values[0, lows] - values[0, highs]
+                yy = values[1, up] + values[1, down] - values[1, lows] - values[1, highs]
+                xy = 0.0  # odd across: zero on the strip itself, and i lies below j
                 if i != j:
-                    xy = known[2, lows] + known[2, highs] - known[2, down] - known[2, up]
+                    xy = values[2, lows] + values[2, highs] - values[2, down] - values[2, up]
                 scale = (1.0 + nu) / np.pi / ((sides[i, 1] - sides[i, 0]) * (sides[j, 1] - sides[j, 0]))
-                found[at, k, 0] = scale * ((1.0 - nu) * (xx + yy) + nu * xx)
-                found[at, k, 1] = scale * ((1.0 - nu) * (xx + yy) + nu * yy)
-                found[at, k, 2] = scale * (1.0 - nu) * (xx + yy)
-                found[at, k, 3] = turn * scale * nu * xy
+                result[at, k, 0] = scale * ((1.0 - nu) * (xx + yy) + nu * xx)
+                result[at, k, 1] = scale * ((1.0 - nu) * (xx + yy) + nu * yy)
+                result[at, k, 2] = scale * (1.0 - nu) * (xx + yy)
+                result[at, k, 3] = sign * scale * nu * xy
                 at += 1
-    return found
+    return result
 
 
 @compiled
 def _distances(sides: Array) -> tuple[Nodes, Array, Nodes]:
-    """Which of the E different sides are whose (S, 2), the different distances (D,) between them, and which they are
-    (E, E): sides of neighbours are the same, and strips alike.
+    """Side numbers (S, 2) of the strips, the distinct distances (D,) between the E sides, and their numbers (E, E).
+
+    Neighbouring strips share sides, and strips of equal width share distances.
     """
     span = sides.max() - sides.min()
     ordered = np.sort(sides.ravel())
     edges = ordered[np.concatenate((np.ones(1, dtype=np.bool_), np.diff(ordered) > 1e-9 * span))]
-    where = np.searchsorted(edges, sides.ravel() - 1e-9 * span).reshape(sides.shape)
+    side_number = np.searchsorted(edges, sides.ravel() - 1e-9 * span).reshape(sides.shape)
     E = len(edges)
     between = np.abs(edges.reshape(-1, 1) - edges.reshape(1, -1)).ravel()
     order = np.argsort(between)
-    place = np.empty(E * E, dtype=np.int64)
-    apart = np.empty(E * E)
+    distance_number = np.empty(E * E, dtype=np.int64)
+    distances = np.empty(E * E)
     count = 0
     for at in order:
-        if count == 0 or between[at] - apart[count - 1] > 1e-11 * span:
-            apart[count] = between[at]
+        if count == 0 or between[at] - distances[count - 1] > 1e-11 * span:
+            distances[count] = between[at]
             count += 1
-        place[at] = count - 1
-    return where, apart[:count], place.reshape(E, E)
+        distance_number[at] = count - 1
+    return side_number, distances[:count], distance_number.reshape(E, E)
 
 
 def floor_correction(x: Array, floor: float, nu: float) -> Array:
-    """G (nodes, 3) at distances x (nodes,) that the flexibility at sqrt(k^2 + floor^2) lacks: along x, across, normal.
+    """G (nodes, 3) missing in the flexibility at sqrt(k^2 + floor^2): along x, across, normal; equal for all strips.
 
-    Between ln k and its floored form lies a compliance (1 - exp(-floor x)) / (2 x), the same for all strips.
+    Parameters:
+        x: (nodes,) m, distances.
+        floor: 1/m, low-wavenumber cut-off.
+        nu: Poisson's ratio.
+
+    The difference of ln k and its regularised form is a compliance (1 - exp(-floor x)) / (2 x).
     """
     z = floor * np.abs(x)
     total, term = np.zeros_like(z), np.ones_like(z)
     for m in range(TERMS):
-        total += term / ((m + 1) * (m + 1) * (m + 2))  # z^m (-1)^m / m! by then
+        total += term / ((m + 1) * (m + 1) * (m + 2))  # term: z^m (-1)^m / m!
         term *= -z / (m + 1)
-    both = 2 * (1 + nu) / np.pi * 0.5 * floor * x * x * total
-    return np.asarray(both[:, None] * np.array([1.0, 1 - nu, 1 - nu]))
+    correction = 2 * (1 + nu) / np.pi * 0.5 * floor * x * x * total
+    return np.asarray(correction[:, None] * np.array([1.0, 1 - nu, 1 - nu]))
 
 
 @compiled
 def _fourfold(x: float, y: float) -> tuple[float, float, float]:
-    """Antiderivatives, twice in x and twice in y, of x^2/r^3, y^2/r^3 and x y/r^3 at x, y >= 0; the first two add up to
-    that of 1/r.
-    """
+    """Antiderivatives, twice in x and twice in y, of x^2/r^3, y^2/r^3 (sum: 1/r) and x y/r^3 at x, y >= 0."""
     r = np.sqrt(x * x + y * y)
     over_x = np.arcsinh(y / x) if x > 0.0 else 0.0
     over_y = np.arcsinh(x / y) if y > 0.0 else 0.0
@@ -130,28 +148,33 @@ def _fourfold(x: float, y: float) -> tuple[float, float, float]:
     return c + b - 0.5 * y * y * r, c + a - 0.5 * x * x * r, cross
 
 
-def _waves(k: Array, y: Array) -> Array:
+def _phases(k: Array, y: Array) -> Array:
     return np.asarray(np.maximum(np.outer(k, y), 1e-12))
 
 
 def second_difference(
     rows: Array, columns: Array, of: Callable[[Array], Array], same: Array | float, *, odd: bool = False
 ) -> Array:
-    """Second difference (m, R, C) over the sides of rows (R, 2) and columns (C, 2) of a function (m, n) of the distance
-    (n,) > 0 between them; same is its value at zero. It changes sign with the distance if odd.
+    """Second difference (m, R, C) over the bounds of strips of a function of their distance.
 
-    The sides of neighbours are the same, and strips alike: few distances have to be looked at.
+    Parameters:
+        rows, columns: (R, 2) and (C, 2), bounds.
+        of: function (m, n) of distances (n,) > 0.
+        same: its value at zero.
+        odd: whether it changes sign with the distance.
+
+    The function is evaluated at the distinct distances only: neighbouring strips share bounds.
     """
-    edges, where = np.unique(np.concatenate([rows.ravel(), columns.ravel()]), return_inverse=True)
-    row, column = where[: rows.size].reshape(rows.shape), where[rows.size :].reshape(columns.shape)
-    one, other = np.triu_indices(len(edges), 1)
+    edges, number = np.unique(np.concatenate([rows.ravel(), columns.ravel()]), return_inverse=True)
+    row, column = number[: rows.size].reshape(rows.shape), number[rows.size :].reshape(columns.shape)
+    first, second = np.triu_indices(len(edges), 1)
     span = np.ptp(edges)
-    apart, place = np.unique(np.round((edges[other] - edges[one]) / span, 12), return_inverse=True)
-    values = of(np.maximum(apart, 1e-12) * span)
+    distances, place = np.unique(np.round((edges[second] - edges[first]) / span, 12), return_inverse=True)
+    values = of(np.maximum(distances, 1e-12) * span)
     v = np.empty((len(values), len(edges), len(edges)))
     v[:] = np.asarray(same).reshape(-1, 1, 1)
-    v[:, other, one] = values[:, place]
-    v[:, one, other] = -values[:, place] if odd else values[:, place]
+    v[:, second, first] = values[:, place]
+    v[:, first, second] = -values[:, place] if odd else values[:, place]
     if (row[:, 1] == row[:, 0] + 1).all() and (column[:, 1] == column[:, 0] + 1).all():
         steps = np.diff(np.diff(v, axis=1), axis=2)
         return np.asarray(-steps[:, row[:, 0]][:, :, column[:, 0]])

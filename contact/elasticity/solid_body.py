@@ -1,4 +1,4 @@
-"""An elastic body: stiffness assembled by dolfinx, clamped, factorised when asked for."""
+"""Stiffness of a clamped elastic body by 3D finite elements (dolfinx), factorised on request."""
 
 from __future__ import annotations
 
@@ -26,40 +26,47 @@ COLUMNS = 192  # right-hand sides per batch: enough for level-3 BLAS, small in m
 
 
 class ElasticBody:
-    """Stiffness of a clamped body, eq. (3), displacements of degree 1 or 2, and where its contact grid sits in it.
+    """Stiffness of a clamped body, eq. (3), and the displacement nodes of its contact grid.
 
-    All ranks know the solid; mesh, displacements and stiffness are split over them. Raises ValueError for more ranks
-    than the mesh has parts for.
+    Parameters:
+        solid: mesh, known to all ranks.
+        steel: material.
+        degree: of the displacements, 1 or 2.
+        ranks: communicator over which mesh, displacements and stiffness are distributed.
+
+    Raises ValueError for more ranks than the mesh can be divided into.
     """
 
     def __init__(self, solid: Solid, steel: Material, *, degree: int = 1, ranks: Ranks = ALONE) -> None:
         self.solid, self.steel, self.degree, self.ranks = solid, steel, degree, ranks
-        given = slice(None) if ranks.first else slice(0)  # dolfinx hands out what the first rank gives
-        self.mesh = compat.mesh_from_arrays(ranks.comm, solid.cell, solid.cells[given], solid.points[given])
+        rows = slice(None) if ranks.first else slice(0)  # dolfinx distributes the mesh of the first rank
+        self.mesh = compat.mesh_from_arrays(ranks.comm, solid.cell, solid.cells[rows], solid.points[rows])
         self.space = compat.space(self.mesh, degree)
         self.grid = ContactGrid.on(solid, degree)
-        without = ranks.total(np.array(float(self.owned == 0)))
-        if without > 0:
-            raise ValueError(f"a mesh of {len(solid.points)} points leaves {without:.0f} of {ranks.size} ranks without")
+        empty_ranks = ranks.total(np.array(float(self.owned == 0)))
+        if empty_ranks > 0:
+            raise ValueError(
+                f"a mesh of {len(solid.points)} points leaves {empty_ranks:.0f} of {ranks.size} processes without nodes"
+            )
 
     @property
     def owned(self) -> int:
-        """Number of displacement nodes that belong to this rank: its first ones."""
+        """Number of displacement nodes owned by this rank, the first of its local numbering."""
         return int(self.space.dofmap.index_map.size_local)
 
     @property
     def coordinates(self) -> Array:
-        """Places (owned, 3) m of this rank's displacement nodes."""
+        """Coordinates (owned, 3) m of this rank's displacement nodes."""
         return np.asarray(self.space.tabulate_dof_coordinates()[: self.owned])
 
     @cached_property
     def nodes(self) -> Nodes:
-        """Displacement nodes (nx, ns) of the contact grid; -1 where they belong to another rank."""
+        """Displacement nodes (nx, ns) of the contact grid; -1 where another rank owns them."""
         distance, nodes = cKDTree(self.coordinates).query(self.grid.position.reshape(-1, 3))
-        mine = distance <= 1e-6 * np.linalg.norm(self.grid.position[1, 0] - self.grid.position[0, 0])
-        if not (self.ranks.total(mine.astype(float)) == 1).all():
+        local = distance <= 1e-6 * np.linalg.norm(self.grid.position[1, 0] - self.grid.position[0, 0])
+        if not (self.ranks.total(local.astype(float)) == 1).all():
             raise RuntimeError("the contact grid does not lie on nodes of the displacement space")
-        return np.where(mine, nodes, -1).astype(np.int64).reshape(self.grid.shape)
+        return np.where(local, nodes, -1).astype(np.int64).reshape(self.grid.shape)
 
     @cached_property
     def fixed(self) -> Nodes:
@@ -78,14 +85,14 @@ class ElasticBody:
 
     @cached_property
     def stiffness(self) -> PETSc.Mat:
-        """Stiffness matrix [N/m]; rows and columns of clamped nodes hold the identity, scaled to the rest."""
+        """Stiffness matrix [N/m]; rows and columns of clamped nodes are a scaled identity."""
         import ufl
 
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         form = fem.form(stiffness(u, v, *lame(self.steel.E, self.steel.nu)))
         zero = np.zeros(3, dtype=PETSc.ScalarType)
         bc = fem.dirichletbc(zero, self.fixed.astype(np.int32), self.space)
-        # One on the diagonal beside 1e9 would spoil every norm of a residual.
+        # A diagonal of one, relative to 1e9 elsewhere, would distort norms of residuals.
         typical = self.steel.E * float(np.cbrt(self.solid.volume() / len(self.solid.points)))
         matrix = compat.assemble_matrix(form, bc, typical)
         matrix.setOption(PETSc.Mat.Option.SPD, True)
@@ -109,8 +116,11 @@ class ElasticBody:
         return factor
 
     def respond(self, loaded: Nodes, direction: int) -> Array:
-        """Displacements (len(loaded), n, 3) [m] of all n grid nodes by a unit force along an axis on each loaded grid
-        node.
+        """Displacements (m, n, 3) [m] of all n grid nodes by unit forces.
+
+        Parameters:
+            loaded: (m,) grid nodes, each loaded alone.
+            direction: axis of the forces.
 
         One sparse solve per load: about 3 ms at 36 000 unknowns, 10 ms at 100 000.
         """

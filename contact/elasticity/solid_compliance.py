@@ -1,8 +1,7 @@
 """Compliance of a body at its contact grid, from the factorised 3D stiffness, eq. (15).
 
-C maps forces on grid nodes to displacements of grid nodes, in the body's own axes. It is found tile by tile (a few
-neighbours along x on one line of the profile) and direction by direction, only where a scene loads the body, and
-kept on disk.
+C maps forces on grid nodes to displacements of grid nodes, in the body's own axes. It is computed by tiles (a few
+neighbours along x on one line of the profile) and by direction, only where the body is loaded, and cached on disk.
 """
 
 from __future__ import annotations
@@ -35,10 +34,14 @@ TILE = 8  # nodes along x: patches on the tread are half as long as the strip, w
 
 @dataclass
 class SurfaceCompliance:
-    """Compliance matrix of an (nx, ns) grid, filled on demand.
+    """Compliance matrix of an (nx, ns) grid, computed on demand.
 
-    key identifies body, material and mesh in the cache; body builds the elastic body when columns are missing; scale
-    turns what the body gives into m/N (a block of unit size and modulus serves all sizes: 1 / (E h)).
+    Parameters:
+        key: identifies body, material and mesh in the cache.
+        shape: (nx, ns).
+        body: returns the elastic body, called when columns are missing.
+        scale: factor from the body's displacements to m/N; a block of unit size and modulus serves all sizes: 1 / (E
+            h).
     """
 
     key: str
@@ -52,12 +55,12 @@ class SurfaceCompliance:
 
     def __post_init__(self) -> None:
         n = self.shape[0] * self.shape[1]
-        # Symmetric, stored by loaded node: memory that is never touched is never taken.
+        # Symmetric, stored by loaded node: untouched pages occupy no memory.
         self._matrix = np.empty((3 * n, 3 * n))
         self._filled = np.zeros((n, 3), dtype=bool)
 
     def block(self, nodes: Nodes, directions: Sequence[int] = ALL) -> Array:
-        """Symmetric compliance (d n, d n) [m/N] between grid nodes (n,) along the given axes, node by node."""
+        """Symmetric compliance (d n, d n) [m/N], see `Compliance.block`."""
         for direction in directions:
             if not self._filled[nodes, direction].all():
                 self._fill(nodes[~self._filled[nodes, direction]], direction)
@@ -69,15 +72,15 @@ class SurfaceCompliance:
         missing = sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
         timer = ProgressTimer(log, f"compliance of a solid's surface in {'xyz'[direction]}, groups of nodes")
         for done, tile in enumerate(missing, 1):
-            if self._recall(tile, direction):
+            if self._load_cached(tile, direction):
                 continue
             if self._body is None:
                 self._body = self.body()
-            # tile by tile, though more at once are faster: the last bits depend on what is solved together
+            # by tile, although larger batches are faster: the last bits depend on the batch
             columns = self._body.respond(self._nodes(tile), direction).reshape(-1, len(self._matrix))
             self.columns_solved += len(columns)
             store(self._name(tile, direction), {"columns": columns})
-            self._keep(tile, direction, columns)
+            self._insert(tile, direction, columns)
             timer(done, len(missing))
 
     def _nodes(self, tile: tuple[int, int]) -> Nodes:
@@ -87,15 +90,15 @@ class SurfaceCompliance:
     def _name(self, tile: tuple[int, int], direction: int) -> str:
         return f"compliance/{self.key}/{tile[0]:03d}-{tile[1]:04d}{'xyz'[direction]}"
 
-    def _recall(self, tile: tuple[int, int], direction: int) -> bool:
-        found = load(self._name(tile, direction))
-        columns = None if found is None else found.get("columns")
+    def _load_cached(self, tile: tuple[int, int], direction: int) -> bool:
+        stored = load(self._name(tile, direction))
+        columns = None if stored is None else stored.get("columns")
         if columns is None or columns.shape != (len(self._nodes(tile)), len(self._matrix)):
             return False
-        self._keep(tile, direction, columns)
+        self._insert(tile, direction, columns)
         return True
 
-    def _keep(self, tile: tuple[int, int], direction: int, columns: Array) -> None:
+    def _insert(self, tile: tuple[int, int], direction: int, columns: Array) -> None:
         nodes = self._nodes(tile)
         self._matrix[3 * nodes + direction] = columns * self.scale
         self._filled[nodes, direction] = True
@@ -104,21 +107,35 @@ class SurfaceCompliance:
 def solid_compliance(
     solid: Solid, key: str, material: Material, degree: int, *, scale: float = 1.0
 ) -> SurfaceCompliance:
-    """Surface compliance of a meshed body, cached on disk under the mesh's key, the material and the degree."""
+    """Surface compliance of a meshed body, cached on disk under the mesh's key, the material and the degree.
+
+    Parameters:
+        solid: mesh.
+        key: of the mesh.
+        material: of the body.
+        degree: of the displacements, 1 or 2.
+        scale: see `SurfaceCompliance`.
+    """
     grid = ContactGrid.on(solid, degree)
     name = digest(mesh=key, E=material.E, nu=material.nu, degree=degree)
     return SurfaceCompliance(name, grid.shape, partial(elastic_body, solid, material, degree), scale=scale)
 
 
 def elastic_body(solid: Solid, material: Material, degree: int) -> ElasticBody:
-    """Stiffness of a meshed body; imports dolfinx only when it is called."""
+    """Stiffness of a meshed body; dolfinx is imported at the call.
+
+    Parameters as for `solid_compliance`.
+    """
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
     return ElasticBody(solid, material, degree=degree)
 
 
 def distributed_body(solid: Solid, material: Material, degree: int) -> ElasticBody:
-    """The same, split over all processes that `mpirun` started."""
+    """Stiffness of a meshed body, distributed over all processes of `mpirun`.
+
+    Parameters as for `solid_compliance`.
+    """
     from wheelrail.contact.elasticity.solid_body import ElasticBody
     from wheelrail.support.mpi import everyone
 

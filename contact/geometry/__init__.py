@@ -1,7 +1,7 @@
 """Undeformed surfaces: penetration and contact points of profiles and quadrics.
 
-`QuadricPair` and `ProfilePair` give the contact points of a pose on a grid; the rigid search finds contact points and
-interpenetration regions for the standard model.
+`QuadricPair` and `ProfilePair` return the contact points of a pose on a grid; `RigidWheelRail` and `RigidQuadrics`
+return contact points and interpenetration regions for the standard model.
 """
 
 import lazy_loader

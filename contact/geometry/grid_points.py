@@ -1,4 +1,4 @@
-"""Contact points of one pose: the candidates, their local axes, and where the rail meets them, eq. (1)."""
+"""Candidate contact points of one pose on a grid, their local axes and projections on the rail, eq. (1)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wheelrail.support.arrays import Array, Nodes
 
 @dataclass(frozen=True)
 class Interpolation:
-    """Values at m places from values on the nodes of a grid: nodes (m, k) and weights (m, k) that sum to one."""
+    """Interpolation from grid nodes to m points: nodes (m, k) and weights (m, k) that sum to one."""
 
     nodes: Nodes
     weights: Array
@@ -20,10 +20,12 @@ class Interpolation:
 
 @dataclass(frozen=True)
 class GridPoints(SurfacePoints):
-    """The n points of the wheel's grid that overlap the rail, and the places upstream that their slip looks at.
+    """The n points of the wheel's grid that penetrate the rail, and the upstream points for their slip.
 
-    node (n,) on the wheel's grid; upstream (k, n) nodes of the wheel's grid at 0, 1, .. steps upstream; rail the
-    interpolation at their projections, row by row of upstream.
+    Parameters:
+        node: (n,) on the wheel's grid.
+        upstream: (k, n), nodes of the wheel's grid 0, 1, .. steps upstream.
+        rail: interpolation on the rail's grid at their projections, row by row of upstream.
     """
 
     node: Nodes
@@ -32,11 +34,14 @@ class GridPoints(SurfacePoints):
 
 
 class SurfacePair(Protocol):
-    """Surfaces of a pair of bodies."""
+    """Undeformed surfaces of a pair of bodies."""
 
     def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
-        """Candidates with so many steps upstream (None without overlap), and the largest overlap [m] (negative:
-        distance).
+        """Candidate points (None without penetration), and the largest penetration m (negative: distance).
 
-        Raises OutsideGrid when the overlap leaves the meshed strip.
+        Parameters:
+            pose: of the wheel's frame in the rail's frame.
+            steps: number of upstream points for the slip.
+
+        Raises OutsideSurface when the region of penetration exceeds the meshed strip.
         """

@@ -1,8 +1,8 @@
-"""Where bodies touch by the method of virtual penetration: around every hump, what overlaps by more than a share of it.
+"""Interpenetration regions by the method of virtual penetration: around every local maximum of the penetration.
 
-J. Piotrowski, W. Kik, Vehicle System Dynamics 46 (2008) 27-48, doi:10.1080/00423110701586444. Two humps that come close
-or lose the valley between them become one contact little by little, so that no force ever jumps: the lower one counts
-for less, and the zone of the higher one reaches over it.
+J. Piotrowski, W. Kik, Vehicle System Dynamics 46 (2008) 27-48, doi:10.1080/00423110701586444. Two maxima that approach
+each other, or whose minimum between them vanishes, merge continuously into one contact, so that forces do not jump: the
+weight of the lower one decreases, and the region of the higher one extends over it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.contact.geometry.rigid_search import HUMPS, Lines, crossing, deepest, humps, scan
+from wheelrail.contact.geometry.rigid_search import MAXIMA, Lines, deepest, level_crossing, local_maxima, scan
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.meshes.profiles.profile import Profile
@@ -21,19 +21,29 @@ from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
 VIRTUAL = 0.55  # penetration of the virtual bodies over that of the elastic ones, Piotrowski and Kik 2008
-APART = 1.5  # times the merging distance: two humps further apart are contacts of their own
+APART = 1.5  # times the merging distance: two maxima further apart are separate contacts
 _GAUSS, _WEIGHTS = roots_legendre(8)
 HALF = 0.5 * (_GAUSS + 1.0)
-# places and widths from 0 to 1 of half a zone's strips, closer together at the hump, where a strip sees itself
+# positions and widths from 0 to 1 of the strips of half a region, denser at the maximum
 PLACES = HALF * HALF
 WIDTHS = HALF * _WEIGHTS
-LEAST = 1e-15  # m: overlap of a strip at the very edge, which still has a length
-STEEPEST = 0.05  # cosine: where a wheel's surface is as steep as this it does not get flatter along the rail
+LEAST = 1e-15  # m: smallest penetration of a strip, for a length above zero
+STEEPEST = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
 
 
 class PenetrationRegions(NamedTuple):
-    """Contacts (k,): place of the hump on the upper body's profile, m, and x there, m; overlap m; share that counts, 0
-    to 1. Strips (n,) across, contact by contact: contact; place m, x m; width m; virtual overlap m; radius along x m.
+    """Contacts (k,) and strips (n,) across them, contact by contact.
+
+    Parameters:
+        peak: (k,) m, position of the maximum on the upper body's profile.
+        peak_x: (k,) m, longitudinal position of the maximum.
+        depth: (k,) m, penetration.
+        share: (k,), weight of the contact, 0 to 1.
+        contact: (n,), contact of each strip.
+        s, x: (n,) m, position on the upper body.
+        width: (n,) m.
+        overlap: (n,) m, penetration of the virtual bodies.
+        radius: (n,) m, along x.
     """
 
     peak: Array
@@ -50,82 +60,92 @@ class PenetrationRegions(NamedTuple):
 
 @compiled
 def fade(t: float) -> float:
-    """From 0 to 1 without a kink, as t goes from 0 to 1."""
+    """Smooth step (continuously differentiable) from 0 to 1 for t from 0 to 1."""
     t = min(max(t, 0.0), 1.0)
     return t * t * (3.0 - 2.0 * t)
 
 
 @compiled
-def shares(top: Array, low: Array, merge: float) -> tuple[Array, Array]:
-    """Share (k,) of each hump that counts as a contact of its own, and (k, k) how much of another hump's basin belongs
-    to its zone; merge m: humps closer than that are one contact.
+def merging_weights(top: Array, low: Array, merge: float) -> tuple[Array, Array]:
+    """Weight (k,) of each maximum as a contact, and fraction (k, k) of another's basin that belongs to its region.
+
+    Parameters:
+        top, low: (k, 3), (k - 1, 3) maxima and minima between them: position, penetration, x, m.
+        merge: m, maxima closer than that are one contact.
     """
     n = len(top)
-    own, reach = np.ones(n), np.eye(n)
+    weight, reach = np.ones(n), np.eye(n)
     for i in range(n):
         for j in range(n):
             if i == j:
                 continue
-            mine, other = top[i, 1], top[j, 1]
-            valley = low[min(i, j) : max(i, j), 1].min()
-            lower = min(mine, other)
+            height, other_height = top[i, 1], top[j, 1]
+            minimum = low[min(i, j) : max(i, j), 1].min()
+            lower = min(height, other_height)
             apart = fade((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (APART - 1.0))
-            single = fade((lower - valley) / (VIRTUAL * lower)) * apart
-            # which is the higher one: undecided only within the depth of the valley
-            above = (
-                fade(0.5 + 0.5 * (other - mine) / (lower - valley))
-                if lower > valley
-                else (1.0 if other > mine else 0.0)
+            separate = fade((lower - minimum) / (VIRTUAL * lower)) * apart
+            # which is higher, blended within the depth of the minimum
+            dominated = (
+                fade(0.5 + 0.5 * (other_height - height) / (lower - minimum))
+                if lower > minimum
+                else (1.0 if other_height > height else 0.0)
             )
-            own[i] *= 1.0 - (1.0 - single) * above
-            level = (1.0 - VIRTUAL) * mine
-            if other > level:
-                reach[i, j] = 1.0 - (1.0 - fade((valley - level) / (other - level))) * apart
-    return own, reach
+            weight[i] *= 1.0 - (1.0 - separate) * dominated
+            level = (1.0 - VIRTUAL) * height
+            if other_height > level:
+                reach[i, j] = 1.0 - (1.0 - fade((minimum - level) / (other_height - level))) * apart
+    return weight, reach
 
 
 @compiled
-def wheel_zones(
+def wheel_regions(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Lines, merge: float
 ) -> tuple[float, bool, Array, Nodes, Array]:
-    """Largest overlap m and whether it leaves the lines; contacts (k, 4) and strips: contact (n,), values (n, 5)."""
-    seen, places = scan(rail, lines, radius, origin, rotation), lines.s
-    depth, where, sample = seen.depth, seen.x, seen.sample
-    top, low, before, approach = humps(wheel, rail, radius, origin, rotation, places, seen)
+    """Largest penetration m, whether it exceeds the lines, contacts (k, 4), contact (n,) of the strips, strips (n, 5).
+
+    Parameters as for `profile_regions`; origin (3,) m and rotation (3, 3) are the pose's.
+    """
+    samples, places = scan(rail, lines, radius, origin, rotation), lines.s
+    depth, where, sample = samples.depth, samples.x, samples.sample
+    top, low, before, approach = local_maxima(wheel, rail, radius, origin, rotation, places, samples)
     beyond = depth[0] > 0.0 or depth[-1] > 0.0
-    own, reach = shares(top, low, merge)
+    weight, reach = merging_weights(top, low, merge)
     m = len(PLACES)
     contacts = np.empty((len(top), 4))
-    contact, strips = np.empty(HUMPS * HUMPS * 2 * m, dtype=np.int64), np.empty((HUMPS * HUMPS * 2 * m, 5))
+    contact, strips = np.empty(MAXIMA * MAXIMA * 2 * m, dtype=np.int64), np.empty((MAXIMA * MAXIMA * 2 * m, 5))
     count, n = 0, 0
     if beyond:
         return approach, beyond, contacts[:0], contact[:0], strips[:0]
     for k in range(len(top)):
-        if own[k] <= 0.0:
+        if weight[k] <= 0.0:
             continue
         contacts[count, 0], contacts[count, 1], contacts[count, 2] = top[k, 0], top[k, 2], top[k, 1]
-        contacts[count, 3] = own[k]
+        contacts[count, 3] = weight[k]
         level = (1.0 - VIRTUAL) * top[k, 1]
         for j in range(len(top)):
             if reach[k, j] <= 0.0:
                 continue
             middle = top[j, 0]
-            for way in (-1, 1):
-                stop = places[0] if way < 0 else places[-1]
-                if way < 0 and j > 0:
+            for direction in (-1, 1):
+                stop = places[0] if direction < 0 else places[-1]
+                if direction < 0 and j > 0:
                     stop = low[j - 1, 0]
-                if way > 0 and j < len(top) - 1:
+                if direction > 0 and j < len(top) - 1:
                     stop = low[j, 0]
-                i, inner = before[j] + (way > 0), middle
-                while (places[i] - stop) * way < 0.0 and ((places[i] - middle) * way <= 0.0 or depth[i] >= level):
-                    if (places[i] - middle) * way > 0.0:
+                i, inner = before[j] + (direction > 0), middle
+                while (places[i] - stop) * direction < 0.0 and (
+                    (places[i] - middle) * direction <= 0.0 or depth[i] >= level
+                ):
+                    if (places[i] - middle) * direction > 0.0:
                         inner = places[i]
-                    i += way
+                    i += direction
                 edge = stop
-                outer = places[i] if (places[i] - stop) * way < 0.0 else stop
+                outer = places[i] if (places[i] - stop) * direction < 0.0 else stop
                 d, _, _, _ = deepest(wheel, rail, radius, origin, rotation, outer, where[i], sample[i])
                 if d < level:
-                    edge = crossing(wheel, rail, radius, origin, rotation, inner, outer, level, where[i], sample[i])
+                    edge = level_crossing(
+                        wheel, rail, radius, origin, rotation, inner, outer, level, where[i], sample[i]
+                    )
                 x, near = top[j, 2], sample[before[j]]
                 for q in range(m):
                     s = middle + (edge - middle) * PLACES[q]
@@ -139,13 +159,21 @@ def wheel_zones(
     return approach, beyond, contacts[:count], contact[:n], strips[:n]
 
 
-def profile_zones(
+def profile_regions(
     wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines, merge: float
 ) -> tuple[PenetrationRegions | None, float]:
-    """Zones (None without overlap) of a wheel of nominal radius m on a rail, looked for at lines of its
-    profile, and the largest overlap m. Raises ValueError for an overlap beyond the lines.
+    """Regions (None without penetration) of a wheel on a rail, and the largest penetration m.
+
+    Parameters:
+        wheel, rail: profiles.
+        radius: nominal rolling radius, m.
+        pose: of the wheel's frame in the rail's frame.
+        lines: of the wheel's profile on which the penetration is sampled.
+        merge: m, maxima closer than that are one contact.
+
+    Raises ValueError for a penetration beyond the lines.
     """
-    approach, beyond, contacts, contact, strips = wheel_zones(
+    approach, beyond, contacts, contact, strips = wheel_regions(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
     if beyond:
@@ -157,10 +185,15 @@ def profile_zones(
     return PenetrationRegions(peak, peak_x, depth, share, contact, place, x, width, overlap, radii), approach
 
 
-def quadric_zones(
+def quadric_regions(
     upper: tuple[float, float], lower: tuple[float, float], pose: Pose
 ) -> tuple[PenetrationRegions | None, float]:
-    """The same of two bodies with principal radii [m] in x and y, see `wheelrail.contact.geometry.quadric_pair`."""
+    """Region (None without penetration) of two quadrics, and the approach m.
+
+    Parameters:
+        upper, lower: principal radii in x and y, m, see `wheelrail.contact.geometry.quadric_pair`.
+        pose: of the upper body's apex.
+    """
     above, below = curvature(upper), curvature(lower)
     x, y = pose.origin[:2] * above / (above + below)
     A, B = above + below
@@ -168,17 +201,17 @@ def quadric_zones(
     if approach <= 0.0:
         return None, approach
     half = np.sqrt(VIRTUAL * approach / B)
-    away = half * np.concatenate([-PLACES, PLACES])
-    ones = np.ones_like(away)
+    offset = half * np.concatenate([-PLACES, PLACES])
+    ones = np.ones_like(offset)
     return PenetrationRegions(
         np.array([y]),
         np.array([x]),
         np.array([approach]),
         np.array([1.0]),
-        np.zeros(len(away), dtype=np.int64),
-        y + away,
+        np.zeros(len(offset), dtype=np.int64),
+        y + offset,
         x * ones,
         half * np.concatenate([WIDTHS, WIDTHS]),
-        VIRTUAL * approach - B * away**2,
+        VIRTUAL * approach - B * offset**2,
         0.5 / A * ones,
     ), approach

@@ -1,7 +1,7 @@
-"""A wheel on a rail: candidates, contact map and gap on the exact profiles, eq. (1).
+"""Surfaces of a wheel on a rail: candidate points, contact map and gap on the exact profiles, eq. (1).
 
-The rail is its profile extruded, the wheel its profile revolved, so the normal projection of a wheel point on the
-rail is the closest point of a plane curve: no search tree.
+The rail is an extruded profile, the wheel a revolved one, so the normal projection of a wheel point on the rail is the
+closest point of a plane curve; no search tree is needed.
 """
 
 from __future__ import annotations
@@ -23,9 +23,14 @@ from wheelrail.support.arrays import Array, Nodes
 
 @dataclass(frozen=True)
 class ProfilePair:
-    """Surfaces of a left-hand pair: profiles, strips that carry contact points, grids on them; radius of the wheel, m.
+    """Surfaces of a left-hand wheel-rail pair.
 
-    degree 1 or 2 of the displacements: a grid of quadratic displacements is twice as fine as its strip.
+    Parameters:
+        wheel, rail: profiles.
+        radius: nominal rolling radius, m.
+        wheel_strip, rail_strip: parts of the profiles that carry contact points.
+        wheel_grid, rail_grid: contact grids on the strips.
+        degree: of the displacements, 1 or 2; a grid of degree 2 is twice as fine as its strip.
     """
 
     wheel: Profile
@@ -71,55 +76,55 @@ class ProfilePair:
         return point, np.stack([forward, np.cross(forward, normal), normal], axis=1)
 
     @cached_property
-    def _follows(self) -> WheelPointSensitivity:
+    def _sensitivity(self) -> WheelPointSensitivity:
         return WheelPointSensitivity.of(self.rail)
 
     @cached_property
     def skyline(self) -> tuple[Array, Array]:
-        """Lateral position and height of the rail, to tell quickly what may overlap."""
+        """Lateral position and height (n,) m of the rail's top line, for a fast preselection of points."""
         points = self.rail.point(self.rail.samples(1e-4))
         y, z = points.T
         rising = np.concatenate([[True], y[1:] > np.maximum.accumulate(y)[:-1]])
         return y[rising], z[rising]
 
     def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
-        """Candidates where wheel points lie inside the undeformed rail; see `SurfacePair`."""
+        """Candidates: wheel points inside the undeformed rail; see `SurfacePair`."""
         point = pose.origin + self.surface[0] @ pose.rotation.T
-        # A point below the rail's top line is inside the rail; where the rail has no top there is nothing to touch.
+        # Points below the rail's top line are inside the rail; outside its lateral range there is no contact.
         depth = np.interp(point[:, 1], *self.skyline, left=-np.inf, right=-np.inf) - point[:, 2]
         if not (depth > 0).any():
             return None, float(depth.max())
         nx, ns = self.wheel_grid.shape
         stride = self.wheel_grid.stride
-        picture = (depth > 0).reshape(nx, ns)
-        last = nx - 1 - steps * stride  # beyond, slip has nothing upstream to look at
-        if picture[0].any() or picture[last:].any():
-            reach = 1e3 * self.radius * self.angle[last]
-            way = f"it passes {reach:.3g} mm along the rail, where grids of solids end before those of waveguides"
-            raise OutsideSurface(_beyond(depth, way))
-        if picture[:, 0].any() or picture[:, -1].any():
-            end = "flange's tip" if picture[:, 0].any() else "end of the tread"
+        mask = (depth > 0).reshape(nx, ns)
+        last_row = nx - 1 - steps * stride  # beyond, upstream points for the slip are missing
+        if mask[0].any() or mask[last_row:].any():
+            reach = 1e3 * self.radius * self.angle[last_row]
+            reason = f"it passes {reach:.3g} mm along the rail, where grids of solids end before those of waveguides"
+            raise OutsideSurface(_beyond(depth, reason))
+        if mask[:, 0].any() or mask[:, -1].any():
+            end = "flange's tip" if mask[:, 0].any() else "end of the tread"
             raise OutsideSurface(_beyond(depth, f"it passes the last line towards the {end}"))
         node = np.flatnonzero((depth > 0) & (self.wheel_grid.weight.ravel() > 0))
         if not len(node):
             return None, float(depth.max())
         upstream = node + np.arange(steps + 1)[:, None] * stride * ns
-        places, where = np.unique(upstream, return_inverse=True)
-        foot = self.rail.closest(point[places][:, 1:])
-        first = where.reshape(upstream.shape)[0]
-        rail_s = foot.s[first]
+        nodes, inverse = np.unique(upstream, return_inverse=True)
+        projection = self.rail.closest(point[nodes][:, 1:])
+        first = inverse.reshape(upstream.shape)[0]
+        rail_s = projection.s[first]
         projected = self.rail.point(rail_s)
         axes = self.surface[1][node] @ pose.rotation.T
         overlap = np.einsum("nc,nc->n", point[node, 1:] - projected, axes[:, 2, 1:])
-        kept = overlap > 0  # at the very rim of the overlap the two normals may disagree
-        if not kept.all():
-            node, upstream, axes, overlap = node[kept], upstream[:, kept], axes[kept], overlap[kept]
-            rail_s, projected = rail_s[kept], projected[kept]
-            where = where.reshape(steps + 1, -1)[:, kept].ravel()
+        positive = overlap > 0  # at the edge of the region the two normals may differ
+        if not positive.all():
+            node, upstream, axes, overlap = node[positive], upstream[:, positive], axes[positive], overlap[positive]
+            rail_s, projected = rail_s[positive], projected[positive]
+            inverse = inverse.reshape(steps + 1, -1)[:, positive].ravel()
         if not len(node):
             return None, float(depth.max())
-        interpolation = self._on_rail(point[places, 0], foot.s)
-        where = where.ravel()
+        interpolation = self._rail_interpolation(point[nodes, 0], projection.s)
+        inverse = inverse.ravel()
         line = node % ns
         return (
             GridPoints(
@@ -130,17 +135,17 @@ class ProfilePair:
                 overlap=overlap,
                 wheel_rotation=pose.rotation,
                 upstream=upstream,
-                rail=Interpolation(interpolation.nodes[where], interpolation.weights[where]),
+                rail=Interpolation(interpolation.nodes[inverse], interpolation.weights[inverse]),
                 step=self.lines[0][line, 1] * (self.angle[stride] - self.angle[0]),
                 wheel_place=np.stack([self.arc[line], self.lines[0][line, 0]], axis=1),
                 rail_place=np.stack([rail_s, projected[:, 0]], axis=1),
-                follows=self._follows,
+                follows=self._sensitivity,
             ),
             float(overlap.max()),
         )
 
-    def _on_rail(self, x: Array, s: Array) -> Interpolation:
-        """Weights of the rail grid's nodes at x, s (m,), tensor products of linear or quadratic shape functions."""
+    def _rail_interpolation(self, x: Array, s: Array) -> Interpolation:
+        """Interpolation on the rail's grid at x, s (m,) m by tensor products of linear or quadratic shape functions."""
         (rows, lines), degree, spacing = self.rail_grid.shape, self.degree, self.rail_strip.size / self.degree
         i, wx = _cells(x / spacing + rows // 2, rows, degree)
         j, ws = _cells((s - self.rail_strip.start) / spacing, lines, degree)
@@ -149,19 +154,19 @@ class ProfilePair:
         return Interpolation(nodes.reshape(len(x), -1), (wx[:, :, None] * ws[:, None, :]).reshape(len(x), -1))
 
 
-def _beyond(depth: Array, way: str) -> str:
+def _beyond(depth: Array, reason: str) -> str:
     return (
         "the wheel overlaps the rail beyond the part of its surface that carries contact points: "
-        f"{1e3 * depth.max():.3g} mm deep, {way}"
+        f"{1e3 * depth.max():.3g} mm deep, {reason}"
     )
 
 
-def _cells(place: Array, count: int, degree: int) -> tuple[Nodes, Array]:
-    """First node of the cells that hold places (m,) counted in nodes, and their shape functions (m, degree + 1)."""
-    if place.min() < 0 or place.max() > count - 1:
+def _cells(coordinate: Array, count: int, degree: int) -> tuple[Nodes, Array]:
+    """First node of the cells at coordinates (m,) counted in nodes, and their shape functions (m, degree + 1)."""
+    if coordinate.min() < 0 or coordinate.max() > count - 1:
         raise OutsideSurface("the wheel touches the rail beyond the part of its surface that carries contact points")
-    first = np.minimum((place // degree).astype(np.int64) * degree, count - 1 - degree)
-    return first, _shape(place - first, degree)
+    first = np.minimum((coordinate // degree).astype(np.int64) * degree, count - 1 - degree)
+    return first, _shape(coordinate - first, degree)
 
 
 def _shape(t: Array, degree: int) -> Array:

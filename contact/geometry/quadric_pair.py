@@ -1,4 +1,4 @@
-"""Hertz pairs: two quadratic surfaces on large blocks, the gap from the radii."""
+"""Hertz pairs: two quadratic surfaces on large blocks; the gap follows from the radii."""
 
 from __future__ import annotations
 
@@ -18,10 +18,13 @@ UPSIDE_DOWN = np.diag([1.0, 1.0, -1.0])  # the upper block is the lower one's re
 
 @dataclass(frozen=True)
 class QuadricPair:
-    """Two bodies with principal radii [m] in x and y (inf straight, negative hollow), on one flat grid of contact
-    points.
+    """Two quadratic surfaces on one flat grid of contact points.
 
-    The pose's origin is where the upper body's apex stands over the lower one's: (x, y, -approach).
+    Parameters:
+        grid: contact grid of both blocks.
+        upper, lower: principal radii in x and y, m; inf is straight, negative is hollow.
+
+    The pose's origin is the position of the upper body's apex relative to the lower one's: (x, y, -approach).
     """
 
     grid: ContactGrid
@@ -29,31 +32,28 @@ class QuadricPair:
     lower: tuple[float, float]
 
     def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
-        """Candidates of the undeformed overlap -(z_upper - z_lower), Hertz's parabolas."""
-        place = self.grid.position.reshape(-1, 3)[:, :2]
+        """Candidates by the undeformed penetration -(z_upper - z_lower) of paraboloids; see `SurfacePair`."""
+        position = self.grid.position.reshape(-1, 3)[:, :2]
         overlap = (
-            -pose.origin[2] - (place - pose.origin[:2]) ** 2 @ curvature(self.upper) - place**2 @ curvature(self.lower)
+            -pose.origin[2]
+            - (position - pose.origin[:2]) ** 2 @ curvature(self.upper)
+            - position**2 @ curvature(self.lower)
         )
         inside = overlap > 0
         if not inside.any():
             return None, float(overlap.max())
-        picture = inside.reshape(self.grid.shape)
-        if (
-            picture[0].any()
-            or picture[:, 0].any()
-            or picture[:, -1].any()
-            or picture[-1 - steps * self.grid.stride :].any()
-        ):
+        mask = inside.reshape(self.grid.shape)
+        if mask[0].any() or mask[:, 0].any() or mask[:, -1].any() or mask[-1 - steps * self.grid.stride :].any():
             raise OutsideSurface(
-                "the bodies overlap beyond the meshed strip; the approach is larger than the mesh was made for"
+                "the region of penetration exceeds the meshed strip: the approach is larger than the mesh allows"
             )
         node = np.flatnonzero(inside & (self.grid.weight.ravel() > 0))
         n, (_, ns) = len(node), self.grid.shape
         upstream = node + np.arange(steps + 1)[:, None] * self.grid.stride * ns
-        point = np.column_stack([place[node], np.zeros(n)])
+        point = np.column_stack([position[node], np.zeros(n)])
         axes = np.broadcast_to(np.diag([1.0, 1.0, -1.0]), (n, 3, 3))
         spacing = self.grid.position[self.grid.stride, 0, 0] - self.grid.position[0, 0, 0]
-        across = np.repeat(place[node, 1:], 2, axis=1)
+        across = np.repeat(position[node, 1:], 2, axis=1)
         return (
             GridPoints(
                 node=node,

@@ -1,7 +1,8 @@
-"""Contact points of a rigid wheel on a rigid rail: humps of the overlap along the wheel's profile, on the exact curves.
+"""Contact points of a rigid wheel on a rigid rail: local maxima of the penetration profile, on the exact curves.
 
-The overlap is the depth of the wheel's lowest points below the rail's surface. Its slope is exact, too: that of the
-wheel's profile against the rail's normal. So humps, valleys and edges do not depend on where the search looks first.
+The penetration is the depth of the wheel's lowest points below the rail's surface. Its slope is exact as well: that of
+the wheel's profile relative to the rail's normal. Maxima, minima and edges therefore do not depend on the initial
+sampling.
 """
 
 from __future__ import annotations
@@ -15,19 +16,25 @@ from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Complex, Nodes
 from wheelrail.support.compiled import compiled
 
-HUMPS = 8  # more than a wheel and a rail can have
-NEAR = -1e-4  # m: humps lower than that are not looked at
-NONE = -1.0  # m: the overlap beside the rail
-CLOSE = 1e-9  # m: a hump and a valley are further apart
-TURNS = 12  # at most, of finding the lowest place of a yawed wheel
+MAXIMA = 8  # at most, more than a wheel and a rail can have
+NEAR = -1e-4  # m: sampled maxima lower than that are not refined
+NONE = -1.0  # m: penetration beside the rail
+CLOSE = 1e-9  # m: smallest distance of a maximum and a minimum
+ITERATIONS = 12  # for the lowest point of a yawed wheel
 
 
 @compiled
-def look(
+def penetration_at(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, sample: int
 ) -> tuple[float, float, float, int]:
-    """Overlap [m] at s and x [m] of a wheel's profile and rolling circle, its slope by s, the lowest x for a rail as
-    steep as here, and the rail's sample next to the point.
+    """Penetration m, its slope by s, the lowest x m for the rail's local slope, and the rail's nearest sample.
+
+    Parameters:
+        wheel, rail: shapes of the profiles.
+        radius: nominal rolling radius, m.
+        origin, rotation: (3,) m and (3, 3), pose of the wheel.
+        s, x: m, arc length on the profile, and along the rolling circle.
+        sample: initial guess of the nearest sample, negative without.
     """
     z, t, _ = local(wheel, s, piece(wheel, s))
     r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
@@ -35,7 +42,7 @@ def look(
     h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
     q = complex(y, h)
     sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
-    at, away, inside = foot(rail, q, rail.samples[sample])
+    at, height, inside = foot(rail, q, rail.samples[sample])
     if not inside:
         return NONE, 0.0, x, sample
     _, along, _ = local(rail, at, piece(rail, at))
@@ -44,25 +51,25 @@ def look(
     tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
     forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
     lowest = -radius * np.arctan(forward / upward) if upward != 0.0 else x
-    return -away, -(ty * ny + tz * nz), lowest, sample
+    return -height, -(ty * ny + tz * nz), lowest, sample
 
 
 @compiled
 def deepest(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, sample: int
 ) -> tuple[float, float, float, int]:
-    """The same at the lowest x of line s, from a guess of it: the wheel's forward direction runs along the rail."""
-    depth, slope, lowest, sample = look(wheel, rail, radius, origin, rotation, s, x, sample)
-    for _ in range(TURNS):
+    """As `penetration_at`, at the lowest x of line s, where the wheel's forward direction is parallel to the rail."""
+    depth, slope, lowest, sample = penetration_at(wheel, rail, radius, origin, rotation, s, x, sample)
+    for _ in range(ITERATIONS):
         if abs(lowest - x) < 1e-12:
             break
         x = lowest
-        depth, slope, lowest, sample = look(wheel, rail, radius, origin, rotation, s, x, sample)
+        depth, slope, lowest, sample = penetration_at(wheel, rail, radius, origin, rotation, s, x, sample)
     return depth, slope, x, sample
 
 
 @compiled
-def turning(
+def stationary_point(
     wheel: Shape,
     rail: Shape,
     radius: float,
@@ -75,8 +82,13 @@ def turning(
     x: float,
     sample: int,
 ) -> tuple[float, float, float]:
-    """Place [m], overlap [m] and x [m] where the slope, rise at low and fall at high [m], changes its sign: by false
-    position with the stale end's slope halved (Illinois).
+    """Position, penetration and x [m] at which the slope changes its sign, by false position (Illinois).
+
+    Parameters:
+        wheel, rail, radius, origin, rotation: as for `penetration_at`.
+        low, high: m, bounds of the position.
+        rise, fall: slopes there.
+        x, sample: initial guesses.
     """
     s, depth, side = low, 0.0, 0
     for _ in range(80):
@@ -101,7 +113,7 @@ def turning(
 
 
 @compiled
-def crossing(
+def level_crossing(
     wheel: Shape,
     rail: Shape,
     radius: float,
@@ -113,8 +125,13 @@ def crossing(
     x: float,
     sample: int,
 ) -> float:
-    """Place [m] where the overlap, above a level [m] at inner and below it at outer, meets it: Newton's method from
-    outside, where a hump is steep, between bounds.
+    """Position [m] at which the penetration equals a level, by Newton's method with bounds.
+
+    Parameters:
+        wheel, rail, radius, origin, rotation: as for `penetration_at`.
+        inner, outer: m, bounds; the iteration starts at the outer one, where the profile is steep.
+        level: m, exceeded at inner and not at outer.
+        x, sample: initial guesses.
     """
     s = outer
     for _ in range(60):
@@ -133,8 +150,13 @@ def crossing(
 
 
 class Lines(NamedTuple):
-    """Where humps are looked for: places s (n,) m on the wheel's profile, points and tangents there, and those of the
-    rail's samples, as y + iz in m; curvature (m,) 1/m of the rail at its samples, positive where it is convex.
+    """Lines of the wheel's profile on which the penetration is sampled, complex numbers y + iz.
+
+    Parameters:
+        s: (n,) m, arc lengths on the wheel's profile.
+        point, tangent: (n,) m and 1, there.
+        rail_tangent: (m,), at the rail's samples.
+        rail_curvature: (m,) 1/m, there, positive where it is convex.
     """
 
     s: Array
@@ -155,7 +177,7 @@ def _complex(pairs: Array) -> Complex:
 
 
 class Scan(NamedTuple):
-    """Overlap (n,) m, its slope, its x m and the rail's nearest sample at every line."""
+    """Penetration (n,) m, its slope, x m, and the rail's nearest sample at every line."""
 
     depth: Array
     slope: Array
@@ -165,26 +187,37 @@ class Scan(NamedTuple):
 
 @compiled
 def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Array) -> Scan:
-    """A first look, from the rail's samples and its curvature there: overlaps to about 1e-9 m."""
+    """Penetration at all lines, to about 1e-9 m, from the rail's samples and its curvature there.
+
+    Parameters:
+        rail: shape of the profile.
+        lines: of the wheel.
+        radius: nominal rolling radius, m.
+        origin, rotation: (3,) m and (3, 3), pose of the wheel.
+    """
     n, last = len(lines.s), len(rail.samples) - 1
     depth, slope, where, nearest = np.full(n, NONE), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64)
-    x, sample, rounds = 0.0, -1, 1 if rotation[1, 0] == 0.0 and rotation[2, 0] == 0.0 else 3
+    x, sample, iterations = 0.0, -1, 1 if rotation[1, 0] == 0.0 and rotation[2, 0] == 0.0 else 3
     for i in range(n):
         z, t = lines.point[i], lines.tangent[i]
         r = z.imag + radius
-        for turn in range(rounds):
+        for iteration in range(iterations):
             sine, cosine = np.sin(x / radius), np.cos(x / radius)
             y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
             h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
             q = complex(y, h)
             sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
-            away, along, bend = q - rail.sampled[sample], lines.rail_tangent[sample], lines.rail_curvature[sample]
-            a = away.real * along.real + away.imag * along.imag
-            d = away.imag * along.real - away.real * along.imag
-            a /= 1.0 + bend * d  # to the foot on the circle of curvature
-            turned = along * complex(1.0 - 0.5 * (a * bend) ** 2, -a * bend)
-            ny, nz = -turned.imag, turned.real
-            if turn < rounds - 1:
+            offset, along, curvature = (
+                q - rail.sampled[sample],
+                lines.rail_tangent[sample],
+                lines.rail_curvature[sample],
+            )
+            a = offset.real * along.real + offset.imag * along.imag
+            d = offset.imag * along.real - offset.real * along.imag
+            a /= 1.0 + curvature * d  # to the closest point on the circle of curvature
+            rotated = along * complex(1.0 - 0.5 * (a * curvature) ** 2, -a * curvature)
+            ny, nz = -rotated.imag, rotated.real
+            if iteration < iterations - 1:
                 forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
                 x = -radius * np.arctan(forward / upward) if upward != 0.0 else x
         if (sample == 0 and a < 0.0) or (sample == last and a > 0.0):
@@ -192,28 +225,34 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
             continue
         ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
         tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
-        depth[i], slope[i] = -(d + 0.5 * bend * a * a * (1.0 + bend * d)), -(ty * ny + tz * nz)
+        depth[i], slope[i] = -(d + 0.5 * curvature * a * a * (1.0 + curvature * d)), -(ty * ny + tz * nz)
         where[i], nearest[i] = x, sample
     return Scan(depth, slope, where, nearest)
 
 
 @compiled
-def humps(
-    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Array, seen: Scan
+def local_maxima(
+    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Array, samples: Scan
 ) -> tuple[Array, Array, Nodes, float]:
-    """Humps (n, 3) with overlap, valleys (n - 1, 3) between them: place, overlap and x, all m; the line (n,) before
-    each hump; largest overlap m.
+    """Maxima (n, 3), minima (n - 1, 3) between them, line (n,) before each maximum, largest penetration m.
+
+    Columns: position, penetration and x, m.
+
+    Parameters:
+        wheel, rail, radius, origin, rotation: as for `penetration_at`.
+        lines: (m,) m, arc lengths on the wheel's profile.
+        samples: of `scan`.
     """
-    depth, slope, where, sample = seen
-    top, low, before = np.empty((HUMPS, 3)), np.empty((HUMPS, 3)), np.empty(HUMPS, dtype=np.int64)
+    depth, slope, where, sample = samples
+    top, low, before = np.empty((MAXIMA, 3)), np.empty((MAXIMA, 3)), np.empty(MAXIMA, dtype=np.int64)
     count, approach, n = 0, depth.max(), len(lines)
     for i in range(n - 1):
-        if not (slope[i] > 0.0 >= slope[i + 1]) or max(depth[i], depth[i + 1]) < NEAR or count == HUMPS:
+        if not (slope[i] > 0.0 >= slope[i + 1]) or max(depth[i], depth[i + 1]) < NEAR or count == MAXIMA:
             continue
         j, k = i, i + 1
         _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[j], where[j], sample[j])
         _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[k], where[k], sample[k])
-        if rise <= 0.0 and j > 0:  # the first look missed it by a hair
+        if rise <= 0.0 and j > 0:  # the samples are not accurate enough
             j -= 1
             _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[j], where[j], sample[j])
         if fall > 0.0 and k < n - 1:
@@ -221,7 +260,9 @@ def humps(
             _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, lines[k], where[k], sample[k])
         if not rise > 0.0 >= fall:
             continue
-        s, d, x = turning(wheel, rail, radius, origin, rotation, lines[j], lines[k], rise, fall, where[i], sample[i])
+        s, d, x = stationary_point(
+            wheel, rail, radius, origin, rotation, lines[j], lines[k], rise, fall, where[i], sample[i]
+        )
         approach = max(approach, d)
         if d <= 0.0:
             continue
@@ -231,13 +272,13 @@ def humps(
                 if depth[j] < depth[k]:
                     k = j
             low[count - 1, 0], low[count - 1, 1], low[count - 1, 2] = lines[k], depth[k], where[k]
-            if depth[k] > 0.0:  # one that matters, between the lines
-                one, other = max(lines[k - 1], top[count - 1, 0] + CLOSE), min(lines[k + 1], s - CLOSE)
-                _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, one, where[k], sample[k])
-                _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, other, where[k], sample[k])
+            if depth[k] > 0.0:  # inside the region of penetration: refine it
+                left, right = max(lines[k - 1], top[count - 1, 0] + CLOSE), min(lines[k + 1], s - CLOSE)
+                _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, left, where[k], sample[k])
+                _, rise, _, _ = deepest(wheel, rail, radius, origin, rotation, right, where[k], sample[k])
                 if fall < 0.0 < rise:
-                    low[count - 1, 0], low[count - 1, 1], low[count - 1, 2] = turning(
-                        wheel, rail, radius, origin, rotation, one, other, fall, rise, where[k], sample[k]
+                    low[count - 1, 0], low[count - 1, 1], low[count - 1, 2] = stationary_point(
+                        wheel, rail, radius, origin, rotation, left, right, fall, rise, where[k], sample[k]
                     )
         top[count, 0], top[count, 1], top[count, 2], before[count] = s, d, x, i
         count += 1

@@ -1,4 +1,4 @@
-"""Surfaces of two rigid bodies that overlap: a wheel on a rail, or two quadrics."""
+"""Surfaces of two interpenetrating rigid bodies: a wheel on a rail, or two quadrics."""
 
 from __future__ import annotations
 
@@ -8,39 +8,55 @@ from typing import Protocol
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import PenetrationRegions, profile_zones, quadric_zones
+from wheelrail.contact.geometry.interpenetration import PenetrationRegions, profile_regions, quadric_regions
 from wheelrail.contact.geometry.rigid_search import Lines
-from wheelrail.contact.geometry.wheel_surface import wheel_places
+from wheelrail.contact.geometry.wheel_surface import wheel_points
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.bodies.solids import wheel_touches
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
-SPACING = 4e-4  # m, between the lines where humps are looked for
-MERGE = 4e-3  # m: half the width of a patch on a rail head; two ellipses of that size so near would be one patch
+SPACING = 4e-4  # m, between the lines on which the penetration is sampled
+MERGE = 4e-3  # m: half the width of a patch on a rail head; two such ellipses at this distance are one patch
 
 
 class RigidPair(Protocol):
-    """Two rigid surfaces that overlap."""
+    """Two interpenetrating rigid surfaces."""
 
     def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
-        """Zones of contact (None without overlap) and the largest overlap m. Raises ValueError for one beyond reach."""
+        """Interpenetration regions (None without contact) and the largest penetration m.
+
+        Raises ValueError for a penetration beyond the sampled lines.
+        """
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
-        """Points (n, 3) m and axes (n, 3, 3), as in `wheelrail.contact.kinematics.contact_points.SurfacePoints`, of
-        places on the upper body.
+        """Points (n, 3) m and axes (n, 3, 3) on the upper body's surface.
+
+        Parameters:
+            pose: of the upper body.
+            s, x: (n,) m, arc length on its profile, and longitudinal.
+
+        Axes as in `wheelrail.contact.kinematics.contact_points.SurfacePoints`.
         """
 
     def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
-        """Arc length and lateral position (n, 2) m on the profiles of both bodies, of such points."""
+        """Arc length and lateral position (n, 2) m of points on the profiles of both bodies.
+
+        Parameters:
+            s: (n,) m, arc length on the upper body.
+            point: (n, 3) m.
+        """
 
 
 @dataclass(frozen=True)
 class RigidWheelRail:
-    """A wheel of nominal radius m, its profile revolved, on a rail, its profile extruded.
+    """A wheel, its profile revolved, on a rail, its profile extruded.
 
-    merge_distance m: humps of the overlap closer than that are one contact, see
-    `wheelrail.contact.geometry.interpenetration`.
+    Parameters:
+        wheel, rail: profiles.
+        radius: nominal rolling radius, m.
+        merge_distance: m, maxima of the penetration closer than that are one contact, see
+            `wheelrail.contact.geometry.interpenetration`.
     """
 
     wheel: Profile
@@ -55,10 +71,10 @@ class RigidWheelRail:
         return Lines.of(self.wheel, self.rail, s)
 
     def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
-        return profile_zones(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
+        return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
-        return wheel_places(self.wheel.shape, self.radius, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
+        return wheel_points(self.wheel.shape, self.radius, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
 
     def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
         s, foot = np.clip(s, *self.wheel.s_range), self.rail.closest(point[:, 1:]).s
@@ -68,13 +84,17 @@ class RigidWheelRail:
 
 @dataclass(frozen=True)
 class RigidQuadrics:
-    """Two bodies with principal radii [m] in x and y, see `wheelrail.contact.geometry.quadric_pair`."""
+    """Two rigid quadrics, see `wheelrail.contact.geometry.quadric_pair`.
+
+    Parameters:
+        upper, lower: principal radii in x and y, m.
+    """
 
     upper: tuple[float, float]
     lower: tuple[float, float]
 
     def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
-        return quadric_zones(self.upper, self.lower, pose)
+        return quadric_regions(self.upper, self.lower, pose)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
         axes = np.zeros((len(s), 3, 3))
@@ -82,5 +102,5 @@ class RigidQuadrics:
         return np.column_stack([x, s, np.zeros_like(s)]), axes
 
     def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
-        both = np.column_stack([s, s])
-        return both, both
+        position = np.column_stack([s, s])
+        return position, position

@@ -1,4 +1,4 @@
-"""The structured grid of contact points on a body's strip."""
+"""Structured grid of contact points on the strip of a body's surface."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from wheelrail.support.arrays import Array
 
 @dataclass(frozen=True)
 class ContactGrid:
-    """Displacement nodes of a strip as a structured grid, and the quadrature rule that lives on them.
+    """Displacement nodes of a strip as a structured grid with a nodal quadrature rule.
 
-    position (nx, ns, 3) m of the nodes; weight (nx, ns) m2, the exact integral of each node's shape function (zero at
-    the vertices of quadratic triangles: no contact point there); stride: nodes to the next point of the same kind
-    along x.
+    Parameters:
+        position: (nx, ns, 3) m, of the nodes.
+        weight: (nx, ns) m2, integral of each node's shape function; zero at the vertices of quadratic triangles, which
+            are no contact points.
+        stride: nodes to the next point of the same kind along x.
     """
 
     position: Array
@@ -31,15 +33,15 @@ class ContactGrid:
     def on(cls, solid: Solid, degree: int) -> ContactGrid:
         """Grid of the strip of a mesh for displacements of the given degree (1 or 2)."""
         nx, ns = ((n - 1) * degree + 1 for n in solid.grid.shape)
-        # grid coordinates of the faces' corners, doubled for degree 2: the middle of two corners is half their sum
-        place = np.zeros((len(solid.points), 2), dtype=np.int64)
-        place[solid.grid] = degree * np.moveaxis(np.indices(solid.grid.shape), 0, -1)
-        corner, point = place[solid.faces], solid.points[solid.faces]
+        # grid coordinates of the faces' corners, doubled for degree 2, so that midpoints are integers, too
+        index = np.zeros((len(solid.points), 2), dtype=np.int64)
+        index[solid.grid] = degree * np.moveaxis(np.indices(solid.grid.shape), 0, -1)
+        corner, point = index[solid.faces], solid.points[solid.faces]
         rule = RULES[solid.faces.shape[1], degree]
         nodes = np.einsum("kc,fcd->fkd", rule.corners, corner).round().astype(np.int64)
         position, weight = np.empty((nx, ns, 3)), np.zeros((nx, ns))
         position[nodes[..., 0], nodes[..., 1]] = np.einsum("kc,fcd->fkd", rule.corners, point)
-        if degree == 2:  # corners, too, where the rule leaves them out
+        if degree == 2:  # corners that the rule omits
             position[::2, ::2] = solid.points[solid.grid]
         area = _area(point)
         np.add.at(weight, (nodes[..., 0], nodes[..., 1]), area[:, None] * rule.weights)
@@ -48,14 +50,14 @@ class ContactGrid:
 
 @dataclass(frozen=True)
 class FaceQuadrature:
-    """Quadrature on a face whose points are displacement nodes: their shares of the corners; weights that add to 1."""
+    """Nodal quadrature on a face: barycentric coordinates (k, c) of the nodes, and weights (k,) that sum to 1."""
 
     corners: Array
     weights: Array
 
 
 def _tensor(values: Array, weights: Array) -> FaceQuadrature:
-    """Rule on a quadrilateral from one on a line, corners in the order of dolfinx."""
+    """Tensor-product rule on a quadrilateral, corners in the order of dolfinx."""
     ends = np.stack([1 - values, values])
     return FaceQuadrature(
         np.einsum("xa,yb->abxy", ends, ends).reshape(len(values) ** 2, 4), (weights[:, None] * weights).ravel()
@@ -82,7 +84,7 @@ def _area(corners: Array) -> Array:
 
 
 def surface_points(corners: Array, degree: int) -> Array:
-    """Nodes (ns, 2) m of displacements of the degree (1 or 2) on the straight edges between corners (m, 2) m."""
+    """Displacement nodes (ns, 2) m of degree 1 or 2 on the straight edges between corners (m, 2) m."""
     if degree == 1:
         return corners
     out = np.empty((2 * len(corners) - 1, 2))
@@ -91,15 +93,22 @@ def surface_points(corners: Array, degree: int) -> Array:
 
 
 def invariant_grid(points: Array, rows: int, step: float, *, radius: float | None = None) -> ContactGrid:
-    """Contact grid of cells of the length step [m] along x (on the circle of the radius [m] about y, or straight) by
-    the points (ns, 2) m of the surface, weighted by the integral of their hats.
+    """Contact grid of a body invariant along x or in angle.
+
+    Parameters:
+        points: (ns, 2) m, nodes of the surface of the section.
+        rows: number of cells along x.
+        step: m, their length along x, on the circle of the radius.
+        radius: m, of the circle about y; None: straight.
+
+    Weights are the integrals of the piecewise linear shape functions across, times the step.
     """
     x = (np.arange(rows) - rows // 2) * step
     length = np.hypot(*np.diff(points, axis=0).T)
-    stretch = np.ones(len(points)) if radius is None else points[:, 1] / radius
+    ratio = np.ones(len(points)) if radius is None else points[:, 1] / radius
     tributary = np.zeros(len(points))
-    tributary[:-1] += length * (2 * stretch[:-1] + stretch[1:]) / 6
-    tributary[1:] += length * (stretch[:-1] + 2 * stretch[1:]) / 6
+    tributary[:-1] += length * (2 * ratio[:-1] + ratio[1:]) / 6
+    tributary[1:] += length * (ratio[:-1] + 2 * ratio[1:]) / 6
     position = np.empty((rows, len(points), 3))
     position[..., 1] = points[:, 0]
     if radius is None:

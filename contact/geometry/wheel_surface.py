@@ -1,4 +1,4 @@
-"""Compiled: points and axes on the surface of a wheel, its profile revolved about y."""
+"""Points and axes on the surface of a wheel, its profile revolved about y; compiled."""
 
 from __future__ import annotations
 
@@ -13,8 +13,15 @@ from wheelrail.support.compiled import compiled
 def wheel_place(
     wheel: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, points: Array, axes: Array, i: int
 ) -> None:
-    """Put point and axes of a place s, x m on a wheel of a nominal radius m, posed by origin and rotation, into row i
-    of points (n, 3) m and axes (n, 3, 3), rows longitudinal, lateral and outward.
+    """Write point and axes at s, x on a wheel into row i of points and axes.
+
+    Parameters:
+        wheel: shape of the profile.
+        radius: nominal rolling radius, m.
+        origin, rotation: (3,) m and (3, 3), pose of the wheel.
+        s, x: m, arc length on the profile, and along the rolling circle.
+        points, axes: (n, 3) m and (n, 3, 3), rows longitudinal, lateral and outward.
+        i: row.
     """
     z, t, _ = local(wheel, s, piece(wheel, s))
     r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
@@ -29,13 +36,16 @@ def wheel_place(
 
 
 @compiled
-def wheel_places(
+def wheel_points(
     wheel: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
 ) -> tuple[Array, Array]:
-    """Points (n, 3) and axes (n, 3, 3) of places s, x (n,), s held to the profile's ends."""
+    """Points (n, 3) m and axes (n, 3, 3) at s, x (n,) m on a wheel, s limited to the profile's ends.
+
+    Parameters as for `wheel_place`.
+    """
     n = len(s)
     points, axes = np.empty((n, 3)), np.empty((n, 3, 3))
     for i in range(n):
-        at = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
-        wheel_place(wheel, radius, origin, rotation, at, x[i], points, axes, i)
+        limited = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
+        wheel_place(wheel, radius, origin, rotation, limited, x[i], points, axes, i)
     return points, axes

@@ -1,7 +1,7 @@
 """Frames, rigid motion, the state of a wheelset, creepages, and their derivatives.
 
-It knows no bodies and no laws: `Pose`, `Twist` and the motion of both bodies are what every contact model is called
-with.
+Independent of bodies and laws: every contact model is called with a `Pose` and the `RigidMotion` of both bodies, two
+`Twist`.
 """
 
 import lazy_loader

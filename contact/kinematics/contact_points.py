@@ -1,4 +1,4 @@
-"""Contact points of one pose, and how they move with the wheel's frame."""
+"""Contact points of one pose, and their sensitivity to the pose of the wheel."""
 
 from __future__ import annotations
 
@@ -9,23 +9,34 @@ from wheelrail.support.arrays import Array
 
 
 class PointSensitivity(Protocol):
-    """How points follow the wheel's frame, see `wheelrail.contact.kinematics.sensitivity`: riding on it or at rest."""
+    """Sensitivity of contact points to the wheel's frame, see `wheelrail.contact.kinematics.sensitivity`."""
 
     @property
-    def rides(self) -> bool: ...
+    def rides(self) -> bool:
+        """Whether the points move with the wheel."""
 
     def overlap(self, places: SurfacePoints, origin: Array, /) -> Array:
-        """Change (6, n) of the overlap by translation of the frame and by rotation about its origin (3,) m."""
+        """Derivative (6, n) of the penetration by translation of the frame and rotation about its origin.
+
+        Parameters:
+            places: the n points.
+            origin: (3,) m of the wheel's frame.
+        """
 
 
 @dataclass(frozen=True)
 class SurfacePoints:
-    """Where n contact points of a pose are.
+    """Contact points of a pose, in the rail frame.
 
-    point (n, 3) m and axes (n, 3, 3) in the rail frame, rows longitudinal, lateral, normal outward from the wheel; area
-    (n,) m2; overlap (n,) m, undeformed; wheel_rotation (3, 3) from wheel axes to rail axes; step (n,) m, the length
-    along the rolling direction that a point stands for; wheel_place and rail_place (n, 2) m, arc length and lateral
-    position on the profiles; follows, how they follow the wheel's frame (None: not known, and no tangent of the force).
+    Parameters:
+        point: (n, 3) m.
+        axes: (n, 3, 3), rows longitudinal, lateral, normal outward from the wheel.
+        area: (n,) m2.
+        overlap: (n,) m, undeformed penetration.
+        wheel_rotation: (3, 3), from wheel axes to rail axes.
+        step: (n,) m, length of the point's cell along the rolling direction.
+        wheel_place, rail_place: (n, 2) m, arc length and lateral position on the profiles.
+        follows: sensitivity to the wheel's frame; None: the force has no tangent.
     """
 
     point: Array
@@ -40,4 +51,4 @@ class SurfacePoints:
 
 
 class OutsideSurface(ValueError):
-    """The bodies overlap where no contact points were meshed."""
+    """The region of penetration exceeds the part of the surface that carries contact points."""

@@ -1,4 +1,4 @@
-"""Rolling speed and rigid creepage at the contact points, eq. (5), or the rigid displacement of a step."""
+"""Rolling speed and rigid creepage at the contact points, eq. (5), or the rigid tangential displacement."""
 
 from __future__ import annotations
 
@@ -10,13 +10,18 @@ from wheelrail.support.arrays import Array
 
 
 class NotRolling(ValueError):
-    """Steady slip needs bodies that roll forward."""
+    """Steady slip is defined for bodies that roll forward only."""
 
 
 def creepage(points: SurfacePoints, motion: RigidMotion) -> tuple[float, Array]:
-    """Rolling speed V [m/s] and rigid slip over V, (2 n,) longitudinal then lateral.
+    """Rolling speed V [m/s] and rigid slip over V (2 n,), longitudinal then lateral.
 
-    V is the mean speed at which both materials flow backwards through the contact. Raises NotRolling unless V > 0.
+    Parameters:
+        points: n contact points; V is the mean over them, weighted by penetration and area, of the speed at which both
+            materials flow backwards through the contact.
+        motion: of both bodies.
+
+    Raises NotRolling unless V > 0.
     """
     wheel, rail = motion.wheel.at(points.point), motion.rail.at(points.point)
     weight = points.overlap * points.area
@@ -30,6 +35,9 @@ def creepage(points: SurfacePoints, motion: RigidMotion) -> tuple[float, Array]:
 
 
 def shift(points: SurfacePoints, motion: RigidMotion) -> Array:
-    """Tangential part of the motion of wheel against rail (2 n,), longitudinal then lateral, in the motion's unit."""
+    """Rigid tangential motion (2 n,) of wheel relative to rail, longitudinal then lateral, in the motion's unit.
+
+    Parameters as for `creepage`.
+    """
     wheel, rail = motion.wheel.at(points.point), motion.rail.at(points.point)
     return np.asarray(np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail).ravel())

@@ -1,6 +1,6 @@
-"""Where the wheel stands and how both bodies move: wheelset motion in the track frame -> one wheel-rail pair.
+"""Pose and rigid motion of the two bodies of a contact pair.
 
-Frames: x forward, y left, z up. Every pair is solved as a left one; the right-hand pair is its mirror image in y.
+Frames: x forward, y left, z up. Every pair is solved as a left-hand one; the right-hand pair is its mirror image in y.
 """
 
 from __future__ import annotations
@@ -16,25 +16,34 @@ Side = Literal["left", "right"]
 
 
 SIDES: tuple[Side, Side] = ("left", "right")
-MIRROR = np.array([1.0, -1.0, 1.0])  # of a vector; an axial vector takes -MIRROR
+MIRROR = np.array([1.0, -1.0, 1.0])  # factors of a vector; of an axial vector -MIRROR
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Pose of the wheel frame in the rail frame: origin (3,) in m, rotation (3, 3) with the wheel's axes as columns."""
+    """Pose of the wheel frame in the rail frame.
+
+    Parameters:
+        origin: (3,) m.
+        rotation: (3, 3), the wheel's axes as columns.
+    """
 
     origin: Array
     rotation: Array
 
     def mirrored(self) -> Pose:
-        """The same seen in a mirror at y = 0, in which the wheel's own lateral axis still points left."""
+        """The pose in the mirror y = 0, the wheel's own lateral axis still to the left."""
         return Pose(MIRROR * self.origin, self.rotation * np.outer(MIRROR, MIRROR))
 
 
 @dataclass(frozen=True)
 class Twist:
-    """Rigid velocity field v + w x (X - reference): velocity (3,) in m/s, rotation (3,) in rad/s, reference (3,) in
-    m.
+    """Rigid velocity field v + w x (X - reference).
+
+    Parameters:
+        velocity: v, (3,) m/s.
+        rotation: w, (3,) rad/s.
+        reference: (3,) m.
     """
 
     velocity: Array
@@ -48,7 +57,12 @@ class Twist:
 
 @dataclass(frozen=True)
 class RigidMotion:
-    """Rigid velocity fields of wheel material (spin included) and rail material, in the rail frame, eq. (5)."""
+    """Rigid velocity fields of both bodies in the rail frame, eq. (5).
+
+    Parameters:
+        wheel: of the wheel's material, spin included.
+        rail: of the rail's material.
+    """
 
     wheel: Twist
     rail: Twist

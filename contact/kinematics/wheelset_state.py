@@ -16,16 +16,21 @@ RailShift = tuple[tuple[float, float], tuple[float, float]]
 class WheelsetState:
     """Position and velocity of a wheelset in the track frame, and the motion of that frame.
 
-    y, z in m (z from the nominal height: centre one rolling radius above the plane that rests on the rails); roll and
-    yaw in rad; rates in m/s and rad/s; pitch_rate is positive when rolling forward; speed V in m/s; frame_rate (3,) is
-    the angular velocity of the track frame in its own axes, rad/s (V K on a flat curve to the left is (0, 0, V K)).
+    Parameters:
+        y, z: m; z from the nominal height, at which the centre is one rolling radius above the top of the rails.
+        roll, yaw: rad.
+        y_rate, z_rate: m/s.
+        roll_rate, pitch_rate: rad/s; pitch_rate is positive for rolling forward.
+        speed: V, m/s.
+        frame_rate: (3,) rad/s, angular velocity of the track frame in its own axes; (0, 0, V K) on a flat left-hand
+            curve.
+        rail_shift: m, displacement (y, z) of the left and the right rail by irregularities; None: none.
 
-    rail_shift: by how much irregularities shift the left and the right rail, (y, z) m each; none by default. They shift
-    the profile that the wheel meets, not the material, which rests in inertial space wherever the rail was laid. As the
-    vehicle goes on, the shift changes by V d, d its slope along the track: with this speed the profile nears the wheel,
-    but contacts follow overlap and slip and do not ask for it. Nor does the slip: d turns the tangent plane, and both
-    materials, which flow through it at V, gain the same component -V d there. Left out are products of d (1e-3) with
-    creepage, and the longitudinal part d N of a normal force, which the constraint along x takes.
+    Irregularities displace the profile that the wheel meets, not the material, which is at rest in inertial space. As
+    the vehicle moves, the displacement changes by V d, d its slope along the track. The profile approaches the wheel at
+    this speed, but contact forces depend on penetration and slip only, and the slip is unaffected: d rotates the
+    tangent plane, and both materials, which flow through it at V, gain the same component -V d. Neglected are products
+    of d (1e-3) with creepage, and the longitudinal part d N of a normal force, which the constraint along x carries.
     """
 
     y: float = 0.0
@@ -41,7 +46,7 @@ class WheelsetState:
     rail_shift: RailShift | None = None
 
     def mirrored(self) -> WheelsetState:
-        """The same state seen in a mirror at y = 0."""
+        """The state in the mirror y = 0."""
         (wx, wy, wz), shift = self.frame_rate, self.rail_shift
         return replace(
             self,
@@ -58,16 +63,18 @@ class WheelsetState:
     def rotation(self) -> Array:
         """Axes of the wheelset frame as columns (3, 3): yaw about z after roll about x; it does not spin."""
         c, s, cy, sy = np.cos(self.roll), np.sin(self.roll), np.cos(self.yaw), np.sin(self.yaw)
-        turned = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
-        return np.asarray(turned @ [[1, 0, 0], [0, c, -s], [0, s, c]])
+        yaw = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+        return np.asarray(yaw @ [[1, 0, 0], [0, c, -s], [0, s, c]])
 
 
 @dataclass(frozen=True)
 class Mounting:
-    """How wheels sit on the axle and rails in the track, m.
+    """Positions of the wheels on the axle and of the rails in the track.
 
-    wheel_y: from the wheelset's centre to the wheel's nominal rolling plane; rail_y: from the track's centre line to
-    the rail's origin, the highest point of the rail as laid; radius: nominal rolling radius.
+    Parameters:
+        wheel_y: m, from the wheelset's centre to the wheel's nominal rolling plane.
+        rail_y: m, from the track's centre line to the rail's origin, the highest point of the inclined rail.
+        radius: m, nominal rolling radius.
     """
 
     wheel_y: float
@@ -91,6 +98,6 @@ class Mounting:
             rotation=np.array([state.roll_rate, 0.0, 0.0]) + state.pitch_rate * axle,
             reference=centre - rail,
         )
-        # The rail rests in inertial space: seen from the moving frame it flows backwards and turns against the frame.
-        moving = Twist(velocity=np.array([-state.speed, 0.0, 0.0]), rotation=-frame_rate, reference=-rail)
-        return Pose(centre + self.wheel_y * axle - rail, rotation), RigidMotion(wheel, moving)
+        # The rail is at rest in inertial space: in the moving frame it moves backwards and rotates against the frame.
+        rail_motion = Twist(velocity=np.array([-state.speed, 0.0, 0.0]), rotation=-frame_rate, reference=-rail)
+        return Pose(centre + self.wheel_y * axle - rail, rotation), RigidMotion(wheel, rail_motion)

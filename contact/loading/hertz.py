@@ -1,4 +1,4 @@
-"""Pose and approach of a Hertz pair that carries a load."""
+"""Pose and approach of a Hertz pair under a load."""
 
 from __future__ import annotations
 
@@ -19,24 +19,37 @@ if TYPE_CHECKING:
 
 
 def sphere_approach(load: float, *, radius: float, modulus: float) -> float:
-    """Approach m of a sphere on a plane, Hertz: the scale on which to look for a load N.
+    """Hertzian approach m of a sphere on a plane, as initial guess of a load search.
 
-    modulus Pa is the contact modulus E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
+    Parameters:
+        load: N.
+        radius: m.
+        modulus: contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
     """
     return float((9.0 * load**2 / (16.0 * modulus**2 * radius)) ** (1.0 / 3.0))
 
 
 def hertz_pose(approach: float) -> Pose:
-    """Pose of the upper body after an approach m from first touch."""
+    """Pose of the upper body at an approach m from first contact."""
     return Pose(np.array([0.0, 0.0, -approach]), np.eye(3))
 
 
 def hertz_under_load(
     model: ContactModel, motion: RigidMotion, load: float, *, expected: float, rtol: float = RTOL
 ) -> LoadSolution:
-    """Approach (the depth) at which a Hertz pair carries the load N, starting from the expected approach m."""
+    """Approach (the depth) at which a Hertz pair carries a load.
 
-    def lowered(depth: float, guess: Results | None) -> Results:
+    Parameters:
+        model: contact model of the pair.
+        motion: of both bodies.
+        load: N.
+        expected: m, initial guess of the approach.
+        rtol: of the load.
+
+    Raises LoadError.
+    """
+
+    def contact_at(depth: float, guess: Results | None) -> Results:
         return (model(hertz_pose(depth), motion, guess[0] if guess else None),)
 
-    return find_depth_for_load(lowered, load, expected=expected, start=expected, rtol=rtol)
+    return find_depth_for_load(contact_at, load, expected=expected, start=expected, rtol=rtol)

@@ -1,4 +1,4 @@
-"""Depths at which wheels that share an axle carry their loads."""
+"""Depths at which wheels on a common axle carry their loads."""
 
 from __future__ import annotations
 
@@ -19,10 +19,17 @@ def find_depths_for_loads(
     guess: Results | None = None,
     rtol: float = RTOL,
 ) -> tuple[Array, Results, int]:
-    """Depths (n,) m at which n wheels that share an axle carry their loads (n,) N: Broyden's method on F^(2/3).
+    """Depths (n,) m of n wheels on a common axle, results and number of trials, by Broyden's method on F^(2/3).
 
-    slopes (n,) N^(2/3)/m start the Jacobian: each wheel moves mostly by its own depth. Returns depths, results and the
-    number of trials. Raises LoadError when a solve fails, or when the loads are not reached.
+    Parameters:
+        contact: results at depths (n,) m, from earlier results as initial guess.
+        loads: (n,) N.
+        start: (n,) m, initial depths.
+        slopes: (n,) N^(2/3)/m, diagonal of the initial Jacobian: the force of a wheel depends mostly on its own depth.
+        guess: results to start from.
+        rtol: of the loads.
+
+    Raises LoadError when a solve fails, or when the loads are not reached.
     """
     target = np.array([compliant(load) for load in loads])
     jacobian, depths = np.diag(slopes), np.array(start, dtype=float)
@@ -31,19 +38,19 @@ def find_depths_for_loads(
     for trial in range(1, MOST + 1):
         results = contact(depths + step, guess)
         values = np.array([compliant(float(result.force[2])) for result in results])
-        new = values - target
+        trial_residual = values - target
         errors = np.abs([float(r.force[2]) / load - 1.0 for r, load in zip(results, loads, strict=True)])
         usable = all(result.ok for result in results)
         if not usable and np.abs(step).max() < 1e-9:
             check(results)
-        if not usable or np.abs(new).max() > 2.0 * size:
+        if not usable or np.abs(trial_residual).max() > 2.0 * size:
             step = 0.5 * step
             continue
-        if errors.max() <= rtol or (errors.max() <= NOISE and np.abs(new).max() > 0.5 * size):
+        if errors.max() <= rtol or (errors.max() <= NOISE and np.abs(trial_residual).max() > 0.5 * size):
             return depths + step, results, trial
         if step.any():
-            jacobian += np.outer(new - residual - jacobian @ step, step) / (step @ step)
+            jacobian += np.outer(trial_residual - residual - jacobian @ step, step) / (step @ step)
         depths, guess = depths + step, results
-        residual, size = new, float(np.abs(new).max())
+        residual, size = trial_residual, float(np.abs(trial_residual).max())
         step = -np.linalg.solve(jacobian, residual)
     raise LoadError(f"loads {np.array2string(loads, precision=6)} N not reached in {MOST} solves")

@@ -1,4 +1,4 @@
-"""A wheelset seated on its rails under a load: height, and roll, solved for."""
+"""Static equilibrium of a wheelset on its rails: height, and roll, at which it carries given loads."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
-DEEPEST = 0.05  # m: farther than this from its nominal height a wheelset has left the track
-DEEP = 3.0  # times the approach that a load should need: no overlap to start from
+DEEPEST = 0.05  # m below the nominal height, limit of the search
+DEEP = 3.0  # times the expected approach: too large a penetration to start from
 
 
 @runtime_checkable
 class HasGrid(Protocol):
-    """A model whose points are those of a grid that overlap."""
+    """A model whose contact points are the penetrating points of a grid."""
 
     @property
     def geometry(self) -> SurfacePair: ...
@@ -31,7 +31,13 @@ class HasGrid(Protocol):
 
 @dataclass(frozen=True)
 class WheelsetEquilibrium:
-    """State of the wheelset, contact by side, and the number of contact solves that it took."""
+    """Static equilibrium of a wheelset.
+
+    Parameters:
+        state: of the wheelset.
+        results: contact by side.
+        solves: number of contact solves.
+    """
 
     state: WheelsetState
     results: dict[Side, ContactResult]
@@ -39,79 +45,103 @@ class WheelsetEquilibrium:
 
 
 def placed(contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...] = SIDES) -> WheelsetEquilibrium:
-    """The contact of each side where the wheelset stands."""
+    """Contact of a wheelset at a given state.
+
+    Parameters:
+        contact: of the wheelset.
+        state: of the wheelset.
+        sides: that are solved.
+    """
     return WheelsetEquilibrium(state, {side: contact(state, side) for side in sides}, len(sides))
 
 
 def wheel_under_load(
     contact: WheelsetContact, state: WheelsetState, side: Side, load: float, *, expected: float, rtol: float = RTOL
 ) -> WheelsetEquilibrium:
-    """Height z at which one wheel carries the load N, everything else given; expected m is the approach to look for."""
-    found = _lowered(contact, state, (side,), load, expected, rtol)
-    return WheelsetEquilibrium(replace(state, z=-found.depth), {side: found.results[0]}, found.trials)
+    """Height z at which one wheel carries a load.
+
+    Parameters:
+        contact: of the wheelset.
+        state: initial height, and the other coordinates and velocities.
+        side: "left" or "right".
+        load: N.
+        expected: m, estimate of the approach.
+        rtol: of the load.
+
+    Raises LoadError.
+    """
+    solution = _find_depth(contact, state, (side,), load, expected, rtol)
+    return WheelsetEquilibrium(replace(state, z=-solution.depth), {side: solution.results[0]}, solution.trials)
 
 
 def axle_under_load(
     contact: WheelsetContact, state: WheelsetState, load: float, *, expected: float, rtol: float = RTOL
 ) -> WheelsetEquilibrium:
-    """Height z at which both wheels together carry the load N, roll given."""
-    found = _lowered(contact, state, SIDES, load, expected, rtol)
+    """Height z at which both wheels together carry a load, at the roll of the state.
+
+    Parameters as for `wheel_under_load`. Raises LoadError.
+    """
+    solution = _find_depth(contact, state, SIDES, load, expected, rtol)
     return WheelsetEquilibrium(
-        replace(state, z=-found.depth), dict(zip(SIDES, found.results, strict=True)), 2 * found.trials
+        replace(state, z=-solution.depth), dict(zip(SIDES, solution.results, strict=True)), 2 * solution.trials
     )
 
 
 def wheels_under_load(
     contact: WheelsetContact, state: WheelsetState, load: float, *, expected: float, rtol: float = RTOL
 ) -> WheelsetEquilibrium:
-    """Height z and roll at which each wheel carries the load N, starting from the state's roll."""
+    """Height z and roll at which each wheel carries a load, starting from the state's roll.
+
+    Parameters as for `wheel_under_load`. Raises LoadError.
+    """
     base = contact.mounting.wheel_y
-    rough = [_lowered(contact, state, (side,), load, expected, 0.02) for side in SIDES]
+    starts = [_find_depth(contact, state, (side,), load, expected, 0.02) for side in SIDES]
 
     def at(depths: Array) -> WheelsetState:
         left, right = depths  # of the wheels: z + base roll = -left, z - base roll = -right
         return replace(state, z=-0.5 * (left + right), roll=state.roll + 0.5 * (right - left) / base)
 
     def wheels(depths: Array, guess: Results | None) -> Results:
-        moved = at(depths)
-        return tuple(contact(moved, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
+        state_at_depths = at(depths)
+        return tuple(contact(state_at_depths, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
 
     depths, results, trials = find_depths_for_loads(
         wheels,
         np.full(2, load),
-        start=np.array([found.depth for found in rough]),
-        slopes=np.array([found.slope for found in rough]),
-        guess=tuple(found.results[0] for found in rough),
+        start=np.array([start.depth for start in starts]),
+        slopes=np.array([start.slope for start in starts]),
+        guess=tuple(start.results[0] for start in starts),
         rtol=rtol,
     )
-    solves = sum(found.trials for found in rough) + 2 * trials
+    solves = sum(start.trials for start in starts) + 2 * trials
     return WheelsetEquilibrium(at(depths), dict(zip(SIDES, results, strict=True)), solves)
 
 
-def _lowered(
+def _find_depth(
     contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...], load: float, expected: float, rtol: float
 ) -> LoadSolution:
     def wheels(depth: float, guess: Results | None) -> Results:
-        moved = replace(state, z=-depth)
-        return tuple(contact(moved, side, guess[i] if guess else None) for i, side in enumerate(sides))
+        lowered = replace(state, z=-depth)
+        return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(sides))
 
-    start = min(-state.z, *(_shallow(contact, state, side, expected) for side in sides))
+    start = min(-state.z, *(_initial_depth(contact, state, side, expected) for side in sides))
     try:
         return find_depth_for_load(wheels, load, expected=expected, start=start, rtol=rtol, deepest=DEEPEST)
     except LoadError as error:
         raise LoadError(f"{' and '.join(sides)} wheel: {error}") from None
 
 
-def _shallow(contact: WheelsetContact, state: WheelsetState, side: Side, expected: float) -> float:
-    """Depth m to start from, where a grid's candidates are not many times those of the load.
+def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, expected: float) -> float:
+    """Initial depth m at which a grid does not have many more candidate points than under the load.
 
-    0.7 mm on the flange root at 1 mm are 1600 points, whose compliance takes a gigabyte; under the load they are 770.
+    0.7 mm on the flange root at a grid of 1 mm are 1600 points, whose compliance takes a gigabyte; under the load they
+    are 770.
     """
     if not isinstance(contact.model, HasGrid):
         return -state.z
     pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
     try:
         _, overlap = contact.model.geometry.contact_points(pose, 0)
-    except OutsideSurface:  # the search finds its way up from a failed solve
+    except OutsideSurface:  # the search recovers from a failed solve
         return -state.z
     return -state.z - (overlap - expected if overlap > DEEP * expected else 0.0)
