@@ -11,10 +11,16 @@ from wheelrail.support.arrays import Array
 
 @dataclass(frozen=True)
 class Carter:
-    """Steady rolling along +x of alike bodies, the leading edge at x = +half_width.
+    """Steady rolling along +x of similar bodies, the leading edge at x = +half_width.
 
-    half_width m of the contact, stick m half-width of the part that sticks (it touches the leading edge), peak
-    pressure Pa, friction; sign of the force on the rolling body. Raises ValueError unless 0 <= stick <= half_width.
+    Parameters:
+        half_width: m, of the contact.
+        stick: m, half-width of the stick zone, which includes the leading edge.
+        peak: pressure, Pa.
+        friction: coefficient.
+        sign: of the force on the rolling body.
+
+    Raises ValueError unless 0 <= stick <= half_width.
     """
 
     half_width: float
@@ -25,7 +31,7 @@ class Carter:
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.stick <= self.half_width:
-            raise ValueError(f"the stick zone cannot be {self.stick} m of {self.half_width} m")
+            raise ValueError(f"stick = {self.stick} m: must be from 0 to half_width = {self.half_width} m")
 
     @property
     def centre(self) -> float:
@@ -42,16 +48,24 @@ class Carter:
         return self.peak * _semicircle(x / self.half_width)
 
     def traction(self, x: Array) -> Array:
-        """Traction [Pa] on the rolling body at x [m], eq. (8.30): a full slip less what the stick zone takes back."""
-        back = self.stick / self.half_width * _semicircle((x - self.centre) / max(self.stick, 1e-12 * self.half_width))
-        return self.sign * self.friction * (self.pressure(x) - self.peak * back)
+        """Traction [Pa] on the rolling body at x [m], eq. (8.30): full slip minus the stick zone's part."""
+        stick_part = (
+            self.stick / self.half_width * _semicircle((x - self.centre) / max(self.stick, 1e-12 * self.half_width))
+        )
+        return self.sign * self.friction * (self.pressure(x) - self.peak * stick_part)
 
 
 def carter(half_width: float, peak: float, *, friction: float, creepage: float, radius: float) -> Carter:
-    """The contact at a creepage: velocity of the rolling body relative to the ground over the rolling speed.
+    """Carter's contact at a creepage.
 
-    radius [m] is the relative radius R of the cylinder. The stick zone is 1 - |creepage| R / (friction half_width) of
-    the contact, nothing when all of it slips.
+    Parameters:
+        half_width: m, of the contact.
+        peak: pressure, Pa.
+        friction: coefficient.
+        creepage: velocity of the rolling body relative to the ground over the rolling speed.
+        radius: relative radius R of the cylinder, m.
+
+    The stick zone is 1 - |creepage| R / (friction half_width) of the contact, zero in full slip.
     """
     stick = half_width - abs(creepage) * radius / friction
     return Carter(half_width, max(stick, 0.0), peak, friction, -float(np.sign(creepage)))

@@ -13,7 +13,14 @@ from wheelrail.support.arrays import Array
 
 @dataclass(frozen=True)
 class Hertz:
-    """semi_axes m (along x, along y), peak pressure Pa, approach m, force N."""
+    """Hertzian contact.
+
+    Parameters:
+        semi_axes: m, along x and along y.
+        peak: pressure, Pa.
+        approach: m.
+        force: N.
+    """
 
     semi_axes: tuple[float, float]
     peak: float
@@ -27,19 +34,25 @@ class Hertz:
 
 
 def modulus(steel: tuple[float, float], other: tuple[float, float]) -> float:
-    """E* [Pa] of two materials (E [Pa], nu): 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
+    """Contact modulus E* [Pa] of two materials (E [Pa], nu): 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
     return 1 / sum((1 - nu * nu) / E for E, nu in (steel, other))
 
 
 def hertz(A: float, B: float, E_star: float, *, force: float | None = None, approach: float | None = None) -> Hertz:
-    """Contact of the gap A x^2 + B y^2 [1/m] under a force [N] or an approach [m]; exactly one is given.
+    """Hertzian contact of the gap A x^2 + B y^2 under a force or an approach.
 
-    Raises ValueError unless A and B are positive and one load is given.
+    Parameters:
+        A, B: 1/m, positive.
+        E_star: contact modulus, Pa.
+        force: N.
+        approach: m; exactly one of force and approach is given.
+
+    Raises ValueError.
     """
     if not (A > 0 and B > 0):
-        raise ValueError(f"the gap must open in both directions, got curvatures {A} and {B} 1/m")
+        raise ValueError(f"A = {A} 1/m, B = {B} 1/m: both must be positive")
     if (force is None) == (approach is None):
-        raise ValueError("give either the force or the approach")
+        raise ValueError("exactly one of force and approach must be given")
     low, high = min(A, B), max(A, B)  # the long semi-axis lies where the gap opens slowly
 
     def ratio(k: float) -> float:  # A / B as a function of k = short / long semi-axis
@@ -71,27 +84,37 @@ def hertz(A: float, B: float, E_star: float, *, force: float | None = None, appr
 
 
 def axis_stress(z: Array, *, radius: float, peak: float, nu: float) -> tuple[Array, Array]:
-    """Radial (equal to circumferential) and axial stress [Pa] at depths z [m] below the centre, tension positive.
+    """Radial (equal to circumferential) and axial stress [Pa] below the centre of a circular patch, tension positive.
 
-    radius [m] of the patch, peak pressure [Pa].
+    Parameters:
+        z: depth, m.
+        radius: of the patch, m.
+        peak: pressure, Pa.
+        nu: Poisson's ratio.
     """
     t = np.asarray(z, dtype=float) / radius
-    arc = np.arctan2(1.0, t)  # arctan(radius / z), good at the surface too
+    arc = np.arctan2(1.0, t)  # arctan(radius / z), accurate at the surface as well
     axial = -peak / (1.0 + t * t)
     radial = -peak * (1.0 + nu) * (1.0 - t * arc) + 0.5 * peak / (1.0 + t * t)
     return np.asarray(radial), np.asarray(axial)
 
 
 def von_mises(z: Array, *, radius: float, peak: float, nu: float) -> Array:
-    """Von Mises stress [Pa] on the axis: |radial - axial|, as two principal stresses are equal."""
+    """Von Mises stress [Pa] on the axis: |radial - axial|, as two principal stresses are equal.
+
+    Parameters as for `axis_stress`.
+    """
     radial, axial = axis_stress(z, radius=radius, peak=peak, nu=nu)
     return np.asarray(np.abs(radial - axial))
 
 
 def worst(*, radius: float, peak: float, nu: float) -> tuple[float, float]:
-    """Depth [m] and value [Pa] of the largest von Mises stress on the axis: 0.48 radius and 0.62 peak for nu = 0.3."""
+    """Depth [m] and value [Pa] of the largest von Mises stress on the axis: 0.48 radius and 0.62 peak for nu = 0.3.
+
+    Parameters as for `axis_stress`.
+    """
     low, high = 0.0, 2.0 * radius
-    for _ in range(4):  # each look narrows the bracket 500 times
+    for _ in range(4):  # each pass narrows the bracket 500 times
         z = np.linspace(low, high, 1001, dtype=np.float64)
         best = int(np.argmax(von_mises(z, radius=radius, peak=peak, nu=nu)))
         low, high = z[max(best - 1, 0)], z[min(best + 1, 1000)]

@@ -1,9 +1,9 @@
-"""Kalker's creepage coefficients of the linear theory of rolling, elliptic contact of alike bodies.
+"""Kalker's creepage coefficients of the linear theory of rolling, elliptic contact of similar bodies.
 
-Table E.3 of J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, 1990. C11, C22 and C23 as CONTACT holds
-them (routine linrol, revision 2707, Apache-2.0) and as two other public programs do; C33 for Poisson's ratio 1/4 alone.
-Between the rows: linear in min(a / b, b / a) and, as CONTACT does, a parabola through 1 / C in Poisson's ratio. The
-table is itself rounded to three digits and, compared with CONTACT on fine grids, good to about 1 %.
+Table E.3 of J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, 1990. C11, C22 and C23 as tabulated in
+CONTACT (routine linrol, revision 2707, Apache-2.0) and in two other public programs; C33 for Poisson's ratio 1/4 only.
+Interpolation: linear in min(a / b, b / a) and, as in CONTACT, a parabola of 1 / C in Poisson's ratio. The table is
+rounded to three digits and, compared with CONTACT on fine grids, accurate to about 1 %.
 """
 
 from __future__ import annotations
@@ -71,17 +71,22 @@ C33_AT_A_QUARTER = np.array(
 
 
 def kalker(name: Name, ratio: float, nu: float) -> float:
-    """Coefficient at the ratio a / b of the semi-axes, a along the rolling direction.
+    """Creepage coefficient of an elliptic contact.
 
-    Raises ValueError outside 0.1 <= a / b <= 10 and 0 <= nu <= 0.5, and for C33 at any nu but 1/4.
+    Parameters:
+        name: "C11", "C22", "C23" or "C33".
+        ratio: a / b of the semi-axes, a along the rolling direction, 0.1 to 10.
+        nu: Poisson's ratio, 0 to 0.5; 1/4 for C33.
+
+    Raises ValueError for values outside these ranges.
     """
     if not (0.1 <= ratio <= 10.0 and 0.0 <= nu <= 0.5):
-        raise ValueError(f"tabulated for a / b from 0.1 to 10 and nu from 0 to 0.5, got {ratio} and {nu}")
+        raise ValueError(f"ratio = {ratio}, nu = {nu}: coefficients are tabulated for ratio 0.1 to 10 and nu 0 to 0.5")
     along, short = int(ratio > 1.0), min(ratio, 1.0 / ratio)
     if name == "C33":
         if nu != 0.25:
-            raise ValueError(f"C33 is tabulated for nu = 1/4, got {nu}")
+            raise ValueError(f"nu = {nu}: C33 is tabulated for nu = 0.25 only")
         return float(np.interp(short, RATIO, C33_AT_A_QUARTER[along]))
-    known = np.array([np.interp(short, RATIO, row) for row in TABLE[name][along]])
+    tabulated = np.array([np.interp(short, RATIO, row) for row in TABLE[name][along]])
     weight = np.array([np.prod([(nu - q) / (p - q) for q in POISSON if q != p]) for p in POISSON])
-    return float(1.0 / (weight @ (1.0 / known)))
+    return float(1.0 / (weight @ (1.0 / tabulated)))

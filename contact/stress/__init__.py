@@ -1,7 +1,6 @@
 """Stress and displacement below the surface, and shakedown.
 
-`LoadedBody` gives the stress below the patches of a result, `BodyFields` displacement and stress of a whole
-section.
+`LoadedBody` returns the stress below the patches of a result; the fields of whole sections and solids are `BodyFields`.
 """
 
 import lazy_loader

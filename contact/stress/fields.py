@@ -1,4 +1,4 @@
-"""Displacement and stress at the points of a mesh of one body: what pictures are drawn from."""
+"""Displacement and stress at the points of a mesh of one body, for visualisation."""
 
 from __future__ import annotations
 
@@ -17,10 +17,17 @@ CORNERS: dict[Shape, int] = {"triangle": 3, "quadrilateral": 4, "wedge": 6, "tet
 
 @dataclass(frozen=True)
 class BodyFields:
-    """points (n, 3) m, cells (m, k) of their corners, displacement (n, 3) m, stress (n, 3, 3) Pa, in the frame of a
-    result's fields or its mirror image. Corners go round faces, of wedges and hexahedra first one end, then the other.
+    """Fields on a mesh, in the frame of a result's fields or its mirror image.
 
-    Raises ValueError for arrays that do not go together.
+    Parameters:
+        points: (n, 3) m.
+        cells: (m, k), corners in circular order, of wedges and hexahedra first those of one face, then of the opposite
+            one.
+        shape: of the cells.
+        displacement: (n, 3) m.
+        stress: (n, 3, 3) Pa.
+
+    Raises ValueError for arrays of inconsistent shapes.
     """
 
     points: Array
@@ -38,24 +45,27 @@ class BodyFields:
                 f"{', '.join(map(str, shapes))} and {self.cells.shape}"
             )
         if len(self.cells) and not 0 <= self.cells.min() <= self.cells.max() < n:
-            raise ValueError(f"cells must point at 0 .. {n - 1}, not {self.cells.min()} .. {self.cells.max()}")
+            raise ValueError(
+                f"cells must hold point numbers from 0 to {n - 1}, got {self.cells.min()} to {self.cells.max()}"
+            )
 
     @property
     def von_mises(self) -> Array:
+        """Von Mises stress (n,) Pa."""
         return von_mises(self.stress)
 
     def seen_from(self, frame: Pose) -> BodyFields:
-        """The same in the frame in which a body's axes have this pose."""
-        turn = frame.rotation
+        """The fields in the frame in which the present axes have this pose."""
+        rotation = frame.rotation
         return replace(
             self,
-            points=frame.origin + self.points @ turn.T,
-            displacement=self.displacement @ turn.T,
-            stress=np.asarray(turn @ self.stress @ turn.T),
+            points=frame.origin + self.points @ rotation.T,
+            displacement=self.displacement @ rotation.T,
+            stress=np.asarray(rotation @ self.stress @ rotation.T),
         )
 
     def mirrored(self) -> BodyFields:
-        """The same in the mirror y = 0."""
+        """The fields in the mirror y = 0."""
         return replace(
             self,
             points=self.points * MIRROR,

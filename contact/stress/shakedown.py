@@ -1,8 +1,9 @@
-"""Where a patch lies on the shakedown map, and the limit of line contact under sliding friction on it.
+"""Shakedown map: load factor and utilisation of a patch, and the limit of line contact under sliding friction.
 
-A map of load factor p0 / k over utilisation T / N, k the yield stress in shear. Residual stresses can take away all
-stress but the shear along the surface (Melan); steel therefore shakes down while that stays below k everywhere (K. L.
-Johnson, Contact Mechanics, 1985, section 9.2). Beyond the branch p0 / k = N / T the surface itself ratchets.
+The map shows the load factor p0 / k over the utilisation T / N, k the yield stress in shear. Residual stresses can
+cancel all stress components but the shear along the surface (Melan); steel therefore shakes down while that is below k
+everywhere (K. L. Johnson, Contact Mechanics, 1985, section 9.2). Beyond the branch p0 / k = N / T the surface itself
+ratchets.
 """
 
 from __future__ import annotations
@@ -13,11 +14,16 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 
-AT_SURFACE = 0.5  # utilisation from which the largest shear is certainly that of the surface itself
+AT_SURFACE = 0.5  # utilisation above which the largest shear is at the surface
 
 
 def load_factor(max_pressure: Array, shear_yield: float) -> Array:
-    """Peak pressure over the yield stress in shear, both Pa."""
+    """Peak pressure over the yield stress in shear.
+
+    Parameters:
+        max_pressure: (...) Pa.
+        shear_yield: Pa.
+    """
     return np.asarray(max_pressure / shear_yield)
 
 
@@ -28,8 +34,14 @@ def utilisation(normal_force: Array, tangential_force: Array) -> Array:
 
 
 def surface_fatigue_index(utilisation: Array, load_factor: Array) -> Array:
-    """FI = T / N - k / p0, positive where the surface ratchets (A. Ekberg, E. Kabo, H. Andersson, Fatigue and Fracture
-    of Engineering Materials and Structures 25 (2002) 899-909, DOI 10.1046/j.1460-2695.2002.00535.x).
+    """FI = T / N - k / p0, positive where the surface ratchets.
+
+    Parameters:
+        utilisation: T / N.
+        load_factor: p0 / k.
+
+    A. Ekberg, E. Kabo, H. Andersson, Fatigue and Fracture of Engineering Materials and Structures 25 (2002) 899-909,
+    DOI 10.1046/j.1460-2695.2002.00535.x.
     """
     return np.asarray(utilisation - 1.0 / load_factor)
 
@@ -41,7 +53,7 @@ def shakedown_limit(friction: float) -> float:
     4 without friction, 1 / friction above 0.367. Raises ValueError for negative friction.
     """
     if not friction >= 0.0:
-        raise ValueError(f"friction = {friction}: zero or more")
+        raise ValueError(f"friction = {friction}: must be zero or positive")
     if friction > AT_SURFACE:
         return 1.0 / friction
     from scipy.optimize import minimize
@@ -59,8 +71,13 @@ def shakedown_limit(friction: float) -> float:
 
 
 def surface_shear(x: Array | float, z: Array | float, friction: float) -> Array:
-    """Shear stress along the surface over p0, at x and depth z in half-widths, below a Hertz pressure and the traction
-    friction times that, towards +x on the body (E. McEwen's closed form; Johnson 1985, eq. 4.49).
+    """Shear stress along the surface over p0 below a Hertz pressure and proportional traction.
+
+    Parameters:
+        x, z: position and depth in half-widths.
+        friction: traction over pressure, towards +x on the body.
+
+    E. McEwen's closed form (Johnson 1985, eq. 4.49).
     """
     x, z = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
     m, n = _mcewen(x, z)
@@ -69,10 +86,10 @@ def surface_shear(x: Array | float, z: Array | float, friction: float) -> Array:
     def over_squares(value: Array) -> Array:
         return np.divide(value, squares, out=np.zeros_like(squares), where=squares > 0)
 
-    pressed = -n * over_squares(m * m - z * z)
-    # a traction causes the shear that the same pressure causes as stress along the surface
-    dragged = 2.0 * z - m * (1.0 + over_squares(z * z + n * n))
-    return np.asarray(pressed + friction * dragged)
+    by_pressure = -n * over_squares(m * m - z * z)
+    # shear by a traction equals the longitudinal stress by the same pressure
+    by_traction = 2.0 * z - m * (1.0 + over_squares(z * z + n * n))
+    return np.asarray(by_pressure + friction * by_traction)
 
 
 def _mcewen(x: Array, z: Array) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
-"""Displacement and stress of both bodies on their 3D meshes: those of the full model, or of a condensed one by a solve.
+"""Displacement and stress of both bodies on their 3D meshes, for the full model and for condensed ones.
 
-A condensed model knows its bodies by the compliance of their surfaces; the displacements inside that go with its
-tractions take the stiffness once more and one right-hand side, K u = f, where and when they are asked for.
+The full model contains them. A condensed model contains only the compliance of the surfaces; the internal displacements
+under its tractions are solved for on request, K u = f with one right-hand side.
 """
 
 from __future__ import annotations
@@ -26,19 +26,24 @@ if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
     from wheelrail.contact.models.full.model import FullContact
 
-GOING_ROUND = [0, 1, 3, 2, 4, 5, 7, 6]  # corners of a hexahedron in the order of `BodyFields`, from dolfinx's
+CIRCULAR_ORDER = [0, 1, 3, 2, 4, 5, 7, 6]  # corners of a hexahedron: order of `BodyFields` from that of dolfinx
 
 
 def solid_fields(
     model: CondensedContact | FullContact, pose: Pose, result: ContactResult
 ) -> tuple[BodyFields, BodyFields]:
-    """Fields of wheel (upper body) and rail (lower body) for a result of the model in this pose.
+    """Fields of wheel (upper body) and rail (lower body) under the tractions of a result.
 
-    Corners of cells carry displacements; stress is the mean of the cells round a corner, weighted by volume. Raises
-    ValueError without contact, and for a model whose bodies are no meshed solids.
+    Parameters:
+        model: contact model of meshed solids.
+        pose: of the wheel.
+        result: of the model in this pose.
+
+    Displacements are at the corners of cells; stress is the mean of the adjacent cells, weighted by volume. Raises
+    ValueError without contact, and for a model whose bodies are not meshed solids.
     """
     if result.fields is None or not (result.fields.pressure > 0).any():
-        raise ValueError("nothing touches: no body is loaded")
+        raise ValueError("nothing touches: the bodies carry no load")
     frames = _frames(model, pose)
     if not isinstance(model, CondensedContact):
         u = result.warm_start
@@ -50,32 +55,32 @@ def solid_fields(
         )
     points, _ = model.geometry.contact_points(pose, order := model.order if model.laws.friction > 0 else 0)
     if points is None or len(points.node) != len(result.fields.node):
-        raise ValueError("the result is not one of this model in this pose")
+        raise ValueError("the result does not belong to this model and pose")
     local = np.column_stack([result.fields.traction, -result.fields.pressure]) * points.area[:, None]
     loads = local.T.ravel() if order else local[:, 2]
-    found = []
+    fields = []
     for compliance, coupling, sign, frame in zip(
         (model.wheel, model.rail), pair_operators(points, order), (1.0, -1.0), frames, strict=True
     ):
         if not isinstance(compliance, SurfaceCompliance):
             raise ValueError(
-                "the bodies of this model are no meshed solids, see wheelrail.contact.stress.waveguide_fields"
+                "the bodies of this model are not meshed solids: use wheelrail.contact.stress.waveguide_fields"
             )
         body = compliance.body()
-        u = compliance.scale * _solved(body, coupling, sign * loads)
-        own = model.geometry.grid.position if isinstance(model.geometry, QuadricPair) else body.grid.position
-        size = float(np.ptp(own) / np.ptp(body.grid.position))
-        found.append(_fields(body, u, size, body.steel.E / (compliance.scale * size)).seen_from(frame))
-    return found[0], found[1]
+        u = compliance.scale * _solve(body, coupling, sign * loads)
+        position = model.geometry.grid.position if isinstance(model.geometry, QuadricPair) else body.grid.position
+        size = float(np.ptp(position) / np.ptp(body.grid.position))
+        fields.append(_fields(body, u, size, body.steel.E / (compliance.scale * size)).seen_from(frame))
+    return fields[0], fields[1]
 
 
 def _frames(model: CondensedContact | FullContact, pose: Pose) -> tuple[Pose, Pose]:
-    """Axes of both bodies in the frame of the fields; a pair with given radii carries its approach in the overlap."""
+    """Axes of both bodies in the frame of the fields; blocks with given radii do not move with the approach."""
     still = Pose(np.zeros(3), np.eye(3))
     return (Pose(np.zeros(3), UPSIDE_DOWN) if isinstance(model.geometry, QuadricPair) else pose), still
 
 
-def _solved(body: ElasticBody, coupling: ContactOperators, loads: Array) -> Array:
+def _solve(body: ElasticBody, coupling: ContactOperators, loads: Array) -> Array:
     """Displacements of all unknowns by loads at the contact points."""
     from petsc4py import PETSc
 
@@ -85,10 +90,10 @@ def _solved(body: ElasticBody, coupling: ContactOperators, loads: Array) -> Arra
     right = PETSc.Vec().createWithArray(force, comm=PETSc.COMM_SELF)
     left = right.duplicate()
     body.factor.solve(right, left)
-    found = np.array(left.getArray())
+    displacement = np.array(left.getArray())
     right.destroy()
     left.destroy()
-    return found
+    return displacement
 
 
 def _fields(body: ElasticBody, u: Array, size: float, modulus: float) -> BodyFields:
@@ -102,11 +107,11 @@ def _fields(body: ElasticBody, u: Array, size: float, modulus: float) -> BodyFie
     stress = cauchy(_gradients(solid, points, displacement), *lame(modulus, body.steel.nu))
     if solid.cell == "tetrahedron":
         return BodyFields(points, solid.cells, "tetrahedron", displacement, stress)
-    return BodyFields(points, solid.cells[:, GOING_ROUND], "hexahedron", displacement, stress)
+    return BodyFields(points, solid.cells[:, CIRCULAR_ORDER], "hexahedron", displacement, stress)
 
 
 def _gradients(solid: Solid, points: Array, displacement: Array) -> Array:
-    """Gradients (n, 3, 3) at the points of a mesh: those in the middle of cells, averaged by volume."""
+    """Gradients (n, 3, 3) at the points of a mesh: values at the centres of cells, averaged by volume."""
     corners, moved = points[solid.cells], displacement[solid.cells]
     if solid.cell == "tetrahedron":
         slope = np.vstack([-np.ones(3), np.eye(3)])

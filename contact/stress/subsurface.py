@@ -1,4 +1,4 @@
-"""Stress below the patches of a contact result, in one of its bodies, where and when it is asked for."""
+"""Stress below the patches of a contact result in one of its bodies, computed on request."""
 
 from __future__ import annotations
 
@@ -21,16 +21,20 @@ if TYPE_CHECKING:
     from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
     from wheelrail.meshes.bodies.outlines import Outline
 
-ACROSS = 24  # lines of the section over the narrowest patch, and two over the shallowest depth ..
-FINEST = 64  # .. but no more than these over the patch
-MARGIN = 8  # lines beside the patches
-FAR = 40  # patch widths to the sides of a block
+ACROSS = 24  # lines of the section over the narrowest patch, and two over the smallest depth ..
+FINEST = 64  # .. limited to this number over the patch
+MARGIN = 8  # lines on either side of the patches
+FAR = 40  # half-width of a block over the reach of the patches
 
 
 @dataclass(frozen=True)
 class PatchStress:
-    """Below one patch: depth (n,) m along its mean normal from the body's surface under its resultant, position (n, 3)
-    m, stress (n, 3, 3) Pa and von_mises (n,) Pa, in the frame of the result's fields or its mirror image.
+    """Stress below one patch, in the frame of the result's fields or its mirror image.
+
+    Parameters:
+        depth: (n,) m along the patch's mean normal, from the body's surface at the resultant.
+        position: (n, 3) m.
+        stress: (n, 3, 3) Pa.
     """
 
     depth: Array
@@ -39,31 +43,43 @@ class PatchStress:
 
     @property
     def von_mises(self) -> Array:
+        """Von Mises stress (n,) Pa."""
         from wheelrail.forms.stress import von_mises
 
         return von_mises(self.stress)
 
     def mirrored(self) -> PatchStress:
-        """The same in the mirror y = 0."""
+        """The stress in the mirror y = 0."""
         return replace(self, position=self.position * MIRROR, stress=self.stress * np.outer(MIRROR, MIRROR))
 
 
 @dataclass(frozen=True)
 class SubsurfaceStress:
-    """By patch, in the result's order; the number of wavenumbers that it took, and seconds."""
+    """Stress below all patches.
+
+    Parameters:
+        patches: in the result's order.
+        wavenumbers: number of wavenumbers used.
+        seconds: of computation.
+    """
 
     patches: tuple[PatchStress, ...]
     wavenumbers: int
     seconds: float
 
     def mirrored(self) -> SubsurfaceStress:
+        """The stress in the mirror y = 0."""
         return replace(self, patches=tuple(patch.mirrored() for patch in self.patches))
 
 
 @dataclass(frozen=True)
 class LoadedBody:
-    """A body of a pair: frame its axes in the frame of the fields, upper whether tractions act on it as they stand or
-    reversed, and how its section is made: from the fields, and the size [m] of its lines.
+    """A body of a contact pair.
+
+    Parameters:
+        frame: the body's axes in the frame of the fields.
+        upper: whether the tractions act on it as stored (upper body), or reversed.
+        section: returns its section, from the fields and the spacing [m] of its surface lines.
     """
 
     frame: Pose
@@ -72,46 +88,63 @@ class LoadedBody:
 
     @classmethod
     def wheel(cls, outline: Outline, steel: Material, pose: Pose) -> LoadedBody:
-        """The wheel of a wheel-rail pair, its outline in y and r."""
+        """Wheel of a wheel-rail pair.
+
+        Parameters:
+            outline: in y and r.
+            steel: material.
+            pose: of the wheel.
+        """
         return cls(pose, True, partial(_profiled, "wheel", outline, steel, pose))
 
     @classmethod
     def rail(cls, outline: Outline, steel: Material) -> LoadedBody:
-        """The rail of a wheel-rail pair."""
+        """Rail of a wheel-rail pair, by outline and material."""
         frame = Pose(np.zeros(3), np.eye(3))
         return cls(frame, False, partial(_profiled, "rail", outline, steel, frame))
 
     @classmethod
     def block(cls, upper: bool, steel: Material) -> LoadedBody:
-        """A large block, of a pair with given radii."""
+        """Large block of a pair with given radii, the upper or the lower one."""
         return cls(Pose(np.zeros(3), UPSIDE_DOWN if upper else np.eye(3)), upper, partial(_block, steel))
 
     def below(self, result: ContactResult, depths: Array, *, tolerance: float = 1e-2) -> SubsurfaceStress:
-        """Stress at depths (n,) m below every patch, by the tractions on all of them. Raises ValueError without
-        contact, and for depths that leave the body.
+        """Stress below every patch by the tractions on all of them.
+
+        Parameters:
+            result: of the pair.
+            depths: (n,) m.
+            tolerance: of the interpolation between wavenumbers.
+
+        Raises ValueError without contact, and for depths outside the body.
         """
         from wheelrail.contact.stress.waveguide import stress  # imports dolfinx
 
         start = perf_counter()
         fields = result.fields
         if fields is None or not (fields.pressure > 0).any():
-            raise ValueError("nothing touches: there is no stress to find")
+            raise ValueError("nothing touches: the body is free of stress")
         section = self.section(fields, _size(fields, depths))
         top, inward = under(self, section, result)
-        places = (top[:, None] + depths[:, None] * inward[:, None]).reshape(-1, 3)
-        found, wavenumbers = stress(section, self.loads(section, fields), places, tolerance=tolerance)
-        turn = self.frame.rotation
+        points = (top[:, None] + depths[:, None] * inward[:, None]).reshape(-1, 3)
+        stresses, wavenumbers = stress(section, self.loads(section, fields), points, tolerance=tolerance)
+        rotation = self.frame.rotation
         shape = (len(top), len(depths))
-        position = (self.frame.origin + places @ turn.T).reshape(*shape, 3)
-        tensor = (turn @ found @ turn.T).reshape(*shape, 3, 3)
+        position = (self.frame.origin + points @ rotation.T).reshape(*shape, 3)
+        tensor = (rotation @ stresses @ rotation.T).reshape(*shape, 3, 3)
         return SubsurfaceStress(
-            tuple(PatchStress(depths, *both) for both in zip(position, tensor, strict=True)),
+            tuple(PatchStress(depths, *fields_of_patch) for fields_of_patch in zip(position, tensor, strict=True)),
             wavenumbers,
             perf_counter() - start,
         )
 
     def loads(self, section: WaveguideSection, fields: Fields) -> CellLoads:
-        """What the contact does to this body: action on the upper one, reaction on the lower."""
+        """Contact forces on this body: action on the upper one, reaction on the lower one.
+
+        Parameters:
+            section: of the body.
+            fields: of a result.
+        """
         on = fields.pressure > 0
         local = np.column_stack([fields.traction[on], -fields.pressure[on]]) * fields.area[on][:, None]
         force = np.einsum("na,nac->nc", local, fields.axes[on])
@@ -124,8 +157,11 @@ class LoadedBody:
 
 
 def under(body: LoadedBody, section: WaveguideSection, result: ContactResult) -> tuple[Array, Array]:
-    """Points (p, 3) m of a body's surface under every patch's resultant, and its mean normals (p, 3) inwards, in body
-    axes.
+    """Points (p, 3) m of a body's surface at every patch's resultant, and mean inward normals (p, 3), in body axes.
+
+    Parameters:
+        body, section: the body and its section.
+        result: with p patches.
     """
     fields = result.fields
     assert fields is not None
@@ -152,7 +188,7 @@ def narrowest(fields: Fields) -> float:
 
 
 def _size(fields: Fields, depths: Array) -> float:
-    """Distance m of the section's lines: by the narrowest patch and the shallowest depth."""
+    """Spacing m of the section's lines, from the narrowest patch and the smallest depth."""
     width = narrowest(fields)
     return float(min(width / ACROSS, max(0.5 * depths.min(), width / FINEST)))
 
@@ -182,7 +218,7 @@ def _block(steel: Material, fields: Fields, size: float) -> WaveguideSection:
 
 
 def _on_surface(body: WaveguideSection, points: Array) -> Array:
-    """Points (n, 3) m in body axes moved to the nearest of its surface, in their section."""
+    """Projections (n, 3) m of points in body axes on the surface, in their cross-section."""
     along, section, _ = unrolled(body, points)
     corners = body.section.points[body.section.surface]
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])

@@ -1,4 +1,4 @@
-"""Forces on the surface of a body's section, ready for stresses inside."""
+"""Forces on the surface of a body's section, as loads for internal stresses."""
 
 from __future__ import annotations
 
@@ -15,9 +15,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CellLoads:
-    """Forces [N] on cells of the surface: x (n,) m of their middles along the body (on the circle of the section's
-    radius for one of revolution), line (n,) number of their surface point, force (n, 3) in body axes, traction times
-    area; step (n,) m, or one for all, is the length of a cell along x. Raises ValueError when these do not go together.
+    """Forces on n cells of the surface.
+
+    Parameters:
+        x: (n,) m, centres along the body (on the circle of the section's radius for a body of revolution).
+        line: (n,), number of their surface point.
+        force: (n, 3) N in body axes, traction times area.
+        step: (n,) m, or one for all, length of the cells along x.
+
+    Raises ValueError for arrays of inconsistent shapes, and for values that are not finite.
     """
 
     x: Array
@@ -40,7 +46,7 @@ class CellLoads:
 
     @property
     def mean_step(self) -> float:
-        """Length m of a cell, the mean weighted by the forces."""
+        """Mean length m of the cells, weighted by the forces."""
         size = np.linalg.norm(self.force, axis=1)
         return (
             float(np.broadcast_to(self.step, size.shape) @ size / size.sum())
@@ -50,19 +56,31 @@ class CellLoads:
 
     @classmethod
     def on(cls, shape: tuple[int, int], nodes: Nodes, force: Array, *, step: float) -> CellLoads:
-        """Forces (n, 3) N on nodes (n,) of the (nx, ns) contact grid of the same body."""
+        """Forces on nodes of the contact grid of the same body.
+
+        Parameters:
+            shape: (nx, ns) of the grid.
+            nodes: (n,) of the flattened grid.
+            force: (n, 3) N.
+            step: m, between rows.
+        """
         row, line = np.divmod(nodes, shape[1])
         return cls((row - shape[0] // 2) * step, line, force, step)
 
     @classmethod
     def over(cls, body: WaveguideSection, points: Array, force: Array, *, step: Array, width: Array) -> CellLoads:
-        """Forces (n, 3) N spread evenly over cells anywhere on the surface, in body axes.
+        """Forces distributed uniformly over cells anywhere on the surface.
 
-        points (n, 3) m are their middles, step (n,) and width (n,) m their lengths along the body and across. Every
-        line takes the share of its hat function, which keeps force and place. Raises ValueError for cells that reach
-        beyond the lines of the section's surface.
+        Parameters:
+            body: section.
+            points: (n, 3) m, centres of the cells in body axes.
+            force: (n, 3) N in body axes.
+            step, width: (n,) m, lengths of the cells along the body and across.
+
+        Every line receives the integral of its hat function, which preserves force and position. Raises ValueError for
+        cells that extend beyond the lines of the section's surface.
         """
-        along, section, stretch = unrolled(body, points)
+        along, section, metric = unrolled(body, points)
         corners = body.section.points[body.section.surface]
         at = arc_of(corners, section)
         arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
@@ -71,15 +89,20 @@ class CellLoads:
             raise ValueError("cells reach beyond the lines of the section's surface")
         lines = np.arange(len(arc))
         a, b = (np.interp(side, arc, lines)[:, None] for side in (low, high))
-        share = (_hat_until(b - lines) - _hat_until(a - lines)) / (b - a)
-        cell, line = np.nonzero(share > 0)
-        part = force[cell] * share[cell, line][:, None]
-        return cls(along[cell], line, part, (step / stretch)[cell])
+        fraction = (_hat_until(b - lines) - _hat_until(a - lines)) / (b - a)
+        cell, line = np.nonzero(fraction > 0)
+        line_force = force[cell] * fraction[cell, line][:, None]
+        return cls(along[cell], line, line_force, (step / metric)[cell])
 
 
 def unrolled(body: WaveguideSection, points: Array) -> tuple[Array, Array, Array]:
-    """Points (n, 3) m in body axes: lengths along the body (n,) m, places in its section (n, 2) m, and the length there
-    over that on the circle of its radius (n,).
+    """Coordinates of points: along the body (n,) m, in its section (n, 2) m, and metric factor (n,) of the former.
+
+    The metric factor is the length at the point over that on the circle of the section's radius.
+
+    Parameters:
+        body: section.
+        points: (n, 3) m in body axes.
     """
     x, y, z = np.asarray(points, dtype=float).T
     if body.radius is None:
@@ -88,18 +111,18 @@ def unrolled(body: WaveguideSection, points: Array) -> tuple[Array, Array, Array
     return np.arctan2(x, -z) * body.radius, np.column_stack([y, r]), r / body.radius
 
 
-def arc_of(corners: Array, places: Array) -> Array:
-    """Length (n,) m along the polyline through corners (m, 2) at which it is nearest to places (n, 2) m."""
+def arc_of(corners: Array, points: Array) -> Array:
+    """Arc length (n,) m of the projections of points (n, 2) m on the polyline through corners (m, 2) m."""
     a, d = corners[:-1], np.diff(corners, axis=0)
     length = np.hypot(*d.T)
-    t = np.clip(np.einsum("nmk,mk->nm", places[:, None] - a, d) / length**2, 0.0, 1.0)
-    distance = np.linalg.norm(places[:, None] - (a + t[..., None] * d), axis=2)
+    t = np.clip(np.einsum("nmk,mk->nm", points[:, None] - a, d) / length**2, 0.0, 1.0)
+    distance = np.linalg.norm(points[:, None] - (a + t[..., None] * d), axis=2)
     best = distance.argmin(axis=1)
     start = np.concatenate([[0.0], np.cumsum(length)])[best]
     return np.asarray(start + t[np.arange(len(best)), best] * length[best])
 
 
 def _hat_until(t: Array) -> Array:
-    """Integral up to t of the hat function of unit width to both sides of 0."""
+    """Integral up to t of the hat function on -1 .. 1."""
     t = np.clip(t, -1.0, 1.0)
     return np.where(t < 0, 0.5 * (1 + t) ** 2, 1 - 0.5 * (1 - t) ** 2)

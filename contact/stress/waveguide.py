@@ -1,4 +1,4 @@
-"""Stress inside a body invariant along x or in angle, for given loads on its surface, by wavenumbers."""
+"""Stress inside a body invariant along x or in angle under loads on its surface, by wavenumbers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wheelrail.forms.elasticity import lame
 from wheelrail.forms.stress import cauchy
 from wheelrail.support.arrays import Array, Complex, Mask
 
-PATCH = 20  # nodes of the displacement whose cubic gives the gradient at a place, which takes at least 10
+PATCH = 20  # nodes for the cubic of the gradient at a point, at least 10
 
 
 def stress(
@@ -23,36 +23,44 @@ def stress(
     *,
     tolerance: float = 2e-3,
 ) -> tuple[Array, int]:
-    """Cauchy stress (m, 3, 3) Pa in body axes at places (m, 3) m inside the body, and the number of wavenumbers used.
+    """Cauchy stress (m, 3, 3) Pa in body axes, and the number of wavenumbers used.
 
-    tolerance: of the interpolation between wavenumbers, relative to the largest stress amplitude's integral. Bodies of
-    revolution have their axle along y through the origin, angles counted forward from straight below. Raises
-    ValueError for places outside the section, and RuntimeError when 400 wavenumbers do not do.
+    Parameters:
+        body: section.
+        loads: on its surface.
+        places: (m, 3) m, points inside the body; a body of revolution has its axle along y through the origin, angles
+            measured forward from straight below.
+        tolerance: of the interpolation between wavenumbers, relative to the integral of the largest stress amplitude.
+
+    Raises ValueError for points outside the section, and RuntimeError if 400 wavenumbers do not suffice.
     """
-    chart = WaveguideCoordinates.of(body, places)
-    spots, number = np.unique(np.round(chart.section, 12), axis=0, return_inverse=True)
-    outside = ~inside(body, spots)
+    coordinates = WaveguideCoordinates.of(body, places)
+    section_points, number = np.unique(np.round(coordinates.section, 12), axis=0, return_inverse=True)
+    outside = ~inside(body, section_points)
     if outside.any():
-        raise ValueError(f"place {spots[outside][0]} m lies outside the section")
-    gradients = Gradients(body, spots)
+        raise ValueError(f"point {section_points[outside][0]} m lies outside the section")
+    gradients = Gradients(body, section_points)
     λ, μ = lame(body.steel.E, body.steel.nu)
-    waves = sampled(
+    response = sampled(
         body,
         loads,
         lambda U, k: cauchy(gradients(U, k), λ, μ),
         shallowest=float(gradients.depth.min()),
         tolerance=tolerance,
     )
-    tensor = np.einsum("km,kmab->mab", waves.weights(chart.along), waves.samples[:, number]).real
-    return chart.turned(tensor), len(waves.k)
+    tensor = np.einsum("km,kmab->mab", response.weights(coordinates.along), response.samples[:, number]).real
+    return coordinates.turned(tensor), len(response.k)
 
 
 class Gradients:
-    """Gradients of a section's displacements at places (m, 2) m: cubics through the nodes around each.
+    """Gradients of a section's displacements by cubics through the nearest nodes; depth (m,) m below the surface.
 
-    They are of third order at edges and corners of cells, too, where those of the cells' own quadratics are of second
-    and jump (recovery by polynomials: Zhang and Naga, doi 10.1137/S1064827503402837).
-    depth (m,) m below the contact surface.
+    Parameters:
+        body: section.
+        places: (m, 2) m, points of the section.
+
+    They are of third order at edges and corners of cells as well, whereas those of the cells' own quadratics are of
+    second order and discontinuous (recovery by polynomials: Zhang and Naga, doi 10.1137/S1064827503402837).
     """
 
     def __init__(self, body: WaveguideSection, places: Array) -> None:
@@ -64,10 +72,10 @@ class Gradients:
         offset = (body.points[self.near] - places[:, None]) / scale[:, None, None]
         a, b = offset[..., 0], offset[..., 1]
         powers = [a**i * b**j for i, j in CUBIC]
-        # rows of the pseudo-inverse: value and slopes at the place as sums over the nodes
+        # rows of the pseudo-inverse: value and slopes at the point as sums over the nodes
         inverse = np.linalg.pinv(np.stack(powers, axis=-1))[:, :3]
         self.value, self.slope = inverse[:, 0], inverse[:, 1:] / scale[:, None, None]
-        self.value[distance[:, 0] < 1e-9 * scale] = np.eye(1, self.near.shape[1])  # a node has its own value
+        self.value[distance[:, 0] < 1e-9 * scale] = np.eye(1, self.near.shape[1])  # exact at a node
 
     def displacement(self, U: Complex) -> Complex:
         """Displacements (m, 3) times e^{-ikx} in axes (along, y, up or outward), from U (3 n,)."""
@@ -97,19 +105,19 @@ CUBIC = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2),
 
 
 def inside(body: WaveguideSection, places: Array) -> Mask:
-    """Which places (m, 2) m lie in a cell, or out of it by less than a twentieth: arcs stand off their chords."""
+    """Mask (m,) of points (m, 2) m inside the mesh, with a margin of 5 % of a cell for arcs beyond their chords."""
     a, b, c = np.moveaxis(body.section.points[body.section.cells], 1, 0)
     inverse = np.linalg.inv(np.stack([b - a, c - a], axis=-1))
-    found = np.empty(len(places), dtype=bool)
+    result = np.empty(len(places), dtype=bool)
     for start in range(0, len(places), 256):
-        share = np.einsum("nab,mnb->mna", inverse, places[start : start + 256, None] - a)
-        within = (share > -0.05).all(axis=-1) & (share.sum(axis=-1) < 1.05)
-        found[start : start + 256] = within.any(axis=1)
-    return found
+        barycentric = np.einsum("nab,mnb->mna", inverse, places[start : start + 256, None] - a)
+        within = (barycentric > -0.05).all(axis=-1) & (barycentric.sum(axis=-1) < 1.05)
+        result[start : start + 256] = within.any(axis=1)
+    return result
 
 
 def _depth(places: Array, corners: Array) -> Array:
-    """Distance (m,) m of places (m, 2) from the polyline through corners (n, 2)."""
+    """Distance (m,) m of points (m, 2) m from the polyline through corners (n, 2) m."""
     a, d = corners[:-1], np.diff(corners, axis=0)
     along = np.einsum("nmk,mk->nm", places[:, None] - a, d) / (d**2).sum(axis=1)
     foot = a + np.clip(along, 0.0, 1.0)[..., None] * d

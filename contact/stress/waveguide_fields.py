@@ -1,8 +1,7 @@
-"""Displacement and stress all over a waveguide body under a contact's tractions, for sections, cuts and strips.
+"""Displacement and stress throughout a waveguide body under a contact's tractions, on sections, cuts and segments.
 
-The body is held where its waveguide is, at the foot of a rail, the bore of a wheel, the bottom of a block, so that
-displacements are absolute there. Made where and when it is asked for, as the stress of
-`wheelrail.contact.stress.subsurface`.
+The body is clamped where its waveguide is: at the foot of a rail, the bore of a wheel, the bottom of a block, so that
+displacements are absolute. Computed on request, as the stress of `wheelrail.contact.stress.subsurface`.
 """
 
 from __future__ import annotations
@@ -28,16 +27,23 @@ if TYPE_CHECKING:
     from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 
 ACROSS = 16  # lines of the section over the narrowest patch
-DEEP = 1.5  # patch lengths below a patch that a longitudinal cut reaches
+DEEP = 1.5  # depth of a longitudinal cut over twice the smaller of half length and width of a patch
 DENSE = 12  # stations over half a patch
 
 
 @dataclass(frozen=True)
 class InternalFields:
-    """A loaded body, its section and what was observed at its spots (m, 2) m: those of a mesh of triangles (k, 3) over
-    the whole section, and straight down under every patch, where they are numbered lines (n,) from the surface on.
+    """Internal fields of a loaded body, observed at m points of its section.
 
-    patches (p, 3) m in body axes, on the surface under every patch's resultant; half m, half the longest patch.
+    Parameters:
+        body: the loaded body.
+        section: its section.
+        spots: (m, 2) m, points of the section: those of a triangle mesh, then those below the patches.
+        triangles: (k, 3), mesh of the whole section.
+        lines: by patch, numbers (n,) of the points along its normal, from the surface on.
+        waves: wavenumber response, stress and displacement.
+        patches: (p, 3) m in body axes, surface points at every patch's resultant.
+        half: m, half the length of the longest patch.
     """
 
     body: LoadedBody
@@ -50,13 +56,16 @@ class InternalFields:
     half: float
 
     def across(self, patch: int = 0) -> BodyFields:
-        """The whole section through a patch's resultant, triangles."""
+        """Fields on the whole section through a patch's resultant, triangles."""
         used = len(self.spots) - sum(map(len, self.lines))
         return self._fields(self._stations([patch]), np.arange(used), self.triangles, "triangle")
 
     def along(self, patch: int = 0, *, reach: float = 2.5) -> BodyFields:
-        """The plane along the body below a patch's resultant and along its normal, to so many half patch lengths to
-        either side, quadrilaterals.
+        """Fields on the plane spanned by the body's direction and a patch's normal below its resultant, quadrilaterals.
+
+        Parameters:
+            patch: number.
+            reach: half patch lengths to either side.
         """
         line = self.lines[patch]
         stations = self._stations([patch]) + np.linspace(-reach, reach, 8 * DENSE + 1) * self.half
@@ -65,7 +74,7 @@ class InternalFields:
         return self._fields(stations, line, quads, "quadrilateral")
 
     def strip(self, half_length: float = 0.1) -> BodyFields:
-        """The body between stations so far [m] to either side of the patches, dense there, wedges."""
+        """Fields on the body up to half_length [m] to either side of the patches, refined there, wedges."""
         everywhere = self._stations(range(len(self.patches)))
         stations = 0.5 * (everywhere.min() + everywhere.max()) + layers(
             int(1.3 * DENSE), self.half / DENSE + float(np.ptp(everywhere)) / (2 * DENSE), half_length
@@ -76,13 +85,16 @@ class InternalFields:
         return self._fields(stations, np.arange(used), wedges, "wedge")
 
     def at(self, stations: Array, chosen: Nodes) -> tuple[WaveguideCoordinates, Array, Array]:
-        """Places of chosen spots at stations (n,) m along the body, station by station, displacement and stress there,
-        in body axes.
+        """Coordinates, displacement and stress in body axes, station by station.
+
+        Parameters:
+            stations: (n,) m along the body.
+            chosen: numbers of points of the section.
         """
-        chart = WaveguideCoordinates.over(self.section, stations, self.spots[chosen])
-        some = WavenumberResponse(self.waves.k, self.waves.samples[:, chosen], *self._phases)
-        found = some.at(stations).reshape(-1, 12)
-        return chart, chart.turned(found[:, 9:]), chart.turned(found[:, :9].reshape(-1, 3, 3))
+        coordinates = WaveguideCoordinates.over(self.section, stations, self.spots[chosen])
+        response = WavenumberResponse(self.waves.k, self.waves.samples[:, chosen], *self._phases)
+        values = response.at(stations).reshape(-1, 12)
+        return coordinates, coordinates.turned(values[:, 9:]), coordinates.turned(values[:, :9].reshape(-1, 3, 3))
 
     @property
     def _phases(self) -> tuple[float, float, float | None]:
@@ -92,8 +104,8 @@ class InternalFields:
         return WaveguideCoordinates.of(self.section, self.patches[list(patches)]).along
 
     def _fields(self, stations: Array, chosen: Nodes, cells: Nodes, shape: Shape) -> BodyFields:
-        chart, displacement, stress = self.at(stations, chosen)
-        return BodyFields(chart.places, cells, shape, displacement, stress).seen_from(self.body.frame)
+        coordinates, displacement, stress = self.at(stations, chosen)
+        return BodyFields(coordinates.places, cells, shape, displacement, stress).seen_from(self.body.frame)
 
 
 def look_inside(
@@ -103,15 +115,19 @@ def look_inside(
     across: int = ACROSS,
     tolerance: float = 1e-2,
 ) -> InternalFields:
-    """Displacement and stress in a body by the tractions of all patches, the section's lines so many across the
-    narrowest patch.
+    """Displacement and stress in a body under the tractions of all patches.
 
-    tolerance as in `wheelrail.contact.stress.waveguide.stress`, for stress and displacement each. Raises ValueError
-    without contact.
+    Parameters:
+        body: the loaded body.
+        result: of the pair.
+        across: lines of the section over the narrowest patch.
+        tolerance: as in `wheelrail.contact.stress.waveguide.stress`, for stress and displacement each.
+
+    Raises ValueError without contact.
     """
     fields = result.fields
     if fields is None or not (fields.pressure > 0).any():
-        raise ValueError("nothing touches: there is nothing to look at inside")
+        raise ValueError("nothing touches: the body is free of stress")
     section = body.section(fields, narrowest(fields) / across)
     top, inward = under(body, section, result)
     on = fields.pressure > 0
@@ -121,14 +137,14 @@ def look_inside(
             (fields.point[own, 0], fields.step[own]) for own in (on & (fields.patch == k) for k in range(len(top)))
         )
     )
-    spots, triangles = _quartered(section)
+    spots, triangles = _subdivided(section)
     lines: list[Nodes] = []
-    # on the smaller of length and width hangs how deep stress goes
+    # the smaller of length and width determines the depth of the stress
     depth = 2 * DEEP * min(half, narrowest(fields)) * np.linspace(0.0, 1.0, 41) ** 1.5
     for place, normal in zip(top, inward, strict=True):
         line = WaveguideCoordinates.of(section, place + depth[:, None] * normal).section
-        held = inside(section, line)
-        line = line[: len(line) if held.all() else int(np.argmin(held))]
+        within = inside(section, line)
+        line = line[: len(line) if within.all() else int(np.argmin(within))]
         lines.append(np.arange(len(line)) + len(spots))
         spots = np.concatenate([spots, line])
     gradients = Gradients(section, spots)
@@ -142,7 +158,7 @@ def look_inside(
         parts = [integral({k: v[:, part] for k, v in found.items()}) for part in (slice(9), slice(9, 12))]
         return np.repeat(parts, (9, 3))
 
-    waves = sampled(
+    response = sampled(
         section,
         body.loads(section, fields),
         observe,
@@ -150,11 +166,11 @@ def look_inside(
         tolerance=tolerance,
         scale=scale,
     )
-    return InternalFields(body, section, spots, triangles, tuple(lines), waves, top, half)
+    return InternalFields(body, section, spots, triangles, tuple(lines), response, top, half)
 
 
-def _quartered(section: WaveguideSection) -> tuple[Array, Nodes]:
-    """Points of a section's mesh with the middles of its edges, and triangles between them, four of each."""
+def _subdivided(section: WaveguideSection) -> tuple[Array, Nodes]:
+    """Points of a section's mesh with the midpoints of its edges, and four triangles of each triangle."""
     points, cells = section.section.points, section.section.cells
     edges = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     edges, number = np.unique(edges, axis=0, return_inverse=True)

@@ -1,4 +1,4 @@
-"""Rails, wheels and blocks as waveguides: compliance by wavenumbers, contact grid and strip, from the disk cache."""
+"""Rails, wheels and blocks as waveguides: compliance by wavenumbers (cached on disk), contact grid and strip."""
 
 from __future__ import annotations
 
@@ -22,19 +22,20 @@ from wheelrail.support.cache import cached, digest
 
 log = logging.getLogger(__name__)
 
-# Largest wavenumber times the shortest of spacing and step: the spectrum of a cell has its second zero there, and what
-# lies beyond is 1e-3 of a cell's own compliance and next to nothing between cells.
+# Largest wavenumber times the shorter of spacing and step: the second zero of a cell's spectrum. Larger wavenumbers
+# contribute 1e-3 of a cell's diagonal compliance, and a negligible part between cells.
 REACH = 4 * np.pi
-# Of the interpolation between wavenumbers, see `ComplianceSpectrum`; what that really costs is a tenth to a hundredth
-# of it, less than the meshes do.
+# Of the interpolation between wavenumbers, see `ComplianceSpectrum`; the actual error is a tenth to a hundredth of it,
+# smaller than that of the meshes.
 TOLERANCE = 3e-3
-# Quadratic triangles bend the rail's web right and grow fast; linear ones of twice the cost are 4 % off there. The
-# largest costs a load over 8 mm 6e-4 of its own compliance at worst (laterally on the rail, two triangles across its
-# web of 16.5 mm), whatever the surface size; 12 mm 1.8e-3, 16 mm 3.3e-3, 32 mm 8e-3. The growth costs 1e-3.
+# Quadratic triangles represent bending of the rail's web and may grow fast; linear ones at twice the cost have an error
+# of 4 % there. The largest size causes an error of the compliance of a load over 8 mm of at most 6e-4 (laterally on the
+# rail, two triangles across its web of 16.5 mm) at any surface size; 12 mm 1.8e-3, 16 mm 3.3e-3, 32 mm 8e-3. The growth
+# causes 1e-3.
 GRADING = Grading(first=1.0, growth=0.4, largest=8e-3)
-# m along the rail, twice what meshed strips have: an endless rail bends and rolls and a whole wheel bends, so that
-# undeformed surfaces overlap by 0.3 mm at 21 degrees (75 kN on the flange root) where patches end 9 mm away. 0.5 mm at
-# 65 degrees reach 33 mm. What lies beyond a patch costs a solve next to nothing.
+# m along the rail, twice that of meshed strips: an endless rail bends and rolls and a whole wheel bends, so that the
+# undeformed penetration is 0.3 mm at 21 degrees (75 kN on the flange root), with patches that end 9 mm away. 0.5 mm at
+# 65 degrees reach 33 mm. Points outside the patch add little to the cost of a solve.
 HALF_GRID = 0.040
 
 if TYPE_CHECKING:
@@ -56,10 +57,18 @@ def rail_waveguide(
     grading: Grading = GRADING,
     tolerance: float = TOLERANCE,
 ) -> Parts:
-    """Endless rail on its clamped foot: compliance, grid and strip between two arc lengths of its profile [m].
+    """Endless rail clamped at its foot: compliance, contact grid and strip.
 
-    size [m] between contact points along the profile; step [m] along the rail (None: the size); the grid reaches
-    half_length [m] to either side.
+    Parameters:
+        outline: of the section.
+        steel: material.
+        size: m, between contact points along the profile.
+        step: m, between contact points along the rail; None: the size.
+        half_length: m, of the grid to either side.
+        ends: m, arc lengths on the profile between which the grid lies; None: the part that contacts.
+        degree: of the displacements, 1 or 2.
+        grading: of the mesh.
+        tolerance: of the interpolation between wavenumbers.
     """
     strip = Strip.over(outline, ends or rail_touches(outline.profile), half_length=half_length, size=size)
     return _profiled("rail", outline, strip, None, steel, step or size, half_length, degree, grading, tolerance)
@@ -77,7 +86,10 @@ def wheel_waveguide(
     grading: Grading = GRADING,
     tolerance: float = TOLERANCE,
 ) -> Parts:
-    """The whole wheel, lengths along its rim counted on the rolling circle; see `rail_waveguide`."""
+    """Whole wheel clamped at its bore: compliance, contact grid and strip.
+
+    Parameters as for `rail_waveguide`; lengths along the rim are measured on the rolling circle.
+    """
     strip = Strip.over(outline, ends or wheel_touches(outline.profile), half_length=half_length, size=size)
     radius = outline.offset[1]
     return _profiled("wheel", outline, strip, radius, steel, step or size, half_length, degree, grading, tolerance)
@@ -92,7 +104,7 @@ def rail_body(
     degree: int = 2,
     grading: Grading = GRADING,
 ) -> WaveguideSection:
-    """The section behind `rail_waveguide`, same lines on its surface, for stresses inside."""
+    """Section of `rail_waveguide`, same lines on its surface, for internal stresses; parameters as there."""
     return _body(outline, ends or rail_touches(outline.profile), None, steel, size, degree, grading)
 
 
@@ -105,14 +117,23 @@ def wheel_body(
     degree: int = 2,
     grading: Grading = GRADING,
 ) -> WaveguideSection:
-    """The section behind `wheel_waveguide`, same lines on its surface, for stresses inside."""
+    """Section of `wheel_waveguide`, same lines on its surface, for internal stresses; parameters as there."""
     return _body(outline, ends or wheel_touches(outline.profile), outline.offset[1], steel, size, degree, grading)
 
 
 def block_body(
     half_cells: int, steel: Material, *, size: float, half_width: float, degree: int = 2, grading: Grading = GRADING
 ) -> WaveguideSection:
-    """The section behind `block_waveguide` with 2 half_cells cells across, for stresses inside; half_width in sizes."""
+    """Section of `block_waveguide`, for internal stresses.
+
+    Parameters:
+        half_cells: half the number of cells across.
+        steel: material.
+        size: m, of the cells.
+        half_width: of the block, in sizes.
+        degree: of the displacements, 1 or 2.
+        grading: of the mesh.
+    """
     from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
     surface, rest, clamped = block_section(half_cells, 1.0, half_width, half_width)
@@ -131,10 +152,19 @@ def block_waveguide(
     grading: Grading = GRADING,
     tolerance: float = TOLERANCE,
 ) -> tuple[WaveguideCompliance, ContactGrid]:
-    """Endless block below z = 0, clamped at its bottom, with a grid of 2 half_cells (along x, along y) cells.
+    """Endless block below z = 0, clamped at its bottom: compliance and contact grid.
 
-    step and size [m] are their lengths along x and y (None: the size).
-    half_width [sizes] is also its depth. One spectrum serves all sizes and moduli.
+    Parameters:
+        half_cells: half the number of cells along x and along y.
+        steel: material.
+        size: m, length of the cells along y.
+        step: m, length of the cells along x; None: the size.
+        half_width: of the block, also its depth, in sizes.
+        degree: of the displacements, 1 or 2.
+        grading: of the mesh.
+        tolerance: of the interpolation between wavenumbers.
+
+    One spectrum serves all sizes and moduli.
     """
     scaled = replace(grading, largest=half_width / 4)
     surface, rest, clamped = block_section(half_cells[1], 1.0, half_width, half_width)
@@ -204,7 +234,7 @@ def _profiled(
 
 
 def _finest(spacing: float, step: float) -> float:
-    """The spacing halved until it is no longer than the step, m: steps of many lengths share a spectrum."""
+    """The spacing m, halved until it does not exceed the step m, so that steps of many lengths share a spectrum."""
     return float(spacing * 2.0 ** min(0.0, np.floor(np.log2(step / spacing) + 1e-9)))
 
 
@@ -219,9 +249,9 @@ def _spectrum(
     degree: int,
     tolerance: float,
 ) -> Callable[[], ComplianceSpectrum]:
-    """Fetches the spectrum of a section of unit modulus from the cache, or samples it.
+    """Function that returns the spectrum of a section of unit modulus, from the cache or by sampling.
 
-    finest [m] is the shortest step along x that it serves, extent [m] the size of the section.
+    finest [m] is the shortest step along x, extent [m] the size of the section.
     """
     name = digest(
         section=key,
@@ -234,7 +264,7 @@ def _spectrum(
         reach=REACH,
     )
     shift = 1 / extent
-    around = None if radius is None else 2 * np.pi * radius
+    circumference = None if radius is None else 2 * np.pi * radius
 
     def arrays() -> dict[str, Array]:
         from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
@@ -242,18 +272,18 @@ def _spectrum(
         body = WaveguideSection(mesh(), Material(1.0, nu), degree=degree, radius=radius)
         shape = "body of revolution" if radius else "prismatic body"
         log.info("compliance of a %s by wavenumbers: %d unknowns in its section", shape, 3 * len(body.points))
-        found = sample(
+        spectrum = sample(
             body.flexibility,
             shift=shift,
             largest=REACH / finest,
             step=finest,
             tolerance=tolerance,
-            around=around,
+            around=circumference,
         )
-        return {"k": found.k, "values": found.values, "error": np.array(found.error)}
+        return {"k": spectrum.k, "values": spectrum.values, "error": np.array(spectrum.error)}
 
     def fetch() -> ComplianceSpectrum:
-        found = cached(f"spectrum/{name}", arrays, ("k", "values", "error"))
-        return ComplianceSpectrum(found["k"], shift, found["values"], float(found["error"]), around)
+        stored = cached(f"spectrum/{name}", arrays, ("k", "values", "error"))
+        return ComplianceSpectrum(stored["k"], shift, stored["values"], float(stored["error"]), circumference)
 
     return fetch

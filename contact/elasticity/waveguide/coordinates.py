@@ -1,4 +1,4 @@
-"""Where places lie along a body invariant along x or in angle, and in its section."""
+"""Coordinates along a waveguide and in its cross-section."""
 
 from __future__ import annotations
 
@@ -15,7 +15,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class WaveguideCoordinates:
-    """Where places lie along a body, along (m,) m, and in its section (m, 2) m; angle (m,) rad about the axle."""
+    """Coordinates of m points of a waveguide.
+
+    Parameters:
+        along: (m,) m, along the body.
+        section: (m, 2) m, in its cross-section.
+        angle: (m,) rad, about the axle; None for a prismatic body.
+    """
 
     along: Array
     section: Array
@@ -23,6 +29,7 @@ class WaveguideCoordinates:
 
     @classmethod
     def of(cls, body: WaveguideSection, places: Array) -> WaveguideCoordinates:
+        """Coordinates of points (m, 3) m in body axes."""
         x, y, z = np.asarray(places, dtype=float).T
         if body.radius is None:
             return cls(x, np.column_stack([y, z]), None)
@@ -31,20 +38,20 @@ class WaveguideCoordinates:
 
     @classmethod
     def over(cls, body: WaveguideSection, stations: Array, spots: Array) -> WaveguideCoordinates:
-        """Every spot (n, 2) m of the section at every station (m,) m along the body, station by station."""
+        """Points (n, 2) m of the section at stations (m,) m along the body, station by station."""
         along = np.repeat(stations, len(spots))
         return cls(along, np.tile(spots, (len(stations), 1)), None if body.radius is None else along / body.radius)
 
     @property
     def places(self) -> Array:
-        """Places (m, 3) m in body axes."""
+        """Points (m, 3) m in body axes."""
         y, r = self.section.T
         if self.angle is None:
             return np.column_stack([self.along, y, r])
         return np.column_stack([r * np.sin(self.angle), y, -r * np.cos(self.angle)])
 
     def turned(self, tensor: Array) -> Array:
-        """Vectors (m, 3) or tensors (m, 3, 3) from axes (along, y, up or outward) to body axes."""
+        """Vectors (m, 3) or tensors (m, 3, 3), rotated from axes (along, y, up or outward) to body axes."""
         if self.angle is None:
             return tensor
         T = axes(self.angle)
@@ -54,6 +61,10 @@ class WaveguideCoordinates:
 
 
 def axes(angle: Array) -> Array:
-    """Body axes' components (m, 3, 3) of the directions (along the circle, y, outward), a column each."""
-    c, s, none = np.cos(angle), np.sin(angle), np.zeros_like(angle)
-    return np.asarray(np.stack([c, none, s, none, none + 1, none, s, none, -c], axis=-1).reshape(-1, 3, 3))
+    """Components (m, 3, 3) in body axes of the directions (along the circle, y, outward), a column each.
+
+    Parameters:
+        angle: (m,) rad, about the axle.
+    """
+    c, s, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
+    return np.asarray(np.stack([c, zero, s, zero, zero + 1, zero, s, zero, -c], axis=-1).reshape(-1, 3, 3))

@@ -1,9 +1,9 @@
-"""What a finite-element surface is too stiff and too smooth by near a load: closed form minus elements, half-space.
+"""Near-field correction of a finite-element surface: closed form minus elements, on a half-space.
 
-A load on one line of the surface is felt within a few lines only as well as the elements resolve it; farther away the
-elements are exact. The near part does not know the rest of the body: it is the same on a large flat block, where the
-half-space's answer is known (`wheelrail.contact.elasticity.half_space`). Per unit modulus it depends on the wavenumber
-times the lines' spacing, and on Poisson's ratio.
+The response to a load on one line of the surface is resolved by the elements except within a few lines. This near field
+is independent of the rest of the body: it is that of a large flat block, whose exact solution is the half-space's
+(`wheelrail.contact.elasticity.half_space`). Per unit modulus it depends on the wavenumber times the lines' spacing, and
+on Poisson's ratio.
 """
 
 from __future__ import annotations
@@ -19,14 +19,16 @@ from wheelrail.contact.elasticity.waveguide.spectrum import pair_places
 from wheelrail.contact.laws.material import Material
 from wheelrail.support.arrays import Array
 
-FAR = 8  # lines away from the load, where elements and half-space agree but for the block's finite size
+FAR = 8  # lines away from the load, where elements and half-space differ by the block's finite size only
 
 
 @dataclass(frozen=True)
 class SurfaceError:
-    """Missing flexibility of loads spread over one line, by components along x, y, z, lines 0 .. 7 apart.
+    """Missing flexibility of loads over one line, by components along x, y, z, lines 0 .. 7 apart, per unit modulus.
 
-    place (m,) of log q, q = k times the lines' spacing; values (m, 8, 3) per unit modulus.
+    Parameters:
+        place: (m,), log q, q = k times the lines' spacing.
+        values: (m, 8, 3).
     """
 
     place: Array
@@ -40,20 +42,25 @@ class SurfaceError:
 
 @lru_cache(maxsize=32)
 def surface_error(nu: float, degree: int) -> SurfaceError:
-    """Measured on an endless block whose compliance comes from the cache, or is computed in half a second."""
+    """Missing flexibility of an endless block, whose compliance is cached, or computed in half a second.
+
+    Parameters:
+        nu: Poisson's ratio.
+        degree: of the displacements, 1 or 2.
+    """
     from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 
     compliance, _ = block_waveguide((1, 2 * FAR), Material(1.0, nu), size=1.0, half_width=512.0, degree=degree)
     samples = compliance.samples
     ns = samples.lines
-    kept = samples.k > 0.02
-    q, lines = samples.k[kept], np.arange(FAR + 1)
-    place = pair_places(ns)
+    resolved = samples.k > 0.02
+    q, lines = samples.k[resolved], np.arange(FAR + 1)
+    index = pair_places(ns)
     elements = np.empty((len(q), FAR + 1, 3))
     middle = np.arange(FAR // 2, ns - FAR // 2 - FAR)
     for d in lines:
-        own = samples.values[kept][:, place[middle, middle + d]].mean(axis=1)
-        elements[:, d] = np.diagonal(own, axis1=1, axis2=2)
+        flexibility = samples.values[resolved][:, index[middle, middle + d]].mean(axis=1)
+        elements[:, d] = np.diagonal(flexibility, axis1=1, axis2=2)
     unit = np.column_stack([lines - 0.5, lines + 0.5])
     missing = strip_flexibility(q, unit[:1], unit, nu, 0.0)[:, 0, :, :3] - elements
     return SurfaceError(np.log(q), missing[:, :FAR] - missing[:, FAR:])

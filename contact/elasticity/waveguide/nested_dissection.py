@@ -1,8 +1,9 @@
 """Elimination of a section's interior by nested dissection, down to the nodes of its surface.
 
-What is wanted is the inverse of the stiffness on the surface alone: the inverse of a Schur complement. Eliminating the
-interior front by front with dense blocks costs a small part of a solve for every surface load, and the order is found
-once for all wavenumbers (George, doi 10.1137/0710032; fronts: Duff and Reid, doi 10.1145/356044.356047).
+Required is the inverse of the stiffness on the surface only, the inverse of a Schur complement. Eliminating the
+interior front by front with dense blocks costs a small part of a solve for every surface load, and the order of
+elimination is the same for all wavenumbers (George, doi 10.1137/0710032; fronts: Duff and Reid, doi
+10.1145/356044.356047).
 """
 
 from __future__ import annotations
@@ -15,15 +16,19 @@ from scipy.linalg import lapack
 
 from wheelrail.support.arrays import Array, Mask, Nodes
 
-LEAF = 24  # nodes left whole: dense blocks of about 70 unknowns
+LEAF = 24  # nodes not divided further: dense blocks of about 70 unknowns
 
 
 @dataclass(frozen=True)
 class Front:
-    """A dense block: count unknowns to eliminate, then those that they touch, size in all.
+    """Dense block of the unknowns to eliminate and those coupled to them.
 
-    unknowns (size,): which ones; entries: which values of the sparse matrix go to which places of the block; children:
-    earlier fronts whose remainders are added, and where.
+    Parameters:
+        count: unknowns to eliminate, the first ones.
+        size: of the block.
+        unknowns: (size,), numbers in the matrix.
+        entries, places: indices into the sparse matrix's values, and into the flattened block.
+        children: earlier fronts whose remainders are added, and the rows and columns to which.
     """
 
     count: int
@@ -36,19 +41,24 @@ class Front:
 
 @dataclass(frozen=True)
 class Dissection:
-    """Fronts in order of elimination; the last eliminates nothing and holds the kept unknowns, in their order."""
+    """Fronts in order of elimination; the last one eliminates nothing and holds the kept unknowns, in their order."""
 
     fronts: tuple[Front, ...]
 
     def schur(self, values: Array) -> Array:
-        """Stiffness on the kept unknowns when nothing else is loaded, from values in the sparse matrix's order.
+        """Schur complement on the kept unknowns, from the values of the sparse matrix.
 
         Raises LinAlgError unless the matrix is positive definite.
         """
         return self._eliminate(values, None)
 
     def solve(self, values: Array, load: Array, size: int) -> Array:
-        """Displacement of all unknowns (size, m) by loads on the kept ones (kept, m), held unknowns at zero.
+        """Displacements (size, m) of all unknowns, zero at fixed ones.
+
+        Parameters:
+            values: of the sparse matrix.
+            load: (kept, m), on the kept unknowns.
+            size: number of unknowns.
 
         Raises LinAlgError unless the matrix is positive definite.
         """
@@ -56,15 +66,15 @@ class Dissection:
         factor, status = lapack.dpotrf(self._eliminate(values, steps), lower=1, clean=0)
         if status:
             raise np.linalg.LinAlgError("the stiffness of the surface is not positive definite")
-        found = np.zeros((size, load.shape[1]))
-        found[self.fronts[-1].unknowns] = lapack.dpotrs(factor, load, lower=1)[0]
+        displacement = np.zeros((size, load.shape[1]))
+        displacement[self.fronts[-1].unknowns] = lapack.dpotrs(factor, load, lower=1)[0]
         for front, factor, half in reversed(steps):
-            held = half @ found[front.unknowns[front.count :]]
-            found[front.unknowns[: front.count]] = -lapack.dtrtrs(factor, held, lower=0)[0]
-        return found
+            held = half @ displacement[front.unknowns[front.count :]]
+            displacement[front.unknowns[: front.count]] = -lapack.dtrtrs(factor, held, lower=0)[0]
+        return displacement
 
     def _eliminate(self, values: Array, steps: list[tuple[Front, Array, Array]] | None) -> Array:
-        """The Schur complement; every front's factor R and R^-T A12 are added to the steps when there are any."""
+        """The Schur complement; every front's factor R and R^-T A12 are appended to the steps unless None."""
         remainders: list[Array] = []
         block = np.empty((0, 0))
         for front in self.fronts:
@@ -79,7 +89,7 @@ class Dissection:
                 continue
             factor, status = lapack.dpotrf(block[:n, :n], lower=0, clean=0)
             if status:
-                raise np.linalg.LinAlgError("the section's stiffness is not positive definite: is it clamped?")
+                raise np.linalg.LinAlgError("the section's stiffness is not positive definite: it must be clamped")
             half, _ = lapack.dtrtrs(factor, block[:n, n:], lower=0, trans=1)
             remainders.append(block[n:, n:] - half.T @ half)
             if steps is not None:
@@ -97,9 +107,14 @@ class Dissection:
 
 
 def dissect(pointer: Nodes, columns: Nodes, points: Array, *, kept: Nodes, fixed: Nodes, block: int = 3) -> Dissection:
-    """Order of elimination for a symmetric sparse matrix with `block` unknowns on each of the nodes at points (n, 2).
+    """Order of elimination for a symmetric sparse matrix.
 
-    kept (ns,) nodes remain, in that order; fixed nodes are left out.
+    Parameters:
+        pointer, columns: of its rows (CSR).
+        points: (n, 2), positions of the nodes.
+        kept: (ns,) nodes that remain, in that order.
+        fixed: nodes that are omitted.
+        block: unknowns of each node.
     """
     n = len(points)
     nodes = sp.csr_array(
@@ -119,7 +134,7 @@ def dissect(pointer: Nodes, columns: Nodes, points: Array, *, kept: Nodes, fixed
 def _split(
     members: Nodes, points: Array, graph: sp.csr_array, tree: list[tuple[Nodes, tuple[int, ...]]]
 ) -> tuple[int, ...]:
-    """Append the fronts that eliminate the members, children first; the numbers of the topmost ones."""
+    """Append the fronts that eliminate the members, children first; returns the numbers of the topmost ones."""
     if len(members) > LEAF:
         best: tuple[Nodes, Nodes, Nodes] | None = None
         for axis in (0, 1):
