@@ -177,7 +177,7 @@ def profile_regions(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
     if beyond:
-        raise ValueError("the wheel overlaps the rail beyond the part of its surface that touches rails")
+        raise ValueError("the wheel overlaps the rail beyond the part of its surface that can contact rails")
     if not len(contacts):
         return None, approach
     peak, peak_x, depth, share = contacts.T

@@ -115,10 +115,15 @@ class ProfilePair:
         rail_s = projection.s[first]
         projected = self.rail.point(rail_s)
         axes = self.surface[1][node] @ pose.rotation.T
-        overlap = np.einsum("nc,nc->n", point[node, 1:] - projected, axes[:, 2, 1:])
-        positive = overlap > 0  # at the edge of the region the two normals may differ
+        penetration = np.einsum("nc,nc->n", point[node, 1:] - projected, axes[:, 2, 1:])
+        positive = penetration > 0  # at the edge of the region the two normals may differ
         if not positive.all():
-            node, upstream, axes, overlap = node[positive], upstream[:, positive], axes[positive], overlap[positive]
+            node, upstream, axes, penetration = (
+                node[positive],
+                upstream[:, positive],
+                axes[positive],
+                penetration[positive],
+            )
             rail_s, projected = rail_s[positive], projected[positive]
             inverse = inverse.reshape(steps + 1, -1)[:, positive].ravel()
         if not len(node):
@@ -132,7 +137,7 @@ class ProfilePair:
                 point=point[node],
                 axes=axes,
                 area=self.wheel_grid.weight.ravel()[node],
-                overlap=overlap,
+                overlap=penetration,
                 wheel_rotation=pose.rotation,
                 upstream=upstream,
                 rail=Interpolation(interpolation.nodes[inverse], interpolation.weights[inverse]),
@@ -141,7 +146,7 @@ class ProfilePair:
                 rail_place=np.stack([rail_s, projected[:, 0]], axis=1),
                 follows=self._sensitivity,
             ),
-            float(overlap.max()),
+            float(penetration.max()),
         )
 
     def _rail_interpolation(self, x: Array, s: Array) -> Interpolation:

@@ -34,14 +34,14 @@ class QuadricPair:
     def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
         """Candidates by the undeformed penetration -(z_upper - z_lower) of paraboloids; see `SurfacePair`."""
         position = self.grid.position.reshape(-1, 3)[:, :2]
-        overlap = (
+        penetration = (
             -pose.origin[2]
             - (position - pose.origin[:2]) ** 2 @ curvature(self.upper)
             - position**2 @ curvature(self.lower)
         )
-        inside = overlap > 0
+        inside = penetration > 0
         if not inside.any():
-            return None, float(overlap.max())
+            return None, float(penetration.max())
         mask = inside.reshape(self.grid.shape)
         if mask[0].any() or mask[:, 0].any() or mask[:, -1].any() or mask[-1 - steps * self.grid.stride :].any():
             raise OutsideSurface(
@@ -60,7 +60,7 @@ class QuadricPair:
                 point=point,
                 axes=axes,
                 area=self.grid.weight.ravel()[node],
-                overlap=overlap[node],
+                overlap=penetration[node],
                 wheel_rotation=UPSIDE_DOWN,
                 upstream=upstream,
                 rail=Interpolation(upstream.reshape(-1, 1), np.ones((upstream.size, 1))),

@@ -88,14 +88,14 @@ class QuadricSensitivity:
         return change
 
 
-def rigid_slip(places: SurfacePoints, origin: Array, motion: RigidMotion, overlap: Array) -> tuple[Array, Array]:
+def rigid_slip(places: SurfacePoints, origin: Array, motion: RigidMotion, penetration: Array) -> tuple[Array, Array]:
     """Derivatives (12, 2 n) of `wheelrail.contact.kinematics.creepage.shift`, and (12,) of the speed of `creepage`.
 
     Parameters:
         places: n contact points.
         origin: (3,) m of the wheel's frame.
         motion: of both bodies.
-        overlap: (6, n), derivative of the penetration, by which the speed is weighted.
+        penetration: (6, n), derivative of the penetration, by which the speed is weighted.
     """
     assert places.follows is not None
     wheel, rail, axes = motion.wheel, motion.rail, places.axes[:, :2]
@@ -119,5 +119,5 @@ def rigid_slip(places: SurfacePoints, origin: Array, motion: RigidMotion, overla
     forward = (0.5 * (wheel_velocity + rail_velocity) * axes[:, 0]).sum(axis=1)
     total = weight.sum()
     speed = -flow @ weight / total
-    speed[:6] -= overlap @ (places.area * (forward - weight @ forward / total)) / total
+    speed[:6] -= penetration @ (places.area * (forward - weight @ forward / total)) / total
     return shift.reshape(12, -1), speed

@@ -141,7 +141,7 @@ def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, e
         return -state.z
     pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
     try:
-        _, overlap = contact.model.geometry.contact_points(pose, 0)
+        _, penetration = contact.model.geometry.contact_points(pose, 0)
     except OutsideSurface:  # the search recovers from a failed solve
         return -state.z
-    return -state.z - (overlap - expected if overlap > DEEP * expected else 0.0)
+    return -state.z - (penetration - expected if penetration > DEEP * expected else 0.0)

@@ -88,14 +88,14 @@ class TangentProblem:
         body = operator if isinstance(operator, ContactCompliance) else ContactCompliance(operator, n, self.laws)
         active = self.found.pressure > 0
         factor = body.normal.of(active, IterationCount())
-        overlap = places.follows.overlap(places, self.origin)
+        penetration = places.follows.overlap(places, self.origin)
         deepening = np.zeros((a, CHANGES))
-        deepening[:, :6] = overlap[:, index].T / self.scale
+        deepening[:, :6] = penetration[:, index].T / self.scale
         p = la.lu_solve(factor, deepening, check_finite=False)
         if self.rigid is None:
             return p, None
         rows = np.concatenate([index, n + index])
-        rigid_change, speed = rigid_slip(places, self.origin, self.motion, overlap)
+        rigid_change, speed = rigid_slip(places, self.origin, self.motion, penetration)
         creep = rigid_change[:, rows].T
         creep = (creep - self.rigid[rows, None] * speed) / self.speed if self.speed else creep / self.scale
         shift = body.shift if a == n else body.shift[np.ix_(rows, index)]

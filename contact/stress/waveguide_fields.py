@@ -154,8 +154,8 @@ def look_inside(
         stress = cauchy(gradients(U, k), λ, μ).reshape(-1, 9)
         return np.concatenate([stress, gradients.displacement(U)], axis=1)
 
-    def scale(found: Mapping[float, Complex]) -> Array:
-        parts = [integral({k: v[:, part] for k, v in found.items()}) for part in (slice(9), slice(9, 12))]
+    def scale(samples: Mapping[float, Complex]) -> Array:
+        parts = [integral({k: v[:, part] for k, v in samples.items()}) for part in (slice(9), slice(9, 12))]
         return np.repeat(parts, (9, 3))
 
     response = sampled(
