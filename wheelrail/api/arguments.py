@@ -12,14 +12,14 @@ from wheelrail.scenes.schema.tables import SceneTable
 
 
 def keys_of(*tables: type[SceneTable]) -> dict[str, None]:
-    """Keys that tables of a scene have."""
+    """All keys of some tables of a scene."""
     return {key: None for table in tables for key in table.model_fields}
 
 
-def known(caller: str, given: Iterable[str], allowed: Iterable[str]) -> None:
-    """Raises SceneError for a key that is not allowed."""
+def check_keys(caller: str, keys: Iterable[str], allowed: Iterable[str]) -> None:
+    """Raises SceneError for a key that is not allowed, naming caller, key and the nearest allowed one."""
     allowed = list(allowed)
-    for key in given:
+    for key in keys:
         if key not in allowed:
             close = get_close_matches(key, allowed, n=1, cutoff=0.6)
             hint = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(allowed)}"
@@ -33,7 +33,14 @@ def scene_of(
     sections: Mapping[str, Container[str]],
     at_hand: Container[str] = (),
 ) -> Scene:
-    """The scene of flat keys, each put into the section that has it.
+    """Scene from flat keys, each put into its section.
+
+    Parameters:
+        caller: name of the function or class for error messages.
+        kind: "hertz" or "wheelset".
+        keys: values by key; None is left out.
+        sections: keys by section.
+        at_hand: profiles ("wheel", "rail") that are passed as objects and need no file.
 
     Raises SceneError naming argument, value and what is allowed.
     """
@@ -41,13 +48,13 @@ def scene_of(
     for key, value in keys.items():
         if value is None:
             continue
-        home = next((section for section, its in sections.items() if key in its), None)
-        (data if home is None else data[home])[key] = plain(value)
+        section = next((name for name, own_keys in sections.items() if key in own_keys), None)
+        (data if section is None else data[section])[key] = plain(value)
     return checked(data, caller, at_hand=at_hand, unnamed=sections)
 
 
 def plain(value: Any) -> Any:
-    """NumPy's numbers and arrays as Python's, tuples as lists."""
+    """NumPy numbers and arrays as Python numbers and lists, tuples as lists."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Mapping):
@@ -57,8 +64,13 @@ def plain(value: Any) -> Any:
     return value
 
 
-def replaced(base: Mapping[str, Any], given: Mapping[str, Any], groups: Iterable[tuple[str, ...]]) -> dict[str, Any]:
-    """Base with what is given on top; of every group of which something is given, nothing of the base is left."""
-    gone = {key for group in groups if any(given.get(key) is not None for key in group) for key in group}
-    kept = {key: value for key, value in base.items() if key not in gone}
-    return {**kept, **{key: value for key, value in given.items() if value is not None}}
+def replaced(base: Mapping[str, Any], changes: Mapping[str, Any], groups: Iterable[tuple[str, ...]]) -> dict[str, Any]:
+    """Base values with changes; None changes nothing.
+
+    Parameters:
+        base, changes: values by key.
+        groups: keys that exclude each other: a change of one removes the others of its group from the base.
+    """
+    removed = {key for group in groups if any(changes.get(key) is not None for key in group) for key in group}
+    remaining = {key: value for key, value in base.items() if key not in removed}
+    return {**remaining, **{key: value for key, value in changes.items() if value is not None}}

@@ -17,18 +17,18 @@ from wheelrail.support.arrays import Array
 if TYPE_CHECKING:
     from xarray import Dataset
 
-FINEST = 1e-4  # m, between lateral positions from which the conicity is computed
+FINEST = 1e-4  # m, largest spacing of the lateral positions for the equivalent conicity
 
 
 # Variable by side: unit, meaning.
 BY_SIDE = {
     "rolling_radius": ("m", "rolling radius"),
-    "contact_angle": ("rad", "turn of the contact plane about the track"),
-    "wheel_s": ("m", "arc length on the wheel's profile from the rolling circle, to the field side"),
-    "wheel_y": ("m", "lateral position on the wheel from the rolling circle, to the field side"),
-    "rail_s": ("m", "arc length on the rail's profile from its top as laid, to the field side"),
-    "rail_y": ("m", "lateral position on the rail from its top as laid, to the field side"),
-    "contact_x": ("m", "contact point ahead of the axle"),
+    "contact_angle": ("rad", "contact angle, rotation of the contact plane about the track direction"),
+    "wheel_s": ("m", "arc length on the wheel profile from the rolling circle, positive to the field side"),
+    "wheel_y": ("m", "lateral position on the wheel from the rolling circle, positive to the field side"),
+    "rail_s": ("m", "arc length on the rail profile from the top of the inclined rail, positive to the field side"),
+    "rail_y": ("m", "lateral position on the rail from the top of the inclined rail, positive to the field side"),
+    "contact_x": ("m", "longitudinal position of the contact point, ahead of the axle"),
 }
 
 
@@ -40,45 +40,55 @@ def contact_geometry(
     yaw: float = 0.0,
     **more: Any,
 ) -> Dataset:
-    """Where a rigid wheelset touches its rigid rails, over its lateral position y (n,) m: -6 to 6 mm unless given.
+    """Contact points of a rigid wheelset on rigid rails over its lateral position, and the equivalent conicity.
 
-    wheel, rail: a name, a file or a profile. yaw rad. Further arguments place them, as for `wheelrail.Wheelset`:
-    laying_angle rad; gauge, gauge_height, flange_back_distance, flange_back and radius m.
+    Parameters:
+        wheel, rail: name, file or profile.
+        y: (n,) lateral positions of the wheelset, m, positive to the left; -6 to 6 mm in steps of 0.1 mm by default.
+        yaw: of the wheelset, rad.
+        more: mounting as for `wheelrail.Wheelset`: laying_angle, rad; gauge, gauge_height, flange_back_distance,
+            flange_back and radius, m.
 
-    A Dataset over y and side: rolling_radius m, contact_angle rad, contact points on both profiles m; over y: height z
-    m and roll rad of the wheelset, rolling_radius_difference m, left minus right; over amplitude m, the positive ones
-    of y: equivalent_conicity, that of cones whose wheelset runs in waves of the same length (EN 15302; Klingel's
-    formula for cones). Raises SceneError, and ValueError for a position at which no two points touch.
+    Returns a Dataset over y and side: rolling_radius, m, contact_angle, rad, contact points on both profiles, m; over
+    y: height z, m, and roll, rad, of the wheelset, rolling_radius_difference, m, left minus right; over amplitude, m,
+    the positive values of y: equivalent_conicity, that of conical wheels with the same wavelength of the kinematic
+    motion (EN 15302; Klingel's formula for cones).
+
+    Raises SceneError, and ValueError for a position without contact on both sides.
     """
     from xarray import Dataset
 
     from wheelrail.contact.geometry.first_contact import seats
     from wheelrail.scenes.datasets.patches import means
 
-    places = _positions(y)
+    positions = _positions(y)
     pair = placed_pair(wheel, rail, **more)
-    found = seats(pair.rigid, pair.mounting, places, yaw)
-    values = _by_side(pair, [touches for _, touches in found])
+    contacts = seats(pair.rigid, pair.mounting, positions, yaw)
+    values = _by_side(pair, [touches for _, touches in contacts])
     radii = values["rolling_radius"]
-    amplitude = np.unique(places[places > 0.0])
+    amplitude = np.unique(positions[positions > 0.0])
     return Dataset(
         {
             **{name: (("y", "side"), values[name], means(units, text)) for name, (units, text) in BY_SIDE.items()},
-            "z": ("y", [state.z for state, _ in found], means("m", "height of the wheelset over the nominal one")),
-            "roll": ("y", [state.roll for state, _ in found], means("rad", "roll of the wheelset")),
+            "z": (
+                "y",
+                [state.z for state, _ in contacts],
+                means("m", "height of the wheelset above its nominal height"),
+            ),
+            "roll": ("y", [state.roll for state, _ in contacts], means("rad", "roll of the wheelset")),
             "rolling_radius_difference": (
                 "y",
                 radii[:, 0] - radii[:, 1],
-                means("m", "rolling radius of the left wheel less that of the right one"),
+                means("m", "rolling radius difference, left minus right"),
             ),
             "equivalent_conicity": (
                 "amplitude",
                 _conicity(pair, amplitude),
-                means("1", "equivalent conicity, from the length of the wave (EN 15302)"),
+                means("1", "equivalent conicity, from the wavelength of the kinematic motion (EN 15302)"),
             ),
         },
         coords={
-            "y": ("y", places, means("m", "lateral position of the wheelset, to the left")),
+            "y": ("y", positions, means("m", "lateral position of the wheelset, positive to the left")),
             "side": ("side", list(SIDES)),
             "amplitude": ("amplitude", amplitude, means("m", "amplitude of the lateral motion")),
         },
@@ -97,7 +107,7 @@ def _positions(y: ArrayLike | None) -> Array:
     """Lateral positions (n,) m of the wheelset, -6 to 6 mm unless given. Raises ValueError for others than numbers."""
     places = np.atleast_1d(np.asarray(np.linspace(-6e-3, 6e-3, 121) if y is None else y, dtype=np.float64))
     if places.ndim != 1 or not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 0.1:
-        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm are 0.002), got {y!r}")
+        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm is 0.002), got {y!r}")
     return places
 
 

@@ -1,4 +1,4 @@
-"""Pictures from profiles and from errors measured in a study; one style for all."""
+"""Figures of profiles, convergence and work-precision, in one style."""
 
 from __future__ import annotations
 
@@ -23,10 +23,14 @@ def plot_profiles(
     ax: Axes | None = None,
     **more: Any,
 ) -> Axes:
-    """Left wheel over left rail in mm, rigid, where a wheelset y m to the left and with a yaw rad just touches both
-    rails, contact points marked.
+    """Plot the rigid left wheel on its rail, in mm, at first contact of the wheelset with both rails.
 
-    wheel, rail: a name, a file or a profile; further arguments place them, as for `wheelrail.contact_geometry`.
+    Parameters:
+        wheel, rail: name, file or profile.
+        y: lateral position of the wheelset, m, positive to the left.
+        yaw: of the wheelset, rad.
+        ax: Matplotlib axes; a new figure by default.
+        more: mounting as for `wheelrail.contact_geometry`.
     """
     from wheelrail.api.rigid_pair import outlines_in_contact, placed_pair
     from wheelrail.scenes.plots.profiles import draw_profiles
@@ -34,8 +38,10 @@ def plot_profiles(
     wheel_line, rail_line, point, angle = outlines_in_contact(placed_pair(wheel, rail, **more), y, yaw)
     with styled():
         axes = shown(None, (7.2, 4.0)).subplots() if ax is None else ax
-        title = f"left wheel on its rail, y = {1e3 * y:.3g} mm"
-        return draw_profiles(wheel_line, rail_line, [point], [f"contact, {1e3 * angle:.3g} mrad"], title=title, ax=axes)
+        title = f"left wheel and rail, wheelset at y = {1e3 * y:.3g} mm"
+        return draw_profiles(
+            wheel_line, rail_line, [point], [f"contact, angle {1e3 * angle:.3g} mrad"], title=title, ax=axes
+        )
 
 
 def plot_convergence(
@@ -46,9 +52,13 @@ def plot_convergence(
     ylabel: str = "relative error [1]",
     ax: Axes | None = None,
 ) -> Axes:
-    """Errors (by label) over size or number of cells, both on logarithmic scales, with the slope fitted to each series.
+    """Plot errors over cell size or number of cells on logarithmic axes, with the order fitted to each series.
 
-    size (n,) and errors (n,) in the units that the labels of the axes say.
+    Parameters:
+        size: (n,) cell sizes or numbers of cells, in the unit of xlabel.
+        errors: (n,) errors by label of the series, in the unit of ylabel.
+        xlabel, ylabel: labels of the axes.
+        ax: Matplotlib axes; a new figure by default.
     """
     from wheelrail.scenes.plots.errors import convergence
 
@@ -66,8 +76,12 @@ def plot_work_precision(
     ylabel: str = "relative error [1]",
     ax: Axes | None = None,
 ) -> Axes:
-    """Error over time of several series, {label: (seconds (n,), errors (n,))}, both on logarithmic scales: lower and
-    further left is better.
+    """Plot errors over computing time of several series on logarithmic axes (work-precision diagram).
+
+    Parameters:
+        series: times (n,), s, and errors (n,), in the unit of ylabel, by label of the series.
+        xlabel, ylabel: labels of the axes.
+        ax: Matplotlib axes; a new figure by default.
     """
     from wheelrail.scenes.plots.errors import work_precision
 

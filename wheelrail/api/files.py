@@ -20,19 +20,22 @@ ENDINGS: dict[str, Kind] = {".prr": "rail", ".ban": "rail", ".prw": "wheel", ".w
 
 
 def load(scene: str | Path) -> Hertz | Wheelset:
-    """The Hertz pair or the wheelset of a scene file (TOML); its `solve()` without arguments is the scene's contact.
+    """Hertz pair or wheelset of a scene file; `solve()` without arguments solves the contact of the scene.
 
-    Raises SceneError naming file, key, value and what is allowed, and for a vehicle run, which `wheelrail.run` takes.
+    Parameters:
+        scene: scene file (TOML) of kind "hertz" or "wheelset".
+
+    Raises SceneError naming file, key, value and what is allowed; also for a vehicle run (use `wheelrail.run`).
     """
     from wheelrail.api.hertz import Hertz
     from wheelrail.api.wheelset import SECTIONS, Wheelset
 
-    found = load_scene(scene)
-    if isinstance(found, RunScene):
-        raise SceneError(f'{scene}: kind = "run": this is a vehicle run, use wheelrail.run')
-    keys: dict[str, Any] = found.model_dump(exclude_unset=True)
+    checked = load_scene(scene)
+    if isinstance(checked, RunScene):
+        raise SceneError(f'{scene}: kind = "run": must be "hertz" or "wheelset"; for a vehicle run use wheelrail.run')
+    keys: dict[str, Any] = checked.model_dump(exclude_unset=True)
     del keys["kind"]
-    if not isinstance(found, WheelsetScene):
+    if not isinstance(checked, WheelsetScene):
         return Hertz(**keys)
     for section in SECTIONS:
         keys |= keys.pop(section)
@@ -40,9 +43,12 @@ def load(scene: str | Path) -> Hertz | Wheelset:
 
 
 def open(file: str | Path) -> Solution | Run | Study:
-    """What a `to_netcdf` wrote, or the run.nc or study.nc of the command line.
+    """Read results from a NetCDF file.
 
-    Raises SceneError for a file that is none of these, OSError for one that cannot be read.
+    Parameters:
+        file: written by `to_netcdf`, or run.nc or study.nc of the command line.
+
+    Raises SceneError for a file without results of wheelrail, OSError for one that cannot be read.
     """
     from xarray import open_dataset
 
@@ -51,28 +57,30 @@ def open(file: str | Path) -> Solution | Run | Study:
     from wheelrail.api.studies import Study
 
     if not Path(file).is_file():
-        raise FileNotFoundError(f"{file}: there is no such file")
+        raise FileNotFoundError(f"{file}: file does not exist")
     try:
         with open_dataset(file, engine="netcdf4", decode_times=False) as stored:
             data = stored.load()
     except (OSError, ValueError) as error:
-        raise SceneError(
-            f"{file}: not a NetCDF file that can be read ({error}); allowed: results of wheelrail"
-        ) from None
+        raise SceneError(f"{file}: not a readable NetCDF file ({error}); must be results of wheelrail") from None
     if "point" in data.dims and "patches" in data:
         return Solution(data)
     if data.attrs.get("kind") == "study":
         return Study(data)
     if "time" in data.dims and "patches" in data:
         return Run(data)
-    raise SceneError(f"{file}: no contact solution, vehicle run or study; allowed: results of wheelrail")
+    raise SceneError(f"{file}: must be the results of a contact solution, a vehicle run or a study of wheelrail")
 
 
 def report(folder: str | Path, file: str | Path | None = None, *, view: bool = True) -> Path:
-    """Write the page (HTML) of the run, the study or the comparison in a folder; its path.
+    """Write a self-contained HTML report of a run, a study or a comparison; returns its path.
 
-    file: report.html in the folder unless given. The page is whole in itself and needs no network. view: with a view in
-    three dimensions, some MB. Raises SceneError for a folder without results or with damaged ones, OSError.
+    Parameters:
+        folder: results of a run, a study or a comparison.
+        file: the report; report.html in the folder by default.
+        view: whether to include the interactive 3D view, some MB.
+
+    Raises SceneError for a folder without results or with damaged ones, OSError.
     """
     from wheelrail.scenes.html_report.write import write_report
 
@@ -80,12 +88,16 @@ def report(folder: str | Path, file: str | Path | None = None, *, view: bool = T
 
 
 def profile(name: str | Path, kind: Kind | None = None, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:
-    """The profile of a wheel or of a rail, lengths in m: "S1002", "60E1" or "UIC60", "UIC60-benchmark", or a file.
+    """Profile of a wheel or a rail, lengths in m.
 
-    Files: Simpack .prr and .prw, MiniProf .ban and .whl, and points y, z in .txt, .csv or .dat, for which kind says
-    whether it is a "wheel" or a "rail". noise m: RMS distance that the curve may keep from the points; 0 passes through
-    them. inclination rad: laying angle that is in the file already. Raises ValueError naming file, line, value and what
-    is allowed.
+    Parameters:
+        name: "S1002", "60E1" or "UIC60", "UIC60-benchmark", or a file: Simpack .prr and .prw, MiniProf .ban and .whl,
+            points y, z in .txt, .csv or .dat.
+        kind: "wheel" or "rail"; required for points in .txt, .csv and .dat.
+        noise: RMS distance allowed between the smoothed curve and the points, m; 0 interpolates the points.
+        inclination: of the rail that the file already contains, rad.
+
+    Raises ValueError naming file, line, value and what is allowed.
     """
     from wheelrail.meshes.profiles.library import load_profile
     from wheelrail.meshes.profiles.named import NAMES
@@ -95,7 +107,7 @@ def profile(name: str | Path, kind: Kind | None = None, *, noise: float = 0.0, i
         from wheelrail.meshes.profiles.profile import KINDS
 
         if not Path(name).is_file():
-            known = ", ".join(NAMES)
-            raise ValueError(f"profile {str(name)!r} is neither known nor a file; allowed: {known}, or a file")
-        raise ValueError(f"profile {str(name)!r}: kind is missing; allowed: {' or '.join(map(repr, KINDS))}")
+            names = ", ".join(NAMES)
+            raise ValueError(f"profile {str(name)!r}: must be one of {names}, or a file that exists")
+        raise ValueError(f"profile {str(name)!r}: kind is missing, must be {' or '.join(map(repr, KINDS))}")
     return load_profile(name, kind, noise=noise, inclination=inclination)

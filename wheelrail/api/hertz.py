@@ -1,4 +1,4 @@
-"""Two bodies with given principal radii: Hertz's contact, and rolling or shifting friction in it."""
+"""Contact of two quadratic surfaces: Hertz, Carter, Cattaneo-Mindlin and rolling with creepage."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.api.arguments import keys_of, known, plain, replaced, scene_of
+from wheelrail.api.arguments import check_keys, keys_of, plain, replaced, scene_of
 from wheelrail.api.solution import Solution, solved
 from wheelrail.scenes.builders.hertz import hertz_model
 from wheelrail.scenes.contacts.solve import solve_sides
@@ -18,20 +18,24 @@ if TYPE_CHECKING:
     from wheelrail.contact.models.wheelset import ContactModel
 
 GROUPS = (("load", "approach"), ("creepage", "shift"), ("speed", "shift"))
-KEPT = 8  # models for different loads
+CACHED_MODELS = 8  # for different loads
 
 
 class Hertz:
-    """Two elastic bodies with given principal radii that touch in one point, upper on lower.
+    """Two elastic bodies with given principal radii in point contact.
 
-    upper, lower: principal radii (in x, in y) in m, inf is straight and negative is hollow; or a dict with radii, E and
-    nu. friction: coefficient, 0 skips all tangential work. E: Young's modulus Pa and nu: Poisson's ratio of both.
-    surface_size m: edge of the surface cells; cells fitted to the patch (the default) do not depend on it. Further
-    arguments are the keys of a Hertz scene: model ("condensed", "full", "standard"), laws ("exact", "paper"), bodies,
-    points, strips, cells, degree, falling, ...; and those of `solve`, which then are its defaults.
+    Parameters:
+        upper, lower: principal radii (in x, in y), m, inf is straight, negative is concave; or a dict with radii, E
+            and nu.
+        friction: coefficient of friction; 0 skips the tangential problem.
+        E: Young's modulus of both bodies, Pa.
+        nu: Poisson's ratio of both bodies.
+        surface_size: edge of the surface cells, m; cells fitted to the patch (the default) do not depend on it.
+        more: further keys of a Hertz scene: model ("condensed", "full", "standard"), laws ("exact", "paper"), bodies,
+            points, strips, cells, degree, falling, ...; and defaults for the arguments of `solve`.
 
-    Bodies are meshed for a load when it is first asked for, and kept. Raises SceneError, a ValueError, naming the
-    argument, its value and what is allowed.
+    Bodies are meshed at the first solve for a load, and cached. Raises SceneError, a ValueError, naming the argument,
+    its value and what is allowed.
     """
 
     def __init__(
@@ -45,7 +49,7 @@ class Hertz:
         surface_size: float | None = None,
         **more: Any,
     ) -> None:
-        known("Hertz", more, (key for key in keys_of(HertzScene) if key != "kind"))
+        check_keys("Hertz", more, (key for key in keys_of(HertzScene) if key != "kind"))
         if surface_size is None and more.get("model") != "standard":
             surface_size = 1e-3
         bodies = {"upper": _body(upper, E, nu), "lower": _body(lower, E, nu)}
@@ -64,16 +68,20 @@ class Hertz:
         error_estimate: bool | None = None,
         stress: Mapping[str, Any] | None = None,
     ) -> Solution:
-        """The contact under a load N or at an approach m, one of the two.
+        """Solve the contact for a load or an approach, in rolling or for one tangential displacement.
 
-        With friction the bodies roll at a speed m/s (10 unless given; forces depend on it only where friction falls)
-        with a creepage (longitudinal, lateral, spin in rad/m), upper minus lower over the speed, 0 unless given; or the
-        upper one is pushed once against the lower one by a shift (x, y) m. error_estimate: solve once more on half as
-        many cells. stress: {"depths": [...] m, "body": "upper", "lower" or "both"} below the patch.
+        Parameters:
+            load: normal load, N; or
+            approach: of the bodies, m.
+            speed: rolling speed, m/s, 10 by default; forces depend on it only with falling friction.
+            creepage: (longitudinal, lateral, spin in 1/m), upper minus lower velocity over speed; 0 by default.
+            shift: (x, y) tangential displacement of the upper body, m, instead of rolling.
+            error_estimate: whether to estimate errors from a second solve on half as many cells.
+            stress: {"depths": [...] in m, "body": "upper", "lower" or "both"}: stress below the patch.
 
-        A load that cannot be carried is a status "failed: ..." of the solution and no error. Raises SceneError.
+        A load that cannot be carried gives status "failed: ..." and no exception. Raises SceneError.
         """
-        given = {
+        arguments = {
             "load": load,
             "approach": approach,
             "speed": speed,
@@ -82,13 +90,17 @@ class Hertz:
             "error_estimate": error_estimate,
             "stress": stress,
         }
-        scene = self._scene(given)
+        scene = self._scene(arguments)
         return solved(
-            scene, dict(solve_sides(scene, model=self._model(scene))), (), replaced(self.arguments, given, GROUPS)
+            scene, dict(solve_sides(scene, model=self._model(scene))), (), replaced(self.arguments, arguments, GROUPS)
         )
 
     def closed_form(self, *, load: float | None = None, approach: float | None = None) -> ClosedForm:
-        """Hertz's own answer under a load N or at an approach m: semi_axes m, peak Pa, approach m, force N.
+        """Hertz's closed-form solution: semi_axes, m, peak, Pa, approach, m, force, N.
+
+        Parameters:
+            load: normal load, N; or
+            approach: of the bodies, m.
 
         Johnson, Contact Mechanics, 1985, ch. 4. Raises ValueError unless one of the two is given.
         """
@@ -99,8 +111,8 @@ class Hertz:
         A, B = curvature(upper.radii) + curvature(lower.radii)
         return hertz(A, B, modulus((upper.E, upper.nu), (lower.E, lower.nu)), force=load, approach=approach)
 
-    def _scene(self, given: Mapping[str, Any]) -> HertzScene:
-        keys = replaced(self.arguments, given, GROUPS)
+    def _scene(self, arguments: Mapping[str, Any]) -> HertzScene:
+        keys = replaced(self.arguments, arguments, GROUPS)
         if keys["friction"] != 0.0 and keys.get("shift") is None:
             keys = {"speed": 10.0, "creepage": (0.0, 0.0, 0.0), **keys}
         scene = scene_of("Hertz", "hertz", keys, {})
@@ -108,22 +120,22 @@ class Hertz:
         return scene
 
     def _model(self, scene: HertzScene) -> ContactModel:
-        """The model for the load of a scene, and for its kind of motion."""
+        """Cached contact model for load or approach, and for rolling or one tangential displacement."""
         key = (scene.load, scene.approach, scene.shift is None)
         if key not in self._models:
             self._models[key] = hertz_model(scene)
         self._models.move_to_end(key)
-        while len(self._models) > KEPT:
+        while len(self._models) > CACHED_MODELS:
             self._models.popitem(last=False)
         return self._models[key]
 
     def __repr__(self) -> str:
-        said = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items() if value is not None)
-        return f"Hertz({said})"
+        arguments = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items() if value is not None)
+        return f"Hertz({arguments})"
 
 
-def _body(given: Sequence[float] | Mapping[str, Any], E: float, nu: float) -> Any:
-    """A table of the scene."""
-    if isinstance(given, Mapping):
-        return {"E": E, "nu": nu, **plain(given)}
-    return {"radii": plain(given), "E": E, "nu": nu}
+def _body(radii: Sequence[float] | Mapping[str, Any], E: float, nu: float) -> Any:
+    """Table of a body in the scene."""
+    if isinstance(radii, Mapping):
+        return {"E": E, "nu": nu, **plain(radii)}
+    return {"radii": plain(radii), "E": E, "nu": nu}

@@ -1,4 +1,4 @@
-"""Profiles of wheel and rail in a track, and their outlines where the rigid bodies touch."""
+"""Rigid profiles of wheel and rail in a track, and their outlines at first contact."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
-OUTLINE = 2e-4  # m, between points of a profile that is drawn
+OUTLINE = 2e-4  # m, spacing of the points of a plotted profile
 
 
 @dataclass(frozen=True)
 class PlacedPair:
-    """Rigid left-hand pair of profiles, the rail as laid, and how both are mounted."""
+    """Rigid left-hand pair of profiles, the rail inclined, and its mounting."""
 
     rigid: RigidWheelRail
     mounting: Mounting
 
 
 def placed_pair(wheel: str | Path | Profile = "S1002", rail: str | Path | Profile = "UIC60", **more: Any) -> PlacedPair:
-    """Profiles of a wheelset on its track; arguments as for `wheelrail.Wheelset`, which checks them."""
+    """Profiles of a wheelset on its track; arguments as for `wheelrail.Wheelset`."""
     from wheelrail.api.wheelset import Wheelset
 
     wheelset = Wheelset(wheel, rail, friction=0.0, model="standard", **more)
@@ -33,7 +33,7 @@ def placed_pair(wheel: str | Path | Profile = "S1002", rail: str | Path | Profil
 
 
 def contact_values(pair: PlacedPair, touch: Any, hand: float) -> dict[str, float]:
-    """What there is to say of a contact point; hand is -1 for the mirror image of a right-hand pair."""
+    """Rolling radius, contact angle and positions of a contact point; hand is -1 for a mirrored right-hand pair."""
     (wheel_y, wheel_z), rail_y = pair.rigid.wheel.point(touch.wheel_s), pair.rigid.rail.point(touch.rail_s)[0]
     return {
         "rolling_radius": pair.rigid.radius + float(wheel_z),
@@ -47,8 +47,14 @@ def contact_values(pair: PlacedPair, touch: Any, hand: float) -> dict[str, float
 
 
 def outlines_in_contact(pair: PlacedPair, y: float, yaw: float) -> tuple[Array, Array, Array, float]:
-    """Lowest line of the left wheel and its rail (n, 2) m, contact point (2,) m, in the frame of the rail, and contact
-    angle rad, where the wheelset at y m with a yaw rad just touches both rails.
+    """Outlines of the left wheel (its lowest line) and rail at first contact with both rails.
+
+    Parameters:
+        pair: profiles and mounting.
+        y: lateral position of the wheelset, m.
+        yaw: of the wheelset, rad.
+
+    Returns wheel and rail (n, 2), m, contact point (2,), m, in the frame of the rail, and contact angle, rad.
     """
     from wheelrail.contact.geometry.first_contact import seats
 
@@ -56,5 +62,5 @@ def outlines_in_contact(pair: PlacedPair, y: float, yaw: float) -> tuple[Array, 
     pose, _ = pair.mounting.left_pair(state)
     wheel, rail = (profile.point(profile.samples(OUTLINE)) for profile in (pair.rigid.wheel, pair.rigid.rail))
     lowest = np.column_stack([np.zeros(len(wheel)), wheel[:, 0], -(pair.rigid.radius + wheel[:, 1])])
-    placed = (lowest @ pose.rotation.T + pose.origin)[:, 1:]
-    return placed, rail, touches["left"].point[1:], contact_values(pair, touches["left"], 1.0)["contact_angle"]
+    wheel_outline = (lowest @ pose.rotation.T + pose.origin)[:, 1:]
+    return wheel_outline, rail, touches["left"].point[1:], contact_values(pair, touches["left"], 1.0)["contact_angle"]

@@ -1,4 +1,4 @@
-"""Pictures of a vehicle run, called in the manner of xarray: `run.plot()`, `run.plot.bands("wheel")`."""
+"""Figures of a vehicle run: `run.plot()`, `run.plot.bands("wheel")`."""
 
 from __future__ import annotations
 
@@ -16,39 +16,59 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunPlots:
-    """Pictures of one run over the distance along the track, m; each returns its axes.
+    """Figures of one run over distance along the track, m; each method returns its axes.
 
-    Without a figure a picture makes its own, which a notebook shows.
+    Parameters:
+        data: Dataset of the run.
+
+    Every method draws into `figure`, a Matplotlib figure; a new one by default, which a notebook displays.
     """
 
     data: Dataset
 
     def __call__(self) -> dict[str, tuple[Axes, ...]]:
-        """All pictures, by name, each a figure of its own: displacements mm, forces kN, bands of contact mm."""
+        """Draw all figures, by name: displacements, mm, forces, kN, contact bands, mm."""
         from wheelrail.scenes.plots.runs import PICTURES
 
         return {name: self._drawn(draw, None) for name, draw in PICTURES.items()}
 
     def displacements(self, figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Lateral displacement mm of wheelset and car body."""
+        """Lateral displacement of wheelset and car body, mm.
+
+        Parameters:
+            figure: Matplotlib figure.
+        """
         from wheelrail.scenes.plots.runs import displacements
 
         return self._drawn(displacements, figure)
 
     def lateral_forces(self, figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Lateral contact force kN on both wheels."""
+        """Lateral contact force on both wheels, kN.
+
+        Parameters:
+            figure: Matplotlib figure.
+        """
         from wheelrail.scenes.plots.runs import lateral_forces
 
         return self._drawn(lateral_forces, figure)
 
     def vertical_forces(self, figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Vertical contact force kN on both wheels."""
+        """Vertical contact force on both wheels, kN.
+
+        Parameters:
+            figure: Matplotlib figure.
+        """
         from wheelrail.scenes.plots.runs import vertical_forces
 
         return self._drawn(vertical_forces, figure)
 
     def bands(self, body: Literal["wheel", "rail"] = "wheel", figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Lateral extent mm of every patch on both wheels or rails, shaded by its peak pressure MPa."""
+        """Lateral extent of the patches on both wheels or rails, mm, coloured by peak pressure, MPa.
+
+        Parameters:
+            body: "wheel" or "rail".
+            figure: Matplotlib figure.
+        """
         from wheelrail.scenes.plots.runs import rail_sections, wheel_sections
 
         if body not in ("wheel", "rail"):

@@ -1,4 +1,4 @@
-"""A vehicle run as a table to read."""
+"""Summary table of a vehicle run, as text and HTML."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 if TYPE_CHECKING:
     from xarray import Dataset
 
-# Row: variable, what a unit of it is in SI, digits.
+# Row: variable, its unit in SI units, digits.
 ROWS: dict[str, tuple[str, float, int]] = {
-    "Y, to the left [kN]": ("lateral_force", 1e3, 2),
-    "Q, upwards [kN]": ("vertical_force", 1e3, 2),
+    "Y, positive to the left [kN]": ("lateral_force", 1e3, 2),
+    "Q, positive upwards [kN]": ("vertical_force", 1e3, 2),
     "peak pressure [MPa]": ("patch_max_pressure", 1e6, 0),
     "wheel y [mm]": ("wheel_y", 1e-3, 2),
 }
 
 
 def text(data: Dataset) -> str:
-    """How the run ended, and between what its forces and contacts lay."""
+    """Status, and ranges of forces, pressure and contact positions by side."""
     rows = _rows(data)
     width = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = [
@@ -31,7 +31,7 @@ def text(data: Dataset) -> str:
 
 
 def html(data: Dataset) -> str:
-    """The same in HTML, with the whole Dataset folded away below."""
+    """The same in HTML, with the Dataset in a collapsed section below."""
     table = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in _rows(data))
     return (
         f"<div><b>{escape(_heading(data))}</b><table>{table}</table>"
@@ -40,23 +40,23 @@ def html(data: Dataset) -> str:
 
 
 def _heading(data: Dataset) -> str:
-    """One line on where the run came to, and what it cost."""
+    """One line: status, distance and time reached, lateral range, computing time."""
     reached, time = float(data["distance"].values[-1]), float(data["time"].values[-1])
     y = 1e3 * data["wheelset_y"].values
     return (
         f"Vehicle run: {data.attrs['status']} at {reached:.1f} m, {time:.2f} s; {data.sizes['time']} samples, "
-        f"wheelset y {y.min():.2f} to {y.max():.2f} mm; {float(data.attrs['seconds']):.1f} s of computing"
+        f"wheelset y {y.min():.2f} to {y.max():.2f} mm; {float(data.attrs['seconds']):.1f} s computing time"
     )
 
 
 def _rows(data: Dataset) -> list[list[str]]:
     sides = [str(side) for side in data["side"].values]
-    rows = [["least to most", *sides]]
+    rows = [["minimum to maximum", *sides]]
     for label, (name, unit, digits) in ROWS.items():
         cells = []
         for side in sides:
             values = data[name].sel(side=side).values
-            known = values[np.isfinite(values)] / unit
-            cells.append(f"{known.min():.{digits}f} to {known.max():.{digits}f}" if known.size else "-")
+            finite = values[np.isfinite(values)] / unit
+            cells.append(f"{finite.min():.{digits}f} to {finite.max():.{digits}f}" if finite.size else "-")
         rows.append([label, *cells])
     return rows

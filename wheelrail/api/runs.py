@@ -16,27 +16,34 @@ from wheelrail.api.stored_dataset import StoredDataset
 
 @dataclass(frozen=True, repr=False)
 class Run(StoredDataset):
-    """A vehicle run: data is a Dataset with units in SI over time, side (left, right) and patch (padded with NaN)."""
+    """Results of a vehicle run.
+
+    Parameters:
+        data: Dataset in SI units over time, side (left, right) and patch (padded with NaN).
+    """
 
     @property
     def status(self) -> str:
-        """ "completed", or how it ended before its time."""
+        """ "completed", or the reason for which the run ended early."""
         return str(self.data.attrs["status"])
 
     @property
     def plot(self) -> RunPlots:
-        """Pictures: `plot()`, `plot.displacements()`, `plot.lateral_forces()`, `plot.vertical_forces()`,
+        """Figures: `plot()`, `plot.displacements()`, `plot.lateral_forces()`, `plot.vertical_forces()`,
         `plot.bands("wheel")` and `plot.bands("rail")`.
         """
         return RunPlots(self.data)
 
     def view(self, distance: float | None = None, *, scale: float = 1.0, file: str | Path | None = None) -> Any:
-        """A pyvista plotter of one moment in three dimensions: the wheelset on its rails with the contact forces, and
-        both contacts close up.
+        """3D view of one instant: the wheelset on its rails with the contact forces, and close-ups of both contacts.
 
-        distance m along the track, that of the largest lateral force unless given; scale of the wheelset's
-        displacements. `.show()` it, or give a file, a picture (.png) or a page to turn (.html). Raises SceneError where
-        the scene's profiles are gone and for another ending, OSError.
+        Parameters:
+            distance: along the track, m; by default that of the largest lateral force.
+            scale: displacement magnification factor of the wheelset.
+            file: image (.png) or interactive 3D view (.html) to save.
+
+        Returns a PyVista plotter, for `.show()`. Raises SceneError for missing profiles and for another file ending,
+        OSError.
         """
         from wheelrail.scenes.schema.errors import SceneError
         from wheelrail.scenes.views.run_snapshot import hardest, moment_view
@@ -46,18 +53,26 @@ class Run(StoredDataset):
             raise SceneError(f"file = {str(file)!r}: must end in .png or .html")
         at = hardest(self.data) if distance is None else int(np.argmin(np.abs(self.data["distance"].values - distance)))
         where = f"{float(self.data['distance'][at]):.1f} m, {float(self.data['time'][at]):.2f} s"
-        drawn = moment_view(self.data, at, **bodies_of_run(self.data, Path("run.nc")), title=where, scale=scale)
+        plotter = moment_view(self.data, at, **bodies_of_run(self.data, Path("run.nc")), title=where, scale=scale)
         if file is not None:
             from wheelrail.scenes.views.html import save_view
 
-            save_view(drawn, Path(file))
-        return drawn
+            save_view(plotter, Path(file))
+        return plotter
 
     def animate(
         self, file: str | Path, *, frames: int = 120, fps: float = 20.0, scale: float = 20.0, progress: bool = False
     ) -> Path:
-        """Make a film (.mp4, .gif) of the run: the wheelset on its rails, its displacements so many times; forces, and
-        both contacts close up, true to scale. Seconds a frame. Raises OSError, SceneError for another ending.
+        """Save an animation of the run: the wheelset on its rails, forces, and close-ups of both contacts to scale.
+
+        Parameters:
+            file: .mp4 or .gif.
+            frames: number of frames.
+            fps: frames per second.
+            scale: displacement magnification factor of the wheelset.
+            progress: whether to show progress on standard error.
+
+        A frame takes seconds to draw. Returns the file. Raises OSError, SceneError for another file ending.
         """
         from wheelrail.scenes.schema.errors import SceneError
         from wheelrail.scenes.views.animation import animate_run
@@ -66,15 +81,15 @@ class Run(StoredDataset):
 
         if Path(file).suffix.lower() not in (".mp4", ".gif"):
             raise SceneError(f"file = {str(file)!r}: must end in .mp4 or .gif")
-        told = None
+        report_progress = None
         with progress_console().status("drawing") if progress else nullcontext() as status:
             if status is not None:
 
-                def told(done: int, count: int) -> None:
+                def report_progress(done: int, count: int) -> None:
                     status.update(f"frame {done} of {count}")
 
             bodies = bodies_of_run(self.data, Path("run.nc"))
-            animate_run(self.data, Path(file), **bodies, frames=frames, fps=fps, scale=scale, progress=told)
+            animate_run(self.data, Path(file), **bodies, frames=frames, fps=fps, scale=scale, progress=report_progress)
         return Path(file)
 
     def __repr__(self) -> str:
@@ -89,14 +104,18 @@ class Run(StoredDataset):
 
 
 def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = False, **changes: Any) -> Run:
-    """Run the vehicle of a scene file (TOML) along its track.
+    """Simulate the vehicle run of a scene file.
 
-    out: folder for results, pictures and checkpoints, as the command `wheelrail run` fills it; nothing is written
-    without it. progress: a bar on standard error. changes: other values for keys of the scene, in SI units, with dots
-    between tables and keys: run("scenes/curve.toml", **{"vehicle.speed": 30.0}); None takes a key away.
+    Parameters:
+        scene: scene file (TOML) of kind "run".
+        out: folder for results, figures and checkpoints, as with the command `wheelrail run`; nothing is written by
+            default.
+        progress: whether to show a progress bar on standard error.
+        changes: new values of keys of the scene, in SI units, by dotted name:
+            run("scenes/curve.toml", **{"vehicle.speed": 30.0}); None removes a key.
 
-    A run that ends early is a status and no error, but one without a single step raises RuntimeError. Raises SceneError
-    naming file, key, value and what is allowed, OSError for a folder that cannot be written.
+    A run that ends early sets the status and raises nothing, unless no step was completed (RuntimeError). Raises
+    SceneError naming file, key, value and what is allowed, OSError for a folder that cannot be written.
     """
     from rich.console import Console
 
@@ -113,22 +132,24 @@ def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = Fa
     if changes:
         import tomli_w
 
-        gone = [name for name, value in changes.items() if value is None]
-        kept = {name: plain(value) for name, value in changes.items() if value is not None}
-        text = tomli_w.dumps(changed(without(parse(text, scene), gone, scene), kept, scene))
-    given = checked(parse(text, scene), scene)
-    if not isinstance(given, RunScene):
-        raise SceneError(f'{scene}: kind = "{given.kind}": this is one contact solve, use wheelrail.load')
+        removed = [name for name, value in changes.items() if value is None]
+        replaced = {name: plain(value) for name, value in changes.items() if value is not None}
+        text = tomli_w.dumps(changed(without(parse(text, scene), removed, scene), replaced, scene))
+    run_scene_data = checked(parse(text, scene), scene)
+    if not isinstance(run_scene_data, RunScene):
+        raise SceneError(
+            f'{scene}: kind = "{run_scene_data.kind}": must be "run"; for a single contact use wheelrail.load'
+        )
     console = progress_console() if progress else Console(quiet=True)
     messages = messages_on(console) if progress else nullcontext()
     if out is None:
         with messages:
-            history, data = simulate_scene(given, text, console)
+            history, data = simulate_scene(run_scene_data, text, console)
         if data is None:
             raise RuntimeError(f"{scene}: {history.status} before the first step")
         return Run(data)
     with messages:
-        outcome = run_scene(given, text, Path(out), console)
+        outcome = run_scene(run_scene_data, text, Path(out), console)
     if not outcome.files:
         raise RuntimeError(f"{scene}: {outcome.status} before the first step")
     return Run(read(Path(out) / RESULTS))

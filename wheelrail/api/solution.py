@@ -1,4 +1,4 @@
-"""What a contact solve gives: one Dataset, that can be looked at, drawn and kept."""
+"""Solution of a contact problem: one Dataset, with tables, figures and 3D views."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Origin:
-    """What a solution was solved from, and the poses found."""
+    """Scene, solution by side with its pose, and profiles of a solution."""
 
     scene: HertzScene | WheelsetScene
     sides: Mapping[str, SideSolution]
@@ -31,11 +31,13 @@ class Origin:
 
 @dataclass(frozen=True, repr=False)
 class Solution(StoredDataset):
-    """The contact of both wheels of a wheelset, or of a Hertz pair.
+    """Contact solution of a Hertz pair or of both wheels of a wheelset.
 
-    data: a Dataset with units in SI over side (left and right, or "contact"), patch (by falling load, padded with NaN)
-    and point (found by point_side and point_patch). results: the same as computed, by side; empty for one from a file,
-    which has no origin either: the scene, poses and profiles behind it.
+    Parameters:
+        data: Dataset in SI units over side (left and right, or "contact"), patch (by decreasing load, padded with NaN)
+            and point (of side point_side and patch point_patch).
+        results: contact results by side; empty for a solution from a file.
+        origin: scene, poses and profiles; None for a solution from a file.
     """
 
     results: Mapping[str, ContactResult] = field(default_factory=dict)
@@ -43,7 +45,7 @@ class Solution(StoredDataset):
 
     @property
     def status(self) -> str:
-        """ "converged", "separated", or "failed: ..." with the reason, of all sides together."""
+        """ "converged", "separated", or "failed: ..." with the reason, of all sides."""
         return str(self.data.attrs["status"])
 
     @property
@@ -53,12 +55,12 @@ class Solution(StoredDataset):
 
     @property
     def patches(self) -> DataFrame:
-        """A row for every patch, in SI units: side, patch, normal_force N, max_pressure Pa, area m2, ..."""
+        """Table with one row per patch, in SI units: side, patch, normal_force N, max_pressure Pa, area m2, ..."""
         return patch_table(self.data)
 
     @property
     def plot(self) -> SolutionPlots:
-        """Pictures: `plot()`, `plot.pressure()`, `plot.tractions()`, `plot.section()`, `plot.profiles()`."""
+        """Figures: `plot()`, `plot.pressure()`, `plot.tractions()`, `plot.section()`, `plot.profiles()`."""
         return SolutionPlots(self.data)
 
     def view(
@@ -69,23 +71,25 @@ class Solution(StoredDataset):
         scale: float | None = None,
         file: str | Path | None = None,
     ) -> Any:
-        """A pyvista plotter of one contact in three dimensions: bodies deformed, pressure, von Mises stress on cuts.
+        """3D view of one contact: deformed bodies, pressure, von Mises stress on cut planes.
 
-        `.show()` it, in a notebook as a scene to turn; or give a file, a picture (.png) or a page to turn (.html): that
-        needs no screen. side: "left", "right" or "contact", the first that touches unless given; body: "wheel", "rail",
-        "upper", "lower" or "both"; scale of displacements, a round one unless given. Seconds of computing.
+        Parameters:
+            side: "left", "right" or "contact"; by default the first side in contact.
+            body: "wheel", "rail", "upper", "lower" or "both".
+            scale: displacement magnification factor; a round number by default.
+            file: image (.png) or interactive 3D view (.html) to save; needs no display.
 
-        Raises ValueError for a solution from a file, which has no bodies any more, and where nothing touches;
-        SceneError for a side or a body that is not there, and for the standard model; OSError.
+        Computing takes seconds. Returns a PyVista plotter, for `.show()`. Raises ValueError for a solution from a file
+        and for one without contact; SceneError for another side or body, and for the standard model; OSError.
         """
         from wheelrail.scenes.schema.errors import SceneError
         from wheelrail.scenes.views.view import view_side
 
         if self.origin is None:
-            raise ValueError("a solution from a file has no bodies to look at: solve it anew")
-        touching = [name for name, found in self.results.items() if found.status == "converged"]
+            raise ValueError("view: a solution from a file contains no bodies; solve the contact again")
+        touching = [name for name, result in self.results.items() if result.status == "converged"]
         if not touching:
-            raise ValueError("nothing touches: there is nothing to look at")
+            raise ValueError("view: no side is in contact")
         chosen = touching[0] if side is None else side
         if chosen not in touching:
             raise SceneError(f"side = {chosen!r}: must be {' or '.join(map(repr, touching))}")
@@ -93,7 +97,7 @@ class Solution(StoredDataset):
             raise SceneError(f"file = {str(file)!r}: must end in .png or .html")
         scene, sides, profiles = self.origin.scene, self.origin.sides, self.origin.profiles
         title = "Hertz pair" if chosen == "contact" else " on ".join(profile.name for profile in profiles)
-        drawn = view_side(
+        plotter = view_side(
             scene,
             chosen,
             sides[chosen],
@@ -106,8 +110,8 @@ class Solution(StoredDataset):
         if file is not None:
             from wheelrail.scenes.views.html import save_view
 
-            save_view(drawn, Path(file))
-        return drawn
+            save_view(plotter, Path(file))
+        return plotter
 
     def __repr__(self) -> str:
         return text(self.data)
@@ -122,8 +126,8 @@ def solved(
     profiles: Sequence[Profile],
     arguments: Mapping[str, Any],
 ) -> Solution:
-    """The solution of a scene whose sides are solved."""
+    """Solution from the solved sides of a scene."""
     from wheelrail.scenes.datasets.solution import solution_dataset
 
     data = solution_dataset(scene, sides, profiles, arguments)
-    return Solution(data, {side: found.result for side, found in sides.items()}, Origin(scene, sides, profiles))
+    return Solution(data, {name: side.result for name, side in sides.items()}, Origin(scene, sides, profiles))

@@ -1,4 +1,4 @@
-"""Pictures of a contact solution, called in the manner of xarray: `solution.plot()`, `solution.plot.pressure()`."""
+"""Figures of a contact solution: `solution.plot()`, `solution.plot.pressure()`."""
 
 from __future__ import annotations
 
@@ -15,30 +15,45 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SolutionPlots:
-    """Pictures of one contact solution.
+    """Figures of one contact solution.
 
-    side: "left", "right" or "contact", the first that touches unless given; patch: 0 for the one that carries most.
-    Without axes a picture makes its own, which a notebook shows. All raise ValueError where nothing touches.
+    Parameters:
+        data: Dataset of the solution.
+
+    Parameters of the methods:
+        side: "left", "right" or "contact"; by default the first side in contact.
+        patch: index by decreasing load; 0 carries most.
+        ax: Matplotlib axes; a new figure by default, which a notebook displays.
+
+    All raise ValueError for a solution without contact.
     """
 
     data: Dataset
 
     def __call__(self, figure: Figure | None = None) -> tuple[Axes, ...]:
-        """All patches of all sides: pressure MPa, arrows of traction, edge between stick and slip; lengths in mm."""
+        """All patches of all sides: pressure, MPa, traction arrows, stick-slip boundary; lengths in mm.
+
+        Parameters:
+            figure: Matplotlib figure.
+        """
         from wheelrail.scenes.plots.patches import patches_figure
 
         with styled():
             return panels(patches_figure(self.data, shown(figure)))
 
     def pressure(self, side: str | None = None, patch: int = 0, ax: Axes | None = None) -> Axes:
-        """Pressure MPa over one patch, lengths in mm."""
+        """Pressure over one patch, MPa; lengths in mm."""
         from wheelrail.scenes.plots.patches import pressure_map
 
         with styled():
             return pressure_map(self.data, side, patch, _axes(ax))
 
     def tractions(self, side: str | None = None, patch: int = 0, ax: Axes | None = None, *, slip: bool = True) -> Axes:
-        """Where one patch sticks and slips; arrows of traction, and of slip unless that is False; lengths in mm."""
+        """Stick and slip areas of one patch with traction arrows; lengths in mm.
+
+        Parameters:
+            slip: whether to draw arrows of the slip velocity.
+        """
         from wheelrail.scenes.plots.patches import traction_map
 
         with styled():
@@ -53,9 +68,11 @@ class SolutionPlots:
         hertz: bool = True,
         ax: Axes | None = None,
     ) -> Axes:
-        """Pressure and traction MPa along x or y, mm, through the middle of one patch.
+        """Pressure and traction along x or y through the centre of one patch, MPa over mm.
 
-        hertz: with Hertz's pressure of the same load between bodies of the same curvature.
+        Parameters:
+            along: "x" or "y".
+            hertz: whether to add the Hertz pressure for the same load and curvatures.
         """
         from wheelrail.scenes.plots.sections import section
 
@@ -63,7 +80,7 @@ class SolutionPlots:
             return section(self.data, along, side=side, patch=patch, hertz=hertz, ax=_axes(ax, (5.6, 4.0)))
 
     def profiles(self, side: str | None = None, ax: Axes | None = None) -> Axes:
-        """Wheel over rail where they stand, contact points marked; mm."""
+        """Profiles of wheel and rail in their computed position, with contact points; mm."""
         from wheelrail.scenes.plots.profiles import profiles_in_contact
 
         with styled():
@@ -71,5 +88,5 @@ class SolutionPlots:
 
 
 def _axes(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Any:
-    """The axes, or those of a new figure of a size in inches."""
+    """The axes, or new ones in a figure of the given size, inches."""
     return shown(None, size).subplots() if ax is None else ax

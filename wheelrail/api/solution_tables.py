@@ -1,4 +1,4 @@
-"""Contact solutions and runs as tables to read."""
+"""Tables of a contact solution, as text and HTML."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-# Column: variable, what a unit of it is in SI, digits.
+# Column: variable, its unit in SI units, digits.
 COLUMNS: dict[str, tuple[str, float, int]] = {
     "N [kN]": ("patch_normal_force", 1e3, 3),
     "p max [MPa]": ("patch_max_pressure", 1e6, 1),
@@ -35,17 +35,17 @@ NAMES = (
 
 
 def patch_table(data: Dataset) -> DataFrame:
-    """A row for every patch, in SI units; columns as the variables, without "patch_" before their names."""
+    """Table with one row per patch, in SI units; columns are the variables without the prefix "patch_"."""
     from pandas import DataFrame
 
-    there = _there(data)
-    columns = {name.removeprefix("patch_"): [float(data[name].values[place]) for place in there] for name in NAMES}
+    indices = _patch_indices(data)
+    columns = {name.removeprefix("patch_"): [float(data[name].values[index]) for index in indices] for name in NAMES}
     sides = data["side"].values
-    return DataFrame({"side": [str(sides[row]) for row, _ in there], "patch": [k for _, k in there], **columns})
+    return DataFrame({"side": [str(sides[row]) for row, _ in indices], "patch": [k for _, k in indices], **columns})
 
 
 def text(data: Dataset) -> str:
-    """Status, forces by side, and a line for every patch."""
+    """Status, one line per patch, and forces by side."""
     heads, rows = _cells(data)
     widths = [max(len(row[i]) for row in (heads, *rows)) for i in range(len(heads))]
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in (heads, *rows)]
@@ -53,7 +53,7 @@ def text(data: Dataset) -> str:
 
 
 def html(data: Dataset) -> str:
-    """The same in HTML, with the whole Dataset folded away below."""
+    """The same in HTML, with the Dataset in a collapsed section below."""
     heads, rows = _cells(data)
     table = "".join(
         "<tr>" + "".join(f"<{tag} style='text-align:right'>{escape(cell)}</{tag}>" for cell in row) + "</tr>"
@@ -67,14 +67,15 @@ def html(data: Dataset) -> str:
 
 
 def heading(data: Dataset) -> str:
-    """One line on the kind of contact and how its solve ended."""
+    """One line: kind of contact, model, and status."""
     attributes = data.attrs
     words = [str(attributes["title"]), f"{attributes['model']} model", f"friction {attributes['friction']:g}"]
     words += [f"{attributes[key]} {key}" for key in ("laws", "bodies", "points") if key in attributes]
     return f"{', '.join(words)}: {attributes['status']}"
 
 
-def _there(data: Dataset) -> list[tuple[int, int]]:
+def _patch_indices(data: Dataset) -> list[tuple[int, int]]:
+    """Side and patch index of every patch."""
     return [(row, k) for row, count in enumerate(data["patches"].values) for k in range(int(count))]
 
 
@@ -83,18 +84,18 @@ def _cells(data: Dataset) -> tuple[list[str], list[list[str]]]:
     rows = [
         [f"{sides[row]} {k + 1}"]
         + [_number(float(data[name].values[row, k]) / unit, digits) for name, unit, digits in COLUMNS.values()]
-        for row, k in _there(data)
+        for row, k in _patch_indices(data)
     ]
     return ["patch", *COLUMNS], rows
 
 
 def _number(value: float, digits: int) -> str:
-    """Rounded, and no minus before zero."""
+    """Rounded, without a minus sign before zero."""
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def _sides(data: Dataset) -> list[str]:
-    """A line for every side: its force, and how far off that may be."""
+    """One line per side: force and its estimated error."""
     lines = []
     for side in data["side"].values:
         own = data.sel(side=side)
@@ -103,8 +104,8 @@ def _sides(data: Dataset) -> list[str]:
             lines.append(f"{name}: {own['status'].item()}")
             continue
         force = ", ".join(_number(float(own[f"{axis}_force"]) / 1e3, 3) for axis in AXES)
-        line = f"{name}: force {force} kN forward, left, up"
+        line = f"{name}: force {force} kN (forward, left, up)"
         if "force_error" in own and np.isfinite(own["force_error"]):
-            line += f", off by about {float(own['force_error']):.2g} N"
+            line += f", estimated error {float(own['force_error']):.2g} N"
         lines.append(f"{line}; {float(own['contact_seconds']):.2g} s")
     return lines

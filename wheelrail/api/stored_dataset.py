@@ -1,4 +1,4 @@
-"""Results that are one Dataset, and are kept as one."""
+"""Results that consist of one Dataset, stored as NetCDF."""
 
 from __future__ import annotations
 
@@ -12,14 +12,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class StoredDataset:
-    """data: everything, in SI units, each variable with its unit and meaning."""
+    """Results in one Dataset.
+
+    Parameters:
+        data: Dataset in SI units, each variable with unit and description.
+    """
 
     data: Dataset
 
     def to_netcdf(self, file: str | Path) -> Path:
-        """Keep the data in a NetCDF file, which is there whole or not at all; `wheelrail.open` reads it.
+        """Write the data to a NetCDF file, atomically; `wheelrail.open` reads it.
 
-        Raises OSError.
+        Parameters:
+            file: to write.
+
+        Returns the file. Raises OSError.
         """
         from wheelrail.scenes.datasets.netcdf import write
 

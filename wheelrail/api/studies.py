@@ -1,4 +1,4 @@
-"""Studies: one scene with its parameters varied."""
+"""Parameter studies of one scene."""
 
 from __future__ import annotations
 
@@ -19,14 +19,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Study(StoredDataset):
-    """Results of a study: data is a Dataset in SI units over what was varied, or over sample for a Latin hypercube.
+    """Results of a study.
 
-    A failed case is NaN, with its status and error.
+    Parameters:
+        data: Dataset in SI units over the varied parameters, or over sample for a Latin hypercube; NaN for a failed
+            case, with its status and error.
     """
 
     @property
     def plot(self) -> StudyPlots:
-        """Pictures: `plot()` of all there is to see, or `plot.study()` and `plot.convergence()` alone."""
+        """Figures: `plot()` for all, `plot.study()`, `plot.convergence()`."""
         return StudyPlots(self.data)
 
     def __repr__(self) -> str:
@@ -49,22 +51,26 @@ class Study(StoredDataset):
 
 @dataclass(frozen=True)
 class StudyPlots:
-    """Pictures of one study; each returns its axes, in a figure of its own that a notebook shows."""
+    """Figures of one study; each method returns its axes, in a new figure.
+
+    Parameters:
+        data: Dataset of the study.
+    """
 
     data: Dataset
 
     def __call__(self) -> dict[str, tuple[Axes, ...]]:
-        """All pictures by name: "study", and "convergence" for a study of convergence."""
+        """Draw all figures, by name: "study", and "convergence" for a convergence study."""
         from wheelrail.scenes.studies.plots import drawings
 
         return {name: self._drawn(name) for name in drawings(self.data)}
 
     def study(self) -> tuple[Axes, ...]:
-        """Quantities over what was varied; rank correlations with the parameters of a Latin hypercube."""
+        """Quantities over the varied parameters; rank correlations for a Latin hypercube."""
         return self._drawn("study")
 
     def convergence(self) -> tuple[Axes, ...]:
-        """Relative errors % over size or number of cells, with their orders, and over seconds.
+        """Relative errors, %, over cell size or number of cells, with their orders, and over computing time.
 
         Raises ValueError for a study without a reference.
         """
@@ -73,11 +79,11 @@ class StudyPlots:
     def _drawn(self, name: str) -> tuple[Axes, ...]:
         from wheelrail.scenes.studies.plots import drawings
 
-        known = drawings(self.data)
-        if name not in known:
-            raise ValueError(f"the study has no picture of its {name}: its file names no reference for it")
+        figures = drawings(self.data)
+        if name not in figures:
+            raise ValueError(f"{name}: the study has no such figure; its file needs a reference")
         with styled():
-            return panels(known[name](self.data, shown(None)) or shown(None))
+            return panels(figures[name](self.data, shown(None)) or shown(None))
 
 
 def study(
@@ -87,11 +93,14 @@ def study(
     scheduler: str | None = None,
     fresh: bool = False,
 ) -> Study:
-    """Solve or run one scene many times, its parameters over a grid or a Latin hypercube, several cases at a time.
+    """Solve one scene for parameters on a grid or a Latin hypercube, with cases in parallel.
 
-    study: a file (TOML), or tables like one, whose scene may be tables, too. out: folder that keeps every case as it
-    finishes, so that a study that was stopped goes on, with results and pictures; nothing is kept without it.
-    scheduler: address of a Dask cluster, instead of processes on this machine. fresh: compute all cases anew.
+    Parameters:
+        study: study file (TOML), or its tables as a dict; the scene may be a dict, too.
+        out: folder for every completed case, results and figures; an interrupted study resumes from it. Nothing is
+            written by default.
+        scheduler: address of a Dask scheduler; by default processes on this machine.
+        fresh: whether to recompute completed cases.
 
     Raises SceneError naming file, key, value and what is allowed, before anything is computed; OSError for a folder
     that cannot be written.

@@ -1,4 +1,4 @@
-"""The wheels of a wheelset on their rails."""
+"""Contact of both wheels of a wheelset with their rails."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from wheelrail.api.arguments import keys_of, known, replaced, scene_of
+from wheelrail.api.arguments import check_keys, keys_of, replaced, scene_of
 from wheelrail.api.solution import Solution, solved
 from wheelrail.meshes.profiles.library import load_profile
 from wheelrail.meshes.profiles.profile import Kind, Profile
@@ -26,26 +26,34 @@ SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "w
 OWN = [key for key in keys_of(WheelsetScene) if key not in ("kind", *SECTIONS)]
 ALLOWED = [*OWN, *(key for section in SECTIONS.values() for key in section)]
 GROUPS = (("wheel_load", "axle_load", "z"), ("speed", "pitch_rate"))
-INCLINED = 0.025  # rad, 1/40: how rails are laid that are known as they stand upright
+INCLINED = 0.025  # rad, 1/40: inclination of rails whose profile is given upright
 UPRIGHT = ("60E1", "UIC60")
-PLACED = {"z": 0.0, "roll": 0.0}  # any pose will do where only the bodies are asked for
+PLACED = {"z": 0.0, "roll": 0.0}  # an arbitrary pose, for the bodies alone
 
 
 class Wheelset:
     """Both wheels of a wheelset on the rails of a track; one contact model serves both sides.
 
-    wheel, rail: a standard profile's name ("S1002"; "UIC60" or "60E1", "UIC60-benchmark"), a file, or a profile from
-    `wheelrail.profile`. laying_angle rad: turns the rail towards the track's centre; 1/40 for UIC60 and 60E1, 0 for
-    all others, which are taken as laid, unless given. friction: coefficient, 0 skips all tangential work. E: Young's
-    modulus Pa and nu: Poisson's ratio of both. surface_size m: spacing at which the compliance of the bodies is known.
-    gauge m, between the rails, measured gauge_height m below their tops; flange_back_distance m, between the wheels;
-    flange_back m, its place on the wheel's profile from the rolling circle; radius m of the rolling circle; curvature
-    1/m of the track, positive to the left. Further arguments are the keys of a wheelset scene: model ("condensed",
-    "full", "standard"), laws ("exact", "paper"), bodies, points, strips, cells, falling, merge_distance, ...; and those
-    of `solve`, which then are its defaults.
+    Parameters:
+        wheel, rail: name of a standard profile ("S1002"; "UIC60" or "60E1", "UIC60-benchmark"), a file, or a profile
+            from `wheelrail.profile`.
+        friction: coefficient of friction; 0 skips the tangential problem.
+        E: Young's modulus of both bodies, Pa.
+        nu: Poisson's ratio of both bodies.
+        surface_size: spacing of the compliance of the bodies on the surface, m.
+        laying_angle: inclination of the rail towards the track centre, rad; by default 1/40 for UIC60 and 60E1, 0 for
+            all others, whose profiles are taken as inclined.
+        gauge: distance between the rails, m.
+        gauge_height: distance of the gauge below the top of the rails, m.
+        flange_back_distance: between the wheels, m.
+        flange_back: lateral position of the flange back on the wheel profile, from the rolling circle, m.
+        radius: of the rolling circle, m.
+        curvature: of the track, 1/m, positive to the left.
+        more: further keys of a wheelset scene: model ("condensed", "full", "standard"), laws ("exact", "paper"),
+            bodies, points, strips, cells, falling, merge_distance, ...; and defaults for the arguments of `solve`.
 
-    The bodies are computed when the first contact is asked for, and kept. Raises SceneError, a ValueError, naming the
-    argument, its value and what is allowed.
+    The compliance of the bodies is computed at the first solve, and cached. Raises SceneError, a ValueError, naming
+    the argument, its value and what is allowed.
     """
 
     def __init__(
@@ -66,7 +74,7 @@ class Wheelset:
         curvature: float = 0.0,
         **more: Any,
     ) -> None:
-        known("Wheelset", more, ALLOWED)
+        check_keys("Wheelset", more, ALLOWED)
         if surface_size is None and more.get("model") != "standard":
             surface_size = 1e-3
         if laying_angle is None:
@@ -109,17 +117,26 @@ class Wheelset:
         error_estimate: bool | None = None,
         stress: Mapping[str, Any] | None = None,
     ) -> Solution:
-        """The contact of each wheel where the wheelset stands: y m to the left, yaw and roll rad (0 unless given).
+        """Solve the contact of each wheel for a position of the wheelset and a load or a height.
 
-        Exactly one of wheel_load N on each wheel, axle_load N on both together, and the height z m over the nominal
-        one. roll = "solve": with wheel_load, one height and roll for both wheels; else every wheel has a height of its
-        own. speed m/s, 10 unless given; pitch_rate rad/s, positive when rolling forward, that of pure rolling unless
-        given; rates y_rate and z_rate m/s, roll_rate rad/s. sides: ("left",), ("right",) or both. error_estimate: solve
-        once more on half as many cells. stress: {"depths": [...] m, "body": "wheel", "rail" or "both"} below patches.
+        Parameters:
+            y: lateral position, m, positive to the left; 0 by default.
+            yaw, roll: rad; 0 by default. roll = "solve": one height and roll at which both wheels carry wheel_load;
+                otherwise each wheel has its own height.
+            wheel_load: on each wheel, N; or
+            axle_load: on both wheels together, N; or
+            z: height above the nominal one, m.
+            speed: m/s, 10 by default.
+            pitch_rate: rad/s, positive when rolling forward; pure rolling by default.
+            y_rate, z_rate: m/s.
+            roll_rate: rad/s.
+            sides: ("left",), ("right",) or both.
+            error_estimate: whether to estimate errors from a second solve on half as many cells.
+            stress: {"depths": [...] in m, "body": "wheel", "rail" or "both"}: stress below the patches.
 
-        A load that cannot be carried is a status "failed: ..." of that side and no error. Raises SceneError.
+        A load that cannot be carried gives the side status "failed: ..." and no exception. Raises SceneError.
         """
-        given = {
+        arguments = {
             "y": y,
             "yaw": yaw,
             "roll": roll,
@@ -135,13 +152,13 @@ class Wheelset:
             "error_estimate": error_estimate,
             "stress": stress,
         }
-        scene = self._scene(given)
-        found = dict(solve_sides(scene, model=self._contact, profiles=self.profiles))
-        return solved(scene, found, self.profiles, replaced(self.arguments, given, GROUPS))
+        scene = self._scene(arguments)
+        sides_solved = dict(solve_sides(scene, model=self._contact, profiles=self.profiles))
+        return solved(scene, sides_solved, self.profiles, replaced(self.arguments, arguments, GROUPS))
 
     @cached_property
     def profiles(self) -> tuple[Profile, Profile]:
-        """Profiles of wheel and rail, the rail as laid."""
+        """Profiles of wheel and rail, the rail inclined."""
         scene = self._scene(PLACED)
         try:
             wheel = self._at_hand.get("wheel") or load_profile(scene.profiles.wheel, "wheel")
@@ -152,7 +169,7 @@ class Wheelset:
 
     @cached_property
     def mounting(self) -> Mounting:
-        """How wheels sit on the axle and rails in the track, m."""
+        """Positions of the wheels on the axle and of the rails in the track, m."""
         return mounted(self._scene(PLACED), self.profiles[1])
 
     @cached_property
@@ -160,16 +177,16 @@ class Wheelset:
         return wheelset_contact(self._scene(PLACED), self.profiles)
 
     def _named(self, kind: Kind, body: str | Path | Profile) -> str:
-        """The name of a body's profile; an object is kept."""
+        """Name of the profile of a body; a Profile object is stored."""
         if not isinstance(body, Profile):
             return str(body)
         if body.kind != kind:
-            raise SceneError(f"Wheelset: {kind} = {body!r}: must be the profile of a {kind}")
+            raise SceneError(f"Wheelset: {kind} = {body!r}: must be a {kind} profile")
         self._at_hand[kind] = body
         return body.name
 
-    def _scene(self, given: Mapping[str, Any]) -> WheelsetScene:
-        keys = {"y": 0.0, "yaw": 0.0, "roll": 0.0, **replaced(self.arguments, given, GROUPS)}
+    def _scene(self, arguments: Mapping[str, Any]) -> WheelsetScene:
+        keys = {"y": 0.0, "yaw": 0.0, "roll": 0.0, **replaced(self.arguments, arguments, GROUPS)}
         if keys["friction"] != 0.0:
             keys.setdefault("speed", 10.0)
         speed, radius = keys.get("speed"), keys["radius"]
@@ -185,12 +202,12 @@ class Wheelset:
         return scene
 
     def __repr__(self) -> str:
-        said = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items() if value is not None)
-        return f"Wheelset({said})"
+        arguments = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items() if value is not None)
+        return f"Wheelset({arguments})"
 
 
 def _upright(rail: str | Path | Profile) -> bool:
-    """Whether a rail is a standard one that has not been laid yet."""
+    """Whether a rail is a standard profile that is not inclined yet."""
     if isinstance(rail, Profile):
         return rail.name in UPRIGHT and rail.placement.angle == 0.0
     return str(rail) in UPRIGHT

@@ -1,4 +1,4 @@
-"""The command that all others belong to, and how it ends."""
+"""The command group, and the exit codes of its commands."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
 
 
 class Commands(TyperGroup):
-    """All commands: Ctrl-C wherever it comes, and results that nobody takes, are a line and an exit code, too."""
+    """Group of all commands; Ctrl-C and a closed standard output end with one line and an exit code."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -25,7 +25,7 @@ class Commands(TyperGroup):
             raise typer.Exit(INTERRUPTED) from None
         except OSError as error:
             print(f"standard output: {error.strerror or error}", file=sys.stderr)
-            with suppress(OSError, ValueError):  # what is left in the buffer would be tried again at the end
+            with suppress(OSError, ValueError):  # otherwise Python flushes the buffer again at exit
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(FAILED) from None
         return done
@@ -33,7 +33,7 @@ class Commands(TyperGroup):
 
 app = typer.Typer(
     cls=Commands,
-    help="Detailed wheel-rail contact by finite elements, inside a vehicle simulation.",
+    help="Elastic wheel-rail contact for railway vehicle dynamics.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

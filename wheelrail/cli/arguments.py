@@ -1,4 +1,4 @@
-"""What commands are given: scenes, files and folders, checked before any work; and what they end with."""
+"""Arguments of the commands (scenes, files, folders), validated before any computation, and exit codes."""
 
 from __future__ import annotations
 
@@ -24,42 +24,42 @@ SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TO
 
 
 def load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
-    """The scene, or the end of the command with the complaint on standard error."""
+    """The validated scene; exits with the validation error on standard error."""
     from wheelrail.scenes.schema.scene import load_scene
 
-    with complaints(""):
+    with error_lines(""):
         return load_scene(scene)
 
 
 def load_run(scene: Path) -> RunScene:
-    given = load(scene)
-    if given.kind != "run":
-        raise refused(
-            f'{scene}: kind = "{given.kind}": this is one contact solve and no vehicle run, use wheelrail contact'
-        )
-    refuse_several(f'{scene}: kind = "run"')
-    return given
+    """The validated scene of a vehicle run."""
+    checked = load(scene)
+    if checked.kind != "run":
+        raise rejected(f'{scene}: kind = "{checked.kind}": must be "run"; for a single contact use wheelrail contact')
+    reject_mpi(f'{scene}: kind = "run"')
+    return checked
 
 
-def refuse_several(what: str) -> None:
-    """Several processes would all do the same."""
+def reject_mpi(place: str) -> None:
+    """Exit under `mpirun` with several processes, which would all compute the same."""
     if several():
-        raise refused(
-            f'{what}: of all models only model = "full" of single contacts runs under mpirun, start it without'
-        )
+        raise rejected(f'{place}: mpirun is allowed only for single contacts with model = "full"; start without it')
 
 
 @contextmanager
-def complaints(scene: str, place: str | None = None) -> Iterator[None]:
-    """What goes wrong is a line on standard error and an exit code: what is wrong with a scene behind its name, what
-    went wrong on the way behind the place of the results.
+def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
+    """Print errors as one line on standard error and exit.
+
+    Parameters:
+        scene: prefix of validation errors.
+        place: prefix of errors while computing or writing; that of the scene by default.
     """
     from wheelrail.scenes.schema.errors import RunFailed, SceneError
 
     try:
         yield
     except SceneError as error:
-        raise refused(f"{scene}{error}") from None
+        raise rejected(f"{scene}{error}") from None
     except (OSError, RunFailed) as error:
         print(f"{scene if place is None else place}{error}", file=sys.stderr)
         raise typer.Exit(FAILED) from None
@@ -72,20 +72,21 @@ def check_picture(picture: Path | None) -> None:
 
 def check_ending(option: str, file: Path, endings: tuple[str, ...]) -> None:
     if file.suffix.lower() not in endings:
-        raise refused(f"{option} {file}: must end in {', '.join(endings)}")
+        raise rejected(f"{option} {file}: must end in {', '.join(endings)}")
     if file.is_dir() or not file.absolute().parent.is_dir():
-        raise refused(f"{option} {file}: must be a file in a folder that exists")
+        raise rejected(f"{option} {file}: must be a file in an existing folder")
 
 
 def results_folder(out: Path | None, default: Path) -> Path:
-    """The folder of the results, or the end of the command where there cannot be one."""
-    chosen = out or default
-    there = next(place for place in (chosen, *chosen.absolute().parents) if place.exists())
-    if not there.is_dir():
-        raise refused(f"--out {chosen}: {there} is a file, must be a folder, or one to be made in a folder")
-    return chosen
+    """Folder of the results; exits if it cannot be created."""
+    folder = out or default
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not existing.is_dir():
+        raise rejected(f"--out {folder}: {existing} is a file; must be a folder or a path to a new one")
+    return folder
 
 
-def refused(complaint: str) -> typer.Exit:
-    print(complaint, file=sys.stderr)
+def rejected(message: str) -> typer.Exit:
+    """Print a validation error; returns the exception to raise."""
+    print(message, file=sys.stderr)
     return typer.Exit(BAD_INPUT)

@@ -1,4 +1,4 @@
-"""Single contacts."""
+"""Command `contact`: single contact solves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_picture, load, refuse_several, refused
+from wheelrail.cli.arguments import SceneFile, check_picture, load, reject_mpi, rejected
 from wheelrail.cli.exit_codes import FAILED
 from wheelrail.cli.mpi_launcher import first
 from wheelrail.support.terminal import progress_console, result_console, stdout_for_results
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
 @app.command()
 def contact(
     scene: SceneFile,
-    json: Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object to standard output.")] = False,
     picture: Annotated[
         Path | None,
-        typer.Option("--picture", metavar="FILE", help="Save the patches as a picture (.png, .svg, .pdf)."),
+        typer.Option("--picture", metavar="FILE", help="Save a figure of the patches (.png, .svg, .pdf)."),
     ] = None,
 ) -> None:
-    """Solve the contact of a Hertz pair or of a wheelset, once."""
-    given = load(scene)
-    if given.kind == "run":
-        raise refused(f'{scene}: kind = "run": this is a vehicle run, use wheelrail run')
-    if given.model != "full":
-        refuse_several(f'{scene}: model = "{given.model}"')
+    """Solve the contact of a Hertz pair or of a wheelset."""
+    checked = load(scene)
+    if checked.kind == "run":
+        raise rejected(f'{scene}: kind = "run": must be "hertz" or "wheelset"; for a vehicle run use wheelrail run')
+    if checked.model != "full":
+        reject_mpi(f'{scene}: model = "{checked.model}"')
     check_picture(picture)
     results: dict[str, ContactResult] = {}
-    report = {"scene": str(scene), **_solved(given, scene, results)}
+    report = {"scene": str(scene), **_solved(checked, scene, results)}
     from wheelrail.scenes.contacts.report import json_text, table
 
     if json:
@@ -44,14 +44,14 @@ def contact(
     elif "model" in report:
         result_console().print(table(report))
     if picture is not None and results and first():
-        _draw(given, results, picture)
+        _draw(checked, results, picture)
     if report["status"].startswith("failed"):
         print(report["status"], file=sys.stderr)
         raise typer.Exit(FAILED)
 
 
 def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], file: Path) -> None:
-    """Save the picture, or end with the reason why not on standard error."""
+    """Save the figure; exits with the error on standard error."""
     from wheelrail.scenes.builders.laws import laws
     from wheelrail.scenes.datasets.contact import contact_dataset
     from wheelrail.scenes.plots.patches import draw_patches
@@ -64,7 +64,7 @@ def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], 
 
 
 def _solved(scene: HertzScene | WheelsetScene, name: Path, results: dict[str, ContactResult]) -> dict[str, Any]:
-    """The report of the contact; an error on the way is a status too, with its traceback on standard error."""
+    """Report of the contact; an exception gives status "failed: ...", with its traceback on standard error."""
     from wheelrail.scenes.contacts.solve import solve_contact
     from wheelrail.scenes.schema.errors import SceneError
 
@@ -73,7 +73,7 @@ def _solved(scene: HertzScene | WheelsetScene, name: Path, results: dict[str, Co
         with stdout_for_results(), console.status("reading the scene") as status:
             return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
     except SceneError as error:
-        raise refused(f"{name}: {error}") from None
+        raise rejected(f"{name}: {error}") from None
     except Exception as error:
         import traceback
 

@@ -14,7 +14,7 @@ __all__ = ["app", "main"]
 def main() -> None:
     """Run the app, under `mpirun` too.
 
-    One BLAS thread unless the environment says otherwise: the dense blocks are small, threads that wait cost more.
+    One BLAS thread unless set in the environment: the dense blocks are small, and waiting threads cost more.
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")

@@ -1,4 +1,4 @@
-"""The command under `mpirun`: the first rank speaks for all, and all end together."""
+"""The command under `mpirun`: only the first rank prints, and all ranks end together."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# Number of processes in the environment, by Open MPI, MPICH, Slurm. Other signs of MPI tell nothing: they pass to
-# whatever is started by a process that has loaded MPI by itself.
+# Number of processes in the environment, by Open MPI, MPICH, Slurm. Other variables of MPI are unreliable: they are
+# inherited by the child processes of any process that has loaded MPI.
 SIZES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS")
-GRACE = 2.0  # s that the first rank has to end all with its own words
+GRACE = 2.0  # s for the first rank to print its own error and end all ranks
 
 
 def several() -> bool:
-    """Whether `mpirun` started more than this process; MPI is loaded only where there are signs of it."""
+    """Whether `mpirun` started several processes; MPI is loaded only if the environment shows so."""
     if all(os.environ.get(size, "1") == "1" for size in SIZES):
         return False
     from wheelrail.support.mpi import everyone
@@ -26,7 +26,7 @@ def several() -> bool:
 
 
 def first() -> bool:
-    """Whether this process writes what all have found."""
+    """Whether this process writes the results of all."""
     if not several():
         return True
     from wheelrail.support.mpi import everyone
@@ -36,17 +36,19 @@ def first() -> bool:
 
 @contextmanager
 def as_one() -> Iterator[None]:
-    """Nothing but the first rank's words on both outputs; a failure of any rank, told by it if the first has none to
-    tell, ends all with its exit code: the others may wait for it in the middle of a sum.
+    """Suppress the output of all ranks but the first, and end all ranks with the exit code of a failed one.
+
+    The other ranks may wait for the failed one in a reduction. A failed rank prints its error unless the first rank
+    has ended all by then.
     """
     if not several():
         yield
         return
     from wheelrail.support.mpi import everyone
 
-    ranks, aside, status = everyone(), io.StringIO(), 0
+    ranks, errors, status = everyone(), io.StringIO(), 0
     if not ranks.first:
-        sys.stdout, sys.stderr = io.StringIO(), aside
+        sys.stdout, sys.stderr = io.StringIO(), errors
     try:
         yield
     except SystemExit as end:
@@ -58,7 +60,7 @@ def as_one() -> Iterator[None]:
         if not ranks.first:
             time.sleep(GRACE)
             sys.stderr = sys.__stderr__
-            print(aside.getvalue(), end="", file=sys.stderr)
+            print(errors.getvalue(), end="", file=sys.stderr)
         sys.stdout.flush()
         sys.stderr.flush()
         ranks.comm.Abort(status)

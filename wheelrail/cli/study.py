@@ -1,4 +1,4 @@
-"""Studies."""
+"""Command `study`: parameter studies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import complaints, results_folder
+from wheelrail.cli.arguments import error_lines, results_folder
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
 from wheelrail.support.terminal import progress_console, result_console, stdout_for_results
 
@@ -18,25 +18,23 @@ def study(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder of the results; results/<name of the study> without it."),
+        typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<study>."),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            "--scheduler", metavar="ADDRESS", help="Dask scheduler, as in tcp://host:8786; else this machine."
-        ),
+        typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:8786; default: this machine."),
     ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Compute cases anew that are done already.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Recompute completed cases.")] = False,
 ) -> None:
-    """Solve all cases of a study in parallel; started again it computes only what is missing."""
+    """Solve all cases of a study in parallel; a restart computes only missing cases."""
     from wheelrail.scenes.studies.plan import plan
     from wheelrail.scenes.studies.run import run_plan
     from wheelrail.scenes.studies.schema import load_study
 
     folder = results_folder(out, Path("results", study.stem))
-    with complaints(""), progress_console().status("checking the cases"):
+    with error_lines(""), progress_console().status("checking the cases"):
         planned = plan(load_study(study), study)
-    with complaints("", f"{folder}: "), stdout_for_results():
+    with error_lines("", f"{folder}: "), stdout_for_results():
         outcome = run_plan(planned, folder, progress_console(), scheduler=scheduler, fresh=fresh)
     for part in outcome.summary():
         result_console().print(part, highlight=False, markup=False)

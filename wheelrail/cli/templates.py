@@ -1,4 +1,4 @@
-"""Wagons and scenes to start others from."""
+"""Commands that print templates: wagon, example."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import complaints
+from wheelrail.cli.arguments import error_lines
 
 
 @app.command()
 def wagon(
     file: Annotated[
         Path | None,
-        typer.Argument(metavar="FILE", help="A wagon (TOML); the Manchester wagon without it.", show_default=False),
+        typer.Argument(metavar="FILE", help="Wagon file (TOML); default: the Manchester wagon.", show_default=False),
     ] = None,
 ) -> None:
-    """Print a wagon with all its values as TOML, to start another one from."""
+    """Print a wagon with all its values as a TOML template."""
     from wheelrail.scenes.schema.wagon_file import load_wagon, wagon_toml
     from wheelrail.vehicle.wagon.wagon import Wagon
 
-    with complaints(""):
+    with error_lines(""):
         print(wagon_toml(Wagon() if file is None else load_wagon(file)), end="")
 
 
@@ -30,17 +30,17 @@ def wagon(
 def example(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="NAME", help="One of them; a list of all without it.", show_default=False),
+        typer.Argument(metavar="NAME", help="Name of the example; without it, list all.", show_default=False),
     ] = None,
 ) -> None:
-    """Print a scene that comes with the package, to start another one from."""
+    """Print an example scene as a template, or list the examples."""
     from wheelrail.scenes.schema.examples import example as text_of
     from wheelrail.scenes.schema.examples import examples
 
-    with complaints(""):
+    with error_lines(""):
         if name is not None:
             print(text_of(name), end="")
             return
     width = max(map(len, examples()))
-    for known, heading in examples().items():
-        print(f"{known:{width}}  {heading}")
+    for example_name, heading in examples().items():
+        print(f"{example_name:{width}}  {heading}")

@@ -1,4 +1,4 @@
-"""Scene files and everything that is made of them: checks, models, solves, runs, studies, pictures, reports.
+"""Scene files and their use: validation, models, contact solves, runs, studies, figures, reports.
 
 The example scenes are in `examples`.
 """

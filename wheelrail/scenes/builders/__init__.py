@@ -1,1 +1,1 @@
-"""From a checked scene to the objects of `contact` and `vehicle`."""
+"""Objects of `contact` and `vehicle` built from a validated scene."""

@@ -1,4 +1,4 @@
-"""Contact model and motion of a Hertz scene. Everything heavy is imported when a model is built, not before."""
+"""Contact model and motion of a Hertz scene. Heavy packages are imported only when a model is built."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ def hertz_model(scene: HertzScene) -> ContactModel:
 
 
 def hertz_motion(scene: HertzScene) -> RigidMotion:
-    """Material of both bodies flows backwards through the contact at the speed, the upper one's creepage faster.
+    """Rigid motion of both bodies: material flows backwards through the contact at the rolling speed.
 
-    The creepage is shared, so that the mean of both velocities is the speed itself. Zero for a frictionless scene that
-    gives no motion; for a shift, both bodies' displacements instead.
+    Half of the creepage is applied to either body, so that the mean velocity is the speed. Zero for a frictionless
+    scene without motion; for a tangential displacement ("shift") twists are displacements of the bodies.
     """
     import numpy as np
 
     from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 
     if scene.shift is not None:
-        push, still = 0.5 * np.array([*scene.shift, 0.0]), np.zeros(3)
-        return RigidMotion(Twist(push, still, still), Twist(-push, still, still))
+        displacement, zero = 0.5 * np.array([*scene.shift, 0.0]), np.zeros(3)
+        return RigidMotion(Twist(displacement, zero, zero), Twist(-displacement, zero, zero))
     speed, (xi, eta, phi) = scene.speed or 0.0, scene.creepage or (0.0, 0.0, 0.0)
     flow, slip, origin = np.array([-speed, 0.0, 0.0]), speed * np.array([xi, eta, 0.0]), np.zeros(3)
     spin = np.array([0.0, 0.0, speed * phi])
@@ -47,7 +47,7 @@ def hertz_motion(scene: HertzScene) -> RigidMotion:
 
 
 def hertz_scale(scene: HertzScene, load: float) -> float:
-    """Approach m at which to look for the load: Hertz's for a sphere of the mean relative curvature."""
+    """Initial guess of the approach for a load N, m: Hertz's for a sphere of the mean relative curvature."""
     from wheelrail.contact.loading.hertz import sphere_approach
 
     curvature = sum(1.0 / radius for body in (scene.upper, scene.lower) for radius in body.radii)

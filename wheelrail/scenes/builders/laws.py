@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class ElasticConstants(Protocol):
-    """Anything that has Young's modulus, Pa, and Poisson's ratio."""
+    """An object with Young's modulus, Pa, and Poisson's ratio."""
 
     @property
     def E(self) -> float: ...
@@ -30,8 +30,9 @@ def material(body: ElasticConstants) -> Material:
 
 
 def laws(scene: HertzScene | WheelsetScene | RunScene) -> ContactLaws:
-    """Penalty pressure and regularised Coulomb friction with the scene's constants, or the exact laws; of these the
-    standard contact takes the friction.
+    """Contact laws of a scene: penalty and regularised Coulomb friction, or the exact laws.
+
+    The standard contact uses the friction of the exact laws.
     """
     from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 
@@ -44,7 +45,13 @@ def laws(scene: HertzScene | WheelsetScene | RunScene) -> ContactLaws:
 def standard_contact(
     scene: HertzScene | WheelsetScene | RunScene, surfaces: RigidPair, upper: ElasticConstants, lower: ElasticConstants
 ) -> StandardContact:
-    """The contact of multibody codes between two surfaces, with the scene's friction and theories."""
+    """Approximate contact of multibody codes between two surfaces.
+
+    Parameters:
+        scene: friction, normal and tangential theories.
+        surfaces: rigid surfaces of both bodies.
+        upper, lower: elastic constants of the bodies.
+    """
     from wheelrail.contact.models.standard.model import StandardContact
 
     theories = {key: value for key in ("normal", "tangential") if (value := getattr(scene, key)) is not None}

@@ -1,4 +1,4 @@
-"""Bodies that the tractions of a scene load, for stresses and deformations inside them."""
+"""Bodies loaded by the contact tractions of a scene, for internal stress and displacement."""
 
 from __future__ import annotations
 
@@ -18,17 +18,21 @@ if TYPE_CHECKING:
 def stressed_bodies(
     scene: HertzScene | WheelsetScene, pose: Pose, profiles: tuple[Profile, Profile] | None = None
 ) -> dict[str, LoadedBody]:
-    """The bodies inside which the scene asks for stresses, by name; pose of the upper one (of the left pair).
-
-    profiles as for `wheelset_contact`.
-    """
+    """Bodies with requested subsurface stress, by name; parameters as for `loaded_bodies`."""
     return {} if scene.stress is None else loaded_bodies(scene, pose, scene.stress.bodies, profiles)
 
 
 def loaded_bodies(
     scene: HertzScene | WheelsetScene, pose: Pose, names: Iterable[str], profiles: tuple[Profile, Profile] | None = None
 ) -> dict[str, LoadedBody]:
-    """Bodies of a scene as ones that its tractions load: "upper" and "lower", or "wheel" and "rail"."""
+    """Loaded bodies of a scene by name.
+
+    Parameters:
+        scene: materials and profiles.
+        pose: of the upper body (of the left-hand pair).
+        names: "upper" and "lower", or "wheel" and "rail".
+        profiles: of wheel and inclined rail; those of the scene by default.
+    """
     from wheelrail.contact.stress.subsurface import LoadedBody
 
     if isinstance(scene, HertzScene):
@@ -38,8 +42,8 @@ def loaded_bodies(
 
     steel = material(scene)
     wheel, rail = profiles or laid_profiles(scene)
-    made = {
+    builders = {
         "wheel": lambda: LoadedBody.wheel(wheel_outline(wheel, scene.wheelset.radius), steel, pose),
         "rail": lambda: LoadedBody.rail(rail_outline(rail), steel),
     }
-    return {name: made[name]() for name in names}
+    return {name: builders[name]() for name in names}

@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 
 def track(scene: RunScene) -> Track:
-    """The scene's track, with irregularities if it has any."""
+    """Track of the scene, with its irregularities."""
     return scene.track.track()
 
 
 def wagon(scene: RunScene) -> Wagon:
-    """The scene's wagon on the scene's wheels."""
+    """Wagon of the scene, with the wheel radius of the scene."""
     return scene.vehicle.on(scene.wheelset.radius)

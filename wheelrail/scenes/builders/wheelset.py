@@ -1,4 +1,4 @@
-"""Contact model of a wheelset on the scene's track. Everything heavy is imported when a model is built, not before."""
+"""Contact model of a wheelset on the scene's track. Heavy packages are imported only when a model is built."""
 
 from __future__ import annotations
 
@@ -18,10 +18,13 @@ if TYPE_CHECKING:
 def wheelset_contact(
     scene: WheelsetScene | RunScene, profiles: tuple[Profile, Profile] | None = None
 ) -> WheelsetContact:
-    """Both wheels of a wheelset on the rails of the scene's track; one model serves both sides.
+    """Contact model of both wheels of a wheelset on the track of the scene; one model serves both sides.
 
-    profiles: wheel, and rail as laid, the scene's own unless given. Raises SceneError for a profile that cannot be
-    read, or a rail without the gauge's height.
+    Parameters:
+        scene: of a wheelset or a run.
+        profiles: of wheel and inclined rail; those of the scene by default.
+
+    Raises SceneError for a profile that cannot be read, or a rail that does not extend to the gauge height.
     """
     from wheelrail.contact.models.wheelset import WheelsetContact
 
@@ -43,8 +46,9 @@ def wheelset_contact(
 
 
 def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
-    """How wheels sit on the axle and rails, as laid, in the track. Raises SceneError for a rail without the gauge's
-    height.
+    """Positions of wheels on the axle and of the inclined rails in the track.
+
+    Raises SceneError for a rail that does not extend to the gauge height.
     """
     from wheelrail.contact.kinematics.wheelset_state import Mounting
 
@@ -57,7 +61,7 @@ def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
 
 
 def laid_profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
-    """Profiles of wheel and rail, the rail as laid. Raises SceneError for one that cannot be read."""
+    """Profiles of wheel and inclined rail. Raises SceneError for one that cannot be read."""
     from wheelrail.meshes.profiles.library import load_profile
 
     try:
@@ -68,7 +72,7 @@ def laid_profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
 
 
 def wheel_scale(scene: WheelsetScene, load: float) -> float:
-    """Approach m at which to look for a wheel load: that of a sphere as curved as a rail head, R = 0.3 m."""
+    """Initial guess of the approach for a wheel load N, m: that of a sphere of rail-head radius, R = 0.3 m."""
     from wheelrail.contact.loading.hertz import sphere_approach
 
     return sphere_approach(load, radius=0.3, modulus=0.5 * scene.E / (1.0 - scene.nu**2))

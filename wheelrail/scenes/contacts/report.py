@@ -1,4 +1,4 @@
-"""A contact solve as one JSON object, or as a table to read."""
+"""Report of a contact solve, as JSON and as a table."""
 
 from __future__ import annotations
 
@@ -24,11 +24,17 @@ def side_report(
     seconds: float,
     stress: Mapping[str, SubsurfaceStress] | None = None,
 ) -> dict[str, Any]:
-    """One contact: resultants, patches, where the wheel stands, and what it cost; its error_estimate where the result
-    has one, in the units of what it is an estimate of, and stresses inside the bodies where there are any.
+    """Report of one side: resultants, patches, wheelset position, statistics, error estimate and subsurface stress.
 
-    Statistics are those of the last solve; contact_solves counts all that were needed to carry the load, seconds their
-    time in total. A contact that failed reports no force.
+    Parameters:
+        result: of the last solve, whose statistics are reported.
+        z: height of the wheelset above its nominal height, m.
+        roll: of the wheelset, rad.
+        solves: contact solves for the load, in total.
+        seconds: their computing time.
+        stress: subsurface stress by body.
+
+    A failed contact reports status and statistics only.
     """
     tangential = [sum(patch.tangential_force[i] for patch in result.patches) for i in (0, 1)]
     statistics = asdict(result.statistics)
@@ -39,7 +45,7 @@ def side_report(
     if result.error_estimate is not None:
         extra["error_estimate"] = asdict(result.error_estimate)
     if stress:
-        extra["stress"] = {name: stress_report(found) for name, found in stress.items()}
+        extra["stress"] = {name: stress_report(body_stress) for name, body_stress in stress.items()}
     return {
         "status": result.status,
         "force": result.force,
@@ -55,26 +61,26 @@ def side_report(
     }
 
 
-def stress_report(found: SubsurfaceStress) -> dict[str, Any]:
-    """By patch: depth m, position m, stress Pa, von_mises Pa and where it is largest; and what it cost."""
+def stress_report(stress: SubsurfaceStress) -> dict[str, Any]:
+    """By patch: depth, m, position, m, stress, Pa, von_mises, Pa, with its maximum; wavenumbers and computing time."""
     patches = []
-    for patch in found.patches:
+    for patch in stress.patches:
         mises = patch.von_mises
-        worst = int(mises.argmax())
+        maximum = int(mises.argmax())
         patches.append(
             {
                 "depth": patch.depth,
                 "position": patch.position,
                 "stress": patch.stress,
                 "von_mises": mises,
-                "largest": {"von_mises": mises[worst], "depth": patch.depth[worst]},
+                "largest": {"von_mises": mises[maximum], "depth": patch.depth[maximum]},
             }
         )
-    return {"patches": patches, "wavenumbers": found.wavenumbers, "seconds": found.seconds}
+    return {"patches": patches, "wavenumbers": stress.wavenumbers, "seconds": stress.seconds}
 
 
 def overall(sides: Mapping[str, Mapping[str, Any]]) -> str:
-    """One status for all sides: the first failure, else converged, or separated where nothing touches."""
+    """Status of all sides: the first failure, else "converged", or "separated" without contact."""
     for side, report in sides.items():
         if report["status"].startswith("failed"):
             return f"failed: {side}: {report['status'].removeprefix('failed').lstrip(': ')}"
@@ -82,7 +88,7 @@ def overall(sides: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def json_text(report: Mapping[str, Any]) -> str:
-    """The report on one line; JSON knows no NaN nor infinity: they become null."""
+    """The report as one line of JSON; NaN and infinity become null."""
     return json.dumps(_plain(report), allow_nan=False)
 
 
@@ -97,7 +103,7 @@ def _plain(value: Any) -> Any:
 
 
 def table(report: Mapping[str, Any]) -> RenderableType:
-    """The report to read: one column per side."""
+    """The report as a table with one column per side."""
     from rich.table import Table
     from rich.text import Text
 
@@ -111,9 +117,9 @@ def table(report: Mapping[str, Any]) -> RenderableType:
     if any("error_estimate" in report[name] for name in sides):
         view.add_section()
         for label, key, scale in _ERROR_ROWS:
-            found = [report[name].get("error_estimate") for name in sides]
+            estimates = [report[name].get("error_estimate") for name in sides]
             view.add_row(
-                Text(f"error estimate: {label}"), *("-" if e is None else _error(scale * e[key]) for e in found)
+                Text(f"error estimate: {label}"), *("-" if e is None else _error(scale * e[key]) for e in estimates)
             )
     for index in range(max((len(report[name].get("patches", ())) for name in sides), default=0)):
         view.add_section()
@@ -124,7 +130,7 @@ def table(report: Mapping[str, Any]) -> RenderableType:
             )
         for body in dict.fromkeys(body for name in sides for body in report[name].get("stress", ())):
             below = [report[name].get("stress", {}).get(body, {"patches": []})["patches"] for name in sides]
-            label = f"patch {index + 1}: largest von Mises, {body} [MPa], at depth [mm]"
+            label = f"patch {index + 1}: largest von Mises stress, {body} [MPa], at depth [mm]"
             view.add_row(Text(label), *(_largest(p[index]) if index < len(p) else "" for p in below))
     return view
 
@@ -140,8 +146,8 @@ def _error(value: float) -> str:
 
 
 def _largest(patch: Mapping[str, Any]) -> str:
-    found = patch["largest"]
-    return f"{1e-6 * found['von_mises']:.1f}  {1e3 * found['depth']:.3f}"
+    maximum = patch["largest"]
+    return f"{1e-6 * maximum['von_mises']:.1f}  {1e3 * maximum['depth']:.3f}"
 
 
 def _numbers(values: Any, scale: float, digits: int) -> str:
@@ -153,17 +159,17 @@ _ROWS = (
     ("force x, y, z [kN]", lambda s: _numbers(s["force"], 1e-3, 3)),
     ("moment x, y, z [N m]", lambda s: _numbers(s["moment"], 1.0, 2)),
     ("normal force [kN]", lambda s: f"{1e-3 * s['normal_force']:.3f}"),
-    ("tangential force along, across [kN]", lambda s: _numbers(s["tangential_force"], 1e-3, 3)),
+    ("tangential force longitudinal, lateral [kN]", lambda s: _numbers(s["tangential_force"], 1e-3, 3)),
     ("approach [µm]", lambda s: f"{1e6 * s['approach']:.2f}"),
     ("z [mm]", lambda s: f"{1e3 * s['z']:.4f}"),
     ("roll [mrad]", lambda s: f"{1e3 * s['roll']:.4f}"),
     (
         "contact points",
-        lambda s: f"{s['statistics']['points']}" + ("" if s["statistics"]["settled"] else ", ends not at rest"),
+        lambda s: f"{s['statistics']['points']}" + ("" if s["statistics"]["settled"] else ", edges not converged"),
     ),
     ("contact solves", lambda s: str(s["statistics"]["contact_solves"])),
-    ("Newton, linear iterations (last)", lambda s: f"{s['statistics']['newton']}, {s['statistics']['linear']}"),
-    ("seconds", lambda s: f"{s['statistics']['seconds']['all_solves']:.2f}"),
+    ("Newton, linear iterations (last solve)", lambda s: f"{s['statistics']['newton']}, {s['statistics']['linear']}"),
+    ("computing time [s]", lambda s: f"{s['statistics']['seconds']['all_solves']:.2f}"),
 )
 _ERROR_ROWS = (
     ("force [kN]", "force", 1e-3),
@@ -175,13 +181,13 @@ _PATCH_ROWS = (
     ("normal force [kN]", lambda p: f"{1e-3 * p['normal_force']:.3f}"),
     ("area [mm²]", lambda p: f"{1e6 * p['area']:.2f}"),
     ("peak pressure [MPa]", lambda p: f"{1e-6 * p['max_pressure']:.1f}"),
-    ("semi-axes along x, across [mm]", lambda p: _numbers(p["semi_axes"], 1e3, 3)),
+    ("semi-axes longitudinal, lateral [mm]", lambda p: _numbers(p["semi_axes"], 1e3, 3)),
     ("contact angle [mrad]", lambda p: f"{1e3 * p['contact_angle']:.2f}"),
-    ("on the wheel, on the rail [mm]", lambda p: _numbers((p["wheel_s"], p["rail_s"]), 1e3, 3)),
+    ("position on wheel, on rail (arc length) [mm]", lambda p: _numbers((p["wheel_s"], p["rail_s"]), 1e3, 3)),
     ("stick area [mm²]", lambda p: f"{1e6 * p['stick_area']:.2f}"),
 )
 _FRICTION_ROWS = (
-    ("creepage along, across [1e-3]", lambda p: _numbers(p["creepage"][:2], 1e3, 4)),
+    ("creepage longitudinal, lateral [1e-3]", lambda p: _numbers(p["creepage"][:2], 1e3, 4)),
     ("spin creepage [1/m]", lambda p: f"{p['creepage'][2]:.4f}"),
     ("frictional power [W]", lambda p: f"{p['frictional_power']:.2f}"),
 )

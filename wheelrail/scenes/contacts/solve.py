@@ -1,4 +1,4 @@
-"""One contact solve of a scene: a Hertz pair, or the wheels of a wheelset."""
+"""Contact solve of a scene: a Hertz pair, or the wheels of a wheelset."""
 
 from __future__ import annotations
 
@@ -27,16 +27,22 @@ if TYPE_CHECKING:
     from wheelrail.contact.stress.subsurface import SubsurfaceStress
     from wheelrail.meshes.profiles.profile import Profile
 
-Say = Callable[[str], None]
-Seen = Callable[[str, "ContactResult"], None]
+ReportProgress = Callable[[str], None]
+OnResult = Callable[[str, "ContactResult"], None]
 
 
 @dataclass(frozen=True)
 class SideSolution:
-    """The contact of one side: its result, the pose (of the upper body in the frame of the lower one) that it stands
-    in, z m and roll rad of the wheelset, contact solves and seconds that it took, and stresses inside the bodies.
+    """Contact solution of one side.
 
-    Without a pose there is no result but the reason why, as its status.
+    Parameters:
+        result: contact result; its status is the reason where no pose was found.
+        pose: of the upper body in the frame of the lower one; None if the load cannot be carried.
+        z: height of the wheelset above its nominal height, m.
+        roll: of the wheelset, rad.
+        solves: number of contact solves.
+        seconds: their computing time.
+        stress: subsurface stress by body.
     """
 
     result: ContactResult
@@ -48,29 +54,35 @@ class SideSolution:
     stress: Mapping[str, SubsurfaceStress] = field(default_factory=dict)
 
     @classmethod
-    def unfound(cls, reason: str) -> SideSolution:
-        """The load cannot be carried."""
+    def failed(cls, reason: str) -> SideSolution:
+        """A load that cannot be carried."""
         from wheelrail.contact.results.result import ContactResult
 
         return cls(ContactResult.failed(reason))
 
 
 def solve_contact(
-    scene: HertzScene | WheelsetScene, say: Say = lambda _: None, seen: Seen = lambda *_: None
+    scene: HertzScene | WheelsetScene,
+    report_progress: ReportProgress = lambda _: None,
+    on_result: OnResult = lambda *_: None,
 ) -> dict[str, Any]:
-    """The report of a scene, see `wheelrail.scenes.contacts.report`; say is told what is being done, seen the result of
-    every side.
+    """Solve a scene and report it, see `wheelrail.scenes.contacts.report`.
 
-    The moment of a Hertz pair is about the point of first touch. A load that cannot be carried, or a contact that does
-    not converge, is a status "failed: ..." and no error.
+    Parameters:
+        scene: to solve.
+        report_progress: called with a text at every stage.
+        on_result: called with side and result of every side.
+
+    The moment of a Hertz pair is about the point of first contact. A load that cannot be carried, or a contact that
+    does not converge, gives status "failed: ..." and no exception.
     """
-    found = laws(scene)
+    contact_laws = laws(scene)
     sides: dict[str, Any] = {}
-    for side, solved in solve_sides(scene, say=say):
+    for side, solved in solve_sides(scene, report_progress=report_progress):
         if solved.pose is None:
             sides[side] = {"status": solved.result.status}
             continue
-        seen(side, solved.result)
+        on_result(side, solved.result)
         sides[side] = side_report(
             solved.result,
             z=solved.z,
@@ -84,10 +96,10 @@ def solve_contact(
         "kind": scene.kind,
         "model": scene.model,
         "friction": scene.friction,
-        **ways(scene),
+        **model_choices(scene),
         "falling": None if scene.falling is None else scene.falling.model_dump(),
-        "stiffness_per_area": found.stiffness_per_area if found.normal_compliance else None,
-        "regularisation": found.regularisation,
+        "stiffness_per_area": contact_laws.stiffness_per_area if contact_laws.normal_compliance else None,
+        "regularisation": contact_laws.regularisation,
         **sides,
     }
 
@@ -97,20 +109,24 @@ def solve_sides(
     *,
     model: ContactModel | WheelsetContact | None = None,
     profiles: tuple[Profile, Profile] | None = None,
-    say: Say = lambda _: None,
+    report_progress: ReportProgress = lambda _: None,
 ) -> Iterator[tuple[str, SideSolution]]:
-    """Every side of a scene, "contact" for a Hertz pair, solved in its turn.
+    """Solve the sides of a scene one after the other; the only side of a Hertz pair is "contact".
 
-    model: one that was built for this scene, or for one that differs only in pose, motion and load; profiles of wheel
-    and rail as laid, where they are not the scene's own. Both are made from the scene unless given.
+    Parameters:
+        scene: to solve.
+        model: contact model built for this scene, or for one that differs only in pose, motion and load; built from
+            the scene by default.
+        profiles: of wheel and inclined rail; those of the scene by default.
+        report_progress: called with a text at every stage.
     """
     if isinstance(scene, HertzScene):
-        return _hertz(scene, cast("ContactModel | None", model), say)
-    return _wheelset(scene, cast("WheelsetContact | None", model), profiles, say)
+        return _hertz(scene, cast("ContactModel | None", model), report_progress)
+    return _wheelset(scene, cast("WheelsetContact | None", model), profiles, report_progress)
 
 
-def ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
-    """How the bodies and their contact are modelled."""
+def model_choices(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
+    """Choices of the contact model, by key of the scene."""
     if scene.model == "standard":
         return {"normal": scene.normal or "kik-piotrowski", "tangential": scene.tangential or "fastsim"}
     how = scene.discretisation
@@ -122,15 +138,17 @@ def ways(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     }
 
 
-def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[tuple[str, SideSolution]]:
+def _hertz(
+    scene: HertzScene, model: ContactModel | None, report_progress: ReportProgress
+) -> Iterator[tuple[str, SideSolution]]:
     from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
     from wheelrail.contact.loading.load_search import LoadError
 
     if model is None:
-        say("meshes and stiffness of both bodies")
+        report_progress("compliance of both bodies")
         model = hertz_model(scene)
     motion = hertz_motion(scene)
-    say("contact")
+    report_progress("contact")
     with _clock() as seconds:
         if scene.load is None:
             depth, solves = float(scene.approach or 0.0), 1
@@ -139,69 +157,73 @@ def _hertz(scene: HertzScene, model: ContactModel | None, say: Say) -> Iterator[
         else:
             try:
                 with deferred_interrupts():
-                    found = hertz_under_load(model, motion, scene.load, expected=hertz_scale(scene, scene.load))
+                    solution = hertz_under_load(model, motion, scene.load, expected=hertz_scale(scene, scene.load))
             except LoadError as error:
-                yield "contact", SideSolution.unfound(str(error))
+                yield "contact", SideSolution.failed(str(error))
                 return
-            depth, solves, result = found.depth, found.trials, found.results[0]
+            depth, solves, result = solution.depth, solution.trials, solution.results[0]
     spent, pose = seconds(), hertz_pose(depth)
-    if result.ok:  # the approach of the bodies: the largest overlap on a grid may miss the point of first touch
+    if result.ok:  # of the bodies; the largest penetration on a grid may miss the point of first contact
         result = replace(result, approach=depth)
     if scene.error_estimate:
-        say("the same on half as many cells")
+        report_progress("error estimate: solution on half as many cells")
         result = _estimated(result, lambda: _halved(model)(pose, motion, None))
-    yield "contact", SideSolution(result, pose, -depth, 0.0, solves, spent, _stress(scene, result, pose, None, say))
+    stress = _stress(scene, result, pose, None, report_progress)
+    yield "contact", SideSolution(result, pose, -depth, 0.0, solves, spent, stress)
 
 
 def _wheelset(
-    scene: WheelsetScene, contact: WheelsetContact | None, profiles: tuple[Profile, Profile] | None, say: Say
+    scene: WheelsetScene,
+    contact: WheelsetContact | None,
+    profiles: tuple[Profile, Profile] | None,
+    report_progress: ReportProgress,
 ) -> Iterator[tuple[str, SideSolution]]:
     from wheelrail.contact.loading.load_search import LoadError
 
     if contact is None:
-        say("meshes and stiffness of wheel and rail")
+        report_progress("compliance of wheel and rail")
         contact = wheelset_contact(scene)
-    for sides, solve in _seats(scene, contact):
-        say(f"contact of the {' and '.join(sides)} wheel")
+    for sides, solve in _equilibria(scene, contact):
+        report_progress(f"contact of the {' and '.join(sides)} wheel")
         with _clock() as seconds:
             try:
                 with deferred_interrupts():
-                    seat = solve()
+                    equilibrium = solve()
             except LoadError as error:
-                yield from ((side, SideSolution.unfound(str(error))) for side in sides)
+                yield from ((side, SideSolution.failed(str(error))) for side in sides)
                 continue
-        share, time = seat.solves // len(sides), seconds() / len(sides)
-        state = seat.state
-        for side, result in seat.results.items():
+        solves, time = equilibrium.solves // len(sides), seconds() / len(sides)
+        state = equilibrium.state
+        for side, result in equilibrium.results.items():
             if scene.error_estimate:
-                say(f"{side} wheel: the same on half as many cells")
-                rough = replace(contact, model=_halved(contact.model))
-                result = _estimated(result, partial(rough, state, side))
+                report_progress(f"{side} wheel: error estimate: solution on half as many cells")
+                coarse = replace(contact, model=_halved(contact.model))
+                result = _estimated(result, partial(coarse, state, side))
             pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
-            stress = _stress(scene, result, pose, profiles, say)
+            stress = _stress(scene, result, pose, profiles, report_progress)
             if side == "right":
-                pose, stress = pose.mirrored(), {name: found.mirrored() for name, found in stress.items()}
-            yield side, SideSolution(result, pose, state.z, state.roll, share, time, stress)
+                pose, stress = pose.mirrored(), {name: body_stress.mirrored() for name, body_stress in stress.items()}
+            yield side, SideSolution(result, pose, state.z, state.roll, solves, time, stress)
 
 
 def _halved(model: ContactModel) -> ContactModel:
-    """The model on half as many cells each way."""
+    """The model with half as many cells in both directions."""
     from wheelrail.contact.models.fitted.model import FittedContact
 
     assert isinstance(model, FittedContact)
     return replace(model, fineness=model.fineness.halved())
 
 
-def _estimated(result: ContactResult, rough: Callable[[], ContactResult]) -> ContactResult:
-    """The result with an estimate of its error, once at its place and not at every depth tried on the way."""
+def _estimated(result: ContactResult, solve_coarse: Callable[[], ContactResult]) -> ContactResult:
+    """The result with an error estimate, computed at the final position only and not at every trial depth."""
     from wheelrail.contact.results.error_estimate import ErrorEstimate
     from wheelrail.contact.results.extrapolation import difference
 
     if not result.patches:
         return result
     with deferred_interrupts():
-        other = rough()
-    return replace(result, error_estimate=difference(result, other) if other.ok else ErrorEstimate.unknown())
+        coarse = solve_coarse()
+    return replace(result, error_estimate=difference(result, coarse) if coarse.ok else ErrorEstimate.unknown())
 
 
 def _stress(
@@ -209,52 +231,52 @@ def _stress(
     result: ContactResult,
     pose: Pose,
     profiles: tuple[Profile, Profile] | None,
-    say: Say,
+    report_progress: ReportProgress,
 ) -> dict[str, SubsurfaceStress]:
-    """Stresses by body, in the frame of the result's fields. Raises SceneError for depths that leave a body."""
+    """Subsurface stress by body, in the frame of the result's fields. Raises SceneError for depths outside a body."""
     if scene.stress is None or not result.patches:
         return {}
     import numpy as np
 
-    found = {}
+    stress = {}
     for name, body in stressed_bodies(scene, pose, profiles).items():
-        say(f"stress inside the {name}")
+        report_progress(f"stress in the {name}")
         try:
-            found[name] = body.below(result, np.array(scene.stress.depths))
+            stress[name] = body.below(result, np.array(scene.stress.depths))
         except ValueError as error:
             raise SceneError(f"stress.depths: {name}: {error}") from None
-    return found
+    return stress
 
 
-def _seats(
+def _equilibria(
     scene: WheelsetScene, contact: WheelsetContact
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], WheelsetEquilibrium]]]:
-    """The solves that a wheelset scene asks for: sides, and the call that seats them."""
+    """Solves of a wheelset scene: sides, and the function that computes their static equilibrium."""
     from wheelrail.contact.kinematics.wheelset_state import WheelsetState
     from wheelrail.contact.loading.wheelset import axle_under_load, placed, wheel_under_load, wheels_under_load
 
-    given = scene.wheelset
+    position = scene.wheelset
     state = WheelsetState(
-        y=given.y,
-        z=given.z or 0.0,
-        roll=0.0 if given.roll == "solve" else given.roll,
-        yaw=given.yaw,
-        y_rate=given.y_rate,
-        z_rate=given.z_rate,
-        roll_rate=given.roll_rate,
-        pitch_rate=given.pitch_rate or 0.0,
-        speed=given.speed or 0.0,
-        frame_rate=(0.0, 0.0, (given.speed or 0.0) * scene.track.curvature),
+        y=position.y,
+        z=position.z or 0.0,
+        roll=0.0 if position.roll == "solve" else position.roll,
+        yaw=position.yaw,
+        y_rate=position.y_rate,
+        z_rate=position.z_rate,
+        roll_rate=position.roll_rate,
+        pitch_rate=position.pitch_rate or 0.0,
+        speed=position.speed or 0.0,
+        frame_rate=(0.0, 0.0, (position.speed or 0.0) * scene.track.curvature),
     )
-    if given.z is not None:
+    if position.z is not None:
         yield scene.sides, lambda: placed(contact, state, scene.sides)
-    elif given.axle_load is not None:
-        load = given.axle_load
+    elif position.axle_load is not None:
+        load = position.axle_load
         yield scene.sides, lambda: axle_under_load(contact, state, load, expected=wheel_scale(scene, 0.5 * load))
     else:
-        load = given.wheel_load or 0.0
+        load = position.wheel_load or 0.0
         expected = wheel_scale(scene, load)
-        if given.roll == "solve":
+        if position.roll == "solve":
             yield scene.sides, lambda: wheels_under_load(contact, state, load, expected=expected)
             return
         for side in scene.sides:

@@ -13,7 +13,7 @@ from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.contact.geometry.quadric_pair import curvature
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.contacts.report import overall
-from wheelrail.scenes.contacts.solve import SideSolution, ways
+from wheelrail.scenes.contacts.solve import SideSolution, model_choices
 from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.patches import means
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
@@ -48,7 +48,7 @@ def solution_dataset(
     bodies = (scene.upper, scene.lower) if isinstance(scene, HertzScene) else (scene, scene)
     above, below = ((body.E, body.nu) for body in bodies)
     sides = {side: {"status": found.result.status} for side, found in solved.items()}
-    described = {key: value for key, value in ways(scene).items() if value is not None}
+    described = {key: value for key, value in model_choices(scene).items() if value is not None}
     return data.assign_attrs(
         title="Wheel-rail contact" if profiles else "Contact of a Hertz pair",
         frame="of each side's rail: x forward, y to the left, z up; forces act on the wheel",

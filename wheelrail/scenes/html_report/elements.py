@@ -1,4 +1,4 @@
-"""What a page is made of; the template draws each by its `kind`."""
+"""Elements of a page; the template renders each by its `kind`."""
 
 from __future__ import annotations
 
@@ -17,8 +17,14 @@ LONG = 30  # rows of a table
 
 @dataclass(frozen=True)
 class PageTable:
-    """Heads and rows of texts; the first column names the row. numbers: columns that stand at the right. A long one
-    scrolls, and is sorted by a click on a head.
+    """Table of texts; the first column names the row. A long table scrolls and is sorted by a click on a column head.
+
+    Parameters:
+        caption: above the table.
+        head: column heads.
+        rows: cells by row.
+        numbers: right-aligned columns.
+        note: below the table.
     """
 
     kind: ClassVar[str] = "table"
@@ -34,7 +40,7 @@ class PageTable:
 
     @classmethod
     def of_rich(cls, table: RichTable, caption: str = "") -> PageTable:
-        """The same as a table of the command line."""
+        """From a table of the command line."""
         columns = [[str(cell) for cell in column.cells] for column in table.columns]
         right = frozenset(k for k, column in enumerate(table.columns) if column.justify == "right")
         head = [str(column.header) for column in table.columns]
@@ -44,7 +50,7 @@ class PageTable:
 
 @dataclass(frozen=True)
 class PagePicture:
-    """source: a data URI."""
+    """Image; source: a data URI."""
 
     kind: ClassVar[str] = "picture"
     source: str
@@ -54,7 +60,7 @@ class PagePicture:
 
 @dataclass(frozen=True)
 class PageView:
-    """A three-dimensional one: a page of its own, and a still picture (data URI) where that cannot be shown."""
+    """Interactive 3D view: a complete page, and a still image (data URI) for browsers without WebGL."""
 
     kind: ClassVar[str] = "view"
     page: str
@@ -65,7 +71,7 @@ class PageView:
 
 @dataclass(frozen=True)
 class PageNote:
-    """A paragraph in place of what is not there."""
+    """A paragraph in place of a missing element."""
 
     kind: ClassVar[str] = "note"
     text: str
@@ -83,8 +89,17 @@ class PageSection:
 
 @dataclass(frozen=True)
 class Page:
-    """title; what it is (`what`), how it ended (`status`, `well`), lead: a paragraph; facts: label and value; sources:
-    texts to fold out, by what they are.
+    """A page.
+
+    Parameters:
+        title: of the page.
+        what: kind of results.
+        status: of the computation.
+        well: whether it succeeded.
+        lead: introductory paragraph.
+        facts: values by label.
+        sources: collapsed texts by label.
+        sections: in their order.
     """
 
     title: str
@@ -98,6 +113,6 @@ class Page:
 
 
 def number(value: Any, digits: int = 4) -> str:
-    """A number of so many significant digits; a dash for one that is not known."""
-    found = float(value)
-    return f"{found + 0.0:.{digits}g}" if np.isfinite(found) else "–"
+    """A number with the given significant digits; a dash for NaN."""
+    decimal = float(value)
+    return f"{decimal + 0.0:.{digits}g}" if np.isfinite(decimal) else "–"

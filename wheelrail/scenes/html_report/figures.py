@@ -1,4 +1,4 @@
-"""Pictures and views as they stand in a page."""
+"""Figures and 3D views embedded in a page."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from wheelrail.scenes.plots.style import STYLE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LARGE = 250_000  # bytes of a picture in lines, beyond which its pixels take less
+LARGE = 250_000  # bytes of an SVG figure, beyond which a PNG is smaller
 
 
 def picture(draw: Callable[[], Figure | None], caption: str, alt: str) -> PagePicture | None:
-    """What draw makes, in lines where that is small; None where it makes nothing."""
+    """Figure as SVG, or as PNG if the SVG is large; None if draw returns None."""
     from matplotlib import rc_context
 
     with rc_context({**STYLE, "svg.hashsalt": "wheelrail"}):
@@ -31,7 +31,7 @@ def picture(draw: Callable[[], Figure | None], caption: str, alt: str) -> PagePi
 
 
 def view(plotter: Any, caption: str, alt: str) -> PageView:
-    """A plotter's scene to turn, and how it looks at first; the plotter is closed."""
+    """Interactive 3D view of a plotter with its initial still image; closes the plotter."""
     from matplotlib.image import imsave
 
     from wheelrail.scenes.views.html import view_html

@@ -1,5 +1,5 @@
 "use strict";
-// Views come to life where the browser can draw them; else their pictures stay.
+// Interactive 3D views replace their still images if the browser supports WebGL.
 for (const view of document.querySelectorAll(".view")) {
   const canvas = document.createElement("canvas");
   if (!(canvas.getContext("webgl2") || canvas.getContext("webgl"))) {
@@ -12,12 +12,12 @@ for (const view of document.querySelectorAll(".view")) {
   frame.addEventListener("load", () => view.classList.add("alive"));
   view.querySelector(".stage").append(frame);
   view.querySelector(".hint").hidden = false;
-  // Only after a click, so that scrolling past does not zoom.
+  // Active only after a click, so that scrolling the page does not zoom.
   view.querySelector(".stage").addEventListener("click", () => view.classList.add("turning"));
   view.addEventListener("mouseleave", () => view.classList.remove("turning"));
 }
-// Long tables are sorted by a click on a head: numbers as such, those that are not known last; the other way round by
-// the next click.
+// A click on a column head sorts a long table, numerically for numbers, with missing values last; the next click
+// reverses the order.
 for (const table of document.querySelectorAll(".long table")) {
   for (const [column, head] of [...table.tHead.rows[0].cells].entries()) {
     const button = document.createElement("button");
@@ -28,12 +28,12 @@ for (const table of document.querySelectorAll(".long table")) {
       for (const other of table.tHead.rows[0].cells) other.ariaSort = null;
       head.ariaSort = down ? "descending" : "ascending";
       const text = row => row.cells[column].textContent;
-      const one = row => head.className === "number" ? parseFloat(text(row)) : text(row);
+      const value = row => head.className === "number" ? parseFloat(text(row)) : text(row);
       const order = (a, b) => a < b ? -1 : a > b ? 1 : 0;
-      const known = row => !Number.isNaN(one(row));
+      const valid = row => !Number.isNaN(value(row));
       const rows = [...table.tBodies[0].rows];
-      const sorted = rows.filter(known).sort((a, b) => (down ? -1 : 1) * order(one(a), one(b)));
-      table.tBodies[0].append(...sorted, ...rows.filter(row => !known(row)));
+      const sorted = rows.filter(valid).sort((a, b) => (down ? -1 : 1) * order(value(a), value(b)));
+      table.tBodies[0].append(...sorted, ...rows.filter(row => !valid(row)));
     });
   }
 }

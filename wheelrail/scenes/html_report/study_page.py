@@ -1,4 +1,4 @@
-"""The page of a study."""
+"""HTML report of a study."""
 
 from __future__ import annotations
 
@@ -20,24 +20,30 @@ from wheelrail.scenes.studies.tables import case_table, error_table, flat, param
 if TYPE_CHECKING:
     from xarray import Dataset
 
-ROWS = 2000  # of a table of cases
+ROWS = 2000  # of the table of cases
 KINDS = {"hertz": "pairs of bodies", "wheelset": "wheelsets on rails", "run": "vehicle runs"}
 
 
 def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
-    """Of a study's data; file: the results. view: with one of a case to turn, which is solved once more."""
+    """Page of a study.
+
+    Parameters:
+        data: Dataset of the study.
+        file: results.
+        view: whether to include an interactive 3D view of one case, which is solved again.
+    """
     counts = {str(s): int((data["status"] == s).sum()) for s in np.unique(data["status"].values)}
     spent = float(data["seconds"].sum())
     sections = [
-        PageSection("What was varied", [parameter_table(data)]),
+        PageSection("Parameters", [parameter_table(data)]),
         PageSection("Failed cases", [failures(data, file.name)]),
         PageSection("Cases", [PageTable.of_rich(case_table(data, ROWS, f"in {file.name}"))]),
-        PageSection("Pictures", pictures(_pictures(data), "Nothing that is drawn varies from case to case.")),
+        PageSection("Figures", pictures(_pictures(data), "No figures: no plotted quantity varies between cases.")),
     ]
     if errors_of(data):
         sections.insert(2, PageSection("Convergence", [PageTable.of_rich(error_table(data))]))
     if view:
-        sections.append(PageSection("In three dimensions", [case(data, file)]))
+        sections.append(PageSection("Interactive 3D view", [case(data, file)]))
     if not counts.get("failed"):
         del sections[1]
     return Page(
@@ -46,33 +52,33 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
         status=", ".join(f"{count} {status}" for status, count in counts.items()),
         well=not counts.keys() & {"failed", "not computed"},
         lead="",
-        facts={**origin(data.attrs), "took": f"{seconds(spent)} for all cases together", "results": file.name},
+        facts={**origin(data.attrs), "computing time": f"{seconds(spent)}, sum over cases", "results": file.name},
         sources={
-            "The study": _toml(_without_defaults(json.loads(data.attrs["study"]))),
-            "The scene that it varies": _toml(json.loads(data.attrs["scene"])),
+            "Study": _toml(_without_defaults(json.loads(data.attrs["study"]))),
+            "Scene": _toml(json.loads(data.attrs["scene"])),
         },
         sections=sections,
     )
 
 
 def parameter_table(data: Dataset) -> PageTable:
-    """Parameters, their dimension and values."""
+    """Parameters with unit, dimension and values."""
     rows = []
     for name in parameters(data):
         values, unit = data[name].values, data[name].attrs.get("units", "1")
         texts = [shown(value.item() if hasattr(value, "item") else value) for value in values]
         numbers = values.dtype.kind in "if" and len(values)
         drawn = numbers and SAMPLE in data[name].dims
-        said = (
+        summary = (
             f"{len(values)} values from {shown(values.min())} to {shown(values.max())}" if drawn else ", ".join(texts)
         )
         dims = " x ".join(map(str, data[name].dims))
-        rows.append([str(data[name].attrs.get("long_name", name)), unit if unit != "1" else "–", dims, said])
-    return PageTable("Parameters", ["parameter", "unit", "dimension", "values"], rows, frozenset())
+        rows.append([str(data[name].attrs.get("long_name", name)), unit if unit != "1" else "–", dims, summary])
+    return PageTable("Varied parameters", ["parameter", "unit", "dimension", "values"], rows, frozenset())
 
 
 def failures(data: Dataset, file: str) -> PageTable | PageNote:
-    """Parameters and error of every case that failed; file: what holds the rest of very many."""
+    """Parameters and error of the failed cases; file: contains those beyond 2000."""
     names = parameters(data)
     columns = [flat(data, name) for name in names]
     failed, errors = np.flatnonzero(flat(data, "status") == "failed"), flat(data, "error")
@@ -81,29 +87,29 @@ def failures(data: Dataset, file: str) -> PageTable | PageNote:
     rows = [[*(shown(column[k].item()) for column in columns), str(errors[k])] for k in failed[:ROWS]]
     heads = [str(data[name].attrs.get("long_name", name)) for name in names]
     note = f"and {failed.size - ROWS} more, in {file}" if failed.size > ROWS else ""
-    return PageTable("Cases that failed, and why", [*heads, "error"], rows, frozenset(range(len(heads))), note)
+    return PageTable("Failed cases and their errors", [*heads, "error"], rows, frozenset(range(len(heads))), note)
 
 
 def _pictures(data: Dataset) -> list[Any]:
     from wheelrail.scenes.studies.plots import convergence, lines, sensitivity
 
     sampled = SAMPLE in data.dims
-    said = (
-        "Rank correlation with every parameter, and the quantity over the one that matters most"
+    caption = (
+        "Rank correlation with every parameter, and the quantity over the parameter of largest correlation"
         if sampled
-        else "The main quantities over what was varied"
+        else "Main quantities over the varied parameters"
     )
-    errors = "Relative errors [%] over what is refined, and over the time for the contact solves [s]"
+    errors = "Relative errors [%] over the refined parameter, and over the time for the contact solves [s]"
     return [
-        picture(partial(sensitivity if sampled else lines, data), said, said),
+        picture(partial(sensitivity if sampled else lines, data), caption, caption),
         picture(partial(convergence, data), errors, errors),
     ]
 
 
 def _without_defaults(study: dict[str, Any]) -> dict[str, Any]:
-    """What says something; the scene has a text of its own where it is a table."""
-    kept = {key: value for key, value in study.items() if value not in (None, {}, [], False)}
-    return {key: value for key, value in kept.items() if not (key == "scene" and isinstance(value, dict))}
+    """Non-default values; a scene in a table is shown separately."""
+    values = {key: value for key, value in study.items() if value not in (None, {}, [], False)}
+    return {key: value for key, value in values.items() if not (key == "scene" and isinstance(value, dict))}
 
 
 def _toml(table: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Views to turn: the hardest moment of a run, a contact of a study."""
+"""Interactive 3D views: the largest lateral force of a run, a contact of a study."""
 
 from __future__ import annotations
 
@@ -20,36 +20,48 @@ if TYPE_CHECKING:
 
     from wheelrail.scenes.studies.plan import StudyCase
 
-CHEAP = 30.0  # s that a case of a study may have taken to be solved once more for its view
-FEW = "No three-dimensional view"
+CHEAP = 30.0  # s, longest solve of a study case that is repeated for its view
+NO_VIEW = "No 3D view"
 
 
 def moment(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
-    """The sample of the largest lateral force; file: the results, beside which the scene's files are looked for."""
+    """View of the sample with the largest lateral force.
+
+    Parameters:
+        data: Dataset of the run.
+        file: results; paths in the scene are relative to its folder.
+        name: of the run, for the caption.
+    """
     from wheelrail.scenes.views.view import bodies_of_run
 
-    return _or_why_not(lambda: _moment(data, bodies_of_run(data, file), name))
+    return _view_or_reason(lambda: _moment(data, bodies_of_run(data, file), name))
 
 
 def _moment(data: Dataset, bodies: dict[str, Any], name: str) -> PageView:
     from wheelrail.scenes.views.run_snapshot import hardest, moment_view
 
     index = hardest(data)
-    said = _said(data, index, name)
-    plotter = moment_view(data, index, **bodies, title=said.split(":")[0])
+    description = _description(data, index, name)
+    plotter = moment_view(data, index, **bodies, title=description.split(":")[0])
     caption = (
-        f"{said}. Above: the wheelset on its rails, seen from behind; arrows: vertical and lateral force on the "
-        "left wheel (blue) and on the right one (orange). Below: both contacts, patches as ellipses coloured by "
-        "their load. Everything true to scale, displacements included."
+        f"{description}. Above: the wheelset on its rails from behind; arrows: vertical and lateral force on the "
+        "left wheel (blue) and on the right wheel (orange). Below: both contacts, patches as ellipses coloured by "
+        "load. Displacement magnification factor 1."
     )
-    return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {said}.")
+    return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {description}.")
 
 
 def case(data: Dataset, file: Path) -> PageView | PageNote:
-    """One of a study; file: the results. Of runs that whose data are kept, the one with the largest peak pressure; of
-    single contacts one that was solved quickly, the middle one of these by its time, which is solved once more.
+    """View of one case of a study.
+
+    Parameters:
+        data: Dataset of the study.
+        file: results.
+
+    For runs the stored one with the largest peak pressure; for single contacts the one of median computing time among
+    those within 30 s, which is solved again.
     """
-    return _or_why_not(lambda: _run(data, file) if data.attrs.get("scene_kind") == "run" else _contact(data))
+    return _view_or_reason(lambda: _run(data, file) if data.attrs.get("scene_kind") == "run" else _contact(data))
 
 
 def _run(data: Dataset, file: Path) -> PageView:
@@ -58,7 +70,7 @@ def _run(data: Dataset, file: Path) -> PageView:
     from wheelrail.scenes.views.view import bodies_of_scene
 
     if "kept_run" not in data.attrs:
-        raise SceneError("the data of none of its runs were kept; wheelrail report shows that of a single one")
+        raise SceneError("the study contains no data of single runs; use wheelrail report with a single run")
     chosen = _cases(data)[tuple(map(int, np.atleast_1d(data.attrs["kept_case"])))]
     assert isinstance(chosen.scene, RunScene)
     run = read(file.parent / str(data.attrs["kept_run"]))
@@ -71,38 +83,40 @@ def _contact(data: Dataset) -> PageView:
 
     dims = dimensions(data)
     taken = data["seconds"].transpose(*dims).values
-    good = (data["status"].transpose(*dims).values == "converged") & (taken <= CHEAP)
-    if not good.any():
+    candidates = (data["status"].transpose(*dims).values == "converged") & (taken <= CHEAP)
+    if not candidates.any():
         raise SceneError(f"no case converged within {CHEAP:g} s")
     cases = _cases(data)
-    places = sorted(zip(*np.nonzero(good), strict=True), key=lambda place: (taken[place], place))
+    places = sorted(zip(*np.nonzero(candidates), strict=True), key=lambda place: (taken[place], place))
     elastic = [place for place in places if cases[place].scene.model != "standard"]
     if not elastic:
-        raise SceneError('model = "standard" knows no bodies that deform, whose displacement and stress could be shown')
+        raise SceneError('model = "standard" has no elastic bodies')
     chosen = cases[elastic[len(elastic) // 2]]
     assert not isinstance(chosen.scene, RunScene)
     plotter = view_scene(chosen.scene, title=str(chosen))
     caption = (
-        f"The case {chosen}, solved once more. Left: both bodies moved apart, displacements enlarged as the view "
-        "says, pressure on the patch. Right: von Mises stress on cuts along and across, below the patch."
+        f"Case {chosen}, solved again. Left: deformed bodies, separated, with the displacement magnification factor "
+        "in the view, and pressure on the patch. Right: von Mises stress on longitudinal and lateral cuts."
     )
-    return view(plotter, caption, f"Both bodies deformed and the stress below their contact, of the case {chosen}.")
+    return view(plotter, caption, f"Deformed bodies and stress below the contact, case {chosen}.")
 
 
 def _cases(data: Dataset) -> dict[tuple[int, ...], StudyCase]:
-    """Of the study that gave these results, by their places."""
+    """Cases of the study by index."""
     from wheelrail.scenes.studies.plan import plan
     from wheelrail.scenes.studies.schema import check_study
 
     study = json.loads(data.attrs["study"])
-    given = {key: value for key, value in study.items() if value is not None and key not in ("set", "without")}
-    path = Path(study["scene"] if isinstance(study["scene"], str) else "study")  # files are looked for beside it
-    planned = plan(check_study({**given, "scene": json.loads(data.attrs["scene"])}, path), path)
+    tables = {key: value for key, value in study.items() if value is not None and key not in ("set", "without")}
+    path = Path(
+        study["scene"] if isinstance(study["scene"], str) else "study"
+    )  # paths in the scene are relative to its folder
+    planned = plan(check_study({**tables, "scene": json.loads(data.attrs["scene"])}, path), path)
     return {case.place: case for case in planned.cases}
 
 
-def _said(data: Dataset, index: int, name: str) -> str:
-    """The moment in words: where, displacements, forces."""
+def _description(data: Dataset, index: int, name: str) -> str:
+    """Distance, displacements and forces of a sample."""
     now = data.isel(time=index)
     y, roll = (1e3 * float(now[f"wheelset_{axis}"]) for axis in ("y", "roll"))
     forces = "; ".join(
@@ -111,15 +125,15 @@ def _said(data: Dataset, index: int, name: str) -> str:
         for side in data["side"].values
     )
     return (
-        f"Largest lateral force{f', {name}' if name else ''}, at {float(now['distance']):.1f} m: wheelset {y:+.2f} mm "
-        f"to the left, roll {roll:+.3f} mrad; {forces}"
+        f"Largest lateral force{f', {name}' if name else ''}, at {float(now['distance']):.1f} m: wheelset y = "
+        f"{y:+.2f} mm ({'to the left' if y >= 0.0 else 'to the right'}), roll {roll:+.3f} mrad; {forces}"
     )
 
 
-def _or_why_not(draw: Callable[[], PageView]) -> PageView | PageNote:
-    """A view must not cost the page: without one there is the reason."""
+def _view_or_reason(draw: Callable[[], PageView]) -> PageView | PageNote:
+    """The view, or a note with the reason why it cannot be drawn."""
     try:
         return draw()
     except (ImportError, OSError, RunFailed, ValueError) as error:
-        said = (str(error).splitlines() or [type(error).__name__])[0]
-        return PageNote(f"{FEW}: {said.rstrip('.')}.")
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        return PageNote(f"{NO_VIEW}: {reason.rstrip('.')}.")

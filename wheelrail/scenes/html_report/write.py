@@ -1,4 +1,4 @@
-"""From a folder of results to a page on disk."""
+"""HTML report of a folder of results."""
 
 from __future__ import annotations
 
@@ -14,31 +14,34 @@ if TYPE_CHECKING:
 
 RUN, STUDY, COMPARISON = "run.nc", "study.nc", "differences.json"
 ALLOWED = (
-    f"allowed: the folder of a run ({RUN}, by wheelrail run), of a study ({STUDY}, by wheelrail study), or of a "
+    f"must be the folder of a run ({RUN}, by wheelrail run), of a study ({STUDY}, by wheelrail study), or of a "
     f"comparison ({COMPARISON}, by wheelrail compare)"
 )
 PAGE = "report.html"
 
 
 def write_report(folder: str | Path, file: str | Path | None = None, *, view: bool = True) -> Path:
-    """Write the page of the run, the study or the comparison in a folder, whole or not at all; its path.
+    """Write the self-contained HTML report of a run, a study or a comparison, atomically; returns its path.
 
-    file: report.html in the folder unless given. The page needs no network. view: with a view in three dimensions,
-    some MB. Raises SceneError for a folder without such results or with damaged ones, OSError where the page cannot be
-    written.
+    Parameters:
+        folder: of the results.
+        file: the report; report.html in the folder by default.
+        view: whether to include an interactive 3D view, some MB.
+
+    Raises SceneError for a folder without results or with damaged ones, OSError if the report cannot be written.
     """
     folder = Path(folder)
-    made = page(folder, view=view)
+    report = page(folder, view=view)
     target = folder / PAGE if file is None else Path(file)
     with atomic_file(target) as part:
-        part.write_text(rendered(made), encoding="utf-8")
+        part.write_text(rendered(report), encoding="utf-8")
     return target
 
 
 def page(folder: Path, *, view: bool = True) -> Page:
-    """Raises SceneError."""
+    """Page of the results in a folder. Raises SceneError."""
     if not folder.is_dir():
-        raise SceneError(f"{folder}: {'is a file' if folder.exists() else 'no such folder'}; {ALLOWED}")
+        raise SceneError(f"{folder}: {'is a file' if folder.exists() else 'folder does not exist'}; {ALLOWED}")
     if (folder / RUN).exists():
         from wheelrail.scenes.html_report.run_page import run_page
         from wheelrail.scenes.views.view import read_run
@@ -50,7 +53,7 @@ def page(folder: Path, *, view: bool = True) -> Page:
 
         data = read(folder / STUDY)
         if data.attrs.get("kind") != "study":
-            raise SceneError(f"{folder / STUDY}: holds no results of a study; {ALLOWED}")
+            raise SceneError(f"{folder / STUDY}: contains no results of a study; {ALLOWED}")
         return study_page(data, folder / STUDY, view=view)
     if (folder / COMPARISON).exists():
         from wheelrail.scenes.html_report.comparison_page import comparison_page
@@ -59,11 +62,11 @@ def page(folder: Path, *, view: bool = True) -> Page:
         names = _models(folder / COMPARISON)
         runs = read_run(folder / names[0] / RUN), read_run(folder / names[1] / RUN)
         return comparison_page(runs, names, folder, view=view)
-    raise SceneError(f"{folder}: holds no results; {ALLOWED}")
+    raise SceneError(f"{folder}: contains no results; {ALLOWED}")
 
 
 def rendered(page: Page) -> str:
-    """As HTML, by the template beside this file."""
+    """The page as HTML, by the template page.html."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -77,9 +80,9 @@ def rendered(page: Page) -> str:
 
 
 def _models(file: Path) -> tuple[str, str]:
-    """Names of the two models that were compared, which their folders have."""
+    """Names of the compared models and of their subfolders."""
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
-        return str(found["first"]), str(found["second"])
+        comparison = json.loads(file.read_text(encoding="utf-8"))
+        return str(comparison["first"]), str(comparison["second"])
     except (OSError, ValueError, KeyError, TypeError):
-        raise SceneError(f"{file}: cannot be read as the table of a comparison; {ALLOWED}") from None
+        raise SceneError(f"{file}: is no valid table of a comparison; {ALLOWED}") from None

@@ -1,4 +1,4 @@
-"""One scene with its own contact model and with another one: both runs, pictures of both on one axis, differences."""
+"""Comparison of two contact models in one vehicle run: both runs, figures, table of differences."""
 
 from __future__ import annotations
 
@@ -25,8 +25,13 @@ TABLE = "differences.json"
 
 @dataclass(frozen=True)
 class Comparison:
-    """Names of both models, differences of the second to the first, how far their energies balance (None: not known),
-    and the files that were written.
+    """Result of a comparison.
+
+    Parameters:
+        names: of both models.
+        differences: second model minus first, by quantity.
+        energy: relative error of the energy balance of both runs; None if unknown.
+        files: written files.
     """
 
     names: tuple[str, str]
@@ -37,86 +42,95 @@ class Comparison:
     def summary(self) -> list[RenderableType]:
         from wheelrail.scenes.datasets.run_differences import table
 
-        told = [
-            f"{name}: energy balances within {100.0 * error:.2g} % of the largest work"
+        balances = [
+            f"{name}: error of the energy balance {100.0 * error:.2g} % of the largest work"
             for name, error in zip(self.names, self.energy, strict=True)
             if error is not None
         ]
-        return [table(self.differences, self.names), "\n".join([*told, *(f"  {file}" for file in self.files)])]
+        return [table(self.differences, self.names), "\n".join([*balances, *(f"  {file}" for file in self.files)])]
 
 
 def compare_scene(file: Path, text: str, other: str, folder: Path, console: Console) -> Comparison:
-    """Run a scene, and once more with another model, each in a folder of its own within the folder, and compare.
+    """Simulate a run with the scene's model and with another one, and compare.
 
-    A run that was completed there is not repeated, one that was stopped goes on. Raises SceneError where a scene allows
-    no such model, RunFailed for a run without results, OSError when the folder cannot be written.
+    Parameters:
+        file: scene file, for messages.
+        text: of the scene.
+        other: the other contact model.
+        folder: for results; each run has a subfolder named by its model.
+        console: for progress.
+
+    A completed run is not repeated, an interrupted one is resumed. Raises SceneError if the scene does not allow the
+    other model, RunFailed for a run without results, OSError if the folder cannot be written.
     """
-    given = _scene(text, file)
-    if given.model == other:
-        raise SceneError(f'{file}: model = "{other}": nothing to compare it with, choose another one')
+    first = _scene(text, file)
+    if first.model == other:
+        raise SceneError(f'{file}: model = "{other}": must differ from the model of --with')
     changed = with_model(text, other)
     second = _scene(changed, f"{file} with model = {other!r}")
-    one, two = (
-        _run(scene, source, folder / scene.model, console) for scene, source in ((given, text), (second, changed))
+    runs = (
+        _run(first, text, folder / first.model, console),
+        _run(second, changed, folder / second.model, console),
     )
-    names = (given.model, second.model)
+    names = (first.model, second.model)
     from wheelrail.scenes.datasets.run_differences import differences, noise, rows
     from wheelrail.scenes.plots.comparison import draw_comparison
 
-    found = differences(one, two)
-    energy = one.attrs.get("energy_balance_error"), two.attrs.get("energy_balance_error")
-    with console.status("pictures of both"):
-        files = list(draw_comparison((one, two), names, folder))
+    run_differences = differences(*runs)
+    energy = runs[0].attrs.get("energy_balance_error"), runs[1].attrs.get("energy_balance_error")
+    with console.status("figures of both runs"):
+        files = list(draw_comparison(runs, names, folder))
     table = folder / TABLE
     report = {
         "first": names[0],
         "second": names[1],
         "energy_balance_error": energy,
-        "scatter": {name: noise(data) for name, data in zip(names, (one, two), strict=True)},
-        "channels": rows(found),
+        "scatter": {name: noise(data) for name, data in zip(names, runs, strict=True)},
+        "channels": rows(run_differences),
     }
     with atomic_file(table) as part:
         part.write_text(json.dumps(report, indent=1) + "\n")
-    return Comparison(names, found, energy, (*files, table))
+    return Comparison(names, run_differences, energy, (*files, table))
 
 
 def with_model(text: str, model: str) -> str:
-    """The text of a scene with another model, at its top, where TOML has the keys of no table; the standard one gets
-    none of the keys of elastic bodies.
+    """Text of a scene with another model; keys of elastic bodies are removed for the standard model.
+
+    The model is set in the first lines, where TOML has the top-level keys.
     """
     head, bracket, tables = text.partition("\n[")
-    gone = ("model", *(ELEMENTS if model == "standard" else ()))
-    kept = [line for line in head.splitlines() if line.partition("=")[0].strip() not in gone]
-    return "\n".join([f'model = "{model}"', *kept]) + bracket + tables
+    removed = ("model", *(ELEMENTS if model == "standard" else ()))
+    lines = [line for line in head.splitlines() if line.partition("=")[0].strip() not in removed]
+    return "\n".join([f'model = "{model}"', *lines]) + bracket + tables
 
 
 def _scene(text: str, name: str | Path) -> RunScene:
     scene = parse_scene(text, name)
     if not isinstance(scene, RunScene):
-        raise SceneError(f'{name}: kind = "{scene.kind}": only vehicle runs are compared, kind = "run"')
+        raise SceneError(f'{name}: kind = "{scene.kind}": must be "run"; only vehicle runs can be compared')
     return scene
 
 
 def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
-    """Results of a scene: those that the folder holds, or of a run, which goes on where an earlier one stopped."""
+    """Results of a scene, stored in the folder or simulated; an interrupted run is resumed."""
     from xarray import load_dataset
 
-    def say(what: str) -> None:
-        console.print(f"{scene.model}: {what}", highlight=False, markup=False)
+    def log(message: str) -> None:
+        console.print(f"{scene.model}: {message}", highlight=False, markup=False)
 
     results = folder / RESULTS
     try:
         if ended(scene, folder):
-            say(f"{results} holds this run already")
+            log(f"{results} already contains this run")
             return load_dataset(results, decode_times=False)
-        say("running")
+        log("running")
         outcome = run_scene(scene, text, folder, console, resume=(folder / CHECKPOINTS).exists())
-    except SceneError as error:  # what the folder holds is of another scene
-        say(f"anew: {error}")
+    except SceneError as error:  # the folder contains results of another scene
+        log(f"restarting: {error}")
         outcome = run_scene(scene, text, folder, console)
     if outcome.status == "interrupted":
         raise KeyboardInterrupt
     if not outcome.files:
         raise RunFailed(f"{scene.model}: {outcome.status}")
-    say(outcome.status)
+    log(outcome.status)
     return load_dataset(results, decode_times=False)

@@ -1,4 +1,4 @@
-"""What a run shows of itself: a bar while it goes on, its cost at the end."""
+"""Progress bars of runs and studies, and the solver statistics of a run."""
 
 from __future__ import annotations
 
@@ -15,9 +15,14 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress_bar(console: Console, length: float, gone: float = 0.0) -> Iterator[Progress]:
-    """A bar over the distance m with the time left, called by `simulate` at each accepted step; ten lines in a log.
+    """Progress bar over distance with the remaining time; ten lines without a terminal.
 
-    gone m, where a run goes on.
+    Parameters:
+        console: to print to.
+        length: of the track, m.
+        gone: distance at which a resumed run starts, m.
+
+    Yields the function that `simulate` calls at each accepted step.
     """
     from rich import progress as bars
 
@@ -26,18 +31,19 @@ def progress_bar(console: Console, length: float, gone: float = 0.0) -> Iterator
         bars.BarColumn(bar_width=20),
         bars.TextColumn("{task.completed:.0f}/{task.total:.0f} m,"),
         bars.TimeElapsedColumn(),
-        bars.TextColumn("gone,"),
+        bars.TextColumn("elapsed,"),
         bars.TimeRemainingColumn(),
         bars.TextColumn("left, {task.fields[solves]:.0f} solves"),
     )
     with bars.Progress(*columns, console=console, speed_estimate_period=120.0) as shown:
-        task, said = shown.add_task("equilibrium", total=length, completed=int(gone), solves=0), int(10 * gone / length)
+        task = shown.add_task("equilibrium", total=length, completed=int(gone), solves=0)
+        printed = int(10 * gone / length)
 
-        def progress(share: float, figures: Mapping[str, float]) -> None:
-            nonlocal said
+        def progress(fraction: float, figures: Mapping[str, float]) -> None:
+            nonlocal printed
             shown.update(task, completed=figures["distance"], description="running", solves=figures["solves"])
-            if not console.is_terminal and int(10 * share) > said:
-                said = int(10 * share)
+            if not console.is_terminal and int(10 * fraction) > printed:
+                printed = int(10 * fraction)
                 left = shown.tasks[0].time_remaining or 0.0
                 console.print(
                     f"{figures['distance']:.0f}/{length:.0f} m, {figures['solves']:.0f} solves, {left:.0f} s left"
@@ -48,8 +54,13 @@ def progress_bar(console: Console, length: float, gone: float = 0.0) -> Iterator
 
 @contextmanager
 def case_bar(console: Console, total: int) -> Iterator[Callable[[bool], None]]:
-    """A bar over the cases of a study with the time left, called when a case has ended, well or not; ten lines in a
-    log.
+    """Progress bar over the cases of a study with the remaining time; ten lines without a terminal.
+
+    Parameters:
+        console: to print to.
+        total: number of cases.
+
+    Yields the function to call when a case has ended, with whether it succeeded.
     """
     from rich import progress as bars
 
@@ -57,31 +68,31 @@ def case_bar(console: Console, total: int) -> Iterator[Callable[[bool], None]]:
         bars.TextColumn("{task.completed:.0f}/{task.total:.0f} cases"),
         bars.BarColumn(bar_width=20),
         bars.TimeElapsedColumn(),
-        bars.TextColumn("gone,"),
+        bars.TextColumn("elapsed,"),
         bars.TimeRemainingColumn(),
         bars.TextColumn("left, {task.fields[failed]:.0f} failed"),
     )
     with bars.Progress(*columns, console=console, speed_estimate_period=600.0) as shown:
-        task, said, failed = shown.add_task("cases", total=total, failed=0), 0, 0
+        task, printed, failed = shown.add_task("cases", total=total, failed=0), 0, 0
 
-        def done(well: bool) -> None:
-            nonlocal said, failed
-            failed += not well
+        def done(succeeded: bool) -> None:
+            nonlocal printed, failed
+            failed += not succeeded
             shown.update(task, advance=1, failed=failed)
             ended = int(shown.tasks[0].completed)
-            if not console.is_terminal and 10 * ended // total > said:
-                said, left = 10 * ended // total, shown.tasks[0].time_remaining or 0.0
+            if not console.is_terminal and 10 * ended // total > printed:
+                printed, left = 10 * ended // total, shown.tasks[0].time_remaining or 0.0
                 console.print(f"{ended}/{total} cases, {failed} failed, {left:.0f} s left")
 
         yield done
 
 
 def costs(history: History) -> RenderableType:
-    """Contact problems, Newton and linear iterations and seconds by side, like Tables 5 to 7 of the paper."""
+    """Solver statistics by side, as in Tables 5 to 7 of the paper."""
     from rich.table import Table
 
     steps = history.cost.steps
-    view = Table(title="What the run cost", title_justify="left")
+    view = Table(title="Statistics of the solver", title_justify="left")
     for name in ("", "contact problems", "failed", "Newton", "Newton per problem", "linear per Newton", "seconds"):
         view.add_column(name, justify="right")
     for side, cost in history.cost.contact.items():
@@ -99,6 +110,6 @@ def costs(history: History) -> RenderableType:
     done += f", {steps.evaluations} evaluations"
     if steps.jacobians:
         done += f", {steps.jacobians} Jacobians, {steps.factorisations} factorisations"
-    view.caption = f"{done}, {history.cost.seconds:.1f} s in all"
+    view.caption = f"{done}, {history.cost.seconds:.1f} s in total"
     view.caption_justify = "left"
     return view

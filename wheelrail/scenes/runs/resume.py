@@ -1,4 +1,4 @@
-"""Which run a folder holds, and whether a scene may go on with it."""
+"""Completed and interrupted runs of a folder, and whether a scene can resume them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("support", "meshes", "forms", "contact", "vehicle", "scenes")
-FREE = ("output.figures", "solver.workers")  # what may differ: it does not change what is computed
+FREE = ("output.figures", "solver.workers")  # keys that may differ: they do not change the results
 
 
 def header(scene: RunScene) -> dict[str, Any]:
@@ -30,7 +30,7 @@ def header(scene: RunScene) -> dict[str, Any]:
 
 
 def inputs(scene: RunScene) -> dict[str, Any]:
-    """The scene, files in it by what they hold."""
+    """The scene, with files replaced by the hash of their content."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, str) and Path(value).is_file():
@@ -39,12 +39,12 @@ def inputs(scene: RunScene) -> dict[str, Any]:
             return {key: plain(item) for key, item in value.items()}
         return value
 
-    found: dict[str, Any] = plain(json.loads(json.dumps(scene.model_dump())))
-    return found
+    data: dict[str, Any] = plain(json.loads(json.dumps(scene.model_dump())))
+    return data
 
 
 def sources() -> str:
-    """Hash of this package's own files, which change more often than its version."""
+    """Hash of the source files of this package, which change more often than its version."""
     return source_digest(*(ROOT / package for package in PACKAGES))
 
 
@@ -55,11 +55,11 @@ def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "
         if isinstance(old, dict) and isinstance(new, dict):
             yield from differences(old, new, name + ".")
         elif old != new and name not in FREE:
-            yield f"{name}: {json.dumps(old)} then, {json.dumps(new)} now"
+            yield f"{name}: {json.dumps(old)} before, {json.dumps(new)} now"
 
 
 def ended(scene: RunScene, folder: Path) -> bool:
-    """Whether a folder holds the results of the complete run; raises SceneError for another scene's."""
+    """Whether a folder contains the results of the completed run; raises SceneError for those of another scene."""
     from xarray import open_dataset
 
     file = folder / RESULTS
@@ -68,18 +68,18 @@ def ended(scene: RunScene, folder: Path) -> bool:
     try:
         with open_dataset(file, engine="netcdf4") as data:
             status, before = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
-    except (OSError, ValueError, RuntimeError):  # spoiled: as good as none
+    except (OSError, ValueError, RuntimeError):  # damaged results are recomputed
         return False
     if status != "completed":
         return False
-    same_or_refused(before, inputs(scene), file)
+    require_same(before, inputs(scene), file)
     return True
 
 
-def same_or_refused(then: Mapping[str, Any], now: Mapping[str, Any], file: Path) -> None:
-    """Raises SceneError that names what differs."""
-    if found := list(differences(then, now)):
-        raise SceneError(f"{'; '.join(found)}: {file} is of another run; without --resume this one starts anew")
+def require_same(then: Mapping[str, Any], now: Mapping[str, Any], file: Path) -> None:
+    """Raises SceneError naming the keys that differ."""
+    if changes := list(differences(then, now)):
+        raise SceneError(f"{'; '.join(changes)}: {file} belongs to another run; omit --resume to start a new one")
 
 
 def latest(file: CheckpointFile, report: Callable[[str], None]) -> Checkpoint | None:
@@ -91,12 +91,12 @@ def latest(file: CheckpointFile, report: Callable[[str], None]) -> Checkpoint | 
 
     then, checkpoint = read_header(file.path), None
     if then is not None:
-        same_or_refused(then["scene"], file.header["scene"], file.path)
+        require_same(then["scene"], file.header["scene"], file.path)
         old, new = then["versions"], file.header["versions"]
-        same_or_refused({"wheelrail": old["wheelrail"]}, {"wheelrail": new["wheelrail"]}, file.path)
+        require_same({"wheelrail": old["wheelrail"]}, {"wheelrail": new["wheelrail"]}, file.path)
         checkpoint = file.latest()
-        if checkpoint is not None and (others := list(differences(old, new))):
-            report(f"{'; '.join(others)}: the last bits of the results may differ")
+        if checkpoint is not None and (changes := list(differences(old, new))):
+            report(f"{'; '.join(changes)}: the last bits of the results may differ")
     if checkpoint is None:
         report(f"no checkpoint in {file.path.parent}: the run starts from the beginning")
     else:

@@ -1,4 +1,4 @@
-"""What a run's wagon does without a run: its linear modes, and its steady positions in the curve of the scene."""
+"""Linear modes and steady-state curving of the wagon of a run."""
 
 from __future__ import annotations
 
@@ -24,18 +24,21 @@ if TYPE_CHECKING:
 
 
 def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
-    """On straight level track at speeds m/s, the contact included. Raises RunFailed where no equilibrium is found."""
+    """Linear modes on straight level track with the contact, at speeds (n,), m/s.
+
+    Raises RunFailed without an equilibrium.
+    """
     from wheelrail.vehicle.dynamics.equations import Dynamics
     from wheelrail.vehicle.steady.modes import modes
     from wheelrail.vehicle.track.track import Track
 
-    given, contact = wagon(scene), wheelset_contact(scene)
-    with _failures_told():
-        return [modes(Dynamics(given, Track(), contact, speed)) for speed in speeds]
+    vehicle, contact = wagon(scene), wheelset_contact(scene)
+    with _failures_as_run_failed():
+        return [modes(Dynamics(vehicle, Track(), contact, speed)) for speed in speeds]
 
 
 def curve_of(scene: RunScene) -> ConstantCurve:
-    """Where the scene's track is sharpest."""
+    """The sharpest curve of the track, of 1001 stations."""
     from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
     line, length = track(scene), scene.track.length
@@ -45,16 +48,19 @@ def curve_of(scene: RunScene) -> ConstantCurve:
 
 
 def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[SteadyCurving]:
-    """At the speeds m/s, in their order, from one to the next. Raises RunFailed where no equilibrium is found."""
+    """Steady-state curving at speeds (n,), m/s, by continuation in their order.
+
+    Raises RunFailed without an equilibrium.
+    """
     from wheelrail.vehicle.steady.curving import curving_over
 
     curve, contact = curve_of(scene), wheelset_contact(scene)
-    with _failures_told():
+    with _failures_as_run_failed():
         return curving_over(wagon(scene), contact, [replace(curve, speed=speed) for speed in speeds])
 
 
 @contextmanager
-def _failures_told() -> Iterator[None]:
+def _failures_as_run_failed() -> Iterator[None]:
     from wheelrail.vehicle.integration.problem import StepFailure
     from wheelrail.vehicle.steady.equilibrium import EquilibriumError
 
@@ -65,36 +71,36 @@ def _failures_told() -> Iterator[None]:
         raise RunFailed(str(error)) from error
 
 
-def modes_table(found: Sequence[Mode], speed: float) -> Table:
-    """A row for each mode."""
+def modes_table(modes: Sequence[Mode], speed: float) -> Table:
+    """Table with one row per mode; speed in m/s for its title."""
     from rich.table import Table
 
     view = Table(title=f"Linear modes on straight track at {speed:g} m/s", title_justify="left")
     for name in ("frequency [Hz]", "damping ratio", "eigenvalue [1/s]"):
         view.add_column(name, justify="right")
     view.add_column("kinetic energy in")
-    for m in found:
+    for m in modes:
         value = f"{m.eigenvalue.real:.4g}" + (f" ± {m.eigenvalue.imag:.4g}i" if m.swings else "")
         view.add_row(f"{m.frequency:.4g}", f"{m.damping:.4f}", value, m.moving)
     return view
 
 
-def curving_table(found: Sequence[SteadyCurving]) -> Table:
-    """A column for each speed."""
+def curving_table(states: Sequence[SteadyCurving]) -> Table:
+    """Table with one column per speed."""
     from rich.table import Table
 
-    curve = found[0].curve
-    title = f"Steady in a curve of {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
+    curve = states[0].curve
+    title = f"Steady-state curving: curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
     view = Table(title=title, title_justify="left")
     view.add_column("speed [m/s]")
-    for s in found:
+    for s in states:
         view.add_column(f"{s.curve.speed:g}", justify="right")
     for label, text in _ROWS:
-        view.add_row(label, *(text(s) for s in found))
+        view.add_row(label, *(text(s) for s in states))
     return view
 
 
-def _places(patches: Sequence[Patch]) -> str:
+def _positions(patches: Sequence[Patch]) -> str:
     return "\n".join(f"{1e3 * p.wheel_s:.1f}  {1e3 * p.rail_s:.1f}" for p in patches) or "-"
 
 
@@ -105,15 +111,15 @@ def _sides(values: Mapping[Side, float], scale: float, digits: int) -> str:
 _ROWS: tuple[tuple[str, Callable[[SteadyCurving], str]], ...] = (
     ("cant deficiency (mm)", lambda s: f"{1e3 * s.curve.deficiency():.1f}"),
     ("wheel load Q, left, right (kN)", lambda s: _sides(s.wheel_load, 1e-3, 2)),
-    ("guiding force Y, outwards (kN)", lambda s: _sides(s.guiding_force, 1e-3, 2)),
+    ("guiding force Y, positive outwards (kN)", lambda s: _sides(s.guiding_force, 1e-3, 2)),
     ("derailment quotient Y/Q", lambda s: _sides(s.derailment_quotient, 1.0, 3)),
     ("lateral force on the wheelset (kN)", lambda s: f"{1e-3 * s.lateral_force:.2f}"),
-    ("unloading of the lighter wheel (%)", lambda s: f"{1e2 * s.unloading:.1f}"),
+    ("wheel unloading (%)", lambda s: f"{1e2 * s.unloading:.1f}"),
     ("secondary deflection (mm)", lambda s: f"{1e3 * s.secondary_deflection:.1f}"),
     ("bumpstop force (kN)", lambda s: f"{1e-3 * s.bumpstop_force:.2f}"),
     ("car body: y (mm), roll (mrad)", lambda s: f"{1e3 * s.car_body[0]:.1f}  {1e3 * s.car_body[2]:.2f}"),
     ("wheelset: y (mm), roll (mrad)", lambda s: f"{1e3 * s.wheelset[0]:.2f}  {1e3 * s.wheelset[2]:.3f}"),
     ("yaw reaction (kN m)", lambda s: f"{1e-3 * s.yaw_reaction:.2f}"),
-    ("left: on the wheel, on the rail (mm)", lambda s: _places(s.patches["left"])),
-    ("right: on the wheel, on the rail (mm)", lambda s: _places(s.patches["right"])),
+    ("left: position on wheel, on rail (mm)", lambda s: _positions(s.patches["left"])),
+    ("right: position on wheel, on rail (mm)", lambda s: _positions(s.patches["right"])),
 )

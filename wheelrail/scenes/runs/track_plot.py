@@ -1,4 +1,4 @@
-"""Picture of a run's track: from above, curvature, cant and its deficiency, slope, irregularities."""
+"""Figure of the track of a run: plan view, curvature, cant and cant deficiency, gradient, irregularities."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
     from wheelrail.scenes.schema.scene import RunScene
 
-# Okabe and Ito's colours, with dashes of their own.
+# Okabe-Ito colours, each with its own dashes.
 LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#009E73", (0, (1, 1))), ("0.4", (0, (5, 1, 1, 1))))
 POINTS = 1500
 
 
 def draw_track(scene: RunScene, file: Path) -> None:
-    """Write the picture; the ending names its format."""
+    """Save the figure in the format of the file ending."""
     from matplotlib import rc_context
 
     with rc_context(STYLE):
@@ -39,40 +39,40 @@ def _figure(scene: RunScene) -> Figure:
 
     line, drive = scene.track, SpeedProfile.of(scene.vehicle.drive)
     track, gravity = line.track(), wagon(scene).gravity
-    uneven = track.irregularities
+    irregularities = track.irregularities
     s = np.linspace(0.0, line.length, POINTS, dtype=np.float64)
     at = s.tolist()
-    figure = Figure(figsize=(7.2, 8.6 if uneven is None else 11.6), layout="constrained")
-    count = 4 if uneven is None else 6
+    figure = Figure(figsize=(7.2, 8.6 if irregularities is None else 11.6), layout="constrained")
+    count = 4 if irregularities is None else 6
     axes = list(figure.subplots(count, 1))
     stations, points = centre_line(track, line.length, spacing=max(1.0, line.length / 400))
     plan, curvature, cant, slope = axes[:4]
     plan.plot(points[:, 0], points[:, 1], color="0.15")
     plan.set_aspect("equal", adjustable="datalim")
-    plan.set_title("From above")
-    plan.set_xlabel("x, along the first tangent [m]")
-    plan.set_ylabel("y, to the left [m]")
+    plan.set_title("Plan view")
+    plan.set_xlabel("x, along the initial tangent [m]")
+    plan.set_ylabel("y, positive to the left [m]")
     curvature.plot(s, [1e3 * track.curvature(x)[0] for x in at], color="0.15")
     curvature.set_title("Curvature")
-    curvature.set_ylabel("to the left [1/km]")
+    curvature.set_ylabel("positive to the left [1/km]")
     lift = np.array([track.lift(x)[0] for x in at])
-    _lines(cant, s, {"lift": 1e3 * lift, "cant deficiency": 1e3 * np.array(cant_deficiency(track, drive, gravity, at))})
+    _lines(cant, s, {"cant": 1e3 * lift, "cant deficiency": 1e3 * np.array(cant_deficiency(track, drive, gravity, at))})
     speeds = [drive(t).speed for t in np.linspace(0.0, drive.time_at(line.length), 200).tolist()]
-    said = f"{min(speeds):.1f}" if drive.constant else f"{min(speeds):.1f} to {max(speeds):.1f}"
-    cant.set_title(f"Right rail over left, and what lacks at {said} m/s")
+    speed = f"{min(speeds):.1f}" if drive.constant else f"{min(speeds):.1f} to {max(speeds):.1f}"
+    cant.set_title(f"Cant (right rail above left) and cant deficiency at {speed} m/s")
     cant.set_ylabel("[mm]")
     _lines(
         slope,
         s,
         {
-            "slope [‰]": 1e3 * np.tan([track.gradient(x)[0] for x in at]),
+            "gradient [‰]": 1e3 * np.tan([track.gradient(x)[0] for x in at]),
             "height [m]": np.interp(s, stations, points[:, 2]),
         },
     )
-    slope.set_title("Slope and height")
+    slope.set_title("Gradient and height")
     slope.set_ylabel("[‰], [m]")
-    if uneven is not None:
-        values = 1e3 * uneven.at(s).T
+    if irregularities is not None:
+        values = 1e3 * irregularities.at(s).T
         for ax, (first, second) in zip(axes[4:], ((0, 3), (1, 2)), strict=True):
             names = ("alignment", "level", "cross level", "gauge")
             _lines(ax, s, {names[first]: values[first], names[second]: values[second]})

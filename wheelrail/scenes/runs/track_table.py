@@ -1,4 +1,4 @@
-"""The layout of a run's track as a table to read."""
+"""Table of the track alignment of a run."""
 
 from __future__ import annotations
 
@@ -15,8 +15,15 @@ if TYPE_CHECKING:
 
 
 def cant_deficiency(track: Track, drive: SpeedProfile, gravity: float, stations: list[float]) -> list[float]:
-    """By how much more the outer rail would have to be raised for no lateral acceleration in the rails' plane at these
-    stations m, in m; positive where a curve to the left has too little cant, or one to the right too much.
+    """Cant deficiency (n,), m: additional cant for zero lateral acceleration in the plane of the rails.
+
+    Parameters:
+        track: alignment and base.
+        drive: speed profile.
+        gravity: m/s2.
+        stations: (n,) distances along the track, m.
+
+    Positive for a left-hand curve with too little cant, or a right-hand one with too much.
     """
     speeds = [drive(drive.time_at(s)).speed for s in stations]
     return [
@@ -26,7 +33,7 @@ def cant_deficiency(track: Track, drive: SpeedProfile, gravity: float, stations:
 
 
 def segment_table(scene: RunScene) -> Table:
-    """A row for each segment: where it lies, and what it ends with."""
+    """Table with one row per segment: its range, and the values at its end."""
     from rich.table import Table
 
     from wheelrail.scenes.builders.vehicle import wagon
@@ -34,8 +41,8 @@ def segment_table(scene: RunScene) -> Table:
 
     line, drive = scene.track, SpeedProfile.of(scene.vehicle.drive)
     track, gravity = line.track(), wagon(scene).gravity
-    view = Table(title="Track; radius, cant, slope, speed and cant deficiency at the end of each segment")
-    for name in ("segment", "from m", "to m", "radius m", "cant mm", "slope ‰", "speed m/s", "cant deficiency mm"):
+    view = Table(title="Track; radius, cant, gradient, speed and cant deficiency at the end of each segment")
+    for name in ("segment", "from m", "to m", "radius m", "cant mm", "gradient ‰", "speed m/s", "cant deficiency mm"):
         view.add_column(name, justify="left" if name == "segment" else "right")
     ends = list(accumulate((segment.length for segment in line.layout), initial=0.0))
     for segment, start, end in zip(line.layout, ends, ends[1:], strict=False):

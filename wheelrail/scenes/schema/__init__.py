@@ -1,4 +1,4 @@
-"""What a scene file may say: tables, units and ranges, and the messages for what is wrong."""
+"""Schema of scene files: tables, units and ranges, and validation messages."""
 
 import lazy_loader
 

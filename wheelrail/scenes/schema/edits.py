@@ -1,4 +1,4 @@
-"""Tables of a scene with some values changed."""
+"""Changes to the tables of a scene."""
 
 from __future__ import annotations
 
@@ -11,16 +11,20 @@ from wheelrail.scenes.schema.errors import SceneError
 
 
 def changed(base: Mapping[str, Any], values: Mapping[str, Any], place: str | Path) -> dict[str, Any]:
-    """The tables with values at dotted places: {"vehicle.speed": 30.0, "creepage.0": 1e-3}; new where they differ, else
-    those of base themselves.
+    """Tables with changed values; unchanged tables are shared with the base.
 
-    Raises SceneError, which place begins, for a key inside something that is no table or array; whether keys of tables
-    are known is checked with the scene.
+    Parameters:
+        base: tables of a scene.
+        values: by dotted name: {"vehicle.speed": 30.0, "creepage.0": 1e-3}.
+        place: prefix of errors.
+
+    Raises SceneError for a name that leads through a value other than a table or an array; unknown keys are rejected
+    later, when the scene is validated.
     """
-    found = dict(base)
+    data = dict(base)
     for name, value in values.items():
         *inner, last = keys_of(name)
-        at: Any = found
+        at: Any = data
         for key in inner:
             if isinstance(at, dict) or _inside(at, key):
                 at[key] = copy(at.get(key, {}) if isinstance(at, dict) else at[key])
@@ -30,16 +34,18 @@ def changed(base: Mapping[str, Any], values: Mapping[str, Any], place: str | Pat
         if isinstance(at, dict) or _inside(at, last):
             at[last] = value
         else:
-            raise SceneError(f"{place}: {name} = {value!r}: unknown key, the scene has no table or array for it")
-    return found
+            raise SceneError(
+                f"{place}: {name} = {value!r}: unknown key; must lead through tables and arrays of the scene"
+            )
+    return data
 
 
 def without(base: Mapping[str, Any], names: Iterable[str], place: str | Path) -> dict[str, Any]:
-    """The tables without the values at dotted places; raises SceneError for one that is not there."""
-    found = dict(base)
+    """Tables without the values of dotted names; raises SceneError for a missing one."""
+    data = dict(base)
     for name in names:
         *inner, last = keys_of(name)
-        at: Any = found
+        at: Any = data
         for key in inner:
             if isinstance(at, dict) and key in at:
                 at[key] = copy(at[key])
@@ -47,13 +53,13 @@ def without(base: Mapping[str, Any], names: Iterable[str], place: str | Path) ->
             else:
                 at = None
         if not isinstance(at, dict) or last not in at:
-            raise SceneError(f"{place}: {name}: must be a key that the scene has")
+            raise SceneError(f"{place}: {name}: must be a key of the scene")
         del at[last]
-    return found
+    return data
 
 
 def keys_of(name: str) -> tuple[str | int, ...]:
-    """Keys and places in arrays that a dotted name goes through."""
+    """Keys and array indices of a dotted name."""
     return tuple(int(part) if part.isdigit() else part for part in name.split("."))
 
 

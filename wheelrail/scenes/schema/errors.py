@@ -1,11 +1,11 @@
-"""Errors of a scene: one in its text, and a run that cannot be completed."""
+"""Errors of scenes and runs."""
 
 from __future__ import annotations
 
 
 class SceneError(ValueError):
-    """A scene that cannot be used."""
+    """A scene, or another input, is invalid; the message names file, key, value and what is allowed."""
 
 
 class RunFailed(RuntimeError):
-    """A run that came to nothing."""
+    """A run or a solve ended without results."""

@@ -1,4 +1,4 @@
-"""Words for a malformed scene: file, key, value and what is allowed."""
+"""Validation messages of a scene: file, key, value and what is allowed."""
 
 from __future__ import annotations
 
@@ -17,43 +17,51 @@ from wheelrail.scenes.schema.quantities import Range
 Keys = tuple[int | str, ...]
 
 
-def refuse(
+def validation_error(
     error: ValidationError,
     model: type[BaseModel],
     data: Mapping[str, Any],
     path: str | Path,
     unnamed: Container[str] = (),
 ) -> SceneError:
-    """One error with a line for every entry at fault; tables that are unnamed are left out of its name."""
+    """One SceneError with a line for every invalid entry.
+
+    Parameters:
+        error: of pydantic.
+        model: that rejected the data.
+        data: tables of the scene.
+        path: file, for messages.
+        unnamed: tables to omit from the names of keys.
+    """
     lines: dict[str, str] = {}
     for item in error.errors(include_url=False):
         ctx = item.get("ctx", {})
         location = _in_data(item["loc"], data)
         if item["type"] == "extra_forbidden":
-            key, says = location, f"unknown key{_nearest(location, model)}"
+            key, text = location, f"unknown key{_nearest(location, model)}"
         elif item["type"] == "scene":
             inner = (int(part) if part.isdigit() else part for part in str(ctx["key"]).split(".") if part)
             key = (*location, *inner)
-            says = str(ctx["allowed"])
+            text = str(ctx["allowed"])
         else:
-            key, says = location, f"must be {allowed(model, location)}"
-        called = key[1:] if key[0] in unnamed else key
-        lines.setdefault(_dotted(called), f"{_dotted(called)}{_value(key, data)}: {says}")
+            key, text = location, f"must be {allowed(model, location)}"
+        name = _dotted(key[1:] if key[0] in unnamed else key)
+        lines.setdefault(name, f"{name}{_value(key, data)}: {text}")
     return SceneError("\n".join(f"{path}: {line}" for line in lines.values()))
 
 
-def fault(key: Keys, data: Mapping[str, Any], says: str) -> str:
-    """The entry at fault, the value found, and what is said about it."""
-    return f"{_dotted(key)}{_value(key, data)}: {says}"
+def entry_message(key: Keys, data: Mapping[str, Any], text: str) -> str:
+    """Message about one entry: key, value and text."""
+    return f"{_dotted(key)}{_value(key, data)}: {text}"
 
 
 def allowed(model: type[BaseModel], location: Keys) -> str:
-    """What the entry at a location may hold."""
+    """Allowed values of the entry at a location."""
     return _describe(_type_at(model, location))
 
 
 def unit_of(model: type[BaseModel], location: Keys) -> str:
-    """The unit of the number at a location; nothing where there is none."""
+    """Unit of the number at a location; empty without one."""
     kind = _type_at(model, location)
     choices = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
     ranges = [extra for choice in choices for extra in get_args(choice)[1:] if isinstance(extra, Range)]
@@ -61,7 +69,7 @@ def unit_of(model: type[BaseModel], location: Keys) -> str:
 
 
 def whole(model: type[BaseModel], location: Keys) -> bool:
-    """Whether the entry at a location is a whole number."""
+    """Whether the entry at a location is an integer."""
     choices = list(_without_none(_type_at(model, location)))
     return all(c is int or (get_origin(c) is Literal and all(type(v) is int for v in get_args(c))) for c in choices)
 
@@ -83,18 +91,18 @@ def _describe(kind: Any) -> str:
         return f"an array of {len(arguments)}: " + "; ".join(_describe(item) for item in arguments)
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return "a table with the keys " + ", ".join(kind.model_fields)
-    known = {
-        str: "a text",
+    descriptions = {
+        str: "a string",
         bool: "true or false",
         float: "a number",
         int: "a whole number",
         Any: "values, at least one",
     }
-    return known.get(kind, "of another type")
+    return descriptions.get(kind, "of another type")
 
 
 def _type_at(model: type[BaseModel], location: Keys) -> Any:
-    """The annotation of the entry, with the range that pydantic keeps apart put back."""
+    """Annotation of the entry, including the range, which pydantic stores separately."""
     kind: Any = model
     for part in location:
         kind = next(_without_none(kind))
@@ -110,7 +118,7 @@ def _type_at(model: type[BaseModel], location: Keys) -> Any:
 
 
 def _without_none(kind: Any) -> Iterator[Any]:
-    """The alternatives of a type, seen through Annotated, None left out."""
+    """Alternatives of a type without Annotated and None."""
     if get_origin(kind) is Annotated:
         kind = get_args(kind)[0]
     if get_origin(kind) in (Union, UnionType):
@@ -122,20 +130,20 @@ def _without_none(kind: Any) -> Iterator[Any]:
 
 
 def _in_data(location: Keys, data: Any) -> Keys:
-    """The location without the parts that pydantic adds to tell the alternatives of a union apart."""
-    kept: list[int | str] = []
+    """Location without the parts that pydantic adds for the alternatives of a union."""
+    keys: list[int | str] = []
     for place, part in enumerate(location):
         inside = part in data if isinstance(data, Mapping) else isinstance(data, list) and isinstance(part, int)
         if inside:
             data = data[part] if isinstance(data, Mapping) or part < len(data) else None  # type: ignore[operator, index]
-            kept.append(part)
+            keys.append(part)
         elif place == len(location) - 1 and isinstance(data, Mapping | list) and "[" not in str(part):
-            kept.append(part)  # the missing key itself
-    return tuple(kept)
+            keys.append(part)  # the missing key itself
+    return tuple(keys)
 
 
 def _nearest(location: Keys, model: type[BaseModel]) -> str:
-    """A suggestion for an unknown key: a similar one of its table, or its place in another table."""
+    """Suggestion for an unknown key: a similar key of its table, or the same key in another table."""
     table = next(_without_none(_type_at(model, location[:-1])))
     wrong = str(location[-1])
     here = list(table.model_fields)
@@ -155,12 +163,12 @@ def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
 
 
 def _dotted(keys: Keys) -> str:
-    """profiles.wheel, upper.radii[0]."""
+    """Name of a key: profiles.wheel, upper.radii[0]."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in keys).lstrip(".") or "scene"
 
 
 def _value(keys: Keys, data: Any) -> str:
-    """The value found, or that it is missing."""
+    """The value as text, or ": missing"."""
     for part in keys:
         try:
             data = data[part]

@@ -1,6 +1,6 @@
-"""Quantities a scene may give: strict numbers in SI units, each with its plausible range.
+"""Quantities of a scene: strict numbers in SI units, each with its plausible range.
 
-A range is there to catch a wrong unit or a slip of the pen, not to judge engineering.
+A range detects wrong units and typing errors; it is no engineering limit.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from pydantic import AllowInfNan, GetCoreSchemaHandler, Strict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 
-def refuse(message: str, key: str = "") -> PydanticCustomError:
-    """The error that a check raises: the message says what is allowed, the key which entry is at fault."""
+def reject(message: str, key: str = "") -> PydanticCustomError:
+    """Validation error of an entry; message: what is allowed, key: of the entry."""
     return PydanticCustomError("scene", "{allowed}", {"allowed": message, "key": key})
 
 
 @dataclass(frozen=True)
 class Range:
-    """Numbers from low to high in a unit (ends excluded when open), with a hint at the usual slip."""
+    """Numbers from low to high in a unit (ends excluded if open), with a hint at the common mistake."""
 
     low: float
     high: float
@@ -42,7 +42,7 @@ class Range:
     def check(self, value: float) -> float:
         if self.low < value < self.high or (not self.open and value in (self.low, self.high)):
             return value
-        raise refuse(f"must be {self}")
+        raise reject(f"must be {self}")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_after_validator_function(self.check, handler(source))
@@ -53,11 +53,11 @@ class Principal(Range):
     """A principal radius of curvature."""
 
     def __str__(self) -> str:
-        return "a radius from 1e-4 to 100 m in size: inf is straight, negative is hollow"
+        return "a radius with magnitude from 1e-4 to 100 m: inf is straight, negative is concave"
 
     def check(self, value: float) -> float:
         if isnan(value) or not (1e-4 <= abs(value) <= 100.0 or abs(value) == inf):
-            raise refuse(f"must be {self}")
+            raise reject(f"must be {self}")
         return value
 
 
@@ -66,17 +66,17 @@ class CurveRadii(Range):
     """The radius of a track's curve."""
 
     def __str__(self) -> str:
-        return "a radius in m, at least 50 in size, positive to the left"
+        return "a radius with magnitude at least 50 m, positive to the left"
 
     def check(self, value: float) -> float:
         if abs(value) < 50.0:
-            raise refuse(f"must be {self}")
+            raise reject(f"must be {self}")
         return value
 
 
 @dataclass(frozen=True)
 class OrExact(Range):
-    """A constant of a softened law, or its limit, the exact law."""
+    """A constant of a regularised law, or its limit, the exact law."""
 
     exact: float = 0.0
 
@@ -89,47 +89,47 @@ class OrExact(Range):
 
 Finite = Annotated[float, Strict(), AllowInfNan(False)]
 
-Young = Annotated[Finite, Range(1e9, 1e13, "Pa", "steel is 2.1e11: not 210 in GPa, nor 2.1e5 in MPa")]
+Young = Annotated[Finite, Range(1e9, 1e13, "Pa", "steel is 2.1e11; not in GPa or MPa")]
 Poisson = Annotated[Finite, Range(-1.0, 0.5, open=True)]
-ShearYield = Annotated[Finite, Range(5e7, 2e9, "Pa", "rail steel has about 300e6")]
-Friction = Annotated[Finite, Range(0.0, 2.0, hint="0 skips all tangential work")]
+ShearYield = Annotated[Finite, Range(5e7, 2e9, "Pa", "rail steel is about 300e6")]
+Friction = Annotated[Finite, Range(0.0, 2.0, hint="0 skips the tangential problem")]
 SurfaceSize = Annotated[Finite, Range(5e-5, 1e-2, "m", "half a millimetre is 0.5e-3")]
 MergeDistance = Annotated[Finite, Range(1e-4, 5e-2, "m", "4 mm is 4e-3")]
 StiffnessPerArea = Annotated[float, Strict(), AllowInfNan(True), OrExact(1e10, 1e20, "N/m3", exact=inf)]
 Regularisation = Annotated[Finite, OrExact(1e-9, 1e-2, hint="a creepage")]
 Share = Annotated[Finite, Range(0.0, 1.0)]
-FallingRate = Annotated[Finite, Range(0.0, 100.0, "s/m", "over a slip velocity, some tenths for dry rails")]
-Shift = Annotated[Finite, Range(-1e-3, 1e-3, "m", "2 micrometres are 2e-6")]
-Creepage = Annotated[Finite, Range(-1.0, 1.0, hint="a velocity over the speed")]
+FallingRate = Annotated[Finite, Range(0.0, 100.0, "s/m", "per slip velocity, some tenths for dry rails")]
+Shift = Annotated[Finite, Range(-1e-3, 1e-3, "m", "2 µm is 2e-6")]
+Creepage = Annotated[Finite, Range(-1.0, 1.0, hint="slip velocity over rolling speed")]
 Spin = Annotated[Finite, Range(-1e3, 1e3, "rad/m")]
 Load = Annotated[Finite, Range(1e-3, 1e8, "N")]
-WheelLoad = Annotated[Finite, Range(1e3, 1e6, "N", "57 kN are 57e3")]
-AxleLoad = Annotated[Finite, Range(2e3, 2e6, "N", "114 kN are 114e3")]
-Approach = Annotated[Finite, Range(0.0, 5e-3, "m", "25 micrometres are 25e-6", open=True)]
-Speed = Annotated[Finite, Range(0.0, 200.0, "m/s", "162 km/h are 45 m/s", open=True)]
-RunSpeed = Annotated[Finite, Range(0.1, 200.0, "m/s", "162 km/h are 45 m/s")]
+WheelLoad = Annotated[Finite, Range(1e3, 1e6, "N", "57 kN is 57e3")]
+AxleLoad = Annotated[Finite, Range(2e3, 2e6, "N", "114 kN is 114e3")]
+Approach = Annotated[Finite, Range(0.0, 5e-3, "m", "25 µm is 25e-6", open=True)]
+Speed = Annotated[Finite, Range(0.0, 200.0, "m/s", "162 km/h is 45 m/s", open=True)]
+RunSpeed = Annotated[Finite, Range(0.1, 200.0, "m/s", "162 km/h is 45 m/s")]
 Radius = Annotated[float, Strict(), AllowInfNan(True), Principal(-inf, inf)]
-WheelRadius = Annotated[Finite, Range(0.1, 1.0, "m", "a wheel of 920 mm has the radius 0.46")]
-Offset = Annotated[Finite, Range(-0.1, 0.1, "m", "2 mm are 0.002")]
+WheelRadius = Annotated[Finite, Range(0.1, 1.0, "m", "a wheel diameter of 920 mm is a radius of 0.46")]
+Offset = Annotated[Finite, Range(-0.1, 0.1, "m", "2 mm is 0.002")]
 Angle = Annotated[Finite, Range(-0.2, 0.2, "rad", "1/40 is 0.025")]
 Rate = Annotated[Finite, Range(-1e3, 1e3, "per second")]
-Curvature = Annotated[Finite, Range(-0.02, 0.02, "1/m", "one over the radius, positive to the left")]
-Gauge = Annotated[Finite, Range(0.5, 2.0, "m", "1435 mm are 1.435")]
-GaugeHeight = Annotated[Finite, Range(0.0, 0.05, "m", "below the top of the rail: 14 mm are 0.014", open=True)]
-FlangeBackDistance = Annotated[Finite, Range(0.4, 2.0, "m", "1360 mm are 1.360")]
+Curvature = Annotated[Finite, Range(-0.02, 0.02, "1/m", "1/radius, positive to the left")]
+Gauge = Annotated[Finite, Range(0.5, 2.0, "m", "1435 mm is 1.435")]
+GaugeHeight = Annotated[Finite, Range(0.0, 0.05, "m", "below the top of the rail: 14 mm is 0.014", open=True)]
+FlangeBackDistance = Annotated[Finite, Range(0.4, 2.0, "m", "1360 mm is 1.360")]
 FlangeBack = Annotated[Finite, Range(-0.2, -0.01, "m", "from the rolling circle, negative to the flange side")]
-Cant = Annotated[Finite, Range(-0.25, 0.25, "m", "60 mm are 0.06; positive raises the outer rail")]
+Cant = Annotated[Finite, Range(-0.25, 0.25, "m", "60 mm is 0.06; positive raises the outer rail")]
 CantBase = Annotated[Finite, Range(0.5, 2.5, "m", "1.5 for standard gauge")]
-Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille are 0.01")]
+Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille is 0.01")]
 Length = Annotated[Finite, Range(0.0, 1e5, "m")]
-Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm are 2e-3")]
+Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm is 2e-3")]
 Fineness = Annotated[int, Strict(), Range(4, 64, whole=True)]
 Steps = Annotated[int, Strict(), Range(0, 100_000, whole=True)]
 Tolerance = Annotated[Finite, Range(1e-12, 0.1)]
 CurveRadius = Annotated[Finite, CurveRadii(-inf, inf)]
 VerticalRadius = Annotated[Finite, Range(100.0, 1e6, "m")]
 Wavelength = Annotated[Finite, Range(0.1, 1e3, "m")]
-Fade = Annotated[Finite, Range(0.0, 1e3, "m", "over which irregularities grow", open=True)]
+Fade = Annotated[Finite, Range(0.0, 1e3, "m", "over which irregularities are faded in", open=True)]
 Seed = Annotated[int, Strict(), Range(0, 2**63, whole=True)]
 Time = Annotated[Finite, Range(0.0, 1e5, "s")]
 TimeAndSpeed = Annotated[tuple[Time, RunSpeed], Strict(False)]

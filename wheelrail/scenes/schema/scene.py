@@ -1,4 +1,4 @@
-"""What a scene may say, checked on reading: a Hertz contact, a wheelset on its track, or a vehicle run."""
+"""Scenes, validated on reading: a Hertz contact, a wheelset on its track, or a vehicle run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pydantic import (
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.messages import refuse
+from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.tables import (
     AxleTable,
     BlockStressTable,
@@ -40,23 +40,28 @@ from wheelrail.scenes.schema.track import TrackLine
 if TYPE_CHECKING:
     from wheelrail.contact.models.discretisation import Discretisation
 
-MOST_SAMPLES = 1_000_000  # each of which takes kilobytes of memory
+MOST_SAMPLES = 1_000_000  # kilobytes of memory each
 ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
 
 
 class Contact(SceneTable):
-    """Keys of every scene: model, traction laws, surface size m, elements, and the order of the upstream slip.
+    """Keys of every scene.
 
-    laws: "exact", no penetration and Coulomb's law itself, takes no constants; "paper", the default of runs, is penalty
-    pressure and regularised Coulomb friction with the constants given. One of the two alone is exact in "paper" with
-    stiffness_per_area = inf or regularisation = 0. falling makes friction fall with the slip velocity. bodies: "solid",
-    meshes in 3D, the default for the paper's laws and model = "full"; "waveguide", endless bodies by wavenumbers, the
-    default for the exact ones; or "half-space", to compare with codes that know no others. degree of the displacements,
-    1 for solids unless given. points: "fitted", strips of cells that end where the contact ends, the default for the
-    exact normal law unless bodies are solid; or "grid", which half-spaces do not have. strips over a patch's width and
-    cells along each are those of fitted points, 12 and 16 unless given.
-    model = "standard" is the contact of multibody codes, without elements: it takes friction and falling of the laws,
-    ignores surface_size, and has normal and tangential of its own.
+    model: "condensed", "full", or "standard", the approximate contact of multibody codes without elements, which uses
+        friction and falling, ignores surface_size, and has the keys normal, tangential and merge_distance.
+    laws: "exact" (unilateral contact and Coulomb friction, without constants), or "paper" (penalty pressure and
+        regularised Coulomb friction), the default of runs. With "paper", stiffness_per_area = inf or
+        regularisation = 0 makes one of the two exact.
+    friction: coefficient of friction; falling: decrease with the slip velocity.
+    surface_size: edge of the surface cells, m.
+    bodies: "solid" (3D meshes, the default with laws = "paper" or model = "full"), "waveguide" (bodies invariant along
+        the track or about the axle, the default with laws = "exact"), or "half-space", for comparison with other codes.
+    degree: of the displacements; 1 for solids by default.
+    points: "fitted" (strips of cells that end at the patch edge, the default for the exact normal law unless bodies are
+        solid), or "grid", not available for half-spaces.
+    strips, cells: of fitted points, over the width of a patch and along a strip; 12 and 16 by default.
+    slip_order: order of the upstream difference formula of the slip on a grid.
+    stiffness_per_area: penalty, N/m3; regularisation: creepage.
     """
 
     model: Literal["condensed", "full", "standard"] = "condensed"
@@ -80,37 +85,39 @@ class Contact(SceneTable):
     @field_validator("*", mode="wrap")
     @classmethod
     def _once(cls, value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
-        """A table of the kind that is checked already is fine."""
-        fine = isinstance(value, SceneTable) and type(value) is cls.model_fields[str(info.field_name)].annotation
-        return value if fine else check(value)
+        """Accept tables that are already validated."""
+        valid = isinstance(value, SceneTable) and type(value) is cls.model_fields[str(info.field_name)].annotation
+        return value if valid else check(value)
 
     @model_validator(mode="after")
     def _lawful(self) -> Contact:
         if self.model == "standard":
             for key in ELEMENTS:
                 if key in self.model_fields_set:
-                    raise q.refuse('only with model = "condensed" or "full"; the standard one has no elements', key)
+                    raise q.reject(
+                        'allowed only with model = "condensed" or "full"; the standard model has no elements', key
+                    )
             return self
         if self.surface_size is None:
-            raise q.refuse('must be given unless model = "standard"', "surface_size")
+            raise q.reject('required unless model = "standard"', "surface_size")
         for key in ("normal", "tangential", "merge_distance"):
             if getattr(self, key) is not None:
-                raise q.refuse('only with model = "standard"', key)
+                raise q.reject('allowed only with model = "standard"', key)
         if self.laws == "exact":
             for key in ("stiffness_per_area", "regularisation"):
                 if key in self.model_fields_set:
-                    raise q.refuse('only with laws = "paper"; the exact laws have no constants', key)
+                    raise q.reject('allowed only with laws = "paper"; the exact laws have no constants', key)
         from wheelrail.contact.models.discretisation import IncompatibleChoice
 
         try:
             _ = self.discretisation
         except IncompatibleChoice as error:
-            raise q.refuse(error.allowed, error.key) from None
+            raise q.reject(error.allowed, error.key) from None
         return self
 
     @property
     def discretisation(self) -> Discretisation:
-        """Model, bodies, points and elements, with every choice made; raises IncompatibleChoice."""
+        """Model, bodies, points and elements with all defaults resolved; raises IncompatibleChoice."""
         from wheelrail.contact.models.discretisation import Discretisation
 
         assert self.model != "standard"
@@ -130,31 +137,31 @@ class Contact(SceneTable):
 
 
 def _between(wheelset: AxleTable, gauge: float) -> None:
-    """Raises the error of a check unless the wheels' backs fit between the rails."""
+    """Raises a validation error unless the flange backs fit between the rails."""
     if not wheelset.flange_back_distance < gauge:
-        raise q.refuse(f"must be less than the track's gauge of {gauge:g} m", "wheelset.flange_back_distance")
+        raise q.reject(f"must be less than the gauge of {gauge:g} m", "wheelset.flange_back_distance")
 
 
-NO_STRESS = 'only with model = "condensed" or "full"'
+NO_STRESS = 'allowed only with model = "condensed" or "full"'
 
 
 class Solve(Contact):
-    """Keys of one contact solve; error_estimate: solve once more on half as many cells, to say how far off it is."""
+    """Keys of one contact solve; error_estimate: from a second solve on half as many cells."""
 
     error_estimate: bool = False
 
     @model_validator(mode="after")
     def _estimable(self) -> Solve:
         if self.error_estimate and (self.model == "standard" or self.discretisation.points != "fitted"):
-            raise q.refuse('only with points = "fitted": error estimates need fitted points', "error_estimate")
+            raise q.reject('allowed only with points = "fitted"', "error_estimate")
         return self
 
 
 class HertzScene(Solve):
-    """Two bodies with given principal radii under a load (N) or an approach (m); a frictionless one needs no motion.
+    """Two bodies with given principal radii under a load, N, or at an approach, m.
 
-    With friction they roll at a speed (m/s) with a creepage, or are pushed once by a shift (m) of the upper body
-    against the lower one (Cattaneo, Mindlin).
+    With friction they roll at a speed, m/s, with a creepage, or undergo one tangential displacement (shift, m) of the
+    upper body against the lower one (Cattaneo, Mindlin).
     """
 
     kind: Literal["hertz"]
@@ -170,26 +177,28 @@ class HertzScene(Solve):
     @model_validator(mode="after")
     def _consistent(self) -> HertzScene:
         if (self.load is None) == (self.approach is None):
-            raise q.refuse("exactly one of load and approach must be given", "load")
+            raise q.reject("exactly one of load and approach is required", "load")
         for key in ("speed", "creepage"):
             if self.shift is not None and getattr(self, key) is not None:
-                raise q.refuse("bodies roll or are shifted, not both: remove shift", key)
+                raise q.reject("must not be combined with shift", key)
             if self.shift is None and self.friction > 0.0 and getattr(self, key) is None:
-                raise q.refuse("must be given when friction is not 0", key)
+                raise q.reject("required if friction is not 0", key)
         if self.model == "standard" and self.merge_distance is not None:
-            raise q.refuse("not for a Hertz pair, which touches in one point", "merge_distance")
+            raise q.reject("not allowed for a Hertz pair, which has one contact point", "merge_distance")
         if self.model == "standard" and self.stress is not None:
-            raise q.refuse(NO_STRESS, "stress")
+            raise q.reject(NO_STRESS, "stress")
         if self.shift is not None and self.model != "condensed":
-            raise q.refuse('only with model = "condensed"', "shift")
+            raise q.reject('allowed only with model = "condensed"', "shift")
         if self.shift is not None and (self.falling or (self.laws == "paper" and self.regularisation > 0.0)):
-            raise q.refuse('only with Coulomb\'s friction: regularisation = 0 or laws = "exact", not falling', "shift")
-        for name, one, other in zip("xy", self.upper.radii, self.lower.radii, strict=True):
-            if not 1.0 / one + 1.0 / other > 0.0:
+            raise q.reject(
+                'allowed only with Coulomb friction: regularisation = 0 or laws = "exact", without falling', "shift"
+            )
+        for name, upper, lower in zip("xy", self.upper.radii, self.lower.radii, strict=True):
+            if not 1.0 / upper + 1.0 / lower > 0.0:
                 text = (
-                    f"upper and lower must touch in one point: 1/upper + 1/lower in {name} must be greater than 0 1/m"
+                    f"must give point contact with lower.radii: 1/upper + 1/lower in {name} must be greater than 0 1/m"
                 )
-                raise q.refuse(text, "upper.radii")
+                raise q.reject(text, "upper.radii")
         return self
 
 
@@ -208,15 +217,15 @@ class WheelsetScene(Solve):
     @model_validator(mode="after")
     def _consistent(self) -> WheelsetScene:
         if len(set(self.sides)) != len(self.sides):
-            raise q.refuse("each side at most once", "sides")
+            raise q.reject("must contain each side at most once", "sides")
         if len(self.sides) == 1 and (self.wheelset.axle_load is not None or self.wheelset.roll == "solve"):
-            raise q.refuse('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
+            raise q.reject('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
         if self.model == "standard" and self.stress is not None:
-            raise q.refuse(NO_STRESS, "stress")
+            raise q.reject(NO_STRESS, "stress")
         _between(self.wheelset, self.track.gauge)
         for key in ("speed", "pitch_rate"):
             if self.friction > 0.0 and getattr(self.wheelset, key) is None:
-                raise q.refuse("must be given when friction is not 0", f"wheelset.{key}")
+                raise q.reject("required if friction is not 0", f"wheelset.{key}")
         return self
 
 
@@ -242,15 +251,15 @@ class RunScene(Contact):
         if self.output.interval:
             shortest = SpeedProfile.of(self.vehicle.drive).time_at(self.track.length) / MOST_SAMPLES
             if self.output.interval < shortest:
-                raise q.refuse(
-                    f"must be 0, or at least {shortest:.2g} s: at most {MOST_SAMPLES} samples", "output.interval"
+                raise q.reject(
+                    f"must be 0, or at least {shortest:.2g} s, for at most {MOST_SAMPLES} samples", "output.interval"
                 )
         return self
 
     @model_validator(mode="after")
     def _one_radius(self) -> RunScene:
         if self.vehicle.changed and self.vehicle.on(self.wheelset.radius).radius != self.wheelset.radius:
-            raise q.refuse("wheelset.height of the wagon must be the scene's wheelset.radius", "vehicle")
+            raise q.reject("wheelset.height of the wagon must equal wheelset.radius of the scene", "vehicle")
         return self
 
 
@@ -263,7 +272,10 @@ KINDS: dict[str, type[HertzScene] | type[WheelsetScene] | type[RunScene]] = {
 
 
 def load_scene(path: str | Path) -> Scene:
-    """The scene in a TOML file.
+    """Validated scene of a TOML file.
+
+    Parameters:
+        path: scene file.
 
     Raises SceneError naming file, key, value and what is allowed.
     """
@@ -271,25 +283,37 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def parse_scene(text: str, path: str | Path = "scene") -> Scene:
-    """The scene in a TOML text; path names it in errors, and files in it are looked for beside it."""
+    """Validated scene of a TOML text.
+
+    Parameters:
+        text: TOML.
+        path: its file, for errors; paths in the scene are relative to its folder.
+    """
     return checked(parse(text, path), path)
 
 
 def checked(
     data: Mapping[str, Any], path: str | Path = "scene", *, at_hand: Container[str] = (), unnamed: Container[str] = ()
 ) -> Scene:
-    """The scene in tables; bodies whose profiles are at_hand have no file. Errors as `load_scene`, without the names of
-    tables that are unnamed.
+    """Validated scene of tables.
+
+    Parameters:
+        data: tables.
+        path: their file, for errors; paths in the scene are relative to its folder.
+        at_hand: "wheel", "rail": profiles passed as objects, which need no file.
+        unnamed: tables to omit from the names of keys in errors.
+
+    Raises SceneError as `load_scene`.
     """
     kind = data.get("kind")
-    known = KINDS.get(kind) if isinstance(kind, str) else None
-    if known is None:
-        found = f"kind = {kind!r}" if "kind" in data else "kind: missing"
-        raise SceneError(f"{path}: {found}: must be one of {', '.join(map(repr, KINDS))}")
+    model = KINDS.get(kind) if isinstance(kind, str) else None
+    if model is None:
+        entry = f"kind = {kind!r}" if "kind" in data else "kind: missing"
+        raise SceneError(f"{path}: {entry}: must be one of {', '.join(map(repr, KINDS))}")
     try:
-        return known.model_validate(data, context={"folder": Path(path).parent, "at_hand": at_hand})
+        return model.model_validate(data, context={"folder": Path(path).parent, "at_hand": at_hand})
     except ValidationError as error:
-        raise refuse(error, known, data, path, unnamed) from None
+        raise validation_error(error, model, data, path, unnamed) from None
 
 
 __all__ = ["HertzScene", "RunScene", "Scene", "SceneError", "WheelsetScene", "checked", "load_scene", "parse_scene"]

@@ -33,14 +33,14 @@ class BodyTable(SceneTable):
 
 
 class FallingTable(SceneTable):
-    """Friction falls with the slip velocity, at a rate in s/m, to a share of what it is without slip (Polach 2005)."""
+    """Friction decreases with the slip velocity, at a rate, s/m, to a share of its static value (Polach 2005)."""
 
     share: q.Share
     rate: q.FallingRate
 
 
 class StressTable(SceneTable):
-    """Stress inside wheel and rail at depths m below every patch, along its normal under its resultant."""
+    """Stress in wheel and rail at depths, m, below every patch, along the normal through its resultant."""
 
     body: Literal["wheel", "rail", "both"] = "both"
     depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1)]
@@ -51,7 +51,7 @@ class StressTable(SceneTable):
 
 
 class BlockStressTable(SceneTable):
-    """The same inside the bodies of a Hertz pair."""
+    """The same in the bodies of a Hertz pair."""
 
     body: Literal["upper", "lower", "both"] = "both"
     depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1)]
@@ -62,7 +62,7 @@ class BlockStressTable(SceneTable):
 
 
 class ProfilesTable(SceneTable):
-    """Cross-sections of wheel and rail, a name or a file each; laying_angle turns the rail to the track's centre."""
+    """Profiles of wheel and rail, a name or a file each; laying_angle: inclination of the rail, rad."""
 
     wheel: str
     rail: str
@@ -71,9 +71,9 @@ class ProfilesTable(SceneTable):
     @field_validator("wheel", "rail")
     @classmethod
     def _exists(cls, value: str, info: ValidationInfo) -> str:
-        """A known name as it is; a file, relative to the scene's folder, as its full path.
+        """A standard name unchanged; a file, relative to the scene's folder, as its full path.
 
-        Whoever has a profile at hand says so in the context: then this is its name and no more.
+        The name of a profile passed as an object (`at_hand` in the context) is not checked.
         """
         from wheelrail.meshes.profiles.named import NAMES
 
@@ -83,13 +83,13 @@ class ProfilesTable(SceneTable):
             return value
         file = Path(context.get("folder", "."), value)
         if not file.exists():
-            raise q.refuse(f"must be {' or '.join(names)}, or a file that exists, seen from the scene's folder")
+            raise q.reject(f"must be {' or '.join(names)}, or an existing file, relative to the scene's folder")
         from wheelrail.meshes.profiles.library import load_profile
 
         try:
             load_profile(file.absolute(), "wheel" if info.field_name == "wheel" else "rail")
         except ValueError as error:
-            raise q.refuse(str(error)) from None
+            raise q.reject(str(error)) from None
         return str(file.absolute())
 
 
@@ -107,7 +107,7 @@ class TrackTable(RailsTable):
 
 
 class AxleTable(SceneTable):
-    """How the wheels sit on the axle, m."""
+    """Positions of the wheels on the axle, m."""
 
     flange_back_distance: q.FlangeBackDistance
     flange_back: q.FlangeBack
@@ -115,7 +115,7 @@ class AxleTable(SceneTable):
 
 
 class WheelsetTable(AxleTable):
-    """Position and motion of a wheelset, and exactly one of wheel_load (N), axle_load (N) and z (m)."""
+    """Position and motion of a wheelset, and exactly one of wheel_load, N, axle_load, N, and z, m."""
 
     y: q.Offset
     roll: q.Angle | Literal["solve"]
@@ -131,30 +131,29 @@ class WheelsetTable(AxleTable):
 
     @model_validator(mode="after")
     def _one_condition(self) -> WheelsetTable:
-        given = [key for key in ("wheel_load", "axle_load", "z") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise q.refuse(
-                "exactly one of wheel_load, axle_load and z must be given", given[-1] if given else "wheel_load"
+        conditions = [key for key in ("wheel_load", "axle_load", "z") if getattr(self, key) is not None]
+        if len(conditions) != 1:
+            raise q.reject(
+                "exactly one of wheel_load, axle_load and z is required", conditions[-1] if conditions else "wheel_load"
             )
-        if self.roll == "solve" and given != ["wheel_load"]:
-            raise q.refuse('"solve" needs wheel_load; with axle_load or z the roll must be a number in rad', "roll")
+        if self.roll == "solve" and conditions != ["wheel_load"]:
+            raise q.reject('"solve" requires wheel_load; with axle_load or z it must be a number in rad', "roll")
         return self
 
     @model_validator(mode="after")
     def _rolls(self) -> WheelsetTable:
         if self.speed is not None and self.pitch_rate is not None:
-            full = self.speed / self.radius
-            if not 0.0 <= self.pitch_rate <= 2.0 * full:
-                text = f"must be from 0 to {2 * full:.6g} rad/s, twice pure rolling ({full:.6g} = speed / radius)"
-                raise q.refuse(text, "pitch_rate")
+            rolling = self.speed / self.radius
+            if not 0.0 <= self.pitch_rate <= 2.0 * rolling:
+                text = f"must be from 0 to {2 * rolling:.6g} rad/s, twice pure rolling ({rolling:.6g} = speed / radius)"
+                raise q.reject(text, "pitch_rate")
         return self
 
 
 class VehicleTable(SceneTable):
-    """The wagon's speed in m/s, or pairs of a time s and the speed then, and the file that it is read from, else it is
-    the Manchester wagon.
+    """Speed of the wagon, m/s, or pairs of time, s, and speed; and the wagon file, by default the Manchester wagon.
 
-    Any other key replaces the value of that name in it.
+    Any other key replaces the value of that name in the wagon.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -172,19 +171,19 @@ class VehicleTable(SceneTable):
         try:
             load_wagon(file)
         except SceneError as error:
-            raise q.refuse(str(error)) from None
+            raise q.reject(str(error)) from None
         return str(file.resolve())
 
     @field_validator("speed")
     @classmethod
     def _goes_on(cls, value: float | tuple[tuple[float, float], ...]) -> float | tuple[tuple[float, float], ...]:
         if isinstance(value, tuple) and any(later <= time for (time, _), (later, _) in pairwise(value)):
-            raise q.refuse("times must rise strictly")
+            raise q.reject("times must increase strictly")
         return value
 
     @property
     def drive(self) -> float | SpeedProfile:
-        """The speed in the words of `vehicle`."""
+        """Speed or speed profile for `vehicle`."""
         if not isinstance(self.speed, tuple):
             return self.speed
         from wheelrail.vehicle.track.speed_profile import SpeedProfile
@@ -194,7 +193,7 @@ class VehicleTable(SceneTable):
 
     @property
     def first_speed(self) -> float:
-        """At time zero, m/s."""
+        """Speed at time zero, m/s."""
         return self.speed[0][1] if isinstance(self.speed, tuple) else self.speed
 
     @model_validator(mode="after")
@@ -205,31 +204,31 @@ class VehicleTable(SceneTable):
 
     @property
     def changed(self) -> bool:
-        """Whether the wagon is another than the Manchester wagon."""
+        """Whether the wagon differs from the Manchester wagon."""
         return bool(self.wagon or self.model_extra)
 
     def on(self, radius: float | None) -> Wagon:
-        """The wagon on wheels of a radius m, where neither its file nor the scene gives another one."""
+        """The wagon; radius: of its wheels, m, unless its file or the scene sets another one."""
         from wheelrail.scenes.schema.wagon_file import load_wagon
         from wheelrail.vehicle.wagon.wagon import Wagon
 
         base = Wagon() if radius is None else _on_wheels(radius)
-        read = base if self.wagon is None else load_wagon(self.wagon, base)
-        found: Wagon = overridden(read, self.model_extra or {}, also=("speed", "wagon"))
-        return found
+        wagon = base if self.wagon is None else load_wagon(self.wagon, base)
+        changed: Wagon = overridden(wagon, self.model_extra or {}, also=("speed", "wagon"))
+        return changed
 
 
 @cache
 def _on_wheels(radius: float) -> Wagon:
-    """The Manchester wagon on others than its own."""
+    """The Manchester wagon with another wheel radius, m."""
     from wheelrail.vehicle.wagon.wagon import Wagon
 
-    found: Wagon = overridden(Wagon(), {"wheelset": {"height": radius}})
-    return found
+    changed: Wagon = overridden(Wagon(), {"wheelset": {"height": radius}})
+    return changed
 
 
 class SolverTable(SceneTable):
-    """Time stepper and its tolerances; with two workers, the right-hand contact is solved in a process of its own."""
+    """Time integration method and tolerances; with two workers the right-hand contact runs in its own process."""
 
     method: Literal["ode23", "ode45", "rosenbrock"] = "ode23"
     rtol: q.Tolerance = 1e-3
@@ -238,10 +237,9 @@ class SolverTable(SceneTable):
 
 
 class OutputTable(SceneTable):
-    """What is kept: one sample per interval s (0 keeps every accepted step), and the pictures; and the number of steps
-    from one checkpoint to the next, from which `--resume` goes on (0: none).
+    """Output: sampling interval, s (0: every accepted step), figures, and steps between checkpoints (0: none).
 
-    shear_yield Pa of the steel places the patches on the shakedown map, and does nothing else.
+    shear_yield: of the steel, Pa, used only for the shakedown map.
     """
 
     interval: Annotated[q.Finite, q.Range(0.0, 10.0, "s")] = 0.0

@@ -1,4 +1,4 @@
-"""Reading TOML files, with errors that name them."""
+"""Reading of TOML files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST = 1.0  # MB
 
 
 def read_text(path: Path) -> str:
-    """Raises SceneError for a file that cannot be read."""
+    """Text of a file; raises SceneError if it cannot be read."""
     try:
         return text_of(path, MOST)
     except FileRefused as error:
@@ -22,10 +22,10 @@ def read_text(path: Path) -> str:
 
 
 def parse(text: str, path: str | Path) -> dict[str, Any]:
-    """Raises SceneError for a text that is not TOML; path names it."""
+    """Tables of a TOML text; raises SceneError for another text, naming path."""
     try:
         return tomllib.loads(text)
-    except ValueError as error:  # that of TOML, or of a number with thousands of digits
+    except ValueError as error:  # of TOML syntax, or of a number with thousands of digits
         raise SceneError(f"{path}: not valid TOML: {error}") from None
     except RecursionError:
         raise SceneError(f"{path}: not valid TOML: brackets nested hundreds of levels deep") from None

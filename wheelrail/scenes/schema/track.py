@@ -1,4 +1,4 @@
-"""The track of a run, as a scene gives it: segments or their short form, and irregularities."""
+"""Track of a run in a scene: segments or their short form, and irregularities."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.track.track import Track
 
 LONGEST = 1e5  # m
-MOST_WAVES = 1e5  # of the shortest wavelength along a track: takes half a minute
+MOST_WAVES = 1e5  # shortest wavelengths along a track; take half a minute
 SHORT = ("curvature", "cant", "tangent", "transition_length", "curve")
 Shape = Literal["quintic", "clothoid", "bloss"]
 
 
 class SegmentTable(SceneTable):
-    """One of a track's segments, length m.
+    """Segment of a track; length: m.
 
-    An arc has a radius m or a curvature 1/m, positive to the left, and a cant m; a transition a shape, and what it ends
-    with only where another transition follows. slope is rise over run, that of the segment before unless given;
-    vertical_radius m rounds its change at the beginning of the segment.
+    An arc has a radius, m, or a curvature, 1/m, positive to the left, and a cant, m; a transition has a shape, and end
+    values only before another transition. slope: rise over run, by default that of the previous segment;
+    vertical_radius: of the vertical curve at the beginning of the segment, m.
     """
 
     kind: Literal["tangent", "transition", "arc"]
@@ -43,13 +43,13 @@ class SegmentTable(SceneTable):
     @model_validator(mode="after")
     def _consistent(self) -> SegmentTable:
         if self.radius is not None and self.curvature is not None:
-            raise q.refuse("one of radius and curvature, not both", "radius")
+            raise q.reject("must not be combined with curvature", "radius")
         if self.shape is not None and self.kind != "transition":
-            raise q.refuse("only for a transition", "shape")
+            raise q.reject('allowed only with kind = "transition"', "shape")
         return self
 
     def segment(self, shape: Shape) -> Segment:
-        """The same in the words of `vehicle`; shape: that of a transition that has none of its own."""
+        """Segment for `vehicle`; shape: default for a transition."""
         from wheelrail.vehicle.track.alignment import Segment
 
         return Segment(
@@ -64,9 +64,9 @@ class SegmentTable(SceneTable):
 
 
 class IrregularityTable(SceneTable):
-    """Irregularities from a file, or from the spectrum ERRI B176 low or high by a seed, between two wavelengths m.
+    """Irregularities from a file, or from the spectrum ERRI B176 low or high with a seed, between two wavelengths, m.
 
-    They grow from nothing over the first `fade` m.
+    They are faded in over the first `fade` m.
     """
 
     file: str | None = None
@@ -87,22 +87,22 @@ class IrregularityTable(SceneTable):
         try:
             read_irregularities(file)
         except IrregularityFileError as error:
-            raise q.refuse(str(error)) from None
+            raise q.reject(str(error)) from None
         return str(file)
 
     @model_validator(mode="after")
     def _consistent(self) -> IrregularityTable:
         if (self.file is None) == (self.spectrum is None):
-            raise q.refuse("exactly one of file and spectrum must be given", "spectrum")
+            raise q.reject("exactly one of file and spectrum is required", "spectrum")
         for key in ("seed", "wavelengths"):
             if self.file is not None and key in self.model_fields_set:
-                raise q.refuse("only with spectrum", key)
+                raise q.reject("allowed only with spectrum", key)
         if not self.wavelengths[0] < self.wavelengths[1]:
-            raise q.refuse("the shorter one first", "wavelengths")
+            raise q.reject("must be in increasing order", "wavelengths")
         return self
 
     def irregularities(self, length: float) -> Irregularities:
-        """Along a track of a length m, to its very end where the data go on behind it."""
+        """Irregularities along a track of a length, m."""
         from wheelrail.scenes.schema.irregularity_file import read_irregularities
         from wheelrail.vehicle.track.irregularity import Irregularities
         from wheelrail.vehicle.track.irregularity_spectrum import ERRI
@@ -110,15 +110,15 @@ class IrregularityTable(SceneTable):
         if self.file is not None:
             return Irregularities.faded(*read_irregularities(self.file), fade=self.fade)
         assert self.spectrum is not None
-        made = ERRI[self.spectrum].irregularities
-        return made(length + self.fade, seed=self.seed, wavelengths=self.wavelengths, fade=self.fade)
+        generate = ERRI[self.spectrum].irregularities
+        return generate(length + self.fade, seed=self.seed, wavelengths=self.wavelengths, fade=self.fade)
 
 
 class TrackLine(RailsTable):
-    """Segments one upon the other; or in short a tangent, a transition and a curve of constant curvature and cant.
+    """Segments in sequence; or, in short form, a tangent, a transition and a curve of constant curvature and cant.
 
-    Lengths in m. slope is rise over run of the short form; transition the shape of all that have none of their own;
-    corner the length over which the ends of "clothoid" transitions and of vertical curves are rounded.
+    Lengths in m. slope: rise over run of the short form; transition: default shape; corner: length over which the ends
+    of "clothoid" transitions and of vertical curves are rounded.
     """
 
     curvature: q.Curvature | None = None
@@ -135,7 +135,7 @@ class TrackLine(RailsTable):
 
     @cached_property
     def layout(self) -> list[Segment]:
-        """All segments in the words of `vehicle`."""
+        """All segments for `vehicle`."""
         tables = self._short if self.segments is None else self.segments
         return [table.segment(self.transition) for table in tables if table.length > 0.0 or self.segments]
 
@@ -155,20 +155,20 @@ class TrackLine(RailsTable):
         return float(sum(segment.length for segment in self.layout))
 
     def track(self) -> Track:
-        """The track itself, with its irregularities."""
+        """Track with its irregularities."""
         from wheelrail.vehicle.track.track import Track
 
         table = self.irregularities
-        uneven = table.irregularities(self.length) if table else None
-        return Track.of(self.layout, base=self.cant_base, corner=self.corner, irregularities=uneven)
+        irregularities = table.irregularities(self.length) if table else None
+        return Track.of(self.layout, base=self.cant_base, corner=self.corner, irregularities=irregularities)
 
     @model_validator(mode="after")
     def _one_form(self) -> TrackLine:
         for key in (*SHORT, "slope"):
             if self.segments is not None and getattr(self, key) is not None:
-                raise q.refuse("not beside segments, which have their own", key)
+                raise q.reject("must not be combined with segments, which have their own", key)
             if self.segments is None and getattr(self, key) is None and key != "slope":
-                raise q.refuse("must be given, or segments instead", key)
+                raise q.reject("required without segments", key)
         return self
 
     @model_validator(mode="after")
@@ -176,13 +176,13 @@ class TrackLine(RailsTable):
         if self.segments is None:
             for key in ("transition_length", "curve"):
                 if getattr(self, key) <= 0.0:
-                    raise q.refuse("must be greater than 0 m", key)
+                    raise q.reject("must be greater than 0 m", key)
             assert self.transition_length is not None
             if self.transition == "clothoid" and not 0.0 < self.corner <= 0.5 * self.transition_length:
-                raise q.refuse("must be greater than 0 m and at most half of transition_length", "corner")
+                raise q.reject("must be greater than 0 m and at most half of transition_length", "corner")
         for place, cant in [("", self.cant), *((f"segments.{i}.", s.cant) for i, s in enumerate(self.segments or ()))]:
             if abs(cant or 0.0) > 0.5 * self.cant_base:
-                raise q.refuse("must be at most half of cant_base", f"{place}cant")
+                raise q.reject("must be at most half of cant_base", f"{place}cant")
         return self
 
     @model_validator(mode="after")
@@ -190,22 +190,24 @@ class TrackLine(RailsTable):
         from wheelrail.vehicle.track.alignment import AlignmentError, courses
 
         if self.length > LONGEST:
-            raise q.refuse(f"must be at most {LONGEST:g} m long, all in all", "segments" if self.segments else "curve")
+            raise q.reject(
+                f"must have a total length of at most {LONGEST:g} m", "segments" if self.segments else "curve"
+            )
         if self.irregularities is not None and self.length > MOST_WAVES * self.irregularities.wavelengths[0]:
-            text = f"the shortest must be at least {self.length / MOST_WAVES:.3g} m: at most {MOST_WAVES:g} waves"
-            raise q.refuse(f"{text} along the track", "irregularities.wavelengths")
+            text = f"the shortest must be at least {self.length / MOST_WAVES:.3g} m, for at most {MOST_WAVES:g} waves"
+            raise q.reject(f"{text} along the track", "irregularities.wavelengths")
         try:
             courses(self.layout, corner=self.corner)
         except AlignmentError as error:
-            given = self.segments[error.index] if self.segments else None
-            key = "radius" if error.key == "curvature" and given and given.radius is not None else error.key
-            raise q.refuse(error.says, f"segments.{error.index}.{key}") from None
+            segment = self.segments[error.index] if self.segments else None
+            key = "radius" if error.key == "curvature" and segment and segment.radius is not None else error.key
+            raise q.reject(error.says, f"segments.{error.index}.{key}") from None
         if self.irregularities is not None:
             try:
                 if self.irregularities.file is not None:
                     self.irregularities.irregularities(self.length)
                 elif self.irregularities.fade > self.length:
-                    raise ValueError(f"must be at most the track's length of {self.length:g} m")
+                    raise ValueError(f"must be at most the track length of {self.length:g} m")
             except ValueError as error:
-                raise q.refuse(str(error), "irregularities.fade") from None
+                raise q.reject(str(error), "irregularities.fade") from None
         return self

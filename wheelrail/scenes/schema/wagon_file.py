@@ -1,4 +1,4 @@
-"""Wagons as TOML files: any value of the Manchester wagon replaced, and a whole wagon written down."""
+"""Reading and writing of wagon files (TOML)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic_core import PydanticCustomError
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.messages import fault
+from wheelrail.scenes.schema.messages import entry_message
 from wheelrail.scenes.schema.override import overridden
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.wagon_ranges import WAGON
@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 
 def load_wagon(path: str | Path, base: Wagon | None = None) -> Wagon:
-    """The Manchester wagon, or another one, with the values in a TOML file in place of its own.
+    """Wagon with the values of a TOML file.
+
+    Parameters:
+        path: wagon file.
+        base: values missing in the file; the Manchester wagon by default.
 
     Raises SceneError naming file, key, value and what is allowed.
     """
@@ -32,25 +36,25 @@ def load_wagon(path: str | Path, base: Wagon | None = None) -> Wagon:
     except PydanticCustomError as error:
         context = error.context or {}
         key = str(context["key"])
-        raise SceneError(f"{path}: {fault(tuple(key.split('.')), data, str(context['allowed']))}") from None
+        raise SceneError(f"{path}: {entry_message(tuple(key.split('.')), data, str(context['allowed']))}") from None
     return changed
 
 
 def wagon_toml(wagon: Wagon) -> str:
-    """The wagon as TOML, units in comments; reading it gives the same wagon."""
+    """The wagon as TOML with units in comments; reading it gives the same wagon."""
     return "\n".join(_lines(wagon)) + "\n"
 
 
 def _lines(part: Any, title: str = "") -> Iterator[str]:
-    """Values of a dataclass, then tables of the dataclasses in it."""
+    """Values of a dataclass, then tables of its nested dataclasses."""
     from wheelrail.vehicle.wagon.force_law import ForceLaw
 
     if title:
         yield from ("", f"[{title}]")
     values = {field.name: getattr(part, field.name) for field in fields(part)}
-    units = {name: known.unit for name, known in WAGON.items()}
+    units = {name: allowed.unit for name, allowed in WAGON.items()}
     for name, value in values.items():
-        unit = "share of it in the plane model" if title == "scaling" else units.get(name)
+        unit = "fraction of it in the plane model" if title == "scaling" else units.get(name)
         if isinstance(value, ForceLaw):
             yield from (f"{name} = [  # {unit}", *(f"  [{x!r}, {f!r}]," for x, f in value.points), "]")
         elif isinstance(value, float | int):

@@ -1,4 +1,4 @@
-"""What the values of a wagon are in, and between which numbers they plausibly lie."""
+"""Units and plausible ranges of the values of a wagon."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WAGON = {
     "spring_height": HEIGHT,
     "damper_y": PLACE,
     "damper_height": HEIGHT,
-    "turn": Range(0.0, 1.0, "share of the upper body's roll in the axes of springs and dampers"),
+    "turn": Range(0.0, 1.0, "fraction of the upper body's roll that rotates the axes of springs and dampers"),
     "lateral_series_stiffness": SERIES,
     "vertical_series_stiffness": SERIES,
     "roll_bar": Range(0.0, 1e10, "N m/rad, per bogie"),
@@ -36,4 +36,4 @@ WAGON = {
     "bumpstop_height": HEIGHT,
     "gravity": Range(0.0, 30.0, "m/s2"),
 }
-REACH = {False: 1.0, True: 100.0}  # m of a spring or stop, m/s of a damper: the farthest point of a force law
+REACH = {False: 1.0, True: 100.0}  # largest abscissa of a force law: m of a spring or stop, m/s of a damper

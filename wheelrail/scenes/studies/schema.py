@@ -1,4 +1,4 @@
-"""What a study may say, checked on reading: a scene, and what of it is varied how."""
+"""Schema of study files: a scene, and the variation of its parameters."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pydantic import Field, Strict, ValidationError, ValidationInfo, field_valid
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.messages import refuse
+from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 
@@ -21,7 +21,7 @@ Processes = Annotated[int, Strict(), q.Range(1, 1024, whole=True)]
 
 
 class Between(SceneTable):
-    """A number from low to high, drawn evenly, or evenly in its logarithm; rounded where the scene wants whole ones."""
+    """Uniform or log-uniform distribution from low to high; rounded for integer keys."""
 
     low: q.Finite
     high: q.Finite
@@ -30,14 +30,14 @@ class Between(SceneTable):
     @model_validator(mode="after")
     def _ordered(self) -> Between:
         if not self.low < self.high:
-            raise q.refuse(f"must be greater than low = {self.low:g}", "high")
+            raise q.reject(f"must be greater than low = {self.low:g}", "high")
         if self.scale == "log" and self.low <= 0.0:
-            raise q.refuse('must be greater than 0 with scale = "log"', "low")
+            raise q.reject('must be greater than 0 with scale = "log"', "low")
         return self
 
 
 class LatinHypercube(SceneTable):
-    """Samples spread evenly over ranges of parameters (McKay, Beckman, Conover 1979), the same for the same seed."""
+    """Latin hypercube samples over ranges of parameters (McKay, Beckman, Conover 1979), reproducible by seed."""
 
     samples: Count
     seed: q.Seed = 1
@@ -45,9 +45,10 @@ class LatinHypercube(SceneTable):
 
 
 class Convergence(SceneTable):
-    """How fast the error falls along one dimension, `over` (the first one of numbers, unless given).
+    """Order of convergence along one dimension.
 
-    reference: "hertz", the closed form of a Hertz pair, or values for a case that is finer than all others.
+    over: the dimension; the first numeric one by default. reference: "hertz", the closed form, or the values of a case
+    finer than all others.
     """
 
     over: str | None = None
@@ -55,12 +56,12 @@ class Convergence(SceneTable):
 
 
 class StudyTable(SceneTable):
-    """A scene, keys of it to leave out (`without`), values that hold in all cases (`set`), and what is varied: values
-    of a `grid`, tables of parameters that change `together`, a Latin hypercube; all their combinations are the cases.
+    """A study; its cases are all combinations of `grid`, `together` and `latin_hypercube`.
 
-    Parameters are keys of the scene, dotted into its tables and arrays: upper.radii, creepage.0. scene: a file, seen
-    from the study's folder, or a table. workers: processes on this machine, one for each core unless given. histories:
-    keep what runs did over time, not only how they ended.
+    scene: file, relative to the study's folder, or a table. workers: processes on this machine, one per core by
+    default. histories: store time histories of runs. without: keys to remove from the scene. set: values for all cases.
+    grid: values by parameter. together: tables of parameters that change at the same time. Parameters are dotted keys
+    of the scene: upper.radii, creepage.0.
     """
 
     kind: Literal["study"] = "study"
@@ -82,52 +83,54 @@ class StudyTable(SceneTable):
             return value
         file = Path((info.context or {}).get("folder", "."), value)
         if not file.is_file():
-            raise q.refuse("must be the file of a scene that exists, seen from the study's folder")
+            raise q.reject("must be an existing scene file, relative to the study's folder")
         return str(file.resolve())
 
     @model_validator(mode="after")
     def _varied(self) -> StudyTable:
         if not any(self.tables):
-            raise q.refuse("nothing is varied: give values in [grid], [[together]] or [latin_hypercube]", "grid")
+            raise q.reject(
+                "nothing is varied; values in [grid], [[together]] or [latin_hypercube] are required", "grid"
+            )
         named = [(name, place) for place, table in self.places for name in table]
         for name, place in named:
             if not all(name.split(".")):
-                raise q.refuse(f'"{name}" is no key: must be one of the scene, dotted into its tables', place)
+                raise q.reject(f'"{name}": must be a dotted key of the scene', place)
             if name == "kind":
-                raise q.refuse("kind cannot be varied: a study is of one kind of scene", place)
+                raise q.reject("kind: must not be varied; a study has one kind of scene", place)
             others = [other for other, _ in named if other == name or other.startswith(name + ".")]
             if len(others) > 1:
-                raise q.refuse(
-                    f"{name} is named twice" + (f", also by {others[1]}" if others[1] != name else ""), place
+                raise q.reject(
+                    f"{name}: must be named once" + (f", also by {others[1]}" if others[1] != name else ""), place
                 )
         for name, values in self.grid.items():
             _differ(name, "grid", values)
         for table in self.together:
             if len({len(values) for values in table.values()}) > 1:
                 lengths = ", ".join(f"{name} has {len(values)}" for name, values in table.items())
-                raise q.refuse(f"values that change together must be as many: {lengths}", "together")
+                raise q.reject(f"all parameters must have equally many values: {lengths}", "together")
             _differ(", ".join(table), "together", list(zip(*table.values(), strict=True)))
         return self
 
     @property
     def places(self) -> tuple[tuple[str, Mapping[str, Any]], ...]:
-        """Tables that name parameters, with where in the study they are."""
+        """Tables of parameters with their place in the study."""
         cube = self.latin_hypercube
         ranges = (("latin_hypercube", cube.ranges),) if cube else ()
         return (("set", self.set), ("grid", self.grid), *(("together", table) for table in self.together), *ranges)
 
     @property
     def tables(self) -> tuple[Mapping[str, Any], ...]:
-        """What is varied, by name."""
+        """Tables of the varied parameters."""
         return tuple(table for place, table in self.places if place != "set")
 
     @property
     def processes(self) -> int:
-        """On this machine."""
+        """Number of processes on this machine."""
         return self.workers or len(os.sched_getaffinity(0))
 
     def base(self, folder: str | Path) -> tuple[dict[str, Any], Path]:
-        """The scene's table, and the file that it is in, or would be in."""
+        """Tables of the scene and its file (hypothetical for a scene in the study)."""
         if isinstance(self.scene, str):
             file = Path(self.scene)
             return parse(read_text(file), file), file
@@ -135,15 +138,15 @@ class StudyTable(SceneTable):
 
 
 def _differ(name: str, place: str, rows: Sequence[Any]) -> None:
-    seen = set[Any]()
+    values = set[Any]()
     for row in rows:
-        if (known := _hashable(row)) in seen:
-            raise q.refuse(f"{name}: {row!r} is listed twice", place)
-        seen.add(known)
+        if (value := _hashable(row)) in values:
+            raise q.reject(f"{name}: {row!r} must be listed once", place)
+        values.add(value)
 
 
 def _hashable(value: Any) -> Any:
-    """What is equal where values are."""
+    """Hashable equivalent of a value."""
     if isinstance(value, list | tuple):
         return tuple(map(_hashable, value))
     if isinstance(value, Mapping):
@@ -152,41 +155,41 @@ def _hashable(value: Any) -> Any:
 
 
 def load_study(path: str | Path) -> StudyTable:
-    """The study in a TOML file. Raises SceneError naming file, key, value and what is allowed."""
+    """Validated study of a TOML file. Raises SceneError naming file, key, value and what is allowed."""
     return check_study(parse(read_text(Path(path)), path), path)
 
 
 def check_study(data: Mapping[str, Any], path: str | Path = "study") -> StudyTable:
-    """The study that a table describes; path names it in errors, and files in it are looked for beside it."""
+    """Validated study of a table; path: its file, for errors, to whose folder paths in the study are relative."""
     if "kind" in data and data["kind"] != "study":
         raise SceneError(f'{path}: kind = {data["kind"]!r}: must be "study"')
     data = _dotted(data)
     try:
         return StudyTable.model_validate(data, context={"folder": Path(path).parent})
     except ValidationError as error:
-        raise refuse(error, StudyTable, data, path) from None
+        raise validation_error(error, StudyTable, data, path) from None
 
 
 def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters that were written without quotes, `upper.radii = ...`, which TOML reads as tables in tables."""
-    found = dict(data)
+    """Dotted names of parameters written without quotes, `upper.radii = ...`, which TOML reads as nested tables."""
+    study = dict(data)
     for place in ("set", "grid"):
         if isinstance(data.get(place), Mapping):
-            found[place] = _flat(data[place])
+            study[place] = _flat(data[place])
     if isinstance(data.get("together"), list | tuple):
-        found["together"] = [_flat(table) if isinstance(table, Mapping) else table for table in data["together"]]
+        study["together"] = [_flat(table) if isinstance(table, Mapping) else table for table in data["together"]]
     for place, inner in (("latin_hypercube", "ranges"), ("convergence", "reference")):
         table = data.get(place)
         if isinstance(table, Mapping) and isinstance(table.get(inner), Mapping):
-            found[place] = {**table, inner: _flat(table[inner])}
-    return found
+            study[place] = {**table, inner: _flat(table[inner])}
+    return study
 
 
 def _flat(table: Mapping[str, Any]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, Mapping) and value and not value.keys() & Between.model_fields.keys():
-            found |= {f"{name}.{inner}": below for inner, below in _flat(value).items()}
+            values |= {f"{name}.{inner}": below for inner, below in _flat(value).items()}
         else:
-            found[name] = value
-    return found
+            values[name] = value
+    return values

@@ -1,4 +1,4 @@
-"""A run as a film: the wheelset on its rails, and both contacts close up."""
+"""Animation of a run: the wheelset on its rails, and close-ups of both contacts."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Profile
 
 
-FILMS = (".mp4", ".gif")
-SCALE = 20.0  # of the wheelset's displacements in the upper pane
-BESIDE = 0.5  # m behind the contacts that forces are drawn
-ARROW = 0.55  # m that the largest force is drawn as
-TRACK = 1.6  # m of rail that is shown
+FORMATS = (".mp4", ".gif")
+SCALE = 20.0  # displacement magnification factor in the upper pane
+ARROW_OFFSET = 0.5  # m, of force arrows behind the contacts
+ARROW = 0.55  # m, length of the arrow of the largest force
+TRACK = 1.6  # m, length of the rails
 STEEL, RAIL = "#b8bec6", "#8d867c"
 NEAR = 0.055  # m, half the height of a close-up
-BELOW, ABOVE = 0.06, 0.075  # m below and above the top of the rail that bodies are drawn to close up
+BELOW, ABOVE = 0.06, 0.075  # m below and above the top of the rail, extent of the bodies in close-ups
 
 
 def animate_run(
@@ -45,30 +45,38 @@ def animate_run(
     scale: float = SCALE,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Write a film (.mp4, .gif) of a run's data, see `wheelrail.scenes.datasets.run`, at so many times evenly over the
-    run.
+    """Write an animation of a run.
 
-    Above the wheelset seen from behind, its y, z and roll scaled, and forces on the wheels; below both contacts in true
-    measures, the patches as ellipses coloured by load. progress is told frames done and their number. Raises
-    ValueError for another ending, without samples, and for fewer than one frame.
+    Parameters:
+        data: Dataset of the run, see `wheelrail.scenes.datasets.run`.
+        file: .mp4 or .gif.
+        wheel, rail: profiles, the rail inclined.
+        mounting: positions of wheels on the axle and rails in the track.
+        frames: their number, evenly spaced in time.
+        fps: frames per second.
+        scale: displacement magnification factor of the wheelset in the upper pane.
+        progress: called with frames done and their number.
+
+    Upper pane: the wheelset from behind with forces on the wheels. Lower panes: both contacts to scale, patches as
+    ellipses coloured by load. Raises ValueError for another file ending, a run without samples, fewer than one frame.
     """
-    if file.suffix.lower() not in FILMS:
-        raise ValueError(f"{file} must end in {' or '.join(FILMS)}")
+    if file.suffix.lower() not in FORMATS:
+        raise ValueError(f"{file}: must end in {' or '.join(FORMATS)}")
     if frames < 1 or not fps > 0 or not scale > 0:
         raise ValueError(f"frames, fps and scale must be positive, not {frames}, {fps:g} and {scale:g}")
     if data.sizes["time"] == 0:
-        raise ValueError("a run without samples has nothing to show")
-    film = Animation(data, wheel, rail, mounting, scale)
+        raise ValueError("the run must have at least one sample")
+    animation = Animation(data, wheel, rail, mounting, scale)
     time = data["time"].values
     shown = np.searchsorted(time, np.linspace(time[0], time[-1], frames)).clip(0, len(time) - 1)
-    view = film.view
+    view = animation.view
     try:
         if file.suffix.lower() == ".mp4":
             view.open_movie(str(file), framerate=fps, quality=7)
         else:
             view.open_gif(str(file), fps=fps)
         for count, index in enumerate(shown):
-            film.show(int(index))
+            animation.show(int(index))
             view.write_frame()
             if progress is not None:
                 progress(count + 1, frames)
@@ -78,7 +86,10 @@ def animate_run(
 
 @dataclass
 class Animation:
-    """The plotter of a film, its bodies made once; `show` moves them to a sample of the data."""
+    """Plotter of an animation; bodies are meshed once, and `show` moves them to a sample of the data.
+
+    Parameters as for `animate_run`; view: the PyVista plotter.
+    """
 
     data: Dataset
     wheel: Profile
@@ -98,7 +109,7 @@ class Animation:
             self._close(pane, side)
 
     def show(self, index: int) -> None:
-        """Move everything to a sample."""
+        """Move bodies, forces and patches to a sample."""
         now = self.data.isel(time=index)
         y, z, roll = (float(now[f"wheelset_{name}"]) for name in ("y", "z", "roll"))
         pitch = float(now["wheelset_pitch"])
@@ -110,18 +121,18 @@ class Animation:
             sign = 1.0 if side == "left" else -1.0
             self._wheels[side].user_matrix = _pose(y, m.radius + z, roll, 0.0)
             force = now.sel(side=side)
-            foot = np.array([-BESIDE, sign * m.rail_y, 0.03])
-            self._arrow(f"Q {side}", foot, np.array([0.0, 0.0, float(force["vertical_force"])]))
-            self._arrow(f"Y {side}", foot, np.array([0.0, float(force["lateral_force"]), 0.0]))
+            start = np.array([-ARROW_OFFSET, sign * m.rail_y, 0.03])
+            self._arrow(f"Q {side}", start, np.array([0.0, 0.0, float(force["vertical_force"])]))
+            self._arrow(f"Y {side}", start, np.array([0.0, float(force["lateral_force"]), 0.0]))
             self._patches(side, sign, force)
             forces = [1e-3 * float(force[f"{axis}_force"]) for axis in ("vertical", "lateral")]
-            self._say(side, f"{side} wheel, true to scale    Q {forces[0]:6.1f} kN    Y {forces[1]:6.1f} kN")
+            self._text(side, f"{side} wheel, to scale    Q {forces[0]:6.1f} kN    Y {forces[1]:6.1f} kN")
         curve = float(now["curvature"])
         track = "straight" if abs(curve) < 1e-9 else f"radius {1 / abs(curve):.0f} m {'left' if curve > 0 else 'right'}"
-        self._say(
+        self._text(
             "whole",
             f"{float(self.data['time'].values[index]):7.2f} s   {distance:8.1f} m   {float(now['speed']):5.1f} m/s   "
-            f"{track}\nwheelset {1e3 * y:+.2f} mm to the left, roll {1e3 * roll:+.3f} mrad, drawn x {s:g}",
+            f"{track}\nwheelset y = {1e3 * y:+.2f} mm ({to_side(y)}), roll {1e3 * roll:+.3f} mrad, magnified x {s:g}",
         )
         self.view.render()
 
@@ -137,7 +148,7 @@ class Animation:
         self._sleepers = view.add_mesh(pyvista().merge(boxes), color="#d8d4cc")
         view.camera_position = [(-4.6, 0.3, 1.3), (0.0, 0.0, 0.42), (0.0, 0.0, 1.0)]
         view.camera.view_angle = 20.0
-        self._say("whole", " ")
+        self._text("whole", " ")
 
     def _close(self, pane: int, side: str) -> None:
         view, m = self.view, self.mounting
@@ -152,19 +163,19 @@ class Animation:
         view.camera_position = [middle + np.array([-1.0, 0.0, 0.12]), middle, (0.0, 0.0, 1.0)]
         view.camera.parallel_projection = True
         view.camera.parallel_scale = NEAR
-        self._say(side, " ")
+        self._text(side, " ")
 
-    def _arrow(self, name: str, foot: Array, force: Array) -> None:
-        """An arrow along a force on the wheel, beside where it acts."""
+    def _arrow(self, name: str, start: Array, force: Array) -> None:
+        """Arrow of a force on the wheel, with an offset from its point of application."""
         self.view.subplot(2)
         size = float(np.linalg.norm(force)) / self._force * ARROW
         if size < 1e-3:
             self.view.remove_actor(name)
             return
-        way = force / np.linalg.norm(force)
+        direction = force / np.linalg.norm(force)
         mesh = pyvista().Arrow(
-            start=foot,
-            direction=way,
+            start=start,
+            direction=direction,
             tip_length=min(0.5, 0.1 / size),
             tip_radius=0.03 / size,
             shaft_radius=0.012 / size,
@@ -174,29 +185,29 @@ class Animation:
         self.view.add_mesh(mesh, color=SIDE_STYLE[side]["color"], name=name, reset_camera=False, render=False)
 
     def _patches(self, side: str, sign: float, now: Dataset) -> None:
-        """Ellipses of the second moments of pressure on the rail, one for every patch."""
+        """Ellipses on the rail from the second moments of pressure, one per patch."""
         load = now["patch_normal_force"].values
         self.view.subplot(SIDES.index(side))  # type: ignore[arg-type]
-        found = []
+        discs = []
         for k in np.flatnonzero(np.isfinite(load)):
             own = now.isel(patch=k)
             a, b = float(own["patch_semi_axis_x"]), float(own["patch_semi_axis_y"])
-            turn = np.linspace(0, 2 * np.pi, 49)[:-1]
-            place = self.rail.point(float(own["rail_s"]))
+            angle = np.linspace(0, 2 * np.pi, 49)[:-1]
+            position = self.rail.point(float(own["rail_s"]))
             c, s = np.cos(float(own["patch_contact_angle"])), np.sin(float(own["patch_contact_angle"]))
-            y, z = sign * (self.mounting.rail_y + place[0]), place[1]
+            y, z = sign * (self.mounting.rail_y + position[0]), position[1]
             points = np.column_stack(
-                [float(own["patch_x"]) + a * np.cos(turn), y + c * b * np.sin(turn), z + s * b * np.sin(turn)]
+                [float(own["patch_x"]) + a * np.cos(angle), y + c * b * np.sin(angle), z + s * b * np.sin(angle)]
             )
             disc = pyvista().PolyData(points + np.array([0.0, -s, c]) * 3e-4, np.array([48, *range(48)])).triangulate()
             disc["load [kN]"] = np.full(len(points), 1e-3 * load[k])
-            found.append(disc)
+            discs.append(disc)
         name = f"patches {side}"
-        if not found:
+        if not discs:
             self.view.remove_actor(name)
             return
         self.view.add_mesh(
-            pyvista().merge(found),
+            pyvista().merge(discs),
             scalars="load [kN]",
             clim=(0.0, 1e-3 * self._load),
             cmap=PRESSURE_MAP,
@@ -206,7 +217,7 @@ class Animation:
             render=False,
             show_scalar_bar=side == "right",
             scalar_bar_args={
-                "title": "load of a patch [kN]",
+                "title": "patch load [kN]",
                 "color": "black",
                 "fmt": "%.0f",
                 "n_labels": 3,
@@ -217,13 +228,18 @@ class Animation:
             },
         )
 
-    def _say(self, pane: str, text: str) -> None:
+    def _text(self, pane: str, text: str) -> None:
         self.view.subplot(2 if pane == "whole" else SIDES.index(pane))  # type: ignore[arg-type]
         self.view.add_text(text, name=f"text {pane}", font_size=9, color="black", position="upper_left", render=False)
 
 
+def to_side(y: float) -> str:
+    """Side to which a lateral displacement points."""
+    return "to the left" if y >= 0.0 else "to the right"
+
+
 def _pose(y: float, z: float, roll: float, pitch: float) -> Array:
-    """Matrix (4, 4) that turns by the pitch about y, by the roll about x, and moves."""
+    """Matrix (4, 4): rotation by pitch about y, then by roll about x, and translation."""
     c, s, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
     matrix = np.eye(4)
     matrix[:3, :3] = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]

@@ -1,4 +1,4 @@
-"""Bodies of a contact as pyvista's meshes, in mm: fields on them, cuts, and the pressure of the patches."""
+"""PyVista meshes of the bodies of a contact, in mm: fields, cuts, and the pressure of the patches."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 
 MISES, MOVED, PRESSURE = "von Mises stress [MPa]", "displacement [µm]", "pressure [MPa]"
-# Of even lightness and told apart by every kind of sight; pressure as in all other pictures.
+# Perceptually uniform and safe for colour-blind readers; pressure as in all other figures.
 MAPS = {MISES: "inferno", MOVED: "cividis_r", PRESSURE: PRESSURE_MAP}
-ABOVE = 0.1  # mm that the patch is drawn above the rail's surface
+ABOVE = 0.1  # mm, height of the drawn patch above the rail surface
 STEEL = "#b8bec6"
 
 
 def bodies_mesh(fields: BodyFields) -> Any:
-    """Grid [mm] with "displacement" [mm] and "stress" [MPa] by point, and the scalars that colour it: von Mises stress
-    [MPa] and the length of the displacement [µm].
+    """Grid, mm, with point data: "displacement", mm, "stress", MPa, von Mises stress, MPa, and the magnitude of the
+    displacement, µm.
     """
     pv = pyvista()
     types = {
@@ -43,7 +43,13 @@ def bodies_mesh(fields: BodyFields) -> Any:
 
 
 def moved(mesh: Any, scale: float, lift: float = 0.0) -> Any:
-    """A mesh with its displacements so many times as large, and raised by so many mm."""
+    """Copy of a mesh, displaced by its magnified displacements and lifted.
+
+    Parameters:
+        mesh: with "displacement", mm.
+        scale: displacement magnification factor.
+        lift: upwards, mm.
+    """
     shown = mesh.copy()
     shown.points = np.asarray(mesh.points) + scale * np.asarray(mesh["displacement"]) + np.array([0.0, 0.0, lift])
     return shown
@@ -59,8 +65,18 @@ def deformed(
     top: float = np.inf,
     bar: bool = True,
 ) -> Any:
-    """Draw the skin of a body with its displacements scaled, coloured by them up to the largest [µm], and the edges of
-    the undeformed body, up to the height top [mm]; the drawn mesh.
+    """Draw the deformed surface of a body and the edges of the undeformed one.
+
+    Parameters:
+        plotter: PyVista plotter.
+        mesh: of the body, see `bodies_mesh`.
+        scale: displacement magnification factor.
+        largest: upper end of the colour scale, µm.
+        lift: upwards, mm.
+        top: height up to which the body is drawn, mm.
+        bar: whether to draw a colour bar.
+
+    Returns the drawn mesh.
     """
     cut = mesh.bounds[5] > top
     below = mesh.clip("z", origin=(0.0, 0.0, top)) if cut else mesh
@@ -76,22 +92,24 @@ def deformed(
         show_scalar_bar=bar,
         scalar_bar_args=bar_style(MOVED) if bar else None,
     )
-    skin = mesh.extract_surface(algorithm="dataset_surface")
-    edges = skin.extract_feature_edges(45.0, boundary_edges=False, non_manifold_edges=False)
+    surface = mesh.extract_surface(algorithm="dataset_surface")
+    edges = surface.extract_feature_edges(45.0, boundary_edges=False, non_manifold_edges=False)
     edges = edges.clip("z", origin=(0.0, 0.0, top)) if cut else edges
     plotter.add_mesh(moved(edges, 0.0, lift), color="#707070", line_width=1.0)
     return shown
 
 
 def pressure_surface(result: ContactResult, *, mirrored: bool = False) -> Any:
-    """Loaded cells of all patches as quadrilaterals just above the rail, "pressure [MPa]" and "traction [MPa]" (three
-    components, on the wheel) by cell; mirrored for a right-hand pair. Raises ValueError without contact.
+    """Loaded cells of all patches as quadrilaterals just above the rail; mirrored for a right-hand pair.
+
+    Cell data: "pressure [MPa]" and "traction [MPa]" (three components, on the wheel). Raises ValueError without
+    contact.
     """
     from wheelrail.contact.kinematics.frames import MIRROR
 
     fields = result.fields
     if fields is None or not (fields.pressure > 0).any():
-        raise ValueError("nothing touches: there is no patch to draw")
+        raise ValueError("the bodies are not in contact: no patch to draw")
     own = fields.pressure > 0
     step, axes = fields.step[own], fields.axes[own]
     half = 0.5 * np.stack([step, fields.area[own] / step], axis=1)[..., None] * axes[:, :2]
@@ -109,7 +127,14 @@ def pressure_surface(result: ContactResult, *, mirrored: bool = False) -> Any:
 
 
 def riding(mesh: Any, body: Any, scale: float, lift: float = 0.0) -> Any:
-    """A surface moved with the body below it: by its displacements, so many times as large, at the nearest points."""
+    """Surface displaced with the body below it, by interpolation from the six nearest points.
+
+    Parameters:
+        mesh: surface, mm.
+        body: mesh with "displacement", mm.
+        scale: displacement magnification factor.
+        lift: upwards, mm.
+    """
     from scipy.spatial import cKDTree
 
     distance, near = cKDTree(body.points).query(mesh.points, k=6)
@@ -121,7 +146,7 @@ def riding(mesh: Any, body: Any, scale: float, lift: float = 0.0) -> Any:
 
 
 def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = False) -> None:
-    """Draw the pressure on a surface of patch cells."""
+    """Draw the pressure of the patch cells."""
     plotter.add_mesh(
         mesh,
         scalars=PRESSURE,
@@ -136,8 +161,18 @@ def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = False) -> None:
 def stress_cut(
     plotter: Any, mesh: Any, *, around: Array, reach: float, largest: float, lift: float = 0.0, bar: bool = True
 ) -> Any:
-    """Draw the part of a cut within reach [mm] of a place (3,) mm, coloured by von Mises stress up to the largest
-    [MPa]; the drawn mesh.
+    """Draw a cut around the patch, coloured by von Mises stress.
+
+    Parameters:
+        plotter: PyVista plotter.
+        mesh: of the cut, see `bodies_mesh`.
+        around: (3,) centre, mm.
+        reach: half width of the drawn box, mm.
+        largest: upper end of the colour scale, MPa.
+        lift: upwards, mm.
+        bar: whether to draw a colour bar.
+
+    Returns the drawn mesh.
     """
     box = np.ravel(np.column_stack([around - reach, around + reach]))
     part = moved(mesh.clip_box(box, invert=False), 0.0, lift)
@@ -154,7 +189,7 @@ def stress_cut(
 
 
 def bar_style(title: str) -> dict[str, Any]:
-    """Where and how scalar bars stand; one to a pane, as pages have one place for them."""
+    """Style of a scalar bar; one per pane, as the HTML viewer has a single position for them."""
     return {
         "title": title,
         "fmt": "%.0f",

@@ -1,4 +1,4 @@
-"""One contact in three dimensions: both bodies deformed, pressure on the rail, stress on cuts below the surface."""
+"""3D view of one contact: deformed bodies, pressure on the rail, stress on cut planes."""
 
 from __future__ import annotations
 
@@ -26,17 +26,24 @@ if TYPE_CHECKING:
     from wheelrail.contact.stress.fields import BodyFields
 
 
-SHOWN = 6.0  # mm that the largest displacement is drawn as when no scale is given
-LIFT = 70.0  # mm between the bodies in the left pane
-HIGH = 110.0  # mm above the patch that the upper body is shown to there
-APART = 0.8  # half patch lengths between their cuts in the right pane
-REACH = 2.6  # half patch lengths that the cuts are shown to
-ANGLE = 30.0  # degrees, of the camera
+SHOWN = 6.0  # mm, drawn length of the largest displacement with the default scale
+LIFT = 70.0  # mm, distance of the bodies in the left pane
+HIGH = 110.0  # mm above the patch, upper end of the upper body there
+APART = 0.8  # half patch lengths, distance of the cuts in the right pane
+REACH = 2.6  # half patch lengths, extent of the cuts
+ANGLE = 30.0  # degrees, view angle of the camera
 
 
 @dataclass(frozen=True)
 class SeenBody:
-    """Fields of one body: whole for the deformed picture, cuts for the stress; upper one or lower one."""
+    """Fields of one body.
+
+    Parameters:
+        name: of the body.
+        upper: whether it is the upper body.
+        whole: fields of the whole body, for the deformed shape.
+        cuts: fields on cut planes, for the stress.
+    """
 
     name: str
     upper: bool
@@ -53,10 +60,17 @@ def contact_scene(
     mirrored: bool = False,
     off_screen: bool | None = None,
 ) -> Any:
-    """A pyvista plotter with two panes: bodies deformed and pressure; von Mises stress on cuts through the patch.
+    """PyVista plotter with two panes: deformed bodies and pressure; von Mises stress on cuts through the patch.
 
-    scale of displacements, a round one without it; mirrored for a right-hand pair, whose fields must be mirrored
-    already. Show it (`.show()`, also in a notebook), or write it with `save_view`. Raises ValueError without contact.
+    Parameters:
+        result: of the contact.
+        bodies: fields of one or both bodies, already mirrored for a right-hand pair.
+        title: of the view.
+        scale: displacement magnification factor; a round number by default.
+        mirrored: whether to mirror the patch, for a right-hand pair.
+        off_screen: whether to render without a window.
+
+    For `.show()` (also in a notebook) or `save_view`. Raises ValueError without contact.
     """
     patch = pressure_surface(result, mirrored=mirrored)
     middle = np.average(np.asarray(patch.cell_centers().points), axis=0, weights=patch[PRESSURE])
@@ -68,25 +82,28 @@ def contact_scene(
     _left(view, meshes, patch, middle, scale, largest)
     peak = float(patch[PRESSURE].max())
     view.title = (
-        f"{title}\nleft: bodies moved apart, displacements x {scale:g}; cells: pressure up to {peak:.0f} MPa (yellow)\n"
-        "right: von Mises stress on cuts along and across, below the patch"
+        f"{title}\nleft: bodies separated, displacements magnified x {scale:g};"
+        f" pressure up to {peak:.0f} MPa (yellow)\n"
+        "right: von Mises stress on longitudinal and lateral cuts below the patch"
     )
     view.add_text(
-        f"{title}\ndisplacements x {scale:g}, bodies apart\npressure of the cells up to {peak:.0f} MPa (yellow)",
+        f"{title}\ndisplacements magnified x {scale:g}, bodies separated\npressure up to {peak:.0f} MPa (yellow)",
         font_size=10,
         color="black",
     )
     view.subplot(0, 1)
     _right(view, bodies, patch, middle, half)
     view.add_text(
-        "von Mises stress below the patch\non cuts along and across, bodies apart", font_size=10, color="black"
+        "von Mises stress below the patch\non longitudinal and lateral cuts, bodies separated",
+        font_size=10,
+        color="black",
     )
     view.subplot(0, 0)
     return view
 
 
 def round_scale(value: float) -> float:
-    """The largest of 1, 2, 5, 10, 20 .. not above a value."""
+    """The largest of 1, 2, 5, 10, 20, ... that does not exceed a value."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-12)))
 
@@ -116,11 +133,11 @@ def _right(view: Any, bodies: tuple[SeenBody, ...], patch: Any, middle: Array, h
 
 
 def _frame(view: Any, direction: Array) -> None:
-    """Axes in mm, and the camera where all is seen, above the bars of the colours."""
+    """Axes in mm, and a camera position that shows everything above the colour bars."""
     view.add_axes(color="black", line_width=3, viewport=(0.0, 0.13, 0.16, 0.29))
     view.show_bounds(
         xtitle="x, forward [mm]",
-        ytitle="y, to the left [mm]",
+        ytitle="y, left [mm]",
         ztitle="z, up [mm]",
         font_size=9,
         color="#404040",

@@ -1,4 +1,4 @@
-"""A plotter as a picture, or as one HTML page that can be turned round and needs no network."""
+"""Export of a plotter as an image or as a self-contained HTML page with an interactive 3D view."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ VIEWS = (".png", ".html")
 
 
 def save_view(plotter: Any, file: Path) -> None:
-    """Write a picture or a page, by the file's ending. Raises ValueError for another ending."""
+    """Save an image (.png) or an interactive 3D view (.html). Raises ValueError for another file ending."""
     if file.suffix.lower() not in VIEWS:
-        raise ValueError(f"{file} must end in {' or '.join(VIEWS)}")
+        raise ValueError(f"{file}: must end in {' or '.join(VIEWS)}")
     if file.suffix.lower() == ".png":
         plotter.screenshot(str(file))
     else:
@@ -24,7 +24,7 @@ def save_view(plotter: Any, file: Path) -> None:
 
 
 def view_html(plotter: Any) -> str:
-    """The page: the viewer, the scene and the plotter's title, as the viewer itself draws no text, in one."""
+    """HTML page with viewer, scene and the title of the plotter, as the viewer draws no text."""
     _with_lenses()
     with _without_downloads():
         page: str = plotter.trame.export_html(None).getvalue()
@@ -35,7 +35,7 @@ def view_html(plotter: Any) -> str:
         "position:fixed;z-index:9;top:0;left:0;padding:.4em .8em;pointer-events:none;white-space:pre-line;"
         "font:13px sans-serif;background:rgba(255,255,255,.85)"
     )
-    # beside the body, which the viewer empties for itself
+    # outside the body element, which the viewer empties
     banner = (
         "<script>{const d=document.createElement('div');"
         f"d.style='{style}';d.textContent={_literal(plotter.title)};document.documentElement.append(d)}}</script>"
@@ -44,28 +44,28 @@ def view_html(plotter: Any) -> str:
 
 
 def _with_lenses() -> None:
-    """Let the exporter write angle and projection of the cameras, too: pages would have 30 degrees and perspective."""
+    """Export view angle and projection of the cameras, too; the defaults are 30 degrees and perspective."""
     from trame_vtk.modules.vtk.serializers import initialize
     from trame_vtk.modules.vtk.serializers.registry import register_instance_serializer
     from trame_vtk.modules.vtk.serializers.render_windows import camera_serializer
 
     def whole(parent: Any, camera: Any, *more: Any) -> Any:
-        found = camera_serializer(parent, camera, *more)
-        found["properties"] |= {
+        serialized = camera_serializer(parent, camera, *more)
+        serialized["properties"] |= {
             "viewAngle": camera.GetViewAngle(),
             "parallelProjection": camera.GetParallelProjection(),
             "parallelScale": camera.GetParallelScale(),
         }
-        return found
+        return serialized
 
-    initialize.camera_serializer = whole  # what its first page in a process takes; later ones ask the registry
+    initialize.camera_serializer = whole  # used by the first page of a process; later ones use the registry
     for kind in ("vtkCamera", "vtkOpenGLCamera"):
         register_instance_serializer(kind, whole)
 
 
 @contextmanager
 def _without_downloads() -> Iterator[None]:
-    """Keep the exporter from fetching another viewer, WebAssembly, which these pages have no use for."""
+    """Prevent the exporter from downloading the WebAssembly viewer, which these pages do not use."""
     name = "trame.widgets.vtklocal"
     before = sys.modules.get(name)
     sys.modules[name] = None  # type: ignore[assignment]
@@ -78,5 +78,5 @@ def _without_downloads() -> Iterator[None]:
 
 
 def _literal(text: str) -> str:
-    """A text as one of JavaScript's that cannot end the script it stands in."""
+    """JavaScript string literal that cannot end the enclosing script element."""
     return json.dumps(text).replace("<", "\\u003c")

@@ -1,4 +1,4 @@
-"""Pyvista, ready to draw with and without a screen."""
+"""PyVista, with and without a display."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Any
 
 
 def pyvista() -> Any:
-    """The library; without an X server VTK is told to draw off screen before it looks for one and complains.
+    """The PyVista module; without an X server VTK renders off screen through EGL.
 
-    Raises ImportError with a hint when it is not installed.
+    Raises ImportError with a hint if it is not installed.
     """
     if not sys.platform.startswith("linux"):
         return _imported()
     if not os.environ.get("DISPLAY"):
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     flags = sys.getdlopenflags()
-    # dolfinx 0.5 makes its symbols global for all libraries loaded later: VTK's, built with another C++ library, would
-    # take C++'s regular expressions from it and crash at the first colour bar. Its own come first instead.
+    # dolfinx 0.5 exports its symbols globally to all libraries loaded later. VTK, built with another C++ library, would
+    # resolve std::regex from it and crash at the first colour bar. RTLD_DEEPBIND resolves its own symbols first.
     sys.setdlopenflags(os.RTLD_NOW | os.RTLD_LOCAL | os.RTLD_DEEPBIND)
     try:
         return _imported()
@@ -30,12 +30,18 @@ def _imported() -> Any:
     try:
         import pyvista
     except ImportError as error:
-        raise ImportError('pictures in three dimensions need pyvista: pip install "wheelrail[view]"') from error
+        raise ImportError('3D views need pyvista: pip install "wheelrail[view]"') from error
     return pyvista
 
 
 def plotter(shape: tuple[int, int] | str = (1, 1), *, size: tuple[int, int], off_screen: bool | None = None) -> Any:
-    """A white plotter of so many panes and pixels; off screen where there is none, unless said otherwise."""
-    made = pyvista().Plotter(shape=shape, window_size=size, off_screen=off_screen, border=False)
-    made.set_background("white")
-    return made
+    """Plotter with a white background.
+
+    Parameters:
+        shape: rows and columns of panes, or as a string of PyVista.
+        size: width and height, pixels.
+        off_screen: whether to render without a window; by default without a display only.
+    """
+    new_plotter = pyvista().Plotter(shape=shape, window_size=size, off_screen=off_screen, border=False)
+    new_plotter.set_background("white")
+    return new_plotter

@@ -1,4 +1,4 @@
-"""One moment of a run in three dimensions."""
+"""3D view of one instant of a run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def hardest(data: Dataset) -> int:
-    """The sample with the largest lateral force on a wheel, either way."""
+    """Index of the sample with the largest absolute lateral force on a wheel."""
     force = np.abs(data["lateral_force"].transpose("time", "side").values).max(axis=1)
     return int(np.argmax(np.where(np.isfinite(force), force, -1.0)))
 
@@ -31,16 +31,22 @@ def moment_view(
     title: str = "",
     scale: float = 1.0,
 ) -> Any:
-    """A pyvista plotter as a film of the run shows that sample, see `animation.animate_run`, off screen: the wheelset
-    on its rails with the forces, and both contacts close up.
+    """Off-screen PyVista plotter of one sample, as in `animation.animate_run`.
 
-    scale: of the wheelset's displacements in the upper pane, true unless given. Raises IndexError for a sample that is
-    not there.
+    Parameters:
+        data: Dataset of the run.
+        index: of the sample.
+        wheel, rail: profiles, the rail inclined.
+        mounting: positions of wheels on the axle and rails in the track.
+        title: of the view.
+        scale: displacement magnification factor of the wheelset in the upper pane.
+
+    Raises IndexError for a missing sample.
     """
     count = data.sizes["time"]
     if not -count <= index < count:
-        raise IndexError(f"sample {index}: the run has {count}")
-    film = Animation(data, wheel, rail, mounting, scale)
-    film.show(index % count)
-    film.view.title = title
-    return film.view
+        raise IndexError(f"index = {index}: the run has {count} samples")
+    animation = Animation(data, wheel, rail, mounting, scale)
+    animation.show(index % count)
+    animation.view.title = title
+    return animation.view

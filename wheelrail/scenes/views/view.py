@@ -1,4 +1,4 @@
-"""A contact scene, solved and looked at in three dimensions; a run's results as a film."""
+"""3D view of a solved contact scene; animation of the results of a run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.builders.loaded_bodies import loaded_bodies
 from wheelrail.scenes.builders.wheelset import laid_profiles, mounted
-from wheelrail.scenes.contacts.solve import Say, solve_sides
+from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
@@ -19,16 +19,27 @@ if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Profile
     from wheelrail.scenes.contacts.solve import SideSolution
 
-NO_BODIES = 'model = "standard": knows no bodies to look at, only with "condensed" or "full"'
+NO_BODIES = 'model = "standard": contains no elastic bodies; must be "condensed" or "full"'
 
 
 def view_scene(
-    scene: HertzScene | WheelsetScene, *, title: str, side: str | None = None, say: Say = lambda _: None, **options: Any
+    scene: HertzScene | WheelsetScene,
+    *,
+    title: str,
+    side: str | None = None,
+    report_progress: ReportProgress = lambda _: None,
+    **options: Any,
 ) -> Any:
-    """Solve a scene and draw one of its contacts; the plotter, off screen.
+    """Solve a scene and draw one of its contacts in an off-screen plotter.
 
-    side of a wheelset, its first without it; options as for `view_side`. Raises SceneError for what the scene has not,
-    RunFailed when there is nothing to draw.
+    Parameters:
+        scene: to solve.
+        title: of the view.
+        side: "left" or "right" wheel; the first side of the scene by default.
+        report_progress: called with a text at every stage.
+        options: body and scale as for `view_side`.
+
+    Raises SceneError for a side or a body that the scene does not have, RunFailed without contact.
     """
     bodies_of(scene, options.get("body", "both"))
     sides = ("contact",) if isinstance(scene, HertzScene) else scene.sides
@@ -37,8 +48,8 @@ def view_scene(
         raise SceneError(f"--side {chosen}: must be {' or '.join(sides)}")
     if scene.model == "standard":
         raise SceneError(NO_BODIES)
-    solved = dict(solve_sides(scene, say=say))[chosen]
-    return view_side(scene, chosen, solved, title=title, say=say, off_screen=True, **options)
+    solved = dict(solve_sides(scene, report_progress=report_progress))[chosen]
+    return view_side(scene, chosen, solved, title=title, report_progress=report_progress, off_screen=True, **options)
 
 
 def view_side(
@@ -51,13 +62,23 @@ def view_side(
     body: str = "both",
     scale: float | None = None,
     off_screen: bool | None = None,
-    say: Say = lambda _: None,
+    report_progress: ReportProgress = lambda _: None,
 ) -> Any:
-    """Draw the contact of one side, see `wheelrail.scenes.views.contact_view`; the plotter.
+    """Draw the contact of one side, see `wheelrail.scenes.views.contact_view`.
 
-    profiles of wheel and rail as laid, where they are not the scene's own; body: "both", or one of them; scale of the
-    displacements, a round one without it. Stress and displacement are those of waveguide bodies under the tractions
-    found, whatever the bodies that these were found with. Raises SceneError and RunFailed as `view_scene`.
+    Parameters:
+        scene: of the contact.
+        side: "left", "right" or "contact".
+        solved: solution of the side.
+        title: of the view.
+        profiles: of wheel and inclined rail; those of the scene by default.
+        body: "both", or the name of one body.
+        scale: displacement magnification factor; a round number by default.
+        off_screen: whether to render without a window.
+        report_progress: called with a text at every stage.
+
+    Stress and displacement are those of waveguide bodies under the computed tractions, for all models. Returns the
+    plotter. Raises SceneError and RunFailed as `view_scene`.
     """
     from wheelrail.contact.stress.waveguide_fields import look_inside
     from wheelrail.scenes.views.contact_view import SeenBody, contact_scene
@@ -68,25 +89,30 @@ def view_side(
     result, pose = solved.result, solved.pose
     if result.status != "converged" or pose is None:
         raise RunFailed(result.status)
-    seen = []
-    right = side == "right"  # which is solved as its mirror image
+    drawn_bodies = []
+    right = side == "right"  # solved as its mirror image
     for name, loaded in loaded_bodies(scene, pose.mirrored() if right else pose, names, profiles).items():
-        say(f"displacement and stress in the {name}")
+        report_progress(f"displacement and stress in the {name}")
         inside = look_inside(loaded, result)
         main = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
         fields = [inside.strip(), inside.across(main), inside.along(main)]
-        whole, *cuts = [found.mirrored() for found in fields] if right else fields
-        seen.append(SeenBody(name, loaded.upper, whole, tuple(cuts)))
-    say("drawing")
+        whole, *cuts = [field.mirrored() for field in fields] if right else fields
+        drawn_bodies.append(SeenBody(name, loaded.upper, whole, tuple(cuts)))
+    report_progress("drawing")
     load = 1e-3 * sum(patch.normal_force for patch in result.patches)
-    where = title if side == "contact" else f"{title}, {side} wheel"
+    heading = title if side == "contact" else f"{title}, {side} wheel"
     return contact_scene(
-        result, tuple(seen), title=f"{where}, {load:.4g} kN", scale=scale, mirrored=right, off_screen=off_screen
+        result,
+        tuple(drawn_bodies),
+        title=f"{heading}, {load:.4g} kN",
+        scale=scale,
+        mirrored=right,
+        off_screen=off_screen,
     )
 
 
 def bodies_of(scene: HertzScene | WheelsetScene, body: str) -> tuple[str, ...]:
-    """Names of the bodies to be seen. Raises SceneError for one that the scene has not."""
+    """Names of the bodies to draw. Raises SceneError for one that the scene does not have."""
     names = ("upper", "lower") if isinstance(scene, HertzScene) else ("wheel", "rail")
     if body not in (*names, "both"):
         raise SceneError(f"--body {body}: must be {', '.join(names)} or both")
@@ -94,41 +120,49 @@ def bodies_of(scene: HertzScene | WheelsetScene, body: str) -> tuple[str, ...]:
 
 
 def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | None = None, **options: Any) -> None:
-    """Write the film of a run's results, run.nc or its folder; options as for
-    `wheelrail.scenes.views.animation.animate_run`.
+    """Write an animation of the results of a run.
 
-    Raises OSError for files that cannot be written, SceneError for one that holds no run.
+    Parameters:
+        file: run.nc or its folder.
+        out: .mp4 or .gif.
+        progress, options: as for `wheelrail.scenes.views.animation.animate_run`.
+
+    Raises OSError for a file that cannot be written, SceneError for one without results of a run.
     """
-    found = file / "run.nc" if file.is_dir() else file
-    if not found.is_file():
-        raise SceneError(f"{found}: no such file; a run keeps its results in run.nc")
-    data = read_run(found)
-    bodies = bodies_of_run(data, found)
+    results = file / "run.nc" if file.is_dir() else file
+    if not results.is_file():
+        raise SceneError(f"{results}: file does not exist; must be run.nc of wheelrail run, or its folder")
+    data = read_run(results)
+    bodies = bodies_of_run(data, results)
     from wheelrail.scenes.views.animation import animate_run
 
     animate_run(data, out, progress=progress, **bodies, **options)
 
 
 def read_run(file: Path) -> Dataset:
-    """Raises SceneError for a file that holds no run."""
+    """Dataset of a run; raises SceneError for a file without results of a run."""
     data = read(file)
     if not isinstance(data.attrs.get("scene"), str) or not data.sizes.get("time") or "wheelset_y" not in data:
-        raise SceneError(f"{file}: holds no results of a run, which wheelrail run keeps in run.nc")
+        raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
     return data
 
 
 def bodies_of_run(data: Dataset, file: Path) -> dict[str, Any]:
-    """What to draw beside the data: profiles of wheel and rail, as laid, and the mounting, by the scene of the run.
+    """Profiles of wheel and inclined rail and the mounting, from the scene of a run.
 
-    Raises SceneError where the scene's files are gone; file: the results, beside which they are looked for.
+    Parameters:
+        data: Dataset of the run.
+        file: results; paths in the scene are relative to its folder.
+
+    Raises SceneError if files of the scene are missing.
     """
     scene = parse_scene(data.attrs["scene"], file)
     if not isinstance(scene, RunScene):
-        raise SceneError(f"{file}: holds no results of a run, which wheelrail run keeps in run.nc")
+        raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
     return bodies_of_scene(scene)
 
 
 def bodies_of_scene(scene: RunScene) -> dict[str, Any]:
-    """The same by the scene itself."""
+    """The same from the scene itself."""
     wheel, rail = laid_profiles(scene)
     return {"wheel": wheel, "rail": rail, "mounting": mounted(scene, rail)}

@@ -1,4 +1,4 @@
-"""Wheel, axle and rail as whole bodies from their sections, in m: for context, and to be moved about."""
+"""Meshes of whole wheel, axle and rail from their sections, in m, for animations."""
 
 from __future__ import annotations
 
@@ -13,12 +13,18 @@ if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Profile
 
 
-SPACING = 3e-3  # m along a profile
+SPACING = 3e-3  # m, of points along a profile
 AXLE = 0.08  # m, radius of the axle between the wheels
 
 
 def rail_body(rail: Profile, *, length: float, right: bool = False) -> Any:
-    """The standing left (or right) rail from -length / 2 to length / 2 along x, its origin on top as laid."""
+    """Left (or right) rail.
+
+    Parameters:
+        rail: inclined profile; its top is the origin.
+        length: m, centred at x = 0.
+        right: whether it is the right rail.
+    """
     from wheelrail.meshes.bodies.outlines import rail_outline
 
     section = rail_outline(rail, chord_error=5e-4).polygon(SPACING) * ([-1.0, 1.0] if right else [1.0, 1.0])
@@ -27,8 +33,13 @@ def rail_body(rail: Profile, *, length: float, right: bool = False) -> Any:
 
 
 def wheel_body(wheel: Profile, radius: float, *, right: bool = False, sector: float = np.pi) -> Any:
-    """The left (or right) wheel in its own frame, the axle along y through the origin: all of it, or a sector of so
-    many rad to either side of straight below.
+    """Left (or right) wheel in its own frame, with the axle along y through the origin.
+
+    Parameters:
+        wheel: profile.
+        radius: of the rolling circle, m.
+        right: whether it is the right wheel.
+        sector: half angle about the lowest line, rad.
     """
     from wheelrail.meshes.bodies.outlines import wheel_outline
 
@@ -37,7 +48,7 @@ def wheel_body(wheel: Profile, radius: float, *, right: bool = False, sector: fl
 
 
 def wheelset_body(wheel: Profile, radius: float, *, wheel_y: float) -> Any:
-    """Both wheels on their axle about the wheelset's centre; wheel_y m to the rolling planes."""
+    """Both wheels and the axle about the centre of the wheelset; wheel_y: lateral position of the rolling circle, m."""
     left = wheel_body(wheel, radius).translate((0.0, wheel_y, 0.0))
     right = wheel_body(wheel, radius, right=True).translate((0.0, -wheel_y, 0.0))
     axle = pyvista().Cylinder(direction=(0.0, 1.0, 0.0), radius=AXLE, height=2 * wheel_y + 0.35, resolution=48)
@@ -45,7 +56,7 @@ def wheelset_body(wheel: Profile, radius: float, *, wheel_y: float) -> Any:
 
 
 def revolved(section: Array, angle: Array) -> Any:
-    """Surface of a polyline (n, 2) of (y, r) at angles (m,) rad about the y axis, from straight below."""
+    """Surface of revolution about y of a polyline (n, 2) of (y, r), m, at angles (m,), rad, from straight below."""
     y, r = section.T
     x, z = np.outer(np.sin(angle), r), -np.outer(np.cos(angle), r)
     grid = pyvista().StructuredGrid(x[..., None], np.broadcast_to(y, x.shape)[..., None], z[..., None])
