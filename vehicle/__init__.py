@@ -1,7 +1,7 @@
-"""A plane wagon on a track, driven by any contact model through one call. NumPy and SciPy only.
+"""Dynamics of a plane wagon on a track; any contact model can be used. NumPy and SciPy only.
 
-`Wagon` and `Track` are the data, `Dynamics` the equations of motion; `simulate` integrates them, `equilibrium`,
-`curving` and `modes` are about steady states.
+`Wagon` and `Track` hold the data, `Dynamics` the equations of motion; `simulate` integrates them, `equilibrium`,
+`curving` and `modes` compute steady states and linear modes.
 """
 
 import lazy_loader

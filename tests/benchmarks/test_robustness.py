@@ -106,7 +106,7 @@ def test_a_wheel_on_fitted_cells_lifts_and_lands_again() -> None:
 def test_a_wagon_that_overturns_ends_the_run() -> None:
     """45 m/s into 250 m without cant: 8.1 m/s2."""
     history = run(standard(), 2.0, Track.curve(curvature=1 / 250, transition=20.0, length=500.0))
-    assert history.status.startswith("failed: the wagon overturns to the right: its car body rolls by 0.3")
+    assert history.status.startswith("failed: the wagon overturns to the right: car body roll 0.3")
     assert history.status.endswith(f"at t = {history.time[-1]:.4g} s, {history.distance[-1]:.4g} m")
     assert 0.3 < history.car_body[-1, 2] < 0.35
     assert (history.car_body[:-1, 2] <= 0.3).all()
@@ -126,8 +126,8 @@ def test_a_flange_that_climbs_ends_the_run() -> None:
 @pytest.mark.parametrize(
     ("rates", "limits", "says"),
     [
-        ({"wheelset_y": 4.0}, Limits(), "the wheelset has left the rails: both wheels are 3"),
-        ({"wheelset_y": 2.0}, Limits(shift=0.012), "the wheelset has left the rails to the right: 1"),
+        ({"wheelset_y": 4.0}, Limits(), "the wheelset has left the rails: both wheels are at least 3"),
+        ({"wheelset_y": 2.0}, Limits(shift=0.012), "the wheelset has left the rails to the right: lateral shift 1"),
     ],
 )
 def test_a_wheelset_off_its_rails_ends_the_run(rates: dict[str, float], limits: Limits, says: str) -> None:
@@ -157,7 +157,11 @@ def test_where_the_wheels_are() -> None:
 def test_limits() -> None:
     dynamics, state = Dynamics(Wagon(), Track(), CONTACT, V), np.zeros(20)
     Limits().check(dynamics, 0.0, state)
-    for i, value, says in ((2, 0.31, "overturns to the right"), (Y, 0.041, "to the left: 41 mm"), (Z, 0.04, "both")):
+    for i, value, says in (
+        (2, 0.31, "overturns to the right"),
+        (Y, 0.041, "to the left: lateral shift 41 mm"),
+        (Z, 0.04, "both"),
+    ):
         out = np.zeros(20)
         out[i] = value
         with pytest.raises(OutOfBounds, match=says):

@@ -51,7 +51,7 @@ def test_it_closes(wagon: Wagon, track: Track, speed: float | SpeedProfile) -> N
     found = energy_balance(history, wagon, track)
     assert found.error < 1e-4
     if track.irregularities is None:  # which do the work themselves
-        assert abs(found.work[-1, POWERS.index("fictitious")]) > 1.0  # J: something happened
+        assert abs(found.work[-1, POWERS.index("inertial")]) > 1.0  # J: something happened
     assert (found.power[:, POWERS.index("dampers")] <= 0.0).all()
 
 

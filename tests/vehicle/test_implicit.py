@@ -22,7 +22,7 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.progress import costs
 from wheelrail.scenes.schema.tables import SolverTable
 from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import COLUMNS, KEPT, SEEN, Jacobian, Linearised
+from wheelrail.vehicle.dynamics.jacobian import COLUMNS, FIELDS, REUSED, Jacobian, Linearised
 from wheelrail.vehicle.integration.integrate import FirstStep, StepSettings, integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
 from wheelrail.vehicle.integration.step_control import StepStatistics
@@ -61,7 +61,7 @@ def test_order_conditions() -> None:
 
 
 def test_coefficients_are_checked() -> None:
-    with pytest.raises(ValueError, match="adding up"):
+    with pytest.raises(ValueError, match="sum to 1"):
         replace(ROS34PW2, weights=(0.25, 0.25, 0.25, 0.2))
     with pytest.raises(ValueError, match="rows"):
         replace(ROS34PW2, alpha=ROS34PW2.alpha[:2])
@@ -129,7 +129,7 @@ class Tangential(VehicleContact):
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> np.ndarray:
         found = np.zeros((6, 8))
-        for column, name in zip(COLUMNS, SEEN, strict=True):
+        for column, name in zip(COLUMNS, FIELDS, strict=True):
             ends = [replace(state, **{name: getattr(state, name) + d}) for d in (-1e-7, 1e-7)]
             low, high = (self.inner(end, side) for end in ends)
             found[:, column] = np.concatenate([high.force - low.force, high.moment - low.moment]) / 2e-7
@@ -223,7 +223,7 @@ def test_errors_follow_the_tolerance(plain: History, tight: History) -> None:
 def test_without_a_tangent_differences_are_shared(plain: History, tight: History) -> None:
     history = run()
     steps = history.cost.steps
-    assert steps.differences == 11 * -(-steps.jacobians // KEPT)
+    assert steps.differences == 11 * -(-steps.jacobians // REUSED)
     assert history.cost.contact["right"].tangents == 0
     assert off(history, tight)[0] < 5e-3
     assert steps.evaluations < 1.5 * plain.cost.steps.evaluations
@@ -454,7 +454,7 @@ def test_the_right_side_is_announced_before_the_left_one_through_a_counted_conta
     counted = CountedContact(contact)
     d, t, x = curving(counted)
     at = d(t, x)
-    assert Jacobian(d, StepStatistics()).known(d.wheelset_state(d.frame(t), x), at.contacts) is not None
+    assert Jacobian(d, StepStatistics()).analytical_tangents(d.wheelset_state(d.frame(t), x), at.contacts) is not None
     assert contact.calls == ["ahead", "left", "right", "ahead_tangent", "tangent left", "tangent right"]
     assert [(cost.solves, cost.tangents) for cost in counted.costs.values()] == [(1, 1), (1, 1)]
 

@@ -27,7 +27,12 @@ Contacts = dict[Side, ContactResult]
 
 @dataclass(frozen=True)
 class Wrench:
-    """Force (3,) N on the wheelset and moment (3,) N m about its centre, in the track's axes."""
+    """Resultant of both contacts on the wheelset, in the track's axes.
+
+    Parameters:
+        force: (3,) N.
+        moment: (3,) N m about the centre of the wheelset.
+    """
 
     force: Array
     moment: Array
@@ -41,10 +46,12 @@ class Wrench:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What one look at the equations of motion gives.
+    """Result of one evaluation of the equations of motion.
 
-    rate (20 + m,) time derivative of the state; contact results by side; yaw_reaction N m: the moment about the
-    wheelset's vertical axis that replaces the missing yaw freedom.
+    Parameters:
+        rate: (20 + m,) time derivative of the state.
+        contacts: contact results by side.
+        yaw_reaction: N m, constraint moment about the wheelset's vertical axis (yaw is not a degree of freedom).
     """
 
     rate: Array
@@ -53,8 +60,11 @@ class Evaluation:
 
 
 class InertialForces(NamedTuple):
-    """Forces N and roll moments N m (..., 3, 3) on the three bodies; moments (...) N m about the wheelset's axle and
-    about its vertical axis.
+    """Inertial forces of the moving frame.
+
+    Parameters:
+        on_bodies: (..., 3, 3) lateral and vertical force N and roll moment N m on the three bodies.
+        about_axle, about_vertical: (...) N m about the wheelset's axle and about its vertical axis.
     """
 
     on_bodies: Array
@@ -64,7 +74,16 @@ class InertialForces(NamedTuple):
 
 @dataclass(frozen=True)
 class Dynamics:
-    """A wagon on a track on a contact model, at a constant speed m/s or as a `SpeedProfile` has it."""
+    """Equations of motion of a wagon on a track.
+
+    Parameters:
+        wagon: masses and suspension of the whole vehicle; `Wagon.scaling` reduces them to the plane model.
+        track: alignment and irregularities.
+        contact: model of the wheel-rail contacts.
+        speed: constant, m/s, or a `SpeedProfile`.
+
+    Raises ValueError for a speed that is not positive and finite.
+    """
 
     wagon: Wagon
     track: Track
@@ -72,7 +91,7 @@ class Dynamics:
     speed: float | SpeedProfile
 
     def __post_init__(self) -> None:
-        _ = self.drive  # which refuses what is no speed
+        _ = self.drive  # validates the speed
 
     @cached_property
     def drive(self) -> SpeedProfile:
@@ -88,18 +107,18 @@ class Dynamics:
 
     @cached_property
     def constants(self) -> Array:
-        """(5, 3): mass, roll, pitch and yaw inertia and height of the three bodies."""
+        """(5, 3): mass kg, roll, pitch and yaw inertia kg m2 and height m of the three bodies."""
         bodies = (self.plane.car_body, self.plane.bogie, self.plane.wheelset)
         rows = [(b.mass, b.roll_inertia, b.pitch_inertia, b.yaw_inertia, b.height) for b in bodies]
         return np.array(rows).T
 
     @property
     def size(self) -> int:
-        """Length of a state: 20, and one for every spring in series with a damper."""
+        """Length of a state: 20, plus one for the spring of each Maxwell element."""
         return 2 * COUNT + self.suspension.laws.states
 
     def frame(self, time: float) -> Frame:
-        """The track's frame where the vehicle is at a time s."""
+        """The track frame at the vehicle's position at a time s."""
         return self.track.frame(*self.drive(time))
 
     def rolling_rate(self, frame: Frame) -> float:
@@ -107,7 +126,12 @@ class Dynamics:
         return frame.speed / self.wagon.radius
 
     def __call__(self, time: float, state: Array, previous: Evaluation | None = None) -> Evaluation:
-        """Time derivative of the state at a time s; the previous evaluation starts the contact solves.
+        """Time derivative of the state.
+
+        Parameters:
+            time: s.
+            state: (20 + m,), see `wheelrail.vehicle.dynamics.state`.
+            previous: evaluation whose contact results are the initial guess of the contact solves.
 
         Raises StepFailure when a contact solve fails.
         """
@@ -142,7 +166,7 @@ class Dynamics:
         return self.solve_wheelset(self.wheelset_state(frame, state), guess)
 
     def solve_wheelset(self, wheelset: WheelsetState, guess: Contacts | None) -> Contacts:
-        """The same at a state of the wheelset."""
+        """Both contacts at a state of the wheelset; raises StepFailure as `solve_contacts`."""
         self.contact.ahead(wheelset, guess["right"] if guess else None)
         return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
 
@@ -159,26 +183,33 @@ class Dynamics:
         return result
 
     def accelerations(self, frame: Frame, state: Array, contact: Wrench) -> tuple[Array, Array]:
-        """Accelerations of the coordinates of states (..., 20 + m) under contact forces, then the m rates of springs in
-        series with dampers, (..., 10 + m); yaw reactions (...) N m.
+        """Accelerations under given contact forces.
+
+        Parameters:
+            frame: the track frame.
+            state: (..., 20 + m).
+            contact: resultant of the contacts.
+
+        Returns accelerations of the coordinates, then the m rates of the springs of Maxwell elements, (..., 10 + m);
+        yaw reactions (...) N m.
         """
         position, rate, _, _, series = split(state)
         loads, _, _, series_rate = self.suspension.forces(position, rate, series)
-        fictitious = self.fictitious(frame, state)
-        loads += fictitious.on_bodies
+        inertial = self.inertial_forces(frame, state)
+        loads += inertial.on_bodies
         loads[..., :2] += self.weight(frame)
         loads[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
 
         result = np.empty((*state.shape[:-1], state.shape[-1] - COUNT))
         result[..., :9] = (loads / self.inertia).reshape(*state.shape[:-1], 9)
         result[..., COUNT:] = series_rate
-        # About the axle and about the vertical axis of the wheelset, which rolled but did not spin.
-        leaning = np.ascontiguousarray(position[..., 2, 2])
-        c, s = np.cos(leaning), np.sin(leaning)
+        # Moments about the axle and the vertical axis of the wheelset: axes that roll but do not spin with it.
+        wheelset_roll = np.ascontiguousarray(position[..., 2, 2])
+        c, s = np.cos(wheelset_roll), np.sin(wheelset_roll)
         _, my, mz = contact.moment
-        about_axle = my * c + mz * s + fictitious.about_axle
+        about_axle = my * c + mz * s + inertial.about_axle
         result[..., 9] = about_axle / self.constants[2, 2] - frame.acceleration / self.wagon.radius
-        return result, -fictitious.about_vertical - (mz * c - my * s)
+        return result, -inertial.about_vertical - (mz * c - my * s)
 
     @cached_property
     def inertia(self) -> Array:
@@ -190,8 +221,8 @@ class Dynamics:
         """Lateral and vertical part (3, 2) of the weights of the three bodies, N."""
         return np.asarray(self.plane.gravity * np.outer(self.constants[0], frame.down[1:]))
 
-    def fictitious(self, frame: Frame, state: Array) -> InertialForces:
-        """What the motion of the track's frame does to states (..., 20 + m), gyroscopic moments included."""
+    def inertial_forces(self, frame: Frame, state: Array) -> InertialForces:
+        """Inertial forces of the moving frame on states (..., 20 + m), gyroscopic moments included."""
         position, rate, _, pitch_rate, _ = split(state)
         mass, ixx, iyy, izz, height = self.constants
         roll = np.ascontiguousarray(position[..., 2])
@@ -204,10 +235,11 @@ class Dynamics:
         gyroscopic[..., 2] -= iyy[2] * theta_rate * o_z[..., 2]
         on_bodies = -np.stack([mass * lateral, mass * vertical, gyroscopic + ixx * frame.rate_dot[0]], axis=-1)
 
-        leaning, turning, o_y, o_z = np.ascontiguousarray(roll[..., 2]), rate[..., 2, 2], o_y[..., 2], o_z[..., 2]
-        c, s = np.cos(leaning), np.sin(leaning)
+        wheelset_roll, roll_rate = np.ascontiguousarray(roll[..., 2]), rate[..., 2, 2]
+        o_y, o_z = o_y[..., 2], o_z[..., 2]
+        c, s = np.cos(wheelset_roll), np.sin(wheelset_roll)
         _, dy, dz = frame.rate_dot
-        o_x = frame.rate[0] + turning
-        about_axle = -iyy[2] * (dy * c + dz * s + turning * o_z)
-        spun = o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
-        return InertialForces(on_bodies, about_axle, -(izz[2] * (dz * c - dy * s - turning * o_y) + spun))
+        o_x = frame.rate[0] + roll_rate
+        about_axle = -iyy[2] * (dy * c + dz * s + roll_rate * o_z)
+        gyroscopic_yaw = o_x * iyy[2] * (o_y + theta_rate) - ixx[2] * o_x * o_y
+        return InertialForces(on_bodies, about_axle, -(izz[2] * (dz * c - dy * s - roll_rate * o_y) + gyroscopic_yaw))

@@ -1,4 +1,4 @@
-"""Derivative of the equations of motion by the state and by time."""
+"""Derivatives of the equations of motion with respect to the state and time."""
 
 from __future__ import annotations
 
@@ -15,22 +15,27 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.track.frame import Frame
 
-# Fields of a WheelsetState that the state moves, their places in the state, in the order of a contact's tangent (which
-# also has the yaw, its fourth), and how far a difference goes: far above a contact's noise, far below its curvature.
-SEEN = ("y", "z", "roll", "y_rate", "z_rate", "roll_rate", "pitch_rate")
-PLACES = np.array([Y, Z, ROLL, COUNT + Y, COUNT + Z, COUNT + ROLL, COUNT + PITCH])
+# Fields of a WheelsetState that depend on the state, their indices in the state and the columns of the contact tangent
+# (whose fourth column is the yaw); difference steps well above the residual noise of a contact solve and small enough
+# for its curvature.
+FIELDS = ("y", "z", "roll", "y_rate", "z_rate", "roll_rate", "pitch_rate")
+INDICES = np.array([Y, Z, ROLL, COUNT + Y, COUNT + Z, COUNT + ROLL, COUNT + PITCH])
 COLUMNS = [0, 1, 2, 4, 5, 6, 7]
-ODD = ("y", "roll", "y_rate", "roll_rate")  # change their sign in the mirror: differences to both sides keep it exact
-SMALL = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
-STEP = 1e-7  # m, rad, m/s or rad/s: for what is smooth and costs nothing
-MOMENT = 1e-5  # s
-KEPT = 8  # Jacobians that share one set of differences of the contact: 2 of 3 solves saved, a third more steps
+ODD = ("y", "roll", "y_rate", "roll_rate")  # antisymmetric: central differences keep the mirror symmetry exact
+DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
+STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
+TIME_STEP = 1e-5  # s, forward difference in time
+REUSED = 8  # Jacobians per set of contact differences: saves 2 of 3 solves, at a third more steps
 
 
 @dataclass(frozen=True)
 class Linearised:
-    """Derivatives of the rate (n,) by the state (n, n) and by time (n,), n = 20 + m. By time contacts are held but for
-    what irregular rails do to them: these move a stiff contact as much as the wheelset does.
+    """Derivatives of the rate (n,), n = 20 + m.
+
+    Parameters:
+        by_state: (n, n).
+        by_time: (n,); contact forces are constant except for the motion of irregular rails, which affects the stiff
+            contact as much as that of the wheelset.
     """
 
     by_state: Array
@@ -39,13 +44,17 @@ class Linearised:
 
 @dataclass
 class Jacobian:
-    """Linearisation at a time s and state (n,) with its evaluation; what it costs goes to the counts.
+    """Linearisation at a time s and state (n,) with its evaluation.
 
-    Suspension, inertia and kinematics by differences under held contact forces (all n columns in one vectorised look);
-    contact forces by the contact's tangent or, when it has none, by differences of 11 solves a side at every eighth
-    call: the methods of `wheelrail.vehicle.integration.rosenbrock` keep their order with any matrix. central: all
-    differences to both sides, of second order, for whom the matrix itself matters. The mirror image has the mirrored
-    matrix, to the last bit.
+    Parameters:
+        dynamics: the equations of motion.
+        counts: statistics to which Jacobians and contact differences are added.
+        central: central differences throughout (second order), for uses of the matrix itself such as modes.
+
+    Suspension, inertia and kinematics: differences at constant contact forces, all n columns in one vectorised
+    evaluation. Contact forces: the contact's tangent or, without one, differences with 11 solves a side at every eighth
+    call; the methods of `wheelrail.vehicle.integration.rosenbrock` keep their order with any matrix. The mirror image
+    of a state has the mirrored matrix, bit for bit.
     """
 
     dynamics: Dynamics
@@ -55,29 +64,37 @@ class Jacobian:
     age: int = field(default=0, init=False)
 
     def __call__(self, time: float, state: Array, at: Evaluation) -> Linearised:
-        """Raises StepFailure when a contact cannot be solved or gives no tangent."""
+        """Derivatives of the rate.
+
+        Parameters:
+            time: s.
+            state: (n,).
+            at: evaluation at this time and state.
+
+        Raises StepFailure when a contact solve or its tangent fails.
+        """
         self.counts.jacobians += 1
         d = self.dynamics
-        frame, later = (d.frame(t) for t in (time, time + MOMENT))
+        frame, later = (d.frame(t) for t in (time, time + TIME_STEP))
         wrench = Wrench.of(at.contacts)
         by_state = np.zeros((len(state), len(state)))
         by_state[:COUNT, COUNT : 2 * COUNT] = np.eye(COUNT)
-        small = STEP * np.eye(len(state))
-        looks, _ = d.accelerations(frame, np.vstack([state + small, state - small, state]), wrench)
-        ahead, behind, (here,) = np.split(looks, [len(state), 2 * len(state)])
-        by_state[COUNT:] = (ahead - behind).T / (2 * STEP)
+        steps = STEP * np.eye(len(state))
+        accelerations, _ = d.accelerations(frame, np.vstack([state + steps, state - steps, state]), wrench)
+        plus, minus, (centre,) = np.split(accelerations, [len(state), 2 * len(state)])
+        by_state[COUNT:] = (plus - minus).T / (2 * STEP)
         by_wrench, tangents = self.by_wrench(state), self.tangents(frame, state, at.contacts)
-        by_state[COUNT : 2 * COUNT, PLACES] += by_wrench @ tangents.sum(axis=0)[:, COLUMNS]
+        by_state[COUNT : 2 * COUNT, INDICES] += by_wrench @ tangents.sum(axis=0)[:, COLUMNS]
         by_time = np.zeros(len(state))
-        by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - here) / MOMENT
+        by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
         if frame.rails is not None and later.rails is not None:
-            rates = (np.array(later.rails) - np.array(frame.rails)) / MOMENT
-            # A rail that moves is a wheelset that moves the other way, wherever both are together.
+            rates = (np.array(later.rails) - np.array(frame.rails)) / TIME_STEP
+            # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
             by_time[COUNT : 2 * COUNT] -= by_wrench @ np.einsum("sij,sj->i", tangents[:, :, :2], rates)
         return Linearised(by_state, by_time)
 
     def by_wrench(self, state: Array) -> Array:
-        """Accelerations by force and moment on the wheelset (10, 6)."""
+        """Derivatives (10, 6) of the accelerations with respect to force and moment on the wheelset."""
         mass, ixx, iyy, _, _ = self.dynamics.constants[:, 2]
         c, s = np.cos(state[ROLL]), np.sin(state[ROLL])
         result = np.zeros((COUNT, 6))
@@ -87,42 +104,44 @@ class Jacobian:
         return result
 
     def tangents(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
-        """Force and moment of the left and the right wheel by the wheelset's position and rates (2, 6, 8)."""
+        """Derivatives (2, 6, 8) of force and moment of the left and the right wheel with respect to the wheelset's
+        position and rates.
+        """
         wheelset = self.dynamics.wheelset_state(frame, state)
-        known = self.known(wheelset, contacts)
-        return self._differences(wheelset, contacts) if known is None else known
+        tangents = self.analytical_tangents(wheelset, contacts)
+        return self._differences(wheelset, contacts) if tangents is None else tangents
 
-    def known(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
-        """The same from the contact itself, if it can tell."""
+    def analytical_tangents(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
+        """The tangents (2, 6, 8) of the contact model; None if it has none. Raises StepFailure when one fails."""
         contact = self.dynamics.contact
         try:
             contact.ahead_tangent(wheelset, contacts["right"])
-            found = np.array([contact.tangent(wheelset, side, contacts[side]) for side in SIDES])
-        except ValueError:  # not every model, and not every result, has one
+            tangents = np.array([contact.tangent(wheelset, side, contacts[side]) for side in SIDES])
+        except ValueError:  # some models and results have no tangent
             return None
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
             raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error
-        return found if np.isfinite(found).all() else None
+        return tangents if np.isfinite(tangents).all() else None
 
     def _differences(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
-        self.age = (self.age + 1) % KEPT
+        self.age = (self.age + 1) % REUSED
         if self.differences is not None and self.age:
             return self.differences
-        result, here = np.zeros((2, 6, 8)), _six(contacts)
-        for column, name, small in zip(COLUMNS, SEEN, SMALL, strict=True):
-            ahead = self._moved(wheelset, contacts, name, small)
-            both = self.central or name in ODD
-            behind = self._moved(wheelset, contacts, name, -small) if both else here
-            result[:, :, column] = (ahead - behind) / (2 * small if both else small)
+        result, centre = np.zeros((2, 6, 8)), _wrenches(contacts)
+        for column, name, step in zip(COLUMNS, FIELDS, DIFFERENCE_STEPS, strict=True):
+            plus = self._perturbed(wheelset, contacts, name, step)
+            central = self.central or name in ODD
+            minus = self._perturbed(wheelset, contacts, name, -step) if central else centre
+            result[:, :, column] = (plus - minus) / (2 * step if central else step)
         self.differences, self.age = result, 0
         return result
 
-    def _moved(self, wheelset: WheelsetState, contacts: Contacts, name: str, by: float) -> Array:
+    def _perturbed(self, wheelset: WheelsetState, contacts: Contacts, name: str, step: float) -> Array:
         self.counts.differences += 1
-        moved = replace(wheelset, **{name: getattr(wheelset, name) + by})
-        return _six(self.dynamics.solve_wheelset(moved, contacts))
+        perturbed = replace(wheelset, **{name: getattr(wheelset, name) + step})
+        return _wrenches(self.dynamics.solve_wheelset(perturbed, contacts))
 
 
-def _six(contacts: Contacts) -> Array:
+def _wrenches(contacts: Contacts) -> Array:
     """Force and moment of the left and the right wheel (2, 6)."""
     return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])

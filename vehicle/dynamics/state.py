@@ -1,4 +1,4 @@
-"""The state of the plane wagon as one array: ten coordinates, their rates, springs in series with dampers."""
+"""State vector of the plane wagon: ten coordinates, their rates, spring deflections of Maxwell elements."""
 
 from __future__ import annotations
 
@@ -22,18 +22,24 @@ COORDINATES = (
 )
 COUNT = len(COORDINATES)
 Y, Z, ROLL, PITCH = 6, 7, 8, 9  # of the wheelset
-MIRROR = np.tile([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0], 2)  # coordinates and rates seen in a mirror
+MIRROR = np.tile(
+    [-1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0], 2
+)  # signs of the mirrored coordinates and rates
 
 
 def mirrored(state: Array) -> Array:
-    """States (..., 20 + m) seen in a mirror at y = 0, where left and right springs in series with dampers swap."""
+    """States (..., 20 + m) mirrored at y = 0; the Maxwell elements of left and right are exchanged."""
     left, right = np.split(state[..., 2 * COUNT :], 2, axis=-1)
     return np.concatenate([MIRROR * state[..., : 2 * COUNT], right, left], axis=-1)
 
 
 class Split(NamedTuple):
-    """position, rate (..., 3, 3): y, z, roll of the three bodies, and their rates; pitch and its rate (...); series
-    (..., m): deflections of the springs in series with dampers, outwards, left side first.
+    """Parts of a state.
+
+    Parameters:
+        position, rate: (..., 3, 3) y m, z m, roll rad of the three bodies, and their rates.
+        pitch, pitch_rate: (...) rad and rad/s of the wheelset.
+        series: (..., m) m, spring deflections of Maxwell elements, outwards, left side first.
     """
 
     position: Array
@@ -46,7 +52,7 @@ class Split(NamedTuple):
 def split(state: Array) -> Split:
     """Parts of states (..., 20 + m): y, z in m (z from the nominal height), angles in rad, rates per second.
 
-    The pitch counts what exceeds nominal rolling, s(t) / r: tolerances then bear on the creepage and not on the speed.
+    The pitch is measured from nominal rolling, s(t) / r: tolerances then apply to the creepage and not to the speed.
     """
     shape = (*state.shape[:-1], 3, 3)
     position, rate = state[..., :9].reshape(shape), state[..., 10:19].reshape(shape)
@@ -57,12 +63,15 @@ RATE_SCALE = 100.0  # 1/s
 
 
 def graded(atol: float, size: int = 2 * COUNT) -> Array:
-    """Absolute tolerance of each component of a state for implicit steps: atol in m and rad, and 100 times that per
-    second for rates.
+    """Absolute tolerances (size,) of a state for implicit steps: atol in m and rad, 100 atol in m/s and rad/s.
 
-    What such steps go over fades within 10 ms, so that a rate moves a position by as much as the tolerance of a
-    position.
+    Motions that such steps do not resolve decay within 10 ms: an error of a rate then changes the position by no more
+    than its tolerance.
+
+    Parameters:
+        atol: of positions, m and rad.
+        size: of the state.
     """
-    each = np.full(size, float(atol))
-    each[COUNT : 2 * COUNT] *= RATE_SCALE
-    return each
+    tolerances = np.full(size, float(atol))
+    tolerances[COUNT : 2 * COUNT] *= RATE_SCALE
+    return tolerances

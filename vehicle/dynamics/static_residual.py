@@ -1,4 +1,4 @@
-"""What is left of the forces on a wagon that should be at rest."""
+"""Static residual: unbalanced forces on the wagon in a steady position."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.track.frame import Frame
 
-# Of nine positions and the relative excess of spin: what is small (for differences), and the most one step changes.
-SMALL = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
+# Of nine positions and the relative excess of spin: difference steps, and the largest change in a Newton step.
+DIFFERENCE_STEPS = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
 LARGE = np.array([3e-2, 3e-2, 2e-2, 3e-3, 3e-3, 5e-3, 1e-3, 2e-4, 1e-3, 1e-3])
-SEEN_BY_CONTACT = [Y, Z, ROLL, PITCH]
-SEEN_IN_TANGENT = [0, 1, 2, 7]  # y, z, roll and the rate of pitch
+CONTACT_UNKNOWNS = [Y, Z, ROLL, PITCH]
+TANGENT_COLUMNS = [0, 1, 2, 7]  # y, z, roll and the rate of pitch
 
 
 def size_of(vector: Array) -> float:
@@ -28,10 +28,14 @@ def size_of(vector: Array) -> float:
 
 @dataclass(frozen=True)
 class StaticResidual:
-    """Forces that are left, over the axle load; unknown (10,): positions, then spin over nominal spin, less one.
+    """Unbalanced forces over the axle load; unknowns (10,): positions, then relative excess of spin over nominal spin.
 
-    Springs in series with dampers are not stretched at rest. Contacts are solved from nothing: where they depend a
-    little on where they come from, a balance would depend on the way to it.
+    Parameters:
+        dynamics: the equations of motion.
+        frame: steady track frame.
+
+    Springs of Maxwell elements are unloaded. Contacts are solved without an initial guess, so that the residual is a
+    function of the unknowns alone.
     """
 
     dynamics: Dynamics
@@ -39,7 +43,7 @@ class StaticResidual:
 
     @cached_property
     def weights(self) -> Array:
-        """Masses and inertias over the axle load, which act on arms of 1 m (roll) and one wheel radius (spin)."""
+        """(10,) masses and inertias over the axle load; lever arm of roll moments 1 m, of spin the wheel radius."""
         mass, roll, pitch, _, _ = self.dynamics.constants
         wagon = self.dynamics.wagon
         rows = np.stack([mass, mass, roll], axis=1).ravel()
@@ -57,28 +61,36 @@ class StaticResidual:
         return self.dynamics.solve_contacts(self.frame, self.state(unknown), None)
 
     def residual(self, unknown: Array, contacts: Contacts) -> Array:
-        left, _ = self.dynamics.accelerations(self.frame, self.state(unknown), Wrench.of(contacts))
-        return self.weights * left[:COUNT]
+        accelerations, _ = self.dynamics.accelerations(self.frame, self.state(unknown), Wrench.of(contacts))
+        return self.weights * accelerations[:COUNT]
 
     def jacobian(self, unknown: Array, contacts: Contacts, residual: Array) -> Array:
-        """By the contact's tangent, or four differences of the contact."""
+        """Jacobian (10, 10) of the residual, by the contact's tangent or by four differences of the contact."""
         state, linear = self.state(unknown), Jacobian(self.dynamics, StepStatistics())
-        tangents = linear.known(self.dynamics.wheelset_state(self.frame, state), contacts)
+        tangents = linear.analytical_tangents(self.dynamics.wheelset_state(self.frame, state), contacts)
         columns = []
-        for i, small in enumerate(SMALL):
-            moved = unknown.copy()
-            moved[i] += small
-            solved = tangents is None and i in SEEN_BY_CONTACT
-            there = self.contacts(moved) if solved else contacts
-            columns.append((self.residual(moved, there) - residual) / small)
+        for i, step in enumerate(DIFFERENCE_STEPS):
+            perturbed = unknown.copy()
+            perturbed[i] += step
+            solve = tangents is None and i in CONTACT_UNKNOWNS
+            results = self.contacts(perturbed) if solve else contacts
+            columns.append((self.residual(perturbed, results) - residual) / step)
         result: Array = np.stack(columns, axis=1)
         if tangents is not None:
-            seen = tangents.sum(axis=0)[:, SEEN_IN_TANGENT] * [1.0, 1.0, 1.0, self.dynamics.rolling_rate(self.frame)]
-            result[:, SEEN_BY_CONTACT] += self.weights[:, None] * linear.by_wrench(state) @ seen
+            by_unknowns = tangents.sum(axis=0)[:, TANGENT_COLUMNS] * [
+                1.0,
+                1.0,
+                1.0,
+                self.dynamics.rolling_rate(self.frame),
+            ]
+            result[:, CONTACT_UNKNOWNS] += self.weights[:, None] * linear.by_wrench(state) @ by_unknowns
         return result
 
-    def settled(self) -> Array:
-        """All bodies upright, lowered until the contacts carry the axle load within 2 %; raises StepFailure."""
+    def static(self) -> Array:
+        """Unknowns (10,) of upright bodies at the height where the contacts carry the axle load within 2 %.
+
+        Raises StepFailure.
+        """
         unknown = np.zeros(COUNT)
         heights = [1, 4, Z]
 
@@ -90,20 +102,20 @@ class StaticResidual:
 
         z, stride = 0.0, 5e-5
         carried = lifted(z)
-        way = -1.0 if carried < 1.0 else 1.0
+        direction = -1.0 if carried < 1.0 else 1.0
         other, carried_other = z, carried
         while (carried_other < 1.0) == (carried < 1.0):
             if abs(other) > 0.05:
-                raise StepFailure("the wheels do not come to rest within 50 mm of the nominal height")
+                raise StepFailure("the wheels do not carry the axle load within 50 mm of the nominal height")
             z, carried = other, carried_other
             try:
-                carried_other = lifted(z + way * stride)
+                carried_other = lifted(z + direction * stride)
             except StepFailure:
                 if stride < 1e-7:
                     raise
                 stride *= 0.25  # too deep for the contact model: more slowly from here
                 continue
-            other, stride = z + way * stride, 1.5 * stride
+            other, stride = z + direction * stride, 1.5 * stride
         for _ in range(40):
             middle = z + (1.0 - carried) * (other - z) / (carried_other - carried)
             value = lifted(middle)

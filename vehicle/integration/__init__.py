@@ -1,1 +1,1 @@
-"""Embedded Runge-Kutta and Rosenbrock-W methods with step control; knows no vehicles."""
+"""Embedded Runge-Kutta and Rosenbrock-W methods with step control, independent of the vehicle."""

@@ -1,4 +1,4 @@
-"""Coefficients of embedded explicit Runge-Kutta pairs whose last stage is the first of the next step."""
+"""Embedded explicit Runge-Kutta pairs with the FSAL property (last stage = first stage of the next step)."""
 
 from __future__ import annotations
 
@@ -15,10 +15,15 @@ from wheelrail.vehicle.integration.step_control import StepStatistics
 
 @dataclass(frozen=True)
 class Tableau:
-    """order of the solution that is carried on, error_order of the companion; rows: weights of stages 2 to s, the
-    last row being the solution itself; error (s,) weights of solution minus companion.
+    """Coefficients of an embedded pair of s stages.
 
-    Raises ValueError when the error weights do not add up to zero or the solution's to one.
+    Parameters:
+        name: of the method.
+        order, error_order: of the solution and of the embedded companion.
+        rows: weights of stages 2 to s; the last row is the solution.
+        error: (s,) weights of solution minus companion.
+
+    Raises ValueError unless the weights of the solution sum to one and those of the error to zero.
     """
 
     name: str
@@ -29,9 +34,9 @@ class Tableau:
 
     def __post_init__(self) -> None:
         if [len(row) for row in self.rows] != list(range(1, self.stages)):
-            raise ValueError(f"{self.name}: rows of 1 to {self.stages - 1} weights are needed")
+            raise ValueError(f"{self.name}: rows must have 1 to {self.stages - 1} weights")
         if abs(sum(self.rows[-1]) - 1.0) > 1e-12 or abs(sum(self.error)) > 1e-12:
-            raise ValueError(f"{self.name}: the weights of the solution add up to 1, those of the error to 0")
+            raise ValueError(f"{self.name}: the weights of the solution must sum to 1, those of the error to 0")
 
     @property
     def stages(self) -> int:
@@ -75,22 +80,28 @@ METHODS = {t.name: t for t in (ODE23, ODE45)}
 
 @dataclass(frozen=True)
 class ExplicitRungeKutta(Generic[E]):
-    """Stages one after the other; the last one is evaluated at the new state."""
+    """`StepMethod` of an explicit pair; the last stage is evaluated at the new state.
+
+    Parameters:
+        rhs: right-hand side.
+        tableau: coefficients.
+        counts: statistics to which evaluations are added.
+    """
 
     rhs: RightHandSide[E]
     tableau: Tableau
     counts: StepStatistics
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
-        rates, new, now = [start.rate], x, start
+        rates, new, evaluation = [start.rate], x, start
         for row, node in zip(self.tableau.rows, self.tableau.nodes, strict=True):
             new = x + h * np.dot(row, rates)
             self.counts.evaluations += 1
-            now = self.rhs(t + node * h, new, now)
-            rates.append(now.rate)
+            evaluation = self.rhs(t + node * h, new, evaluation)
+            rates.append(evaluation.rate)
         difference = h * np.dot(self.tableau.error, rates)
         require_finite(new, difference)
-        return new, difference, now
+        return new, difference, evaluation
 
     def end(self, t: float, x: Array, last: E) -> E:
         return last

@@ -1,4 +1,4 @@
-"""One loop for every embedded Runge-Kutta pair, explicit or linearly implicit, with adaptive steps."""
+"""Adaptive time integration with embedded Runge-Kutta pairs, explicit or linearly implicit."""
 
 from __future__ import annotations
 
@@ -19,13 +19,19 @@ METHODS: dict[str, Tableau | RosenbrockCoefficients] = {**EXPLICIT, ROS34PW2.nam
 
 
 class StepTooSmall(RuntimeError):
-    """No step of the smallest length permitted succeeds."""
+    """The step length fell below the smallest one allowed."""
 
 
 @dataclass(frozen=True)
 class Step(Generic[E]):
-    """An accepted step from (t0, x0) to (t, x), with the evaluations at both ends, the error in tolerances, and the
-    length that the next one should have.
+    """An accepted step from (t0, x0) to (t, x).
+
+    Parameters:
+        t0, t: start and end of the step, s.
+        x0, x: (n,) states there.
+        start, end: evaluations there.
+        error: estimated, in tolerances.
+        following: length of the next step, s.
     """
 
     t0: float
@@ -38,7 +44,7 @@ class Step(Generic[E]):
     following: float
 
     def at(self, time: float) -> Array:
-        """State at a time within the step, by the cubic that meets values and rates at both ends."""
+        """State at a time s within the step, by cubic Hermite interpolation."""
         h = self.t - self.t0
         u = (time - self.t0) / h
         rise = self.x - self.x0
@@ -50,9 +56,13 @@ class Step(Generic[E]):
 class StepSettings:
     """Method, tolerances and bounds of adaptive steps.
 
-    method: a name of METHODS; errors are measured in tolerances atol + rtol |x|, atol a number or one for each
-    component; max_step and min_step s; control of the step length. Raises ValueError for an unknown method and for
-    senseless numbers.
+    Parameters:
+        method: a name of METHODS.
+        rtol, atol: the tolerance of a component is atol + rtol |x|; atol a number or (n,).
+        max_step, min_step: s.
+        control: of the step length.
+
+    Raises ValueError for an unknown method and for values out of bounds.
     """
 
     method: str = "ode23"
@@ -64,23 +74,27 @@ class StepSettings:
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
-            raise ValueError(f"method {self.method!r}: one of {', '.join(METHODS)}")
+            raise ValueError(f"method {self.method!r}: must be one of {', '.join(METHODS)}")
         if not (self.rtol >= 0.0 and np.all(np.asarray(self.atol) > 0.0) and 0.0 < self.min_step <= self.max_step):
-            raise ValueError("steps: rtol >= 0, atol > 0 and 0 < min_step <= max_step are needed")
+            raise ValueError("steps: must satisfy rtol >= 0, atol > 0 and 0 < min_step <= max_step")
 
     @property
     def tableau(self) -> Tableau | RosenbrockCoefficients:
         return METHODS[self.method]
 
-    def scale(self, size: Array) -> Array:
-        """Tolerances (n,) of components of a size (n,)."""
-        return np.asarray(self.atol + self.rtol * size)
+    def scale(self, magnitude: Array) -> Array:
+        """Tolerances (n,) of components of a magnitude |x| (n,)."""
+        return np.asarray(self.atol + self.rtol * magnitude)
 
 
 @dataclass(frozen=True)
 class FirstStep(Generic[E]):
-    """The evaluation at the initial state (None: to be made), length s of the first step (None: estimated), and error
-    of the step before it, in tolerances.
+    """Initial data of an integration.
+
+    Parameters:
+        evaluation: at the initial state; None: computed.
+        length: of the first step, s; None: estimated.
+        error_before: error of the step before it, in tolerances.
     """
 
     evaluation: E | None = None
@@ -101,18 +115,26 @@ def integrate(
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
-    The right-hand side is handed the evaluation before: of the stage before, or of the last accepted state for the
-    first stage, so that nothing of a rejected step lives on. It may raise StepFailure: the step is then tried again,
-    shorter. An implicit method asks the jacobian once at every accepted state. Raises StepTooSmall below the smallest
-    step, ValueError unless t1 > t0.
+    Parameters:
+        rhs: right-hand side; `previous` is the evaluation of the previous stage or, for the first stage, of the last
+            accepted state: no evaluation of a rejected step is reused. If it raises StepFailure, the step is repeated
+            with a shorter length.
+        t0, t1: s.
+        x0: (n,) initial state.
+        settings: method, tolerances and step bounds.
+        jacobian: for implicit methods, evaluated once at every accepted state.
+        first: evaluation and step length at t0.
+        counts: statistics to add to.
+
+    Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
     if not t1 > t0:
-        raise ValueError(f"integrate: t1 > t0 is needed, got {t0:g} and {t1:g} s")
+        raise ValueError(f"integrate: t0 = {t0:g} s, t1 = {t1:g} s: must satisfy t1 > t0")
     control, counts = settings.control, counts if counts is not None else StepStatistics()
-    attempt, k = _method(rhs, settings.tableau, jacobian, counts), settings.tableau.error_order + 1
+    trial_step, k = _method(rhs, settings.tableau, jacobian, counts), settings.tableau.error_order + 1
     t, x = t0, np.array(x0, dtype=float)
-    start, h, before = _started(rhs, t, x, settings, first or FirstStep(), counts)
-    fresh = True
+    start, h, error_before = _initial(rhs, t, x, settings, first or FirstStep(), counts)
+    first_trial = True
     reason: StepFailure | None = None
     while t < t1:
         if t + 1.01 * h >= t1:
@@ -120,25 +142,25 @@ def integrate(
         elif h < settings.min_step:
             raise StepTooSmall(f"step {h:.3g} s < {settings.min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
         try:
-            new, difference, last = attempt(t, x, start, h)
+            new, difference, last = trial_step(t, x, start, h)
             error = float(np.max(np.abs(difference) / settings.scale(np.maximum(np.abs(x), np.abs(new)))))
             if error > 1.0:
                 counts.rejected += 1
-                reason, fresh = StepFailure(f"error of {error:.3g} tolerances"), False
+                reason, first_trial = StepFailure(f"error of {error:.3g} tolerances"), False
                 h *= max(control.smallest, control.safety * error ** (-1.0 / k))
                 continue
             after = t1 if h == t1 - t else t + h
-            end = attempt.end(after, new, last)
+            end = trial_step.end(after, new, last)
         except StepFailure as failure:
             counts.failed += 1
-            reason, fresh = failure, False
+            reason, first_trial = failure, False
             h *= control.retry
             continue
         counts.accepted += 1
-        factor = control.factor(error, before, k)
-        h = min(settings.max_step, h * (factor if fresh else min(1.0, factor)))
+        factor = control.factor(error, error_before, k)
+        h = min(settings.max_step, h * (factor if first_trial else min(1.0, factor)))
         step = Step(t, x, start, after, new, end, error, h)
-        t, x, start, before, fresh, reason = after, new, end, error, True, None
+        t, x, start, error_before, first_trial, reason = after, new, end, error, True, None
         yield step
 
 
@@ -153,10 +175,10 @@ def _method(
     return RosenbrockW(rhs, tableau, counts, jacobian)
 
 
-def _started(
+def _initial(
     rhs: RightHandSide[E], t: float, x: Array, settings: StepSettings, first: FirstStep[E], counts: StepStatistics
 ) -> tuple[E, float, float]:
-    """Evaluation at the initial state, length of the first step, and error of the one before."""
+    """Evaluation at the initial state, length of the first step, and error of the step before it."""
     start, length = first.evaluation, first.length
     if start is None:
         counts.evaluations += 1
@@ -168,13 +190,13 @@ def _started(
 
 
 def _first_step(rhs: RightHandSide[E], t: float, x: Array, start: E, scale: Array, k: int) -> float:
-    """Starting step after Hairer, Norsett, Wanner, Solving ODEs I, section II.4."""
+    """Initial step length s after Hairer, Norsett, Wanner, Solving ODEs I, section II.4."""
     size, slope = np.max(np.abs(x) / scale), np.max(np.abs(start.rate) / scale)
     trial = 0.01 * size / slope if size > 1e-5 and slope > 1e-5 else 1e-6
     try:
-        bend = np.max(np.abs(rhs(t + trial, x + trial * start.rate, start).rate - start.rate) / scale) / trial
+        curvature = np.max(np.abs(rhs(t + trial, x + trial * start.rate, start).rate - start.rate) / scale) / trial
     except StepFailure:
         return 0.01 * float(trial)
-    steepest = max(slope, bend)
+    steepest = max(slope, curvature)
     best = (0.01 / steepest) ** (1.0 / k) if steepest > 1e-15 else max(1e-6, 1e-3 * trial)
     return float(min(100 * trial, best))

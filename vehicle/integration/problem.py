@@ -1,4 +1,4 @@
-"""One try of a step, explicit or linearly implicit: the new state and its error, not yet judged."""
+"""Interfaces of initial value problems and of single trial steps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wheelrail.support.arrays import Array
 
 
 class StepFailure(RuntimeError):
-    """The right-hand side has no value here; a smaller step may avoid it."""
+    """The right-hand side cannot be evaluated here; a smaller step may avoid it."""
 
 
 class HasRate(Protocol):
@@ -20,7 +20,7 @@ class HasRate(Protocol):
 
 
 class HasDerivatives(Protocol):
-    """Derivatives of the rate by the state (n, n) and by time (n,), both allowed to be inexact."""
+    """Derivatives of the rate with respect to the state (n, n) and time (n,); approximations are allowed."""
 
     @property
     def by_state(self) -> Array: ...
@@ -39,8 +39,8 @@ Linearise = Callable[[float, Array, E], HasDerivatives]
 
 
 class StepMethod(Protocol[E]):
-    """A step of length h from x at t, where `start` was evaluated: new state, its difference to the companion, the last
-    evaluation on the way. Raises StepFailure. end: the evaluation at the new state, once that is accepted.
+    """Trial step of length h from x at t, with the evaluation `start` there: new state, its difference to the embedded
+    solution, evaluation of the last stage. Raises StepFailure. end: evaluation at the new state, after acceptance.
     """
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]: ...
@@ -49,5 +49,6 @@ class StepMethod(Protocol[E]):
 
 
 def require_finite(*arrays: Sequence[float] | Array) -> None:
+    """Raises StepFailure unless all values are finite."""
     if not all(np.isfinite(a).all() for a in arrays):
         raise StepFailure("the rates are not finite")

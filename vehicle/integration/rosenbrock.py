@@ -18,11 +18,17 @@ Rows = tuple[tuple[float, ...], ...]
 
 @dataclass(frozen=True)
 class RosenbrockCoefficients:
-    """Stages k_i = f(t + a_i h, x + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j + h g_i f_t, with any matrix A near the
-    Jacobian; solution x + h b.k, companion of error_order with other weights.
+    """Stages k_i = f(t + a_i h, x + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j + h g_i f_t, with any approximation A
+    of the Jacobian; solution x + h b.k.
 
-    alpha: rows a_ij of stages 2 to s; gamma: rows g_ij of the same, without the diagonal, which is one number.
-    Raises ValueError for rows of wrong lengths, or weights that do not add up to one.
+    Parameters:
+        name: of the method.
+        order, error_order: of the solution and of the embedded companion.
+        diagonal: g_ii, the same for all stages.
+        alpha, gamma: rows a_ij and g_ij (j < i) of stages 2 to s.
+        weights, companion: (s,) weights b of the solution and of the companion.
+
+    Raises ValueError for rows of wrong lengths, or weights that do not sum to one.
     """
 
     name: str
@@ -37,9 +43,9 @@ class RosenbrockCoefficients:
     def __post_init__(self) -> None:
         lengths = list(range(1, self.stages))
         if [len(r) for r in self.alpha] != lengths or [len(r) for r in self.gamma] != lengths:
-            raise ValueError(f"{self.name}: rows of 1 to {self.stages - 1} coefficients are needed")
+            raise ValueError(f"{self.name}: rows must have 1 to {self.stages - 1} coefficients")
         if len(self.companion) != self.stages or any(abs(sum(w) - 1.0) > 1e-12 for w in (self.weights, self.companion)):
-            raise ValueError(f"{self.name}: as many weights as stages, adding up to 1")
+            raise ValueError(f"{self.name}: weights must be as many as stages and sum to 1")
 
     @property
     def stages(self) -> int:
@@ -62,24 +68,24 @@ class RosenbrockCoefficients:
 
     @cached_property
     def sums(self) -> Array:
-        """(s,) rows of gamma added up: shares of the derivative by time."""
+        """(s,) row sums of gamma: factors of the time derivative."""
         return np.asarray(self.full_gamma.sum(axis=1))
 
     @cached_property
     def inverse(self) -> Array:
-        """(s, s): with u = h gamma k as unknowns, no stage needs a product with the Jacobian."""
+        """(s, s) inverse of gamma: the unknowns u = h gamma k avoid products with the Jacobian."""
         return np.asarray(np.linalg.inv(self.full_gamma), dtype=np.float64)
 
     @cached_property
     def shifts(self) -> Array:
-        """(s, s) weights of the u for the states of the stages."""
+        """(s, s) weights of u in the states of the stages."""
         return np.asarray(self.full_alpha @ self.inverse)
 
     @cached_property
     def ends(self) -> Array:
-        """(2, s) weights of the u for the solution and for its difference to the companion."""
-        b, other = np.array(self.weights), np.array(self.companion)
-        return np.asarray(np.stack([b, b - other]) @ self.inverse)
+        """(2, s) weights of u in the solution and in its difference to the companion."""
+        b, companion = np.array(self.weights), np.array(self.companion)
+        return np.asarray(np.stack([b, b - companion]) @ self.inverse)
 
 
 def _square(rows: Rows) -> Array:
@@ -90,7 +96,7 @@ def _square(rows: Rows) -> Array:
 
 
 # J. Rang, L. Angermann, BIT Numerical Mathematics 45 (2005) 761-787, DOI 10.1007/s10543-005-0035-y: order 3 with any
-# matrix in place of the Jacobian, stiffly accurate.
+# approximation of the Jacobian, stiffly accurate.
 ROS34PW2 = RosenbrockCoefficients(
     name="rosenbrock",
     order=3,
@@ -109,8 +115,14 @@ ROS34PW2 = RosenbrockCoefficients(
 
 @dataclass
 class RosenbrockW(Generic[E]):
-    """s solves with one factorised matrix 1/(h g) - A, in the unknowns u = h gamma k of Hairer and Wanner, Solving ODEs
-    II, section IV.7. The Jacobian is kept while a step is tried again, the factors while its length stays, too.
+    """`StepMethod` with s solves of one factorised matrix 1/(h g) - A in the unknowns u = h gamma k (Hairer and Wanner,
+    Solving ODEs II, section IV.7). The Jacobian is reused when a step is repeated with another length.
+
+    Parameters:
+        rhs: right-hand side.
+        tableau: coefficients.
+        counts: statistics to which evaluations and factorisations are added.
+        jacobian: linearisation of the right-hand side.
 
     Raises ValueError without a jacobian.
     """
@@ -123,21 +135,21 @@ class RosenbrockW(Generic[E]):
 
     def __post_init__(self) -> None:
         if self.jacobian is None:
-            raise ValueError(f"{self.tableau.name}: a linearly implicit method needs a jacobian")
+            raise ValueError(f"{self.tableau.name}: jacobian must be given for a linearly implicit method")
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
-        method, now, unknowns = self.tableau, start, np.zeros((self.tableau.stages, len(x)))
+        method, evaluation, unknowns = self.tableau, start, np.zeros((self.tableau.stages, len(x)))
         linear = self._linear(t, x, start)
         solve = self._factorised(linear.by_state, h)
         for i in range(method.stages):
             if i > 0:
                 self.counts.evaluations += 1
-                now = self.rhs(t + method.nodes[i] * h, x + method.shifts[i, :i] @ unknowns[:i], now)
+                evaluation = self.rhs(t + method.nodes[i] * h, x + method.shifts[i, :i] @ unknowns[:i], evaluation)
             coupling = (method.inverse[i, :i] / h) @ unknowns[:i]
-            unknowns[i] = solve(now.rate - coupling + h * method.sums[i] * linear.by_time)
-        rise, difference = method.ends @ unknowns
-        require_finite(rise, difference)
-        return x + rise, difference, now
+            unknowns[i] = solve(evaluation.rate - coupling + h * method.sums[i] * linear.by_time)
+        increment, difference = method.ends @ unknowns
+        require_finite(increment, difference)
+        return x + increment, difference, evaluation
 
     def end(self, t: float, x: Array, last: E) -> E:
         self.counts.evaluations += 1

@@ -1,4 +1,4 @@
-"""How the length of a step follows its error, and what was counted on the way."""
+"""Step length control and step statistics."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 @dataclass
 class StepStatistics:
-    """Steps accepted, rejected for their error, failed by the right-hand side, and evaluations asked for.
+    """Counts of an integration.
 
-    Of implicit steps also: Jacobians, evaluations for their differences when the contact has no tangent (not among the
-    evaluations), and factorisations.
+    Parameters:
+        accepted, rejected, failed: steps accepted, rejected for their error, failed in the right-hand side.
+        evaluations: of the right-hand side.
+        jacobians, factorisations: of implicit steps.
+        differences: evaluations for difference quotients of a contact without tangent, not included in `evaluations`.
     """
 
     accepted: int = 0
@@ -24,10 +27,14 @@ class StepStatistics:
 
 @dataclass(frozen=True)
 class StepController:
-    """How the step length follows the error: h safety error^-(proportional/k) before^(integral/k), k = error order + 1.
+    """PI step length control: new h = h safety error^-(proportional/k) before^(integral/k), k = error order + 1.
 
-    proportional 1 and integral 0 is the standard control; the default damps the swing at the limit of stability
-    (K. Gustafsson, ACM TOMS 17 (1991) 533-554, DOI 10.1145/210232.210242). retry: factor after a failure.
+    Parameters:
+        safety: factor.
+        proportional, integral: exponents; 1 and 0 is the standard control, the default damps oscillations of the step
+            length at the stability limit (K. Gustafsson, ACM TOMS 17 (1991) 533-554, DOI 10.1145/210232.210242).
+        smallest, largest: bounds of the factor.
+        retry: factor after a failure.
     """
 
     safety: float = 0.9
@@ -38,5 +45,6 @@ class StepController:
     retry: float = 0.25
 
     def factor(self, error: float, before: float, k: int) -> float:
-        wanted = self.safety * max(error, 1e-10) ** (-self.proportional / k) * max(before, 1e-4) ** (self.integral / k)
-        return float(min(self.largest, max(self.smallest, wanted)))
+        """Factor of the step length; errors of this and of the previous step in tolerances, k = error order + 1."""
+        factor = self.safety * max(error, 1e-10) ** (-self.proportional / k) * max(before, 1e-4) ** (self.integral / k)
+        return float(min(self.largest, max(self.smallest, factor)))

@@ -1,4 +1,4 @@
-"""What a run goes on from after it was stopped: a state, and nothing that a contact remembers."""
+"""Checkpoints of a run: states from which it can be resumed, without contact results."""
 
 from __future__ import annotations
 
@@ -12,10 +12,15 @@ from wheelrail.vehicle.simulation.recorder import Row
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """All that a run takes past a checkpoint, so that one that was killed there goes on to the very last bit.
+    """All data that a run carries across a checkpoint: a resumed run reproduces the uninterrupted one bit for bit.
 
-    time s and state; step s, the length of the next one (None: not known yet); error of the last one, in tolerances;
-    what the run cost and the rows that it recorded so far, which go on growing.
+    Parameters:
+        time: s.
+        state: (20 + m,).
+        step: length of the next step, s; None: not yet estimated.
+        error: of the last step, in tolerances.
+        cost: of the run so far.
+        rows: recorded so far; the list is extended by the running simulation.
     """
 
     time: float
@@ -28,10 +33,15 @@ class Checkpoint:
 
 @dataclass(frozen=True)
 class Checkpoints:
-    """One after every so many accepted steps, and at the start, each handed to keep; latest, where to go on from.
+    """Checkpoints at the start and after every `every` accepted steps.
 
-    Contacts, steppers and differences start from nothing there, in a run that goes on, too: other distances give
-    results that are others within the tolerances. Raises ValueError for less than a step.
+    Parameters:
+        every: accepted steps.
+        keep: called with each checkpoint.
+        latest: checkpoint to resume from.
+
+    Initial guesses of contacts, the integrator and contact differences are reset at every checkpoint, also in an
+    uninterrupted run: another spacing changes results within the tolerances. Raises ValueError for every < 1.
     """
 
     every: int
@@ -40,4 +50,4 @@ class Checkpoints:
 
     def __post_init__(self) -> None:
         if self.every < 1:
-            raise ValueError(f"a checkpoint every {self.every} steps: 1 at least")
+            raise ValueError(f"checkpoints: every = {self.every} steps: must be 1 at least")

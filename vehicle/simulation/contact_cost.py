@@ -14,8 +14,14 @@ from wheelrail.support.arrays import Array
 
 @dataclass
 class ContactCost:
-    """Solves (failed ones included), failed ones, Newton and linear iterations, seconds, tangents included, as this
-    process waited for them; seconds by phase; tangents.
+    """Call statistics of the contact of one side.
+
+    Parameters:
+        solves, failed: solves (failed ones included), failed solves.
+        newton, linear: iterations.
+        seconds: wall time of this process, tangents included.
+        phases: seconds by phase.
+        tangents: number of tangents.
     """
 
     solves: int = 0
@@ -29,7 +35,12 @@ class ContactCost:
 
 @dataclass
 class CountedContact(VehicleContact):
-    """Contact model that counts and times the calls to the model it wraps."""
+    """Contact model that counts and times the calls to the model it wraps.
+
+    Parameters:
+        contact: the wrapped model.
+        costs: call statistics by side.
+    """
 
     contact: VehicleContact
     costs: dict[Side, ContactCost] = field(default_factory=lambda: {"left": ContactCost(), "right": ContactCost()})

@@ -1,4 +1,4 @@
-"""What a run leaves behind: plain arrays over time."""
+"""Results of a run as arrays over time."""
 
 from __future__ import annotations
 
@@ -18,8 +18,12 @@ from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
 @dataclass
 class RunCost:
-    """Steps and evaluations of the integrator; contact solves by side and seconds, both with the equilibrium at the
-    start.
+    """Cost of a run.
+
+    Parameters:
+        steps: statistics of the integrator.
+        contact: call statistics by side, including the initial equilibrium.
+        seconds: wall time, including the initial equilibrium.
     """
 
     steps: StepStatistics = field(default_factory=StepStatistics)
@@ -29,15 +33,23 @@ class RunCost:
 
 @dataclass(frozen=True)
 class History:
-    """n rows over time (n,) s; status "completed", "interrupted" or "failed: ..." with the reason.
+    """Results of a run in n rows.
 
-    state (n, 20 + m), see `wheelrail.vehicle.dynamics.state`. outputs: force (n, 2, 3) N on the left and right wheel,
-    moment (n, 2, 3) N m about the wheelset's centre, both in the track's axes; approach (n, 2) m; yaw_reaction (n,) N
-    m; secondary_deflection (n,) m, lateral, of the car body against the bogie at the secondary springs;
-    bumpstop_deflection (n,) m; bumpstop_force (n,) N on the car body; positive to the left. curvature (n,) 1/m,
-    positive to the left; lift (n,) m of the right rail over the left. patches, contact_status: n pairs (left, right).
-    speed m/s, or a drive; radius: nominal rolling radius m. irregularities (n, 4) m as in
-    `wheelrail.vehicle.track.irregularity`, None on smooth rails.
+    Parameters:
+        status: "completed", "interrupted" or "failed: ..." with the reason.
+        speed: constant, m/s, or a `SpeedProfile`.
+        radius: nominal rolling radius, m.
+        time: (n,) s.
+        state: (n, 20 + m), see `wheelrail.vehicle.dynamics.state`.
+        outputs: force (n, 2, 3) N on the left and right wheel, moment (n, 2, 3) N m about the wheelset's centre, both
+            in the track's axes; approach (n, 2) m; yaw_reaction (n,) N m; secondary_deflection (n,) m, lateral, of the
+            car body relative to the bogie at the secondary springs; bumpstop_deflection (n,) m; bumpstop_force (n,) N
+            on the car body; positive to the left.
+        curvature: (n,) 1/m, positive to the left.
+        lift: (n,) m, superelevation: height of the right rail above the left.
+        patches, contact_status: n pairs (left, right).
+        cost: of the run.
+        irregularities: (n, 4) m as in `wheelrail.vehicle.track.irregularity`; None on smooth rails.
     """
 
     status: str
@@ -56,7 +68,7 @@ class History:
     @classmethod
     def of(cls, recorder: Recorder, cost: RunCost, status: str) -> History:
         dynamics, rows = recorder.dynamics, recorder.rows
-        uneven = dynamics.track.irregularities
+        irregularities = dynamics.track.irregularities
         distances = [dynamics.drive(row.time).distance for row in rows]
         return cls(
             status=status,
@@ -70,7 +82,7 @@ class History:
             patches=[row.patches for row in rows],
             contact_status=[row.contact_status for row in rows],
             cost=cost,
-            irregularities=uneven.at(np.array(distances)) if uneven else None,
+            irregularities=irregularities.at(np.array(distances)) if irregularities else None,
         )
 
     def __len__(self) -> int:
@@ -78,16 +90,16 @@ class History:
 
     @property
     def distance(self) -> Array:
-        """Along the track (n,), m."""
-        return self._travel[:, 0]
+        """Distance along the track (n,), m."""
+        return self._track_positions[:, 0]
 
     @property
     def speeds(self) -> Array:
-        """m/s (n,)."""
-        return self._travel[:, 1]
+        """Speed (n,), m/s."""
+        return self._track_positions[:, 1]
 
     @cached_property
-    def _travel(self) -> Array:
+    def _track_positions(self) -> Array:
         drive = SpeedProfile.of(self.speed)
         return np.array([drive(time) for time in self.time.tolist()]).reshape(-1, 3)
 
@@ -123,11 +135,12 @@ class History:
 
     @property
     def series_deflection(self) -> Array:
-        """m, outwards, of the springs in series with dampers (n, m): those of the left side, then of the right side."""
+        """Spring deflections (n, m) of Maxwell elements, m, outwards: left side, then right side."""
         return self.state[:, 2 * COUNT :]
 
 
 def _with_rolling(excess: Array, nominal: Array) -> Array:
+    """Wheelset coordinates or rates (n, 4), with the nominal rolling (n,) added to the pitch."""
     total = excess.copy()
     total[:, 3] += nominal
     return total

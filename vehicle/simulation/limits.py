@@ -1,4 +1,4 @@
-"""How far a run may go: where a wagon on its track becomes one that overturns, or lies beside the rails."""
+"""Limits of a run: overturning and derailment."""
 
 from __future__ import annotations
 
@@ -15,17 +15,20 @@ SMOOTH: RailShift = ((0.0, 0.0), (0.0, 0.0))
 
 
 class OutOfBounds(RuntimeError):
-    """The wagon has left what the model describes."""
+    """The wagon has overturned or derailed: the model is no longer valid."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """roll rad of the car body against the track, beyond what springs allow with both wheels down; shift
-    and lift m of the lower wheel against its rail: a flange is about 30 mm thick and 28 mm high, so that a rail guides
-    no wheel beyond.
+    """Bounds beyond which a run ends; infinity is no limit.
 
-    The other wheel may lift as far as the roll permits: it can come down again. Raises ValueError unless positive;
-    infinity is no limit.
+    Parameters:
+        roll: rad, of the car body relative to the track; the default exceeds what springs allow with both wheels on
+            the rails.
+        shift, lift: m, lateral and vertical displacement of the lower wheel relative to its rail; a flange, about
+            30 mm thick and 28 mm high, does not guide the wheel beyond the defaults.
+
+    The lift of the other wheel is limited by the roll only. Raises ValueError unless positive.
     """
 
     roll: float = 0.3
@@ -38,26 +41,37 @@ class Limits:
                 raise ValueError(f"limits: {name} = {getattr(self, name)}: must be positive")
 
     def check(self, dynamics: Dynamics, time: float, state: Array) -> None:
-        """Raises OutOfBounds, which says what has happened, when and where."""
+        """Raises OutOfBounds with kind, time and place of the event.
+
+        Parameters:
+            dynamics: the equations of motion.
+            time: s.
+            state: (20 + m,).
+        """
         roll = float(state[CAR_BODY_ROLL])
         shift, lift = min(wheels(dynamics, time, state), key=lambda wheel: wheel[1])
         if abs(roll) > self.roll:
-            what = f"the wagon overturns to the {_hand(-roll)}: its car body rolls by {abs(roll):.3f} rad"
+            event = f"the wagon overturns to the {_hand(-roll)}: car body roll {abs(roll):.3f} rad"
         elif abs(shift) > self.shift:
-            what = f"the wheelset has left the rails to the {_hand(shift)}: {1e3 * abs(shift):.0f} mm aside"
+            event = f"the wheelset has left the rails to the {_hand(shift)}: lateral shift {1e3 * abs(shift):.0f} mm"
         elif lift > self.lift:
-            what = f"the wheelset has left the rails: both wheels are {1e3 * lift:.0f} mm above them or more"
+            event = f"the wheelset has left the rails: both wheels are at least {1e3 * lift:.0f} mm above the rails"
         else:
             return
-        raise OutOfBounds(f"{what} at t = {time:.4g} s, {dynamics.drive(time).distance:.4g} m")
+        raise OutOfBounds(f"{event} at t = {time:.4g} s, {dynamics.drive(time).distance:.4g} m")
 
 
 LIMITS = Limits()
 
 
 def wheels(dynamics: Dynamics, time: float, state: Array) -> list[tuple[float, float]]:
-    """Where the lowest points of the left and the right rolling circle are, against the same at rest on their rails:
-    shift to the left and lift m.
+    """Shift to the left and lift, m, of the lowest points of the left and the right rolling circle relative to their
+    nominal position on the rails.
+
+    Parameters:
+        dynamics: the equations of motion.
+        time: s.
+        state: (20 + m,).
     """
     half_base, radius = 0.5 * dynamics.track.base, dynamics.wagon.radius
     y, z, roll = float(state[Y]), float(state[Z]), float(state[ROLL])
@@ -69,12 +83,18 @@ def wheels(dynamics: Dynamics, time: float, state: Array) -> list[tuple[float, f
     ]
 
 
-def whereabouts(dynamics: Dynamics, time: float, state: Array) -> str:
-    """Where wheelset and car body are, in words, for whom a contact has no answer there."""
+def describe_position(dynamics: Dynamics, time: float, state: Array) -> str:
+    """Position of wheelset and car body in words, for the status of a run with a failed contact solve.
+
+    Parameters:
+        dynamics: the equations of motion.
+        time: s.
+        state: (20 + m,).
+    """
     (shift, left), (_, right) = wheels(dynamics, time, state)
     return (
         f"the left wheel is {1e3 * abs(shift):.1f} mm to the {_hand(shift)}, {1e3 * left:.1f} mm above its rail, "
-        f"the right one {1e3 * right:.1f} mm, and the car body rolls by {float(state[CAR_BODY_ROLL]):.3f} rad"
+        f"the right wheel {1e3 * right:.1f} mm above its rail, car body roll {float(state[CAR_BODY_ROLL]):.3f} rad"
     )
 
 

@@ -1,4 +1,4 @@
-"""Turns accepted steps into rows of a history."""
+"""Recording of accepted steps as rows of a history."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PatchPair = tuple[tuple[Patch, ...], tuple[Patch, ...]]
 
 
 class Outputs(NamedTuple):
-    """Everything beside the state that has a number; see `wheelrail.vehicle.simulation.history.History`."""
+    """Outputs besides the state; see `wheelrail.vehicle.simulation.history.History`."""
 
     force: Array
     moment: Array
@@ -43,8 +43,9 @@ class Outputs(NamedTuple):
             bumpstop_force=forces.force[-1, 0],
         )
 
-    def blend(self, other: Outputs, share: float) -> Outputs:
-        return Outputs(*((1.0 - share) * a + share * b for a, b in zip(self, other, strict=True)))
+    def interpolate(self, other: Outputs, fraction: float) -> Outputs:
+        """Linear interpolation: these outputs at fraction 0, the others at 1."""
+        return Outputs(*((1.0 - fraction) * a + fraction * b for a, b in zip(self, other, strict=True)))
 
 
 SHAPES = Outputs((2, 3), (2, 3), (2,), (), (), (), ())  # type: ignore[arg-type]
@@ -67,8 +68,14 @@ class Row:
 
 @dataclass
 class Recorder:
-    """Rows at accepted steps, or every so many seconds: states by the step's cubic, outputs linear, patches of the
-    nearer end.
+    """Rows at accepted steps or at equal intervals.
+
+    Parameters:
+        dynamics: the equations of motion.
+        every: interval s; None: at accepted steps. Within a step, states are interpolated by its cubic, outputs
+            linearly; patches are those of the nearer end.
+        rows: recorded so far.
+        latest: row at the last accepted step, if any.
     """
 
     dynamics: Dynamics
@@ -77,31 +84,32 @@ class Recorder:
     latest: list[Row] = field(default_factory=list)
 
     def begin(self, time: float, state: Array, at: Evaluation) -> None:
-        """The first row, or where a run that has rows goes on."""
+        """Records the first row, or sets the start of a resumed run."""
         self.latest = [Row.of(self.dynamics, time, state, at)]
         self.rows = self.rows or self.latest[:]
 
     def add(self, step: Step[Evaluation]) -> None:
-        before, now = self.latest[0], Row.of(self.dynamics, step.t, step.x, step.end)
-        self.rows.extend([now] if self.every is None else self._between(step, before, now, self.every))
-        self.latest = [now]
+        """Records an accepted step."""
+        before, after = self.latest[0], Row.of(self.dynamics, step.t, step.x, step.end)
+        self.rows.extend([after] if self.every is None else self._between(step, before, after, self.every))
+        self.latest = [after]
 
-    def _between(self, step: Step[Evaluation], before: Row, now: Row, every: float) -> list[Row]:
+    def _between(self, step: Step[Evaluation], before: Row, after: Row, every: float) -> list[Row]:
         origin, rows = self.rows[0].time, []
         first = int(np.floor((step.t0 - origin) / every * (1 + 1e-12))) + 1
         last = int(np.floor((step.t - origin) / every * (1 + 1e-12)))
         for i in range(first, last + 1):
             time = min(origin + i * every, step.t)
-            share = (time - step.t0) / (step.t - step.t0)
-            near = before if share < 0.5 else now
-            outputs = before.outputs.blend(now.outputs, share)
-            rows.append(Row(time, step.at(time), outputs, near.patches, near.contact_status))
+            fraction = (time - step.t0) / (step.t - step.t0)
+            nearest = before if fraction < 0.5 else after
+            outputs = before.outputs.interpolate(after.outputs, fraction)
+            rows.append(Row(time, step.at(time), outputs, nearest.patches, nearest.contact_status))
         return rows
 
     def states(self) -> Array:
         return np.array([row.state for row in self.rows]).reshape(-1, self.dynamics.size)
 
     def outputs(self) -> Outputs:
-        """Columns of all rows."""
+        """Outputs of all rows, stacked along the first axis."""
         columns = zip(*(row.outputs for row in self.rows), strict=True) if self.rows else ([] for _ in SHAPES)
         return Outputs(*(np.array(c).reshape(-1, *shape) for c, shape in zip(columns, SHAPES, strict=True)))

@@ -1,4 +1,4 @@
-"""Runs a wagon over a track on a contact model."""
+"""Time simulation of a wagon on a track."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wheelrail.vehicle.integration.rosenbrock import RosenbrockCoefficients
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
 from wheelrail.vehicle.simulation.history import History, RunCost
-from wheelrail.vehicle.simulation.limits import LIMITS, Limits, OutOfBounds, whereabouts
+from wheelrail.vehicle.simulation.limits import LIMITS, Limits, OutOfBounds, describe_position
 from wheelrail.vehicle.simulation.recorder import Recorder
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
 
@@ -30,7 +30,11 @@ Progress = Callable[[float, Mapping[str, float]], None]
 
 @dataclass(frozen=True)
 class Recording:
-    """What is recorded of a run: rows every interval s (None: at accepted steps), and checkpoints, if any.
+    """Recording of a run.
+
+    Parameters:
+        interval: between rows, s; None: rows at accepted steps.
+        checkpoints: spacing, receiver and start; None: no checkpoints.
 
     Raises ValueError for an interval that is not positive.
     """
@@ -40,7 +44,7 @@ class Recording:
 
     def __post_init__(self) -> None:
         if self.interval is not None and not self.interval > 0.0:
-            raise ValueError(f"interval = {self.interval} s: positive, or None for all accepted steps")
+            raise ValueError(f"interval = {self.interval} s: must be positive, or None for all accepted steps")
 
 
 def simulate(
@@ -53,26 +57,33 @@ def simulate(
     limits: Limits = LIMITS,
     progress: Progress | None = None,
 ) -> History:
-    """Motion of the wagon over the times span s; distance is zero at time zero.
+    """Motion of the wagon over a time span; the distance is zero at time zero.
 
-    initial: a state (see `wheelrail.vehicle.dynamics.state`), else the equilibrium at the start. steps: "ode23" and
-    "ode45" are explicit and follow the contact's 150 Hz; "rosenbrock" is linearly implicit and uses the contact's
-    tangent where there is one; atol: see `tolerances`. Each contact solve starts from the result before, the first of a
-    step from the latest accepted one. A solve that fails makes the step shorter; when the smallest step does not help
-    either, beyond the limits, or on Ctrl-C, the history ends there and its status tells. progress gets the share done
-    and figures at each accepted step. With checkpoints the run goes on from the latest one; all else given must be the
-    same. Raises ValueError for senseless input.
+    Parameters:
+        dynamics: equations of motion.
+        span: start and end, s.
+        initial: (20 + m,) state (see `wheelrail.vehicle.dynamics.state`); None: the equilibrium at the start.
+        steps: "ode23" and "ode45" are explicit and resolve the contact's 150 Hz; "rosenbrock" is linearly implicit and
+            uses the contact's tangent if it has one; atol: see `tolerances`.
+        recording: rows and checkpoints. With a latest checkpoint the run resumes from it; all other arguments must
+            be those of the interrupted run.
+        limits: bounds beyond which the run ends.
+        progress: called at each accepted step with the completed fraction and statistics.
+
+    The initial guess of a contact solve is the previous result, at the start of a step that of the latest accepted
+    state. A failed solve shortens the step. If the smallest step fails, beyond the limits, or on Ctrl-C, the history
+    ends there; its status names the reason. Raises ValueError for invalid input.
     """
     simulation = _Simulation(dynamics, span, steps or StepSettings(), recording or Recording(), limits, progress)
     if initial is not None and np.shape(initial) != (dynamics.size,):
-        raise ValueError(f"initial: shape {np.shape(initial)}: a state of this wagon has {dynamics.size} numbers")
+        raise ValueError(f"initial: shape {np.shape(initial)}: must be ({dynamics.size},), the state of this wagon")
     status = simulation.run(initial)
     simulation.cost.seconds = simulation.seconds
     return History.of(simulation.recorder, simulation.cost, status)
 
 
 class _Simulation:
-    """A run in progress: its cost and records, on from the latest checkpoint if there is one."""
+    """A run in progress, resumed from the latest checkpoint if there is one: its cost and recorded rows."""
 
     def __init__(
         self,
@@ -95,11 +106,11 @@ class _Simulation:
 
     @property
     def seconds(self) -> float:
-        """Wall time s since the start, with that of the run before a checkpoint."""
+        """Wall time s, including that before the checkpoint."""
         return perf_counter() - self.began
 
     def run(self, initial: Array | None) -> str:
-        """Runs through the span; returns the status of the history."""
+        """Integrates over the span; returns the status of the history."""
         try:
             with deferred_interrupts():
                 self.integrate(self.latest or self.start(initial))
@@ -107,13 +118,13 @@ class _Simulation:
             return "interrupted"
         except StepTooSmall as error:
             (last,) = self.recorder.latest
-            return f"failed: {error}; {whereabouts(self.dynamics, last.time, last.state)}"
+            return f"failed: {error}; {describe_position(self.dynamics, last.time, last.state)}"
         except (StepFailure, EquilibriumError, OutOfBounds) as error:
             return f"failed: {error}"
         return "completed"
 
     def start(self, initial: Array | None) -> Checkpoint:
-        """At the initial state given, else in equilibrium."""
+        """Start of the run: the initial state, by default the equilibrium."""
         time = self.span[0]
         state = equilibrium(self.dynamics, time=time).state if initial is None else np.array(initial, dtype=float)
         return self.checkpoint(time, state, None, 1.0)
@@ -123,17 +134,17 @@ class _Simulation:
         return Checkpoint(time, state, step, error, deepcopy(self.cost), self.recorder.rows)
 
     def integrate(self, at: Checkpoint) -> None:
-        """From checkpoint to checkpoint to the end of the span; from each, contacts are solved without a guess."""
+        """Integrates from checkpoint to checkpoint; the first contact solves after each have no initial guess."""
         following: tuple[Checkpoint, Evaluation] | None = at, self.dynamics(at.time, at.state)
         while following is not None:
             at, evaluation = following
             self.recorder.begin(at.time, at.state, evaluation)
             if self.checkpoints is not None:
                 self.checkpoints.keep(at)
-            following = self.leg(at, evaluation)
+            following = self.to_next_checkpoint(at, evaluation)
 
-    def leg(self, at: Checkpoint, evaluation: Evaluation) -> tuple[Checkpoint, Evaluation] | None:
-        """Steps to the next checkpoint, with the evaluation there; None at the end of the span."""
+    def to_next_checkpoint(self, at: Checkpoint, evaluation: Evaluation) -> tuple[Checkpoint, Evaluation] | None:
+        """Integrates to the next checkpoint: that and the evaluation there; None at the end of the span."""
         steps = integrate(
             self.dynamics,
             at.time,
@@ -144,13 +155,13 @@ class _Simulation:
             first=FirstStep(evaluation, at.step, at.error),
             counts=self.cost.steps,
         )
-        for done, step in enumerate(steps, start=1):
+        for count, step in enumerate(steps, start=1):
             self.accept(step)
-            if self.checkpoints is not None and done >= self.checkpoints.every and step.t < self.span[1]:
+            if self.checkpoints is not None and count >= self.checkpoints.every and step.t < self.span[1]:
                 at = self.checkpoint(step.t, step.x, step.following, step.error)
                 try:
                     return at, self.dynamics(at.time, at.state)
-                except StepFailure:  # the contacts cannot be solved without a guess here
+                except StepFailure:  # not solvable without an initial guess: checkpoint after a later step
                     continue
         return None
 
@@ -165,10 +176,14 @@ class _Simulation:
 
 
 def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float | Array:
-    """Absolute tolerance of each component: an array as it is, a number for positions and deflections in m and rad.
+    """Absolute tolerance of each component of the state.
 
-    Explicit steps take the same number for the rates, as they are bound by stability anyway; for implicit ones see
-    `wheelrail.vehicle.dynamics.state.graded`.
+    Parameters:
+        method: name of the integration method.
+        atol: an array is returned unchanged; a number is that of positions and deflections, m and rad. Explicit
+            methods, limited by stability, use it for rates, too; for implicit ones see
+            `wheelrail.vehicle.dynamics.state.graded`.
+        size: of the state.
     """
     if isinstance(atol, float | int) and isinstance(METHODS[method], RosenbrockCoefficients):
         return graded(atol, size)

@@ -1,4 +1,4 @@
-"""A way into a curve for those who look for the steady position there: the run that ends in it."""
+"""Initial guess for steady curving: a transient run from straight track into the curve."""
 
 from __future__ import annotations
 
@@ -14,29 +14,35 @@ from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 
-RAMP, REST = 3.0, 6.0  # s, until the curve is reached and until the slowest sway has faded by a hundred
+RAMP, DECAY = 3.0, 6.0  # s: transition into the curve; then until the slowest sway has decayed to 1 %
 TOLERANCE = 3e-3
 
 
-def bends(dynamics: Dynamics, time: float) -> bool:
+def is_curved(dynamics: Dynamics, time: float) -> bool:
     """Whether the track at a time s is not straight and level."""
     line, s = dynamics.track, dynamics.drive(time).distance
-    return any(course(s)[0] != 0.0 for course in (line.curvature, line.lift, line.gradient))
+    return any(function(s)[0] != 0.0 for function in (line.curvature, line.lift, line.gradient))
 
 
-def run_in(dynamics: Dynamics, time: float, start: Array) -> Array:
-    """State at the end of a run at the speed of a time s, from a state on straight level track into the curvature,
-    cant and gradient there.
+def transient_into_curve(dynamics: Dynamics, time: float, start: Array) -> Array:
+    """State (20 + m,) at the end of a run at constant speed from straight level track into a curve.
+
+    Parameters:
+        dynamics: equations of motion.
+        time: s, at which the speed, curvature, cant and gradient are taken.
+        start: (20 + m,) initial state on straight level track.
 
     Raises StepFailure and StepTooSmall.
     """
     line, (s, speed, _) = dynamics.track, dynamics.drive(time)
     ends = (0.0, RAMP * speed)
     curvature, lift, gradient = (
-        PiecewiseFunction(ends, (0.0, of(s)[0])) for of in (line.curvature, line.lift, line.gradient)
+        PiecewiseFunction(ends, (0.0, function(s)[0])) for function in (line.curvature, line.lift, line.gradient)
     )
-    way = replace(dynamics, track=Track(curvature, lift, gradient, line.base), speed=speed)
-    state, settings = start, StepSettings(ROS34PW2.name, TOLERANCE, graded(1e-3 * TOLERANCE, way.size))
-    for step in integrate(way, 0.0, start, RAMP + REST, settings, jacobian=Jacobian(way, StepStatistics())):
+    transient = replace(dynamics, track=Track(curvature, lift, gradient, line.base), speed=speed)
+    state, settings = start, StepSettings(ROS34PW2.name, TOLERANCE, graded(1e-3 * TOLERANCE, transient.size))
+    for step in integrate(
+        transient, 0.0, start, RAMP + DECAY, settings, jacobian=Jacobian(transient, StepStatistics())
+    ):
         state = step.x
     return state

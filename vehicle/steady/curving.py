@@ -1,4 +1,4 @@
-"""Steady position in curves: what each wheel carries, and where the bodies stand."""
+"""Steady-state curving: wheel forces and positions of the bodies."""
 
 from __future__ import annotations
 
@@ -24,9 +24,15 @@ OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
 @dataclass(frozen=True)
 class SteadyCurving:
-    """What a curve does to the wagon, in the track's axes; signs to the left are positive, wheels by side.
+    """Steady-state solution in a curve, in the track's axes; lateral quantities are positive to the left.
 
-    Forces N on the wheels; positions y, z m (z from the nominal height) and roll rad of the bodies.
+    Parameters:
+        curve: curve and speed.
+        equilibrium: state and contacts.
+        suspension: forces of the suspension.
+        yaw_reaction: N m, constraint moment about the wheelset's vertical axis.
+
+    Forces on the wheels in N, by side; positions of the bodies (3,): y, z m (z from the nominal height), roll rad.
     """
 
     curve: ConstantCurve
@@ -35,47 +41,47 @@ class SteadyCurving:
     yaw_reaction: float
 
     @classmethod
-    def of(cls, dynamics: Dynamics, curve: ConstantCurve, found: Equilibrium) -> SteadyCurving:
-        at = dynamics.track.frame(0.0, curve.speed)
-        _, yaw_reaction = dynamics.accelerations(at, found.state, Wrench.of(found.contacts))
-        position = found.state[:9].reshape(3, 3)
-        return cls(curve, found, dynamics.suspension.forces(position, np.zeros((3, 3))), yaw_reaction.item())
+    def of(cls, dynamics: Dynamics, curve: ConstantCurve, solution: Equilibrium) -> SteadyCurving:
+        frame = dynamics.track.frame(0.0, curve.speed)
+        _, yaw_reaction = dynamics.accelerations(frame, solution.state, Wrench.of(solution.contacts))
+        position = solution.state[:9].reshape(3, 3)
+        return cls(curve, solution, dynamics.suspension.forces(position, np.zeros((3, 3))), yaw_reaction.item())
 
     @property
     def wheel_load(self) -> dict[Side, float]:
-        """Q, upwards on each wheel, N."""
+        """Vertical force Q on each wheel, upwards, N."""
         return {side: float(self.equilibrium.contacts[side].force[2]) for side in SIDES}
 
     @property
     def guiding_force(self) -> dict[Side, float]:
-        """Y, which each wheel exerts on its rail to the outside of the track, N."""
+        """Lateral force Y of each wheel on its rail, towards the field side, N."""
         return {side: -OUTWARDS[side] * float(self.equilibrium.contacts[side].force[1]) for side in SIDES}
 
     @property
     def derailment_quotient(self) -> dict[Side, float]:
-        """Y / Q; infinite or NaN of a wheel that carries nothing."""
+        """Y / Q; infinite or NaN for an unloaded wheel."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return {s: float(np.divide(self.guiding_force[s], self.wheel_load[s])) for s in SIDES}
 
     @property
     def lateral_force(self) -> float:
-        """Of both rails on the wheelset, N."""
+        """Lateral force of both rails on the wheelset, N."""
         return float(sum(self.equilibrium.contacts[side].force[1] for side in SIDES))
 
     @property
     def unloading(self) -> float:
-        """Share of its static load that the lighter wheel has lost."""
+        """Wheel unloading: relative reduction of the load of the lighter wheel."""
         loads = self.wheel_load.values()
         return 1.0 - 2.0 * min(loads) / sum(loads)
 
     @property
     def secondary_deflection(self) -> float:
-        """Of the car body against the bogie at the secondary springs, mean of both sides, m."""
+        """Lateral deflection of the secondary springs, car body relative to bogie, mean of both sides, m."""
         return self.suspension.secondary_deflection
 
     @property
     def bumpstop_force(self) -> float:
-        """On the car body, N."""
+        """Force of the bumpstop on the car body, N."""
         return float(self.suspension.force[-1, 0]) + 0.0  # never -0
 
     @property
@@ -92,38 +98,49 @@ class SteadyCurving:
 
     @cached_property
     def patches(self) -> dict[Side, tuple[Patch, ...]]:
-        """With their positions on the profiles, where the contact tells."""
+        """Contact patches by side."""
         return {side: tuple(self.equilibrium.contacts[side].patches) for side in SIDES}
 
 
 def curving(
     wagon: Wagon, contact: VehicleContact, curve: ConstantCurve, *, before: SteadyCurving | None = None
 ) -> SteadyCurving:
-    """Steady position in a curve; one found before, in a curve much like this, saves contact solves.
+    """Steady-state solution in a curve.
+
+    Parameters:
+        wagon: masses and suspension.
+        contact: model of the wheel-rail contacts.
+        curve: curve and speed.
+        before: solution of a similar curve, used as initial guess.
 
     Raises EquilibriumError.
     """
     dynamics = Dynamics(wagon, curve.track, contact, curve.speed)
-    guess = None if before is None else _carried_over(before, curve)
+    guess = None if before is None else _scaled_guess(before, curve)
     return SteadyCurving.of(dynamics, curve, equilibrium(dynamics, guess=guess))
 
 
 def curving_over(wagon: Wagon, contact: VehicleContact, curves: Iterable[ConstantCurve]) -> list[SteadyCurving]:
-    """Steady positions in curves, each from the one before: over speeds, radii or cants in order.
+    """Steady-state solutions of a series of curves, each the initial guess of the next one.
+
+    Parameters:
+        wagon: masses and suspension.
+        contact: model of the wheel-rail contacts.
+        curves: in order of speed, radius or cant.
 
     Raises EquilibriumError naming the curve.
     """
-    found: list[SteadyCurving] = []
+    solutions: list[SteadyCurving] = []
     for curve in curves:
         try:
-            found.append(curving(wagon, contact, curve, before=found[-1] if found else None))
+            solutions.append(curving(wagon, contact, curve, before=solutions[-1] if solutions else None))
         except EquilibriumError as error:
             raise EquilibriumError(f"{curve}: {error}") from error
-    return found
+    return solutions
 
 
-def _carried_over(before: SteadyCurving, curve: ConstantCurve) -> Array:
-    """The earlier state with its rates, the creepage of rolling among them, at the new speed."""
+def _scaled_guess(before: SteadyCurving, curve: ConstantCurve) -> Array:
+    """State of the earlier solution with its rates, including the pitch rate, scaled to the new speed."""
     state: Array = before.equilibrium.state.copy()
     state[COUNT : 2 * COUNT] *= curve.speed / before.curve.speed
     return state

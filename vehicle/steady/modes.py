@@ -1,4 +1,4 @@
-"""Linear modes of the wagon about a state of equilibrium."""
+"""Linear modes of the wagon about an equilibrium."""
 
 from __future__ import annotations
 
@@ -24,9 +24,12 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 @dataclass(frozen=True)
 class Mode:
-    """A motion Re(shape exp(eigenvalue t)) of the ten coordinates; eigenvalue 1/s, shape (10,) m and rad.
+    """A motion Re(shape exp(eigenvalue t)) of the ten coordinates.
 
-    share (10,): of each coordinate in the kinetic energy; tells what moves.
+    Parameters:
+        eigenvalue: 1/s.
+        shape: (10,) m and rad.
+        share: (10,) fraction of the kinetic energy in each coordinate.
     """
 
     eigenvalue: complex
@@ -35,21 +38,22 @@ class Mode:
 
     @property
     def frequency(self) -> float:
-        """|eigenvalue| / 2 pi, Hz; of a motion that does not swing 1 / 2 pi over its time constant."""
+        """Natural frequency |eigenvalue| / 2 pi, Hz; of a mode without oscillation 1 / (2 pi time constant)."""
         return abs(self.eigenvalue) / (2 * np.pi)
 
     @property
     def damping(self) -> float:
-        """Ratio to the critical one; 1 fades without swinging, negative grows."""
+        """Damping ratio; 1: decay without oscillation, negative: unstable."""
         return -self.eigenvalue.real / (abs(self.eigenvalue) or 1.0)
 
     @property
     def swings(self) -> bool:
+        """Whether the mode oscillates."""
         return self.eigenvalue.imag != 0.0
 
     @property
     def moving(self) -> str:
-        """Coordinates with a tenth of the kinetic energy or more, the largest first."""
+        """Coordinates with at least a tenth of the kinetic energy, in descending order."""
         order = [i for i in np.argsort(-self.share) if self.share[i] >= 0.1]
         return ", ".join(f"{COORDINATES[i]} {self.share[i]:.0%}" for i in order)
 
@@ -58,26 +62,30 @@ class Mode:
 
 
 def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.0) -> list[Mode]:
-    """All modes on the contact, the slowest first: of a pair that swings one, and each that does not.
+    """Linear modes in ascending order of frequency; one of each complex conjugate pair.
 
-    at: an equilibrium for the time s, computed unless given. The contact counts with its tangent, creep included, or
-    with differences. The angle of rolling, on which nothing depends, is no mode; its rate is.
-    Raises EquilibriumError, and StepFailure where the contact cannot be solved.
+    Parameters:
+        dynamics: equations of motion.
+        at: equilibrium at the time; None: computed.
+        time: s, at which speed and track are taken.
+
+    The contact is linearised by its tangent, creep forces included, or by differences. The zero mode of the rolling
+    angle is left out. Raises EquilibriumError, and StepFailure where a contact solve fails.
     """
-    found = at or equilibrium(dynamics, time=time)
-    return _of(dynamics, _matrix(dynamics, time, found), held=())
+    solution = at or equilibrium(dynamics, time=time)
+    return _modes_of(dynamics, _matrix(dynamics, time, solution), held=())
 
 
 def held_modes(wagon: Wagon) -> list[Mode]:
-    """Modes of car body and bogie on straight level track above a wheelset that is held: no contact is needed."""
-    dynamics = Dynamics(wagon, Track(), _Carried(wagon.wheel_load), speed=1.0)
-    rest = np.zeros(dynamics.size)
-    contacts = dynamics.solve_contacts(dynamics.track.frame(0.0, 1.0), rest, None)
-    return _of(dynamics, _matrix(dynamics, 0.0, Equilibrium(rest, contacts, 0, 0.0)), held=range(6, COUNT))
+    """Modes of car body and bogie on straight level track with a fixed wheelset, without a contact model."""
+    dynamics = Dynamics(wagon, Track(), _ConstantLoad(wagon.wheel_load), speed=1.0)
+    state = np.zeros(dynamics.size)
+    contacts = dynamics.solve_contacts(dynamics.track.frame(0.0, 1.0), state, None)
+    return _modes_of(dynamics, _matrix(dynamics, 0.0, Equilibrium(state, contacts, 0, 0.0)), held=range(6, COUNT))
 
 
 @dataclass(frozen=True)
-class _Carried(VehicleContact):
+class _ConstantLoad(VehicleContact):
     """A constant load N on each wheel."""
 
     load: float
@@ -91,15 +99,17 @@ def _matrix(dynamics: Dynamics, time: float, at: Equilibrium) -> Array:
     return Jacobian(dynamics, StepStatistics(), central=True)(time, at.state, evaluation).by_state
 
 
-def _of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list[Mode]:
-    """Modes of a first-order system: coordinates, their rates, and whatever else has a state of its own."""
-    gone = {i + part for i in held for part in (0, COUNT)}
-    kept = [i for i in range(len(matrix)) if i not in gone]
-    values, vectors = np.linalg.eig(matrix[np.ix_(kept, kept)])
+def _modes_of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list[Mode]:
+    """Modes of the first-order system with some coordinates (and their rates) held."""
+    removed = {i + part for i in held for part in (0, COUNT)}
+    free = [i for i in range(len(matrix)) if i not in removed]
+    values, vectors = np.linalg.eig(matrix[np.ix_(free, free)])
     shapes = np.zeros((len(matrix), len(values)), dtype=complex)
-    shapes[kept] = vectors
-    every = [_mode(dynamics, complex(values[i]), shapes[:COUNT, i]) for i in np.argsort(np.abs(values), kind="stable")]
-    return [m for m in every if m.eigenvalue.imag >= 0.0 and not (m.eigenvalue == 0.0 and m.share[PITCH] == 1.0)]
+    shapes[free] = vectors
+    all_modes = [
+        _mode(dynamics, complex(values[i]), shapes[:COUNT, i]) for i in np.argsort(np.abs(values), kind="stable")
+    ]
+    return [m for m in all_modes if m.eigenvalue.imag >= 0.0 and not (m.eigenvalue == 0.0 and m.share[PITCH] == 1.0)]
 
 
 def _mode(dynamics: Dynamics, value: complex, shape: NDArray[np.complex128]) -> Mode:
