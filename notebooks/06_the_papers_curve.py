@@ -14,14 +14,14 @@
 # %% [markdown]
 # # The paper's curve
 #
-# Magheri, Malvezzi, Meli and Rindi ([2011](https://doi.org/10.1080/00423114.2010.504854)) drove the Manchester wagon at
-# 45 m/s from a tangent through a transition into a left-hand curve of 1200 m with 60 mm of cant, with a finite-element
-# contact problem behind every force that the integrator asked for. Here is that run with the exact contact laws: no
-# penetration, and Coulomb's law without a regularisation.
+# Magheri, Malvezzi, Meli and Rindi ([2011](https://doi.org/10.1080/00423114.2010.504854)) simulated the Manchester
+# wagon at 45 m/s on a tangent, a transition and a left-hand curve of 1200 m radius with 60 mm of cant, with a
+# finite-element contact problem solved at every force evaluation. This notebook repeats the run with the exact contact
+# laws: unilateral contact, and Coulomb's law without regularisation.
 #
-# The vehicle is a section: car body, bogie and wheelset, each free to move sideways, up and down, and to roll. One
-# wheelset with its share, a quarter of the car body and half a bogie frame, is in it; there is no yaw, and so no
-# steering and no hunting. What it does show is how wheels and rails share the load between tread and flange.
+# The vehicle model is plane: car body, bogie and wheelset, each with lateral and vertical displacement and roll. It
+# consists of one wheelset, a quarter of the car body and half a bogie frame; there is no yaw, hence no steering and no
+# hunting. It does represent the distribution of the load between tread and flange.
 
 # %%
 from importlib.resources import files
@@ -36,13 +36,14 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 plt.rcParams.update(STYLE)
 
 # %% tags=["parameters"]
-CHANGES = {}  # to the scene: scenes/curve.toml as it is, 10 s on 4 x 10 cells a patch
-SIZES = {"exact laws": 1e-3, "paper's laws": 2e-3, "paper's laws, finer": 1e-3}  # m, between surface points
+CHANGES = {}  # of the scene; scenes/curve.toml: 10 s, 4 x 10 cells per patch
+SIZES = {"exact laws": 1e-3, "paper's laws": 2e-3, "paper's laws, finer": 1e-3}  # m, spacing of surface points
 
 # %% [markdown]
-# A scene file says what to run; values can be replaced by their names in it. The contact problem is solved some five
-# hundred times a side: the stepper is implicit (a Rosenbrock method of third order), with the contact's own tangent in
-# its Jacobian, because a stiffness of a million N/mm would make an explicit one crawl.
+# A scene file defines the run; single values can be replaced by their dotted names. The contact problem is solved about
+# five hundred times per side: time integration is implicit (a Rosenbrock method of third order) with the contact
+# tangent in its Jacobian, because a contact stiffness of a million N/mm would limit explicit methods to very small
+# steps.
 
 # %%
 scene = files("wheelrail.scenes") / "examples" / "curve.toml"
@@ -50,53 +51,52 @@ run = wr.run(scene, **{"solver.workers": 1, **CHANGES})
 print(run)
 
 # %% [markdown]
-# ## Where the wagon goes
+# ## Displacements
 #
-# The paper's Figs. 11 and 12. In the transition the wheelset moves out by 6 mm; on its way, at 5 mm, its right flange
-# meets the outer rail. The car body hangs over to the outside by 8 cm: the speed is too
-# high for the cant.
+# Figs. 11 and 12 of the paper. In the transition the wheelset moves outwards by 6 mm; flange contact of the right wheel
+# with the outer rail begins at 5 mm. The car body is displaced to the outside by 8 cm, because of the cant deficiency.
 
 # %%
-moved = run.plot.displacements()
+displacements = run.plot.displacements()
 
 # %% [markdown]
 # ## Forces on the wheels
 #
-# Figs. 13 to 16: $Y$ to the left, $Q$ upwards, on each wheel.
+# Figs. 13 to 16: $Y$ (positive to the left) and $Q$ (positive upwards) on each wheel.
 
 # %%
 lateral = run.plot.lateral_forces()
 vertical = run.plot.vertical_forces()
 
 # %% [markdown]
-# ## By hand
+# ## Static equilibrium by hand
 #
-# The forces in the full curve need no program. Seen from the track, the plane of the rails is tilted by
-# $\beta = \arcsin(h/b)$ and the wagon is pushed outwards with
+# The forces in the full curve can be calculated by hand. The plane of the rails is inclined by $\beta = \arcsin(h/b)$,
+# and in the frame of the track the accelerations outwards and normal to this plane are
 #
 # $$a = \frac{v^2}{R}\cos\beta - g \sin\beta , \qquad n = \frac{v^2}{R}\sin\beta + g \cos\beta .$$
 #
-# Both rails together bear $m n$, and against $m a$ they push inwards. About the middle of the track, at the height of
-# the rails,
+# Both rails together carry the load $m n$, and the inward force $m a$. The moments about the track centre, at the
+# height of the rails, give
 #
 # $$(Q_\mathrm{r} - Q_\mathrm{l})\, \tfrac{e}{2} = \sum_i m_i \,(a\, z_i + n\, u_i) ,$$
 #
 # with heights $z_i$ and displacements to the outside $u_i$ of car body, bogie and wheelset, and $e$ the distance
-# between the contact points. The displacements are the run's own: without the hanging car body, 8 kN of the load
-# transfer would be missing. (The wheelset's gyroscopic moment, 0.4 kN m, is the one thing that is added.)
+# between the contact points. The displacements are taken from the run: the displacement of the car body contributes 8
+# kN of the load transfer. (The gyroscopic moment of the wheelset, 0.4 kN m, is added.)
 #
-# The car body still rolls a little after some seconds in the curve, and forces swing with it. So all of this is
-# averaged over the last second, in which the mean force also has to change the momentum: $\Delta P / \Delta t$ is read
-# off the velocities at its two ends, and so is the angular momentum $\sum_i (I_i \dot{\varphi}_i - m_i z_i \dot{y}_i)$
-# about the track.
+# Some seconds into the curve the car body still has a small roll oscillation, and the forces oscillate with it. All
+# quantities are therefore averaged over the last second, in which the mean force also changes the momentum:
+# $\Delta P / \Delta t$ is computed from the velocities at both ends of the interval, and so is the change of the
+# angular momentum $\sum_i (I_i \dot{\varphi}_i - m_i z_i \dot{y}_i)$ about the track.
 
 # %%
-section = Wagon().plane  # one wheelset's share of everything
+section = Wagon().plane  # the fractions of one wheelset
 speed, curvature, cant, base = 45.0, 1 / 1200, 0.06, 1.5
 tilt = np.arcsin(cant / base)
 outwards = speed**2 * curvature * np.cos(tilt) - section.gravity * np.sin(tilt)
 downwards = speed**2 * curvature * np.sin(tilt) + section.gravity * np.cos(tilt)
-print(f"{outwards:.2f} m/s2 outwards, as with {1e3 * base * outwards / section.gravity:.0f} mm of cant missing")
+print(f"{outwards:.2f} m/s2 outwards, equivalent to {1e3 * base * outwards / section.gravity:.0f} mm cant deficiency")
 
 # %%
 last = run.data.sel(time=slice(float(run.data.time[-1]) - 1.0, None))
@@ -109,60 +109,58 @@ def acceleration(coordinate: str) -> float:
 
 
 bodies = {"car_body": section.car_body, "bogie": section.bogie, "wheelset": section.wheelset}
-sideways, upwards, moment = 0.0, 0.0, 0.0  # N and N m that the rails have to give
+lateral, upwards, moment = 0.0, 0.0, 0.0  # N and N m, forces and moment of the rails
 for name, body in bodies.items():
-    pushed = body.mass * (outwards + acceleration(f"{name}_y"))
-    sideways += pushed
+    inertia = body.mass * (outwards + acceleration(f"{name}_y"))
+    lateral += inertia
     upwards += body.mass * (downwards + acceleration(f"{name}_z"))
-    moment += pushed * body.height - body.mass * downwards * float(mean[f"{name}_y"])
+    moment += inertia * body.height - body.mass * downwards * float(mean[f"{name}_y"])
     moment -= body.roll_inertia * acceleration(f"{name}_roll")
 spin = speed / section.radius
 moment += section.wheelset.pitch_inertia * spin * speed * curvature * np.cos(tilt)
 
 # %%
-pressed = mean.patch_normal_force
-at = (mean.rail_y * pressed).sum("patch") / pressed.sum("patch")
-shift = {side: float(at.sel(side=side)) for side in SIDES}  # of the load, from the top of each rail to its field side
-rail = wr.Wheelset("S1002", "60E1").mounting.rail_y  # m from the middle of the track to the top of the rail
+normal_force = mean.patch_normal_force
+centre = (mean.rail_y * normal_force).sum("patch") / normal_force.sum("patch")
+offset = {side: float(centre.sel(side=side)) for side in SIDES}  # of the load, from the rail top to the field side
+rail = wr.Wheelset("S1002", "60E1").mounting.rail_y  # m, from the track centre to the top of the rail
 left, right = (float(mean.vertical_force.sel(side=side)) for side in SIDES)
-across, aside = 2 * rail + shift["left"] + shift["right"], 0.5 * (shift["right"] - shift["left"])
+distance, eccentricity = 2 * rail + offset["left"] + offset["right"], 0.5 * (offset["right"] - offset["left"])
 by_hand = {
     "both wheels, Q": (upwards, left + right),
-    "both wheels, Y": (sideways, float(mean.lateral_force.sum())),
-    "load transfer": (2 * (moment - upwards * aside) / across, right - left),
+    "both wheels, Y": (lateral, float(mean.lateral_force.sum())),
+    "load transfer": (2 * (moment - upwards * eccentricity) / distance, right - left),
 }
-for name, (expected, found) in by_hand.items():
-    print(
-        f"{name:15} by hand {1e-3 * expected:7.2f} kN, in the run {1e-3 * found:7.2f} kN, {found / expected - 1:+.2%}"
-    )
+for name, (expected, force) in by_hand.items():
+    print(f"{name:15} by hand {1e-3 * expected:7.2f} kN, run {1e-3 * force:7.2f} kN, {force / expected - 1:+.2%}")
 
 # %% [markdown]
-# What is left is that the lateral forces act some millimetres below the top of the rails.
+# The remaining difference is due to the lateral forces, which act some millimetres below the top of the rails.
 #
-# The lateral forces are shared out unevenly: the inner wheel takes next to nothing, and the outer one all that the
-# curve asks for. Longitudinal forces show what the missing yaw costs: $\pm 10$ kN against each other, a steering
-# moment that in a real bogie would turn the wheelset until it is small.
+# The lateral forces are unequal: that of the inner wheel is almost zero, and the outer wheel carries nearly the whole
+# lateral load. Longitudinal forces show the effect of the missing yaw: $\pm 10$ kN in opposite directions, a steering
+# moment that in a real bogie would yaw the wheelset until it becomes small.
 #
-# ## Where wheels and rails touch
+# ## Contact bands
 #
-# Figs. 17 to 20, the paper's signature: the lateral extent of every patch along the track, here shaded by its peak
-# pressure. On the outer wheel the tread's patch narrows on its way to the gauge corner. Then a second one appears at
-# the flange root, 2 to 3 mm wide with more than 2000 MPa. For 20 m both carry; then the flange has all of it.
+# Figs. 17 to 20: the lateral extent of every patch along the track, here coloured by its peak pressure. On the outer
+# wheel the tread patch becomes narrower as it moves to the gauge corner. Then a second patch forms at the flange root,
+# 2 to 3 mm wide with more than 2000 MPa. Over 20 m both carry load; then the flange carries all of it.
 
 # %%
 on_wheel = run.plot.bands("wheel")
 on_rail = run.plot.bands("rail")
 
 # %% [markdown]
-# ## Beside the standard contact
+# ## Comparison with the standard contact
 #
-# The same scene with `model = "standard"`: rigid profiles with virtual penetration and FASTSIM, as multibody codes have
-# them, and none of the keys of elastic cells.
+# The same scene with `model = "standard"`: rigid profiles with virtual penetration and FASTSIM, as in multibody codes,
+# without the keys of elastic cells.
 
 # %%
 rigid = {"model": "standard", "laws": None, "surface_size": None, "strips": None, "cells": None}
 runs = {"exact laws": run.data, "standard contact": wr.run(scene, **{**CHANGES, "solver.workers": 1, **rigid}).data}
-LOOKS = ({"color": "#0072B2"}, {"color": "#D55E00", "linestyle": (0, (4, 1.5))})
+STYLES = ({"color": "#0072B2"}, {"color": "#D55E00", "linestyle": (0, (4, 1.5))})
 panels = (
     ("lateral_force", "right", 1e-3, "lateral force,\nright wheel [kN]"),
     ("patch_max_pressure", "right", 1e-6, "peak pressure,\nright wheel [MPa]"),
@@ -171,48 +169,49 @@ panels = (
 )
 compared, axes = plt.subplots(4, 1, figsize=(7.4, 7.6), sharex=True, layout="constrained")
 for ax, (variable, side, scale, label) in zip(axes, panels, strict=True):
-    for (name, data), look in zip(runs.items(), LOOKS, strict=True):
+    for (name, data), style in zip(runs.items(), STYLES, strict=True):
         values = data[variable].sel(side=side)
         values = values.max("patch") if "patch" in values.dims else values
-        ax.plot(data.distance, scale * values, label=name, **look)
+        ax.plot(data.distance, scale * values, label=name, **style)
     ax.set_ylabel(label)
 axes[0].legend()
 axes[-1].set_xlabel("distance along the track [m]")
 
 # %% [markdown]
-# Forces follow from equilibrium, so the models differ little where nothing moves; where the flange takes over from the
-# tread they are some metres apart. Peak pressures differ by a fifth all along: that is what an elastic model is for.
+# Forces follow from equilibrium, so the models differ little in steady states; the transition from tread to flange
+# contact differs by some metres. Peak pressures differ by a fifth over the whole distance, which is the main benefit of
+# an elastic model.
 #
-# ## What the paper's own laws change
+# ## Effect of the paper's laws
 #
-# The paper replaces $p \ge 0,\ d \ge 0,\ p\,d = 0$ by a penalty, $p = K\,\delta$ with $K = 10^{15}$ N/m³, and
-# Coulomb's law by one whose traction grows with the slip before it reaches $\mu p$; contact points are the nodes of a
-# regular grid. One sample of the run, the outer wheel 3 mm off centre at the gauge corner, is solved again with either
-# (without the rates of the canting track):
+# The paper replaces $p \ge 0,\ d \ge 0,\ p\,d = 0$ by a penalty, $p = K\,\delta$ with $K = 10^{15}$ N/m³, and Coulomb's
+# law by one whose traction increases with the slip up to $\mu p$; contact points are the nodes of a regular grid. One
+# sample of the run, at $y = -3$ mm with contact of the outer wheel at the gauge corner, is solved again with both laws
+# (without the rates of the varying cant):
 
 # %%
 sample = run.data.isel(time=int(np.argmax(run.data.wheelset_y.values < -3e-3)))
 state = {key: float(sample[f"wheelset_{key}"]) for key in ("y", "roll", "pitch_rate", "y_rate", "roll_rate")}
 state |= {"speed": speed, "wheel_load": float(sample.vertical_force.sel(side="right")), "sides": ["right"]}
-again = {}
+patches = {}
 for name, size in SIZES.items():
     laws = {"laws": "paper", "bodies": "waveguide"} if "paper" in name else {}
     wheelset = wr.Wheelset("S1002", "60E1", curvature=float(sample.curvature), surface_size=size, **laws)
-    again[name] = wheelset.solve(**state).patches.iloc[0]
-    patch = again[name]
+    patches[name] = wheelset.solve(**state).patches.iloc[0]
+    patch = patches[name]
     creep = 1e-3 * np.hypot(patch.longitudinal_force, patch.lateral_force)
-    found = f"{1e-6 * patch.max_pressure:5.0f} MPa, {1e6 * patch.area:5.1f} mm2, creep force {creep:.2f} kN"
-    print(f"{name:20} {1e3 * size:g} mm: {found}")
+    values = f"{1e-6 * patch.max_pressure:5.0f} MPa, {1e6 * patch.area:5.1f} mm2, creep force {creep:.2f} kN"
+    print(f"{name:20} {1e3 * size:g} mm: {values}")
 
 # %% [markdown]
-# On 1 mm the paper's laws are hardly another model: $p_0/K$ is 1.3 µm, one or two per cent of the approach, and the
-# peak falls by as much. On the 2 mm that the paper could afford, a patch 7 mm wide is three or four points wide, and
-# area and creep force are off by a tenth. The `scenes/paper_curve.toml` of this package is the whole run with them.
+# At 1 mm the paper's laws have a small effect: $p_0/K$ is 1.3 µm, one or two per cent of the approach, and the peak
+# pressure is lower by the same fraction. At 2 mm, the spacing of the paper, a patch 7 mm wide has three or four points
+# across, and area and creep force have errors of a tenth. `scenes/paper_curve.toml` is the whole run with these laws.
 #
-# ## Wear, from the same numbers
+# ## Wear
 #
-# T-gamma is the heat that friction makes on a metre of track, $T\gamma = \frac{1}{v}\int \mathbf p_t \cdot \mathbf
-# s\,dA$, and wear laws take it for their input. Over the whole run:
+# T-gamma is the frictional work per metre of track, $T\gamma = \frac{1}{v}\int \mathbf p_t \cdot \mathbf s\,dA$, and
+# the input of wear laws. Over the whole run:
 
 # %%
 for name, data in runs.items():
@@ -221,16 +220,16 @@ for name, data in runs.items():
 
 # %%
 assert run.status == "completed"
-for expected, found in by_hand.values():
-    assert abs(found / expected - 1) < 0.01
+for expected, force in by_hand.values():
+    assert abs(force / expected - 1) < 0.01
 assert -6.4e-3 < float(mean.wheelset_y) < -6.1e-3
 assert -0.09 < float(mean.car_body_y) < -0.07
 np.testing.assert_allclose(last.t_gamma, last.frictional_power / speed, rtol=1e-12)
 flange = run.data.wheel_y.sel(side="right").min("patch").values < -0.025
-touches = float(run.data.wheelset_y[np.argmax(flange)])
-assert -5.2e-3 < touches < -4.0e-3
+first_contact = float(run.data.wheelset_y[np.argmax(flange)])
+assert -5.2e-3 < first_contact < -4.0e-3
 rigid_mean = runs["standard contact"].vertical_force.sel(side="right", time=last.time).mean()
 assert abs(float(rigid_mean) / right - 1) < 0.02
-peaks = {name: patch.max_pressure for name, patch in again.items()}
+peaks = {name: patch.max_pressure for name, patch in patches.items()}
 assert abs(peaks["paper's laws"] / peaks["exact laws"] - 1) < 0.1  # three or four points over the patch
 assert abs(peaks.get("paper's laws, finer", np.inf) / peaks["exact laws"] - 1) < 0.02 or len(SIZES) == 2

@@ -36,7 +36,7 @@ def check_geometry(names: dict[str, Any]) -> None:
     """The wave that was integrated is Klingel's; both wheels mirror each other."""
     assert 2 * names["half"] == pytest.approx(names["klingel"], rel=0.01)
     assert names["conicity"] == pytest.approx(0.177, abs=0.002)
-    left, right = (names["touch"].sel(side=side).rolling_radius.values for side in ("left", "right"))
+    left, right = (names["geometry"].sel(side=side).rolling_radius.values for side in ("left", "right"))
     np.testing.assert_allclose(left, right[::-1], atol=1e-9)
 
 
@@ -51,7 +51,7 @@ def check_hertz(names: dict[str, Any]) -> None:
 
 def check_ways(names: dict[str, Any]) -> None:
     """All ways to the force are within what a coarse mesh allows of Hertz's load."""
-    force = names["same"]["normal force [N]"].astype(float)
+    force = names["comparison"]["normal force [N]"].astype(float)
     assert np.abs(force / 10e3 - 1).max() < 0.15
     assert force["full", 0.0] == pytest.approx(force["condensed", 0.0], rel=1e-9)
 
@@ -59,7 +59,7 @@ def check_ways(names: dict[str, Any]) -> None:
 def check_rolling(names: dict[str, Any]) -> None:
     """CONTACT's creep forces on the circle, Kalker's coefficients on three ellipses."""
     assert np.abs(names["error"]["finite elements"]).max() < 0.012
-    assert np.abs(names["beside"]).max() < 0.02
+    assert np.abs(names["deviation"]).max() < 0.02
     assert [round(ratio, 2) for ratio in names["measured"]] == [0.5, 1.0, 2.0]
 
 
