@@ -1,4 +1,4 @@
-"""The programs in `benchmarks/`, by what their first lines say."""
+"""The programs in `benchmarks/`, with the first paragraph of their docstrings."""
 
 from __future__ import annotations
 
@@ -11,17 +11,25 @@ FOLDER = Path(__file__).parents[2] / "benchmarks"
 
 
 def programs() -> dict[str, str]:
-    """First paragraph of the docstring of every file that is a program."""
-    found = {}
-    for file in sorted(FOLDER.glob("*.py")):
-        text = file.read_text(encoding="utf-8")
-        if 'if __name__ == "__main__"' in text:
-            doc = ast.get_docstring(ast.parse(text)) or ""
-            found[file.stem] = " ".join(doc.split("\n\n")[0].split())
-    return found
+    """First paragraph of the docstring of every program, by name.
+
+    A program is a file that runs as a script, or a package with a `__main__.py`, described by its `report.py`.
+    """
+    sources = {file.parent.name: file.with_name("report.py") for file in FOLDER.glob("*/__main__.py")}
+    sources |= {file.stem: file for file in FOLDER.glob("*.py") if _runs(file)}
+    return {name: _summary(sources[name]) for name in sorted(sources)}
+
+
+def _runs(file: Path) -> bool:
+    return 'if __name__ == "__main__"' in file.read_text(encoding="utf-8")
+
+
+def _summary(file: Path) -> str:
+    doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return " ".join(doc.split("\n\n")[0].split())
 
 
 def benchmark_list() -> str:
     """Markdown: a table of programs."""
     rows = [f"| `python -m benchmarks.{name}` | {plain(text)} |" for name, text in programs().items()]
-    return "\n".join(["| program | what |", "|---|---|", *rows])
+    return "\n".join(["| program | contents |", "|---|---|", *rows])

@@ -8,62 +8,87 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
-# Title: modules
+# Title: modules, by package
 CHAPTERS: dict[str, tuple[str, ...]] = {
     "wheelrail": ("wheelrail",),
-    "Contact": (
-        "wheelrail.contact.laws.parameters",
+    "Contact: kinematics and laws": (
         "wheelrail.contact.kinematics.frames",
+        "wheelrail.contact.kinematics.wheelset_state",
+        "wheelrail.contact.laws.material",
+        "wheelrail.contact.laws.parameters",
+    ),
+    "Contact: models": (
         "wheelrail.contact.models.builders",
+        "wheelrail.contact.models.discretisation",
         "wheelrail.contact.models.condensed",
         "wheelrail.contact.models.fitted.model",
+        "wheelrail.contact.models.fitted.resolution",
         "wheelrail.contact.models.full.model",
         "wheelrail.contact.models.standard.model",
-        "wheelrail.contact.models.fitted.resolution",
-        "wheelrail.contact.solvers.options",
-        "wheelrail.contact.loading.load_search",
         "wheelrail.contact.models.wheelset",
-        "wheelrail.contact.results.vehicle_contact",
-        "wheelrail.contact.loading.wheelset",
+        "wheelrail.contact.solvers.options",
+    ),
+    "Contact: results": (
         "wheelrail.contact.results.result",
+        "wheelrail.contact.results.vehicle_contact",
         "wheelrail.contact.results.error_estimate",
+    ),
+    "Contact: loading": (
+        "wheelrail.contact.loading.load_search",
+        "wheelrail.contact.loading.hertz",
+        "wheelrail.contact.loading.wheelset",
+    ),
+    "Contact: stress": (
         "wheelrail.contact.stress.subsurface",
         "wheelrail.contact.stress.shakedown",
     ),
-    "Closed forms": (
+    "Contact: closed-form solutions": (
         "wheelrail.contact.analytical.hertz",
         "wheelrail.contact.analytical.cattaneo",
         "wheelrail.contact.analytical.carter",
         "wheelrail.contact.analytical.kalker",
     ),
-    "Profiles and bodies": (
+    "Meshes: profiles": (
         "wheelrail.meshes.profiles.profile",
+        "wheelrail.meshes.profiles.library",
+        "wheelrail.meshes.profiles.named",
         "wheelrail.meshes.profiles.reader",
+    ),
+    "Meshes: bodies": (
         "wheelrail.meshes.bodies.outlines",
         "wheelrail.meshes.bodies.wheel_web",
     ),
-    "Vehicle and track": (
+    "Vehicle: wagon": (
         "wheelrail.vehicle.wagon.wagon",
         "wheelrail.vehicle.wagon.components",
         "wheelrail.vehicle.wagon.force_law",
+    ),
+    "Vehicle: track": (
         "wheelrail.vehicle.track.track",
         "wheelrail.vehicle.track.alignment",
+        "wheelrail.vehicle.track.constant_curve",
         "wheelrail.vehicle.track.irregularity",
         "wheelrail.vehicle.track.irregularity_spectrum",
         "wheelrail.vehicle.track.speed_profile",
+    ),
+    "Vehicle: dynamics and steady states": (
+        "wheelrail.vehicle.dynamics.equations",
+        "wheelrail.vehicle.steady.equilibrium",
+        "wheelrail.vehicle.steady.curving",
+        "wheelrail.vehicle.steady.modes",
+    ),
+    "Vehicle: simulation": (
         "wheelrail.vehicle.simulation.simulate",
         "wheelrail.vehicle.simulation.history",
         "wheelrail.vehicle.simulation.limits",
-        "wheelrail.vehicle.steady.equilibrium",
-        "wheelrail.vehicle.steady.curving",
-        "wheelrail.vehicle.track.constant_curve",
-        "wheelrail.vehicle.steady.modes",
         "wheelrail.vehicle.simulation.energy_balance",
     ),
-    "Scenes and results": (
+    "Scenes": (
         "wheelrail.scenes.schema.scene",
+        "wheelrail.scenes.schema.errors",
         "wheelrail.scenes.datasets.run",
         "wheelrail.scenes.datasets.netcdf",
+        "wheelrail.scenes.html_report.write",
     ),
 }
 

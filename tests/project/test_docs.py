@@ -160,7 +160,9 @@ def test_every_public_name_is_in_the_reference(site: Path) -> None:
 def test_every_key_of_a_scene_has_its_row(site: Path) -> None:
     text = (site / "reference" / "scenes.html").read_text(encoding="utf-8")
     tables = keys.models(tuple(KINDS.values()))
-    assert {"Contact", "RunScene", "SegmentTable", "IrregularityTable", "BlockStress"} <= {t.__name__ for t in tables}
+    assert {"Contact", "RunScene", "SegmentTable", "IrregularityTable", "BlockStressTable"} <= {
+        t.__name__ for t in tables
+    }
     for table in tables:
         section = text.split(f'id="{table.__name__.lower()}"')[1].split("</section>")[0]
         rows = re.findall(r"<tr[^>]*>.*?</tr>", section, flags=re.DOTALL)
@@ -255,9 +257,17 @@ def test_every_benchmark_is_listed(site: Path) -> None:
     assert all(f"benchmarks.{name}" in text and what for name, what in programs().items())
 
 
+def test_commands_of_benchmarks_exist() -> None:
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *DOCS.rglob("*.md")]
+    text = "".join(file.read_text(encoding="utf-8") for file in pages)
+    commands = set(re.findall(r"python -m benchmarks\.([\w.]+)", text)) - {"NAME"}
+    assert len(commands) > 5
+    assert commands <= set(programs())
+
+
 def code_names() -> Iterator[tuple[str, str]]:
     """Page and dotted name of everything of this package that the pages name as code."""
-    packages = "meshes|forms|contact|vehicle|scenes|benchmarks"
+    packages = "wheelrail|benchmarks|meshes|forms|contact|vehicle|scenes"
     for source in sorted(DOCS.rglob("*.md")):
         for name in re.findall(rf"`((?:{packages})(?:\.\w+)+)`", source.read_text(encoding="utf-8")):
             if not name.endswith((".toml", ".nc", ".py")):

@@ -46,8 +46,8 @@ def test_example_in_python(capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, Any] = {}
     exec(compile(example, "README.md", "exec"), names)
     exact = hertz(0.5 / 0.46, 0.5 / 0.3, modulus(STEEL, STEEL), force=60e3)
-    found, patch = names["found"], names["patch"]
-    assert found.data["vertical_force"].item() == pytest.approx(60e3, rel=1e-6)
+    solution, patch = names["solution"], names["patch"]
+    assert solution.data["vertical_force"].item() == pytest.approx(60e3, rel=1e-6)
     assert patch.max_pressure == pytest.approx(exact.peak, rel=0.006)
     said = re.search(r"prints `(\d+ MPa, creep force -\d+ N)`", README)
     assert said is not None
