@@ -1,4 +1,4 @@
-"""Results of a contact solve as named variables with units: totals by side, patches, values at the contact points."""
+"""Results of a contact solve as variables with units: totals by side, patches, values at the contact points."""
 
 from __future__ import annotations
 
@@ -19,28 +19,31 @@ if TYPE_CHECKING:
     from wheelrail.contact.laws.parameters import ContactLaws
 
 LOCAL = ("longitudinal", "lateral", "normal")
-SIDEWAYS = np.array([1.0, -1.0, 1.0])  # of local components in a mirror, where the lateral axis turns round
+MIRROR_LOCAL = np.array([1.0, -1.0, 1.0])  # mirror image of local components
 # Attribute of the result's error estimate: unit, meaning.
 ERRORS = {
-    "force": ("N", "estimated error of the force, length of a vector"),
-    "moment": ("N m", "estimated error of the moment, length of a vector"),
+    "force": ("N", "estimated error of the force, magnitude"),
+    "moment": ("N m", "estimated error of the moment, magnitude"),
     "max_pressure": ("Pa", "estimated error of the peak pressure"),
     "area": ("m2", "estimated error of the contact area"),
 }
 
 
 def contact_dataset(results: Mapping[str, ContactResult], laws: ContactLaws) -> Dataset:
-    """A Dataset over side, patch (by falling load, padded with NaN) and point (those of all sides, one after another).
+    """Dataset over side, patch (by decreasing load, padded with NaN) and point (of all sides in sequence).
 
-    Sides are left and right, each in a frame of its own rail, parallel to the track's, or "contact" for a Hertz pair.
-    Point fields are found by point_side and by point_patch, which is -1 where nothing touches. A side that failed has a
+    Parameters:
+        results: by side: "left" and "right", each in the frame of its rail parallel to the track frame, or "contact".
+        laws: of the interface, for the stick area.
+
+    point_side and point_patch are coordinates of the points; point_patch is -1 outside contact. A failed side has a
     status and no force.
     """
     from xarray import Dataset
 
     sides = list(results)
     every: dict[str, Any] = {
-        "status": ("side", [result.status for result in results.values()], means("1", "how the solve ended")),
+        "status": ("side", [result.status for result in results.values()], means("1", "status of the solve")),
         **_totals(results),
         **patch_variables([result.patches for result in results.values()], ("side",), (len(sides),)),
         **_points(results, laws),
@@ -57,35 +60,35 @@ def contact_dataset(results: Mapping[str, ContactResult], laws: ContactLaws) -> 
 
 
 def _totals(results: Mapping[str, ContactResult]) -> dict[str, Any]:
-    """Forces, moments, approach, estimates of their errors, and what the last solve cost, by side."""
-    found: dict[str, Any] = {}
+    """Forces, moments, approach, error estimates, and statistics of the last solve, by side."""
+    variables: dict[str, Any] = {}
     listed = list(results.values())
     force, moment = (
         np.array([value if result.ok else np.full(3, np.nan) for result, value in pairs])
         for pairs in ([(r, r.force) for r in listed], [(r, r.moment) for r in listed])
     )
     for index, (axis, turn) in enumerate(zip(AXES, TURNS, strict=True)):
-        found[f"{axis}_force"] = ("side", force[:, index], means("N", f"{axis} contact force on the wheel"))
-        text = f"{turn} moment of the contact force about the wheelset's centre"
-        found[f"{turn}_moment"] = ("side", moment[:, index], means("N m", text))
-    approach = means("m", "largest undeformed overlap; negative is a gap")
-    found["approach"] = ("side", [result.approach for result in listed], approach)
+        variables[f"{axis}_force"] = ("side", force[:, index], means("N", f"{axis} contact force on the wheel"))
+        text = f"{turn} moment of the contact force about the centre of the wheelset"
+        variables[f"{turn}_moment"] = ("side", moment[:, index], means("N m", text))
+    approach = means("m", "largest penetration of the undeformed bodies; negative is a gap")
+    variables["approach"] = ("side", [result.approach for result in listed], approach)
     if any(result.error_estimate is not None for result in listed):
         for name, (units, text) in ERRORS.items():
             values = [getattr(result.error_estimate, name, np.nan) for result in listed]
-            found[f"{name}_error"] = ("side", values, means(units, text))
+            variables[f"{name}_error"] = ("side", values, means(units, text))
     for name, text in (("newton", "Newton iterations"), ("linear", "linear iterations"), ("points", "contact points")):
         counts = [getattr(result.statistics, name) for result in listed]
-        found[f"{name}_count"] = ("side", counts, means("1", f"{text} of the last solve"))
-    settled = means("1", "whether the ends of fitted cells came to rest")
-    found["settled"] = ("side", [result.statistics.settled for result in listed], settled)
-    return found
+        variables[f"{name}_count"] = ("side", counts, means("1", f"{text} of the last solve"))
+    settled = means("1", "whether the patch-edge iteration converged")
+    variables["settled"] = ("side", [result.statistics.settled for result in listed], settled)
+    return variables
 
 
 def _points(results: Mapping[str, ContactResult], laws: ContactLaws) -> dict[str, Any]:
-    """Values at the contact points of all sides; a right-hand pair's fields, solved as a left one's, turned back."""
+    """Values at the contact points of all sides; fields of a right-hand pair are mirrored back."""
     parts = [
-        (side, _in_place(result.fields, side == "right"), sticks(result.fields, laws))
+        (side, _unmirrored(result.fields, side == "right"), sticks(result.fields, laws))
         for side, result in results.items()
         if result.ok and result.fields is not None
     ]
@@ -97,16 +100,16 @@ def _points(results: Mapping[str, ContactResult], laws: ContactLaws) -> dict[str
     own = np.repeat([side for side, _, _ in parts] or [""], [len(part.area) for part in fields] or [0])
     patch = np.concatenate([np.empty(0, dtype=int), *(part.patch for part in fields)])
     stick = np.concatenate([np.empty(0, dtype=bool), *(part for _, _, part in parts)])
-    position = means("m", "position in the frame of the side's rail: forward, left, up")
-    axes = means("1", "longitudinal, lateral and outward normal axis of the wheel's surface")
-    slip = means("1", "slip of the wheel against the rail over the rolling speed")
-    step = means("m", "length along the rolling direction that the point stands for")
+    position = means("m", "position in the frame of the rail of the side: forward, left, up")
+    axes = means("1", "longitudinal, lateral and outward normal axis of the wheel surface")
+    slip = means("1", "slip velocity of the wheel against the rail over the rolling speed")
+    step = means("m", "length of the cell of the point in rolling direction")
     return {
-        "point_side": ("point", own.astype(str), means("1", "side that the point belongs to")),
-        "point_patch": ("point", patch, means("1", "patch that the point belongs to, -1 for none")),
+        "point_side": ("point", own.astype(str), means("1", "side of the point")),
+        "point_patch": ("point", patch, means("1", "patch of the point, -1 for none")),
         "position": (("point", "axis"), joined("point", 3), position),
         "axes": (("point", "direction", "axis"), joined("axes", 3, 3), axes),
-        "area": ("point", joined("area"), means("m2", "area that the point stands for")),
+        "area": ("point", joined("area"), means("m2", "area of the cell of the point")),
         "step": ("point", joined("step"), step),
         "penetration": ("point", joined("penetration"), means("m", "penetration of the undeformed bodies")),
         "pressure": ("point", joined("pressure"), means("Pa", "contact pressure")),
@@ -121,8 +124,8 @@ def _points(results: Mapping[str, ContactResult], laws: ContactLaws) -> dict[str
     }
 
 
-def _in_place(fields: Fields, mirrored: bool) -> Fields:
-    """Fields in the frame of their own rail: those of a right-hand pair are solved as its mirror image."""
+def _unmirrored(fields: Fields, mirrored: bool) -> Fields:
+    """Fields in the frame of their own rail."""
     from dataclasses import replace
 
     if not mirrored:
@@ -130,17 +133,19 @@ def _in_place(fields: Fields, mirrored: bool) -> Fields:
     return replace(
         fields,
         point=fields.point * MIRROR,
-        axes=fields.axes * SIDEWAYS[:, None] * MIRROR,
-        traction=fields.traction * SIDEWAYS[:2],
-        slip=fields.slip * SIDEWAYS[:2],
-        displacement=fields.displacement * SIDEWAYS,
+        axes=fields.axes * MIRROR_LOCAL[:, None] * MIRROR,
+        traction=fields.traction * MIRROR_LOCAL[:2],
+        slip=fields.slip * MIRROR_LOCAL[:2],
+        displacement=fields.displacement * MIRROR_LOCAL,
     )
 
 
 def sticks(fields: Fields | None, laws: ContactLaws) -> Mask:
-    """Where loaded surfaces stick (n,): traction below its bound, or no slip where that falls, unless the model knows.
+    """Mask (n,) of loaded points that stick; none without friction.
 
-    Without friction nothing does.
+    Parameters:
+        fields: at the contact points, with the mask of the model if it provides one.
+        laws: the traction must be below the friction bound; with falling friction the slip must vanish.
     """
     assert fields is not None
     if fields.sticks is not None:
@@ -150,8 +155,8 @@ def sticks(fields: Fields | None, laws: ContactLaws) -> Mask:
         below = np.hypot(*fields.traction.T) < (1 - 1e-6) * laws.friction * fields.pressure
         return np.asarray(loaded & below)
     slip = np.hypot(*fields.slip.T)
-    found = np.zeros(len(slip), dtype=bool)
+    sticking = np.zeros(len(slip), dtype=bool)
     for patch in range(int(fields.patch.max(initial=-1)) + 1):
         own = fields.patch == patch
-        found[own] = slip[own] <= max(laws.regularisation, 1e-6 * float(slip[own].max(initial=0.0)))
-    return np.asarray(loaded & found)
+        sticking[own] = slip[own] <= max(laws.regularisation, 1e-6 * float(slip[own].max(initial=0.0)))
+    return np.asarray(loaded & sticking)

@@ -1,4 +1,4 @@
-"""Results of a run as named variables with units, left and right as a coordinate."""
+"""Results of a run as variables with units over time and side."""
 
 from __future__ import annotations
 
@@ -22,15 +22,20 @@ if TYPE_CHECKING:
 AXES = ("longitudinal", "lateral", "vertical")
 TURNS = ("roll", "spin", "yaw")
 IRREGULARITIES = {
-    "alignment": "irregularity of the track to the left",
-    "level": "irregularity of the track upwards",
-    "cross_level": "irregularity of the height of the right rail over the left",
-    "gauge": "irregularity of the gauge, wider",
+    "alignment": "lateral irregularity of the track, positive to the left",
+    "level": "vertical irregularity of the track, positive upwards",
+    "cross_level": "irregularity of the height of the right rail above the left",
+    "gauge": "irregularity of the gauge, positive for widening",
 }
 
 
 def dataset(history: History, *, scene: str = "") -> Dataset:
-    """The history as a Dataset over time, side (left, right), patch (padded with NaN) and edge (low, high)."""
+    """Dataset over time, side (left, right), patch (padded with NaN) and edge (low, high).
+
+    Parameters:
+        history: of the run.
+        scene: its text.
+    """
     from xarray import Dataset
 
     costs = [history.cost.contact[side] for side in SIDES]
@@ -43,12 +48,16 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
         "in_contact": (
             ("time", "side"),
             np.array(history.contact_status) == "converged",
-            means("1", "wheel touches rail"),
+            means("1", "whether wheel and rail are in contact"),
         ),
         "contact_solves": ("side", [cost.solves for cost in costs], means("1", "contact problems solved")),
-        "failed_solves": ("side", [cost.failed for cost in costs], means("1", "of these, failed and tried again")),
-        "newton_iterations": ("side", [cost.newton for cost in costs], means("1", "Newton iterations in all")),
-        "linear_iterations": ("side", [cost.linear for cost in costs], means("1", "linear iterations in all")),
+        "failed_solves": (
+            "side",
+            [cost.failed for cost in costs],
+            means("1", "contact problems that failed and were repeated"),
+        ),
+        "newton_iterations": ("side", [cost.newton for cost in costs], means("1", "total Newton iterations")),
+        "linear_iterations": ("side", [cost.linear for cost in costs], means("1", "total linear iterations")),
         "contact_seconds": ("side", [cost.seconds for cost in costs], means("s", "time for all contact solves")),
     }
     coordinates = {
@@ -60,7 +69,7 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
     steps = history.cost.steps
     attributes = {
         "title": "Vehicle run on finite-element wheel-rail contact",
-        "frame": "moving with the track: x forward, y to the left, z up; forces act on the wheels",
+        "frame": "moving track frame: x forward, y to the left, z upwards; forces act on the wheels",
         "status": history.status,
         "speed": float(history.speeds[0]),
         "nominal_radius": history.radius,
@@ -79,55 +88,60 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
 
 
 def _motion(history: History) -> dict[str, Any]:
-    """Coordinates of the bodies and their rates, the track below them."""
-    found: dict[str, Any] = {}
+    """Coordinates of the bodies and their rates, and the track."""
+    variables: dict[str, Any] = {}
     state = history.state.copy()
     state[:, 9] += history.distance / history.radius
     state[:, 9 + COUNT] += history.speeds / history.radius
     for index, name in enumerate(COORDINATES):
         turns = name.endswith(("roll", "pitch"))
-        text = name.replace("_", " ") + (", from the nominal height" if name.endswith("z") else "")
-        found[name] = ("time", state[:, index], means("rad" if turns else "m", text))
+        text = name.replace("_", " ") + (", above the nominal height" if name.endswith("z") else "")
+        variables[name] = ("time", state[:, index], means("rad" if turns else "m", text))
         rate = state[:, COUNT + index]
-        found[f"{name}_rate"] = ("time", rate, means("rad/s" if turns else "m/s", f"rate of {text}"))
+        variables[f"{name}_rate"] = ("time", rate, means("rad/s" if turns else "m/s", f"rate of {text}"))
     if history.series_deflection.size:
-        text = "deflection outwards of the springs in series with dampers, of the left side, then of the right side"
-        found["series_deflection"] = (("time", "series"), history.series_deflection, means("m", text))
-    found["speed"] = ("time", history.speeds, means("m/s", "speed along the track"))
+        text = "outward deflection of the series springs of the Maxwell elements, left side, then right side"
+        variables["series_deflection"] = (("time", "series"), history.series_deflection, means("m", text))
+    variables["speed"] = ("time", history.speeds, means("m/s", "speed along the track"))
     if history.irregularities is not None:
         for index, name in enumerate(QUANTITIES):
-            found[f"irregularity_{name}"] = (
+            variables[f"irregularity_{name}"] = (
                 "time",
                 history.irregularities[:, index],
                 means("m", IRREGULARITIES[name]),
             )
     for source, name, units, text in (
         (history, "curvature", "1/m", "curvature of the track, positive to the left"),
-        (history, "lift", "m", "height of the right rail over the left"),
-        (history.outputs, "yaw_reaction", "N m", "moment that replaces the yaw freedom of the wheelset"),
-        (history.outputs, "secondary_deflection", "m", "car body against bogie at the secondary springs, to the left"),
-        (history.outputs, "bumpstop_deflection", "m", "deflection of the lateral bumpstop, to the left"),
-        (history.outputs, "bumpstop_force", "N", "force of the bumpstop on the car body, to the left"),
+        (history, "lift", "m", "height of the right rail above the left"),
+        (history.outputs, "yaw_reaction", "N m", "reaction moment of the constrained yaw of the wheelset"),
+        (
+            history.outputs,
+            "secondary_deflection",
+            "m",
+            "displacement of the car body against the bogie at the secondary springs, positive to the left",
+        ),
+        (history.outputs, "bumpstop_deflection", "m", "deflection of the lateral bumpstop, positive to the left"),
+        (history.outputs, "bumpstop_force", "N", "force of the bumpstop on the car body, positive to the left"),
     ):
-        found[name] = ("time", getattr(source, name), means(units, text))
-    return found
+        variables[name] = ("time", getattr(source, name), means(units, text))
+    return variables
 
 
 def _forces(history: History) -> dict[str, Any]:
-    """Contact forces on the wheels and moments about the wheelset's centre, in the track's axes."""
+    """Contact forces on the wheels and moments about the centre of the wheelset, in the track frame."""
     by_side = ("time", "side")
-    found: dict[str, Any] = {}
+    variables: dict[str, Any] = {}
     for index, (axis, turn) in enumerate(zip(AXES, TURNS, strict=True)):
-        found[f"{axis}_force"] = (
+        variables[f"{axis}_force"] = (
             by_side,
             history.outputs.force[:, :, index],
             means("N", f"{axis} contact force on the wheel"),
         )
-        text = f"{turn} moment of the contact force about the wheelset's centre"
-        found[f"{turn}_moment"] = (by_side, history.outputs.moment[:, :, index], means("N m", text))
-    found["approach"] = (
+        text = f"{turn} moment of the contact force about the centre of the wheelset"
+        variables[f"{turn}_moment"] = (by_side, history.outputs.moment[:, :, index], means("N m", text))
+    variables["approach"] = (
         by_side,
         history.outputs.approach,
-        means("m", "largest undeformed overlap; negative is a gap"),
+        means("m", "largest penetration of the undeformed bodies; negative is a gap"),
     )
-    return found
+    return variables

@@ -1,4 +1,4 @@
-"""Energy of a run beside what works on it, among its results."""
+"""Derived variables of a run: energy balance and wear."""
 
 from __future__ import annotations
 
@@ -20,22 +20,35 @@ if TYPE_CHECKING:
 
 
 def with_energy(data: Dataset, history: History, wagon: Wagon, track: Track) -> Dataset:
-    """The results with mechanical energy, and power and work of all causes; attribute energy_balance_error."""
-    found = energy_balance(history, wagon, track)
-    energy = {"units": "J", "long_name": "kinetic energy and that of springs, spin counted from nominal rolling"}
+    """Results with mechanical energy, power and work by cause, and attribute energy_balance_error.
+
+    Parameters:
+        data: Dataset of the run.
+        history, wagon, track: of the run.
+    """
+    balance = energy_balance(history, wagon, track)
+    energy = {"units": "J", "long_name": "kinetic and elastic energy, spin relative to nominal rolling"}
     by_cause = ("time", "cause")
     added = data.assign(
-        mechanical_energy=("time", found.energy, energy),
-        power=(by_cause, found.power, {"units": "W", "long_name": "power of what changes the mechanical energy"}),
-        work=(by_cause, found.work, {"units": "J", "long_name": "work of the same since the first sample"}),
+        mechanical_energy=("time", balance.energy, energy),
+        power=(
+            by_cause,
+            balance.power,
+            {"units": "W", "long_name": "power by cause of change of the mechanical energy"},
+        ),
+        work=(by_cause, balance.work, {"units": "J", "long_name": "work by the same cause since the first sample"}),
     )
-    return added.assign_coords(cause=list(POWERS)).assign_attrs(energy_balance_error=found.error)
+    return added.assign_coords(cause=list(POWERS)).assign_attrs(energy_balance_error=balance.error)
 
 
 def wear(data: Dataset, shear_yield: float) -> dict[str, DataArray]:
-    """Variables to add to a run's, from its patches; shear_yield Pa, the yield stress in shear.
+    """Wear variables of a run, from its patches; NaN without a patch.
 
-    T-gamma N is the energy that friction turns into heat per metre, spin included. Outside of any patch there is NaN.
+    Parameters:
+        data: Dataset of the run.
+        shear_yield: yield stress in shear, Pa.
+
+    T-gamma, N, is the frictional energy per metre, including spin.
     """
     power = data["patch_frictional_power"]
     tangential = np.stack([data["patch_longitudinal_force"], data["patch_lateral_force"]], axis=-1)
@@ -45,13 +58,18 @@ def wear(data: Dataset, shear_yield: float) -> dict[str, DataArray]:
     with np.errstate(divide="ignore"):
         index = used.copy(data=surface_fatigue_index(used.values, loaded.values))
     per_wheel = power.sum("patch")
-    found = {
-        "frictional_power": (per_wheel, "W", "power of friction that turns into heat, all patches of a wheel"),
-        "t_gamma": (per_wheel / data["speed"], "N", "T-gamma: heat of friction per metre of track"),
+    variables = {
+        "frictional_power": (per_wheel, "W", "frictional power, all patches of a wheel"),
+        "t_gamma": (per_wheel / data["speed"], "N", "T-gamma: frictional energy per metre of track"),
         "patch_utilisation": (used, "1", "tangential over normal force of the patch"),
-        "patch_load_factor": (loaded, "1", f"peak pressure over a yield stress in shear of {1e-6 * shear_yield:g} MPa"),
-        "patch_surface_fatigue_index": (index, "1", "utilisation less one over the load factor: above 0 it ratchets"),
+        "patch_load_factor": (loaded, "1", f"peak pressure over the shear yield stress of {1e-6 * shear_yield:g} MPa"),
+        "patch_surface_fatigue_index": (
+            index,
+            "1",
+            "surface fatigue index, utilisation minus 1 / load factor; above 0: ratcheting",
+        ),
     }
     return {
-        name: values.assign_attrs({"units": units, "long_name": text}) for name, (values, units, text) in found.items()
+        name: values.assign_attrs({"units": units, "long_name": text})
+        for name, (values, units, text) in variables.items()
     }

@@ -1,4 +1,4 @@
-"""How far apart two runs of the same track are, channel by channel, as they are: nothing shifted, nothing filtered."""
+"""Differences of two runs on the same track by channel, without time shift or filter."""
 
 from __future__ import annotations
 
@@ -32,13 +32,20 @@ CHANNELS = (
     ("vertical force", "vertical_force", True, 1e-3, "kN"),
     ("T-gamma", "t_gamma", True, 1.0, "N"),
 )
-WINDOW = 0.1  # s, over which a force is taken as a parabola when its scatter is looked for
+WINDOW = 0.1  # s, of the local parabolas whose residual is the noise
 
 
 @dataclass(frozen=True)
 class RunDifference:
-    """RMS and worst difference of a channel in its unit, the distance m where it is worst, and the channel's range in
-    the first run, largest less smallest value.
+    """Difference of one channel.
+
+    Parameters:
+        channel: its label.
+        unit: of all values.
+        rms: root mean square over time.
+        worst: largest magnitude.
+        at: distance at which it occurs, m.
+        span: range of the channel in the first run.
     """
 
     channel: str
@@ -50,7 +57,7 @@ class RunDifference:
 
 
 def channels(data: Dataset) -> Iterator[tuple[str, str, Array]]:
-    """Label, unit and values (n,) of every channel, those of the two wheels one after the other."""
+    """Label, unit and values (n,) of every channel, wheel by wheel."""
     for label, name, sided, scale, unit in CHANNELS:
         for side in data["side"].values if sided else (None,):
             values = data[name] if side is None else data[name].sel(side=side)
@@ -58,25 +65,23 @@ def channels(data: Dataset) -> Iterator[tuple[str, str, Array]]:
 
 
 def differences(one: Dataset, other: Dataset) -> list[RunDifference]:
-    """Of all channels, other less one, at the samples of the first run that the second one reached.
+    """Differences of all channels, other minus one, at the common samples of the first run.
 
-    Between its own samples the second run is taken as straight lines.
+    The second run is interpolated linearly.
     """
-    time, there = one["time"].values, other["time"].values
-    own = (time >= there[0]) & (time <= there[-1])
-    distance, found = one["distance"].values[own], []
-    for (label, unit, mine), (_, _, theirs) in zip(channels(one), channels(other), strict=True):
-        apart = np.interp(time[own], there, theirs) - mine[own]
-        worst = int(np.argmax(np.abs(apart)))
-        rms = float(np.sqrt(_mean(time[own], apart**2)))
-        found.append(
-            RunDifference(label, unit, rms, float(abs(apart[worst])), float(distance[worst]), float(np.ptp(mine[own])))
-        )
-    return found
+    time, other_time = one["time"].values, other["time"].values
+    own = (time >= other_time[0]) & (time <= other_time[-1])
+    distance, result = one["distance"].values[own], []
+    for (label, unit, first), (_, _, second) in zip(channels(one), channels(other), strict=True):
+        difference = np.interp(time[own], other_time, second) - first[own]
+        worst, span = int(np.argmax(np.abs(difference))), float(np.ptp(first[own]))
+        rms = float(np.sqrt(_mean(time[own], difference**2)))
+        result.append(RunDifference(label, unit, rms, float(abs(difference[worst])), float(distance[worst]), span))
+    return result
 
 
 def scatter(time: Array, values: Array) -> Array:
-    """What is left of values (n,) when the parabola through those within a tenth of a second is taken away."""
+    """Residuals (n,) of values (n,) from local parabolas over 0.1 s; time (n,), s."""
     left = np.zeros(len(time))
     for i, t in enumerate(time):
         near = np.flatnonzero(np.abs(time - t) <= 0.5 * WINDOW)
@@ -91,7 +96,7 @@ def rms(values: Array) -> float:
 
 
 def settled(data: Dataset) -> NDArray[np.bool_]:
-    """Samples (n,) in the second half of those with the sharpest curvature, where the motion has come to rest most."""
+    """Mask (n,) of the second half of the samples with the largest curvature, where the motion is steady."""
     curvature = np.abs(data["curvature"].values)
     full = np.flatnonzero(curvature >= (1 - 1e-6) * curvature.max(initial=0.0))
     inside = np.zeros(len(curvature), dtype=bool)
@@ -100,36 +105,36 @@ def settled(data: Dataset) -> NDArray[np.bool_]:
 
 
 def noise(data: Dataset) -> dict[str, tuple[float, float]]:
-    """RMS scatter N of every wheel's vertical and lateral force, all along and where it has settled."""
-    found = {}
+    """RMS noise of vertical and lateral force of each wheel, N, over the run and in steady motion."""
+    values = {}
     for name in ("vertical_force", "lateral_force"):
         for side in data["side"].values:
-            left = scatter(data["time"].values, data[name].sel(side=side).values)
-            found[f"{name.replace('_', ' ')}, {side}"] = (rms(left), rms(left[settled(data)]))
-    return found
+            residual = scatter(data["time"].values, data[name].sel(side=side).values)
+            values[f"{name.replace('_', ' ')}, {side}"] = (rms(residual), rms(residual[settled(data)]))
+    return values
 
 
-def table(found: list[RunDifference], names: tuple[str, str]) -> Table:
-    """To read: a line for every channel."""
+def table(run_differences: list[RunDifference], names: tuple[str, str]) -> Table:
+    """Table with one row per channel; names: of both runs."""
     from rich.table import Table
 
-    view = Table(title=f"{names[1]} less {names[0]}; % of the range of {names[0]}", title_justify="left")
-    for head in ("channel", "unit", "RMS", "worst", "at m", "range", "RMS %"):
+    view = Table(title=f"{names[1]} minus {names[0]}; % of the range of {names[0]}", title_justify="left")
+    for head in ("channel", "unit", "RMS", "maximum", "at m", "range", "RMS %"):
         text = head in ("channel", "unit")
         view.add_column(head, justify="left" if text else "right", no_wrap=True)
-    for d in found:
-        share = f"{100 * d.rms / d.span:.2f}" if d.span > 0 else "-"
-        view.add_row(d.channel, d.unit, f"{d.rms:.4g}", f"{d.worst:.4g}", f"{d.at:.1f}", f"{d.span:.4g}", share)
+    for d in run_differences:
+        percent = f"{100 * d.rms / d.span:.2f}" if d.span > 0 else "-"
+        view.add_row(d.channel, d.unit, f"{d.rms:.4g}", f"{d.worst:.4g}", f"{d.at:.1f}", f"{d.span:.4g}", percent)
     return view
 
 
 def _mean(time: Array, values: Array) -> float:
-    """Over time: rows at accepted steps crowd where little happens."""
+    """Mean over time; accepted steps are not evenly spaced."""
     if len(time) < 2:
         return float(values.mean())
     return float(trapezoid(values, time) / (time[-1] - time[0]))
 
 
-def rows(found: list[RunDifference]) -> list[dict[str, Any]]:
-    """For a file."""
-    return [dict(d.__dict__) for d in found]
+def rows(run_differences: list[RunDifference]) -> list[dict[str, Any]]:
+    """Differences as dictionaries, for a file."""
+    return [dict(d.__dict__) for d in run_differences]

@@ -1,4 +1,4 @@
-"""Everything that a contact solve gives as one Dataset: results, where the bodies stand, their shapes, what it cost."""
+"""Contact solution as one Dataset: results, poses, shapes of the bodies, computing time."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from wheelrail.meshes.profiles.profile import Profile
 
-OUTLINE = 2e-4  # m, between the points that are kept of a profile
+OUTLINE = 2e-4  # m, spacing of the stored points of a profile
 
 
 def solution_dataset(
@@ -34,31 +34,36 @@ def solution_dataset(
     profiles: Sequence[Profile] = (),
     arguments: Mapping[str, Any] | None = None,
 ) -> Dataset:
-    """The Dataset of `contact_dataset` with poses, costs and stresses, and the bodies' shapes: of a wheelset the
-    profiles of wheel and rail as laid. arguments: what was asked for, kept as text.
+    """Dataset of `contact_dataset` with poses, costs, stresses and profiles.
+
+    Parameters:
+        scene: that was solved.
+        solved: solution by side.
+        profiles: of wheel and inclined rail, for a wheelset.
+        arguments: of the call, stored as text.
     """
-    data = contact_dataset({side: found.result for side, found in solved.items()}, laws(scene))
+    data = contact_dataset({side: solution.result for side, solution in solved.items()}, laws(scene))
     data = data.assign(
-        **_stand(solved),
+        **_poses(solved),
         **_cost(solved),
         **_curvatures(scene, solved, profiles),
         **_outlines(profiles),
         **_stress(solved),
     )
     bodies = (scene.upper, scene.lower) if isinstance(scene, HertzScene) else (scene, scene)
-    above, below = ((body.E, body.nu) for body in bodies)
-    sides = {side: {"status": found.result.status} for side, found in solved.items()}
-    described = {key: value for key, value in model_choices(scene).items() if value is not None}
+    upper, lower = ((body.E, body.nu) for body in bodies)
+    sides = {side: {"status": solution.result.status} for side, solution in solved.items()}
+    choices = {key: value for key, value in model_choices(scene).items() if value is not None}
     return data.assign_attrs(
         title="Wheel-rail contact" if profiles else "Contact of a Hertz pair",
-        frame="of each side's rail: x forward, y to the left, z up; forces act on the wheel",
+        frame="rail frame of each side: x forward, y to the left, z upwards; forces act on the wheel",
         status=overall(sides),
         kind=scene.kind,
         model=scene.model,
         friction=scene.friction,
-        contact_modulus=modulus(above, below),
+        contact_modulus=modulus(upper, lower),
         **({} if isinstance(scene, HertzScene) else {"nominal_radius": scene.wheelset.radius}),
-        **described,
+        **choices,
         arguments=json.dumps(dict(arguments or {}), default=str),
         versions=", ".join(f"{name} {number}" for name, number in versions().items()),
         commit=commit(),
@@ -66,23 +71,27 @@ def solution_dataset(
     )
 
 
-def _stand(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
-    """Where the wheelset, and where each wheel stands in the frame of its rail."""
+def _poses(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
+    """Position of the wheelset, and pose of each wheel in the frame of its rail."""
     origin, rotation = np.full((len(solved), 3), np.nan), np.full((len(solved), 3, 3), np.nan)
-    for row, found in enumerate(solved.values()):
-        if found.pose is not None:
-            origin[row], rotation[row] = found.pose.origin, found.pose.rotation
-    turned = means("1", "axes of the wheel as columns")
+    for row, solution in enumerate(solved.values()):
+        if solution.pose is not None:
+            origin[row], rotation[row] = solution.pose.origin, solution.pose.rotation
+    axes = means("1", "axes of the wheel as columns")
     return {
-        "z": ("side", [found.z for found in solved.values()], means("m", "height over the nominal one")),
-        "roll": ("side", [found.roll for found in solved.values()], means("rad", "roll of the wheelset")),
-        "wheel_origin": (("side", "axis"), origin, means("m", "centre of the wheel, in its rolling plane")),
-        "wheel_rotation": (("side", "axis", "wheel_axis"), rotation, turned),
+        "z": ("side", [solution.z for solution in solved.values()], means("m", "height above the nominal one")),
+        "roll": ("side", [solution.roll for solution in solved.values()], means("rad", "roll of the wheelset")),
+        "wheel_origin": (
+            ("side", "axis"),
+            origin,
+            means("m", "centre of the wheel in the plane of the rolling circle"),
+        ),
+        "wheel_rotation": (("side", "axis", "wheel_axis"), rotation, axes),
     }
 
 
 def _cost(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
-    solves, seconds = ([getattr(found, name) for found in solved.values()] for name in ("solves", "seconds"))
+    solves, seconds = ([getattr(solution, name) for solution in solved.values()] for name in ("solves", "seconds"))
     return {
         "contact_solves": ("side", solves, means("1", "contact problems solved")),
         "contact_seconds": ("side", seconds, means("s", "time for all contact solves")),
@@ -92,25 +101,26 @@ def _cost(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
 def _curvatures(
     scene: HertzScene | WheelsetScene, solved: Mapping[str, SideSolution], profiles: Sequence[Profile]
 ) -> dict[str, Any]:
-    """Coefficients A and B of the gap A x2 + B y2 between the rigid bodies in the middle of each patch: Hertz's."""
-    most = max([1, *(len(found.result.patches) for found in solved.values())])
-    found = np.full((len(solved), most, 2), np.nan)
+    """Hertz coefficients A and B of the gap A x2 + B y2 between the rigid bodies at the centre of each patch."""
+    most = max([1, *(len(solution.result.patches) for solution in solved.values())])
+    coefficients = np.full((len(solved), most, 2), np.nan)
     for row, side in enumerate(solved.values()):
         for k, patch in enumerate(side.result.patches):
             if isinstance(scene, HertzScene):
-                found[row, k] = curvature(scene.upper.radii) + curvature(scene.lower.radii)
+                coefficients[row, k] = curvature(scene.upper.radii) + curvature(scene.lower.radii)
             else:
-                found[row, k] = _local(scene, profiles, patch.wheel_s, patch.rail_s)
-    text = "half the relative curvature of the rigid bodies in the middle of the patch, {}"
+                coefficients[row, k] = _local(scene, profiles, patch.wheel_s, patch.rail_s)
+    text = "half the relative curvature of the rigid bodies at the patch centre, {}"
     return {
-        f"patch_gap_curvature_{name}": (("side", "patch"), found[:, :, axis], means("1/m", text.format(where)))
-        for axis, (name, where) in enumerate((("x", "along the track"), ("y", "across")))
+        f"patch_gap_curvature_{name}": (("side", "patch"), coefficients[:, :, axis], means("1/m", text.format(where)))
+        for axis, (name, where) in enumerate((("x", "longitudinal"), ("y", "lateral")))
     }
 
 
 def _local(scene: WheelsetScene, profiles: Sequence[Profile], wheel_s: float, rail_s: float) -> Array:
-    """A and B, 1/m, of wheel and rail at arc lengths m: along the rail only the wheel is curved, on its rolling circle
-    of a radius r with a normal that leans away from it (Meusnier).
+    """A and B, 1/m, of wheel and rail at arc lengths, m.
+
+    Longitudinally only the wheel is curved, with the normal curvature of its circle of radius r (Meusnier).
     """
     wheel, rail = profiles
     if not (wheel.s_range[0] <= wheel_s <= wheel.s_range[1] and rail.s_range[0] <= rail_s <= rail.s_range[1]):
@@ -121,7 +131,7 @@ def _local(scene: WheelsetScene, profiles: Sequence[Profile], wheel_s: float, ra
 
 
 def _outlines(profiles: Sequence[Profile]) -> dict[str, Any]:
-    """The profiles as points."""
+    """Points of the profiles."""
     return {
         f"{profile.kind}_profile": (
             (f"{profile.kind}_point", "plane"),
@@ -133,15 +143,15 @@ def _outlines(profiles: Sequence[Profile]) -> dict[str, Any]:
 
 
 def _stress(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
-    """Stresses below the patches where they were asked for, over body and depth."""
-    bodies = list(dict.fromkeys(body for found in solved.values() for body in found.stress))
+    """Requested stresses below the patches, over body and depth."""
+    bodies = list(dict.fromkeys(body for solution in solved.values() for body in solution.stress))
     if not bodies:
         return {}
     below = [
         (row, bodies.index(body), k, patch)
-        for row, found in enumerate(solved.values())
-        for body, under in found.stress.items()
-        for k, patch in enumerate(under.patches)
+        for row, solution in enumerate(solved.values())
+        for body, stresses in solution.stress.items()
+        for k, patch in enumerate(stresses.patches)
     ]
     depth = below[0][3].depth
     shape = (len(solved), len(bodies), 1 + max(k for _, _, k, _ in below), len(depth))
@@ -152,11 +162,11 @@ def _stress(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
             patch.stress,
             patch.position,
         )
-    under = ("side", "body", "patch", "depth")
+    dims = ("side", "body", "patch", "depth")
     return {
         "body": ("body", bodies),
         "depth": ("depth", depth, means("m", "depth below the surface")),
-        "von_mises": (under, mises, means("Pa", "von Mises stress below the patch")),
-        "stress": ((*under, "axis", "other_axis"), stress, means("Pa", "stress below the patch")),
-        "stress_position": ((*under, "axis"), position, means("m", "where the stress is")),
+        "von_mises": (dims, mises, means("Pa", "von Mises stress below the patch")),
+        "stress": ((*dims, "axis", "other_axis"), stress, means("Pa", "stress below the patch")),
+        "stress_position": ((*dims, "axis"), position, means("m", "position of the stress")),
     }

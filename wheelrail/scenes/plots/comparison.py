@@ -1,4 +1,4 @@
-"""Pictures of two runs on one axis, the paper's Figs. 11 to 20, T-gamma, numerical noise and the shakedown map."""
+"""Figures that compare two runs, as Figs. 11 to 20 of the paper, T-gamma, numerical noise, shakedown map."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-Runs = Sequence["Dataset"]  # two, or one where a picture makes sense of it
+Runs = Sequence["Dataset"]  # two; one for the shakedown map
 Names = Sequence[str]
 
 LOOKS: tuple[dict[str, Any], dict[str, Any]] = (
@@ -27,7 +27,7 @@ DOTS = "#D55E00"
 
 
 def draw_comparison(runs: Runs, names: Names, folder: Path) -> Iterator[Path]:
-    """Write the pictures and yield their files."""
+    """Save the figures and yield their files."""
     from matplotlib import rc_context
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -44,61 +44,59 @@ def displacements(runs: Runs, names: Names) -> Figure:
         for data, label, look in zip(runs, names, LOOKS, strict=True):
             ax.plot(data["distance"], 1e3 * data[variable], label=label, **look)
         ax.set_title(f"Lateral displacement of the {title}")
-        ax.set_ylabel("y, to the left [mm]")
+        ax.set_ylabel("y, positive to the left [mm]")
     axes[0].legend(loc="best", ncols=2)
     return figure
 
 
 def lateral_forces(runs: Runs, names: Names) -> Figure:
     """Lateral contact force on each wheel, Figs. 13 and 15."""
-    return _by_side(runs, names, "lateral_force", 1e-3, "Lateral contact force", "Y, to the left [kN]")
+    return _by_side(runs, names, "lateral_force", 1e-3, "Lateral contact force", "Y, positive to the left [kN]")
 
 
 def vertical_forces(runs: Runs, names: Names) -> Figure:
     """Vertical contact force on each wheel, Figs. 14 and 16."""
-    return _by_side(runs, names, "vertical_force", 1e-3, "Vertical contact force", "Q, upwards [kN]")
+    return _by_side(runs, names, "vertical_force", 1e-3, "Vertical contact force", "Q, positive upwards [kN]")
 
 
 def longitudinal_forces(runs: Runs, names: Names) -> Figure:
     """Longitudinal contact force on each wheel."""
-    return _by_side(runs, names, "longitudinal_force", 1e-3, "Longitudinal contact force", "X, forward [kN]")
+    return _by_side(runs, names, "longitudinal_force", 1e-3, "Longitudinal contact force", "X, positive forward [kN]")
 
 
 def t_gamma(runs: Runs, names: Names) -> Figure:
-    """Heat of friction per metre of track, each wheel."""
-    return _by_side(runs, names, "t_gamma", 1.0, "T-gamma", "heat per metre [N]")
+    """Frictional energy per metre of track, each wheel."""
+    return _by_side(runs, names, "t_gamma", 1.0, "T-gamma", "frictional energy per metre [N]")
 
 
 def wheel_sections(runs: Runs, names: Names) -> Figure:
-    """Patches of the first model on the wheels as bands, contact points of the second on top, Figs. 17 and 18."""
-    return _sections(runs, names, "wheel", "from the rolling circle\nto the field side [mm]")
+    """Patches of the first model on the wheels as bands and contact points of the second, Figs. 17 and 18."""
+    return _sections(runs, names, "wheel", "from the rolling circle,\npositive to the field side [mm]")
 
 
 def rail_sections(runs: Runs, names: Names) -> Figure:
     """The same on the rails, Figs. 19 and 20."""
-    return _sections(runs, names, "rail", "from the top of the rail\nto the field side [mm]")
+    return _sections(runs, names, "rail", "from the top of the rail,\npositive to the field side [mm]")
 
 
 def force_scatter(runs: Runs, names: Names) -> Figure:
-    """What is left of the vertical and lateral forces beside parabolas over a tenth of a second: where the motion is
-    steady, numerical noise.
-    """
+    """Residuals of vertical and lateral forces from local parabolas over 0.1 s: numerical noise in steady motion."""
     figure, axes = along_track(runs[0], 4)
     panels = [(name, side) for name in ("vertical_force", "lateral_force") for side in runs[0]["side"].values]
     for ax, (variable, side) in zip(axes, panels, strict=True):
         for data, label, look in zip(runs, names, LOOKS, strict=True):
-            left = scatter(data["time"].values, data[variable].sel(side=side).values)
+            residual = scatter(data["time"].values, data[variable].sel(side=side).values)
             style = {"color": look["color"], "linewidth": 0.6}
-            words = f"{label}, RMS {rms(left):.2g} N, {rms(left[settled(data)]):.2g} N in the full curve"
-            ax.plot(data["distance"], left, label=words, **style)
-        ax.set_title(f"Scatter of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
+            text = f"{label}, RMS {rms(residual):.2g} N, {rms(residual[settled(data)]):.2g} N in the full curve"
+            ax.plot(data["distance"], residual, label=text, **style)
+        ax.set_title(f"Residual noise of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
         ax.set_ylabel("[N]")
         ax.legend(loc="lower right", fontsize=7.5)
     return figure
 
 
 def shakedown_map(runs: Runs, names: Names) -> Figure:
-    """Every patch of every sample: load factor over utilisation, with the limit of line contact."""
+    """Load factor over utilisation of every patch and sample, with the limit for line contact."""
     from matplotlib.figure import Figure
 
     from wheelrail.contact.stress.shakedown import shakedown_limit
@@ -116,9 +114,11 @@ def shakedown_map(runs: Runs, names: Names) -> Figure:
         ax.set_xlabel("utilisation T / N")
     friction = np.linspace(0.0, 1.3 * most, 60)
     for ax in axes:
-        ax.plot(friction, [shakedown_limit(float(f)) for f in friction], color="0.2", label="shakedown, line contact")
+        ax.plot(
+            friction, [shakedown_limit(float(f)) for f in friction], color="0.2", label="shakedown limit, line contact"
+        )
         ax.set_xlim(0.0, friction[-1])
-    axes[0].set_ylabel("load factor, peak pressure over yield in shear")
+    axes[0].set_ylabel("load factor, peak pressure over shear yield stress")
     axes[0].legend(loc="best")
     return figure
 
@@ -151,8 +151,8 @@ def _sections(runs: Runs, names: Names, body: str, label: str) -> Figure:
     figure, axes = patch_bands(runs[0], body, label)
     points = runs[1]
     for ax, side in zip(axes, points["side"].values, strict=True):
-        place = 1e3 * points[f"{body}_y"].sel(side=side).values
-        distance = np.broadcast_to(points["distance"].values[:, None], place.shape)
-        ax.plot(distance.ravel(), place.ravel(), ".", ms=2.2, color=DOTS, label=f"contact points, {names[1]}")
+        position = 1e3 * points[f"{body}_y"].sel(side=side).values
+        distance = np.broadcast_to(points["distance"].values[:, None], position.shape)
+        ax.plot(distance.ravel(), position.ravel(), ".", ms=2.2, color=DOTS, label=f"contact points, {names[1]}")
     axes[0].legend(loc="lower left", title=f"bands: patches, {names[0]}", alignment="left")
     return figure

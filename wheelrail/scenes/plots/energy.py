@@ -1,4 +1,4 @@
-"""Picture of a run's energy balance."""
+"""Figure of the energy balance of a run."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def energy_figure(data: Dataset) -> Figure:
-    """Change of the mechanical energy beside the work of all causes, kJ, over the distance."""
+    """Change of the mechanical energy and work by cause, kJ, over distance."""
     figure, (ax,) = along_track(data, 1)
     figure.set_size_inches(7.2, 3.6)
     change = 1e-3 * (data["mechanical_energy"] - data["mechanical_energy"][0])

@@ -1,4 +1,4 @@
-"""Pictures of errors: over the size of cells, and over the time that they cost."""
+"""Figures of errors over cell size (convergence) and over computing time (work-precision)."""
 
 from __future__ import annotations
 
@@ -24,16 +24,22 @@ def convergence(
     ylabel: str = "relative error [1]",
     ax: Axes | None = None,
 ) -> Axes:
-    """Magnitude of errors (n,) by label over size (n,), logarithmic, with a straight line of the fitted slope each.
+    """Plot errors over size on logarithmic axes, with a straight line of fitted slope for each series.
 
-    Zero and unknown errors are left out. Raises ValueError for another number of errors than of sizes.
+    Parameters:
+        size: (n,) sizes.
+        errors: (n,) errors by label.
+        xlabel, ylabel: labels of the axes.
+        ax: Matplotlib axes; new ones by default.
+
+    Zeros and NaN are omitted. Raises ValueError for different numbers of errors and sizes.
     """
     ax = axes_of(ax)
     for (label, values), look in zip(errors.items(), cycle(SERIES), strict=False):
-        x, error = _known(size, values, label)
+        x, error = _positive(size, values, label)
         order = slope(x, error)
-        said = label if np.isnan(order) else f"{label}, slope {order:.2f}"
-        (line,) = ax.plot(x, error, label=said, markersize=4.5, **{**look, "linestyle": "none"})
+        text = label if np.isnan(order) else f"{label}, slope {order:.2f}"
+        (line,) = ax.plot(x, error, label=text, markersize=4.5, **{**look, "linestyle": "none"})
         if not np.isnan(order):
             ends = np.array([x.min(), x.max()])
             level = np.exp(np.mean(np.log(error)) + order * (np.log(ends) - np.mean(np.log(x))))
@@ -48,21 +54,26 @@ def work_precision(
     ylabel: str = "relative error [1]",
     ax: Axes | None = None,
 ) -> Axes:
-    """Magnitude of errors (n,) over seconds (n,), by label, logarithmic.
+    """Plot errors over computing time on logarithmic axes.
 
-    Raises ValueError for another number of errors than of times.
+    Parameters:
+        series: times (n,), s, and errors (n,) by label.
+        xlabel, ylabel: labels of the axes.
+        ax: Matplotlib axes; new ones by default.
+
+    Raises ValueError for different numbers of errors and times.
     """
     ax = axes_of(ax)
     for (label, (seconds, values)), look in zip(series.items(), cycle(SERIES), strict=False):
-        ax.plot(*_known(seconds, values, label), label=label, markersize=4.5, **look)
+        ax.plot(*_positive(seconds, values, label), label=label, markersize=4.5, **look)
     return _finish(ax, xlabel, ylabel)
 
 
-def _known(size: Sequence[float], error: Sequence[float], label: str) -> tuple[Array, Array]:
-    """Those that a logarithmic scale can show."""
+def _positive(size: Sequence[float], error: Sequence[float], label: str) -> tuple[Array, Array]:
+    """Finite positive sizes and magnitudes of errors."""
     x, y = np.asarray(size, dtype=float), np.abs(np.asarray(error, dtype=float))
     if x.shape != y.shape or x.ndim != 1:
-        raise ValueError(f"{label}: {y.size} errors for {x.size} places; one is needed for each")
+        raise ValueError(f"{label}: {y.size} errors for {x.size} sizes or times; must be equally many")
     keep = (x > 0.0) & (y > 0.0) & np.isfinite(x + y)
     return x[keep], y[keep]
 

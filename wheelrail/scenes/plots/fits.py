@@ -1,4 +1,4 @@
-"""Slopes of errors over sizes, fitted by least squares in logarithms."""
+"""Orders of convergence, fitted by least squares of logarithms."""
 
 from __future__ import annotations
 
@@ -11,26 +11,24 @@ from wheelrail.support.arrays import Array
 if TYPE_CHECKING:
     from xarray import DataArray
 
-EXACT = 1e-12  # a relative error below it is none: nothing falls there
+EXACT = 1e-12  # relative errors below it are round-off, without an order
 
 
 def fitted(error: DataArray, size: DataArray, dim: str) -> DataArray:
     """Slope of the errors along a dimension."""
     from xarray import apply_ufunc
 
-    def one(errors: Array) -> float:
+    def order(errors: Array) -> float:
         return slope(size.values, errors)
 
-    kept = error.where(error > EXACT)
-    found: DataArray = apply_ufunc(one, kept, input_core_dims=[[dim]], vectorize=True, output_dtypes=[float])
-    return found
+    significant = error.where(error > EXACT)
+    orders: DataArray = apply_ufunc(order, significant, input_core_dims=[[dim]], vectorize=True, output_dtypes=[float])
+    return orders
 
 
 def slope(size: Array, error: Array) -> float:
-    """Slope of log error (n,) over log size (n,) by least squares, of errors that are known and not zero; NaN for
-    fewer than two sizes.
-    """
-    known = np.isfinite(error) & (error > 0.0)
-    if len(set(size[known].tolist())) < 2:
+    """Slope of log error (n,) over log size (n,), without zeros and NaN; NaN for fewer than two sizes."""
+    valid = np.isfinite(error) & (error > 0.0)
+    if len(set(size[valid].tolist())) < 2:
         return float("nan")
-    return float(np.polyfit(np.log(size[known]), np.log(error[known]), 1)[0])
+    return float(np.polyfit(np.log(size[valid]), np.log(error[valid]), 1)[0])

@@ -1,4 +1,4 @@
-"""Cells of a contact patch in its own plane."""
+"""Cells of a contact patch in the contact plane."""
 
 from __future__ import annotations
 
@@ -16,9 +16,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PatchCells:
-    """Loaded cells of one patch seen from above in its contact plane, forward and to the left of its resultant:
-    corners (n, 4, 2) m, pressure (n,) Pa, traction (n, 2) Pa on the wheel or the upper body (on),
-    slip (n, 2) over speed, sticks (n,).
+    """Loaded cells of one patch in plan view of its contact plane, positive forward and to the left of its resultant.
+
+    Parameters:
+        corners: (n, 4, 2), m.
+        pressure: (n,), Pa.
+        traction: (n, 2), Pa, on the wheel or the upper body.
+        slip: (n, 2), over the rolling speed.
+        sticks: (n,).
+        on: name of the body that tractions act on.
     """
 
     corners: Array
@@ -38,20 +44,25 @@ class PatchCells:
         return np.asarray(np.prod(np.ptp(self.corners, axis=1), axis=-1))
 
     def spread(self, count: int, only: NDArray[np.bool_] | None = None) -> NDArray[np.int64]:
-        """Some cells, about evenly over the patch, count to its longer side; only those marked (n,)."""
+        """Indices of cells evenly distributed over the patch.
+
+        Parameters:
+            count: along the longer side.
+            only: (n,) mask of admissible cells.
+        """
         box = float(np.ptp(self.middle, axis=0).max()) / count or 1.0
         among = np.arange(len(self.pressure)) if only is None else np.flatnonzero(only)
         _, first = np.unique(np.floor(self.middle[among] / box), axis=0, return_index=True)
         return np.asarray(among[first])
 
     def stick_edge(self) -> Array:
-        """Pieces (k, 2, 2) m of the sides that cells which stick share with cells which slip."""
+        """Segments (k, 2, 2), m, of the boundary between sticking and slipping cells."""
         low, high = self.corners.min(axis=1), self.corners.max(axis=1)
         size = high - low
         pieces: list[Array] = []
-        for one, other in ((self.sticks, ~self.sticks), (~self.sticks, self.sticks)):
-            a, b = np.flatnonzero(one), np.flatnonzero(other)
-            for axis in (0, 1):  # a side of the first cell across this axis, and the cell beyond it
+        for first, second in ((self.sticks, ~self.sticks), (~self.sticks, self.sticks)):
+            a, b = np.flatnonzero(first), np.flatnonzero(second)
+            for axis in (0, 1):  # common edge normal to this axis
                 across = 1 - axis
                 apart = np.abs(high[a, None, axis] - low[b, axis])
                 start = np.maximum(low[a, None, across], low[b, across])
@@ -68,7 +79,7 @@ class PatchCells:
 
     @classmethod
     def of(cls, data: Dataset, side: str, patch: int) -> PatchCells:
-        """Cells in their true lengths, of a Dataset of `wheelrail.scenes.datasets.contact`."""
+        """Cells of a Dataset of `wheelrail.scenes.datasets.contact`, with true lengths in the contact plane."""
         own = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
         point, axes, pressure, area, step = (
             data[name].values[own] for name in ("position", "axes", "pressure", "area", "step")
@@ -90,29 +101,29 @@ class PatchCells:
 
 
 def upper_body(side: str) -> str:
-    """The body that pressure and traction act on: that of a pair of blocks has no name of its own."""
+    """Name of the body that pressure and traction act on."""
     return "upper body" if side == "contact" else "wheel"
 
 
 def touching(data: Dataset) -> list[tuple[str, int]]:
-    """Side and number of every patch of a Dataset of `wheelrail.scenes.datasets.contact`."""
+    """Side and index of every patch of a Dataset of `wheelrail.scenes.datasets.contact`."""
     return [(str(side), k) for side in data["side"].values for k in range(int(data["patches"].sel(side=side)))]
 
 
 def chosen(data: Dataset, side: str | None, patch: int) -> tuple[str, int]:
-    """The patch of a side, of the first one that touches without a side. ValueError naming what there is."""
-    there = touching(data)
-    if not there:
-        raise ValueError("nothing touches: there is no patch to draw")
-    found = (there[0][0] if side is None else side, patch)
-    if found not in there:
-        known = ", ".join(f"side = {name!r} with patch = {k}" for name, k in there)
-        raise ValueError(f"side = {side!r}, patch = {patch!r}: no such patch; there is {known}")
-    return found
+    """Side and index of a patch; side: by default the first in contact. Raises ValueError naming the available ones."""
+    available = touching(data)
+    if not available:
+        raise ValueError("the bodies are not in contact: no patch to draw")
+    key = (available[0][0] if side is None else side, patch)
+    if key not in available:
+        allowed = ", ".join(f"side = {name!r} with patch = {k}" for name, k in available)
+        raise ValueError(f"side = {side!r}, patch = {patch!r}: must be {allowed}")
+    return key
 
 
 def title(data: Dataset, side: str, patch: int) -> str:
-    """Names a patch: its side, its number where there are several, its load."""
+    """Title of a patch: side, number if there are several, load."""
     name = "contact" if side == "contact" else f"{side} wheel"
     which = f", patch {patch + 1}" if int(data["patches"].sel(side=side)) > 1 else ""
     return f"{name}{which}: {1e-3 * float(data['patch_normal_force'].sel(side=side)[patch]):.3g} kN"

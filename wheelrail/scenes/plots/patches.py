@@ -1,4 +1,4 @@
-"""Pictures of contact patches from above: pressure, tractions and slip on the wheel, where the surfaces stick."""
+"""Figures of contact patches in plan view: pressure, tractions, slip, stick and slip areas."""
 
 from __future__ import annotations
 
@@ -18,15 +18,13 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-ARROWS = 15  # over the longer side of a patch
+ARROWS = 15  # along the longer side of a patch
 EDGE = "#D55E00"
-ALONG, ACROSS = "along, forward [mm]", "across, to the left [mm]"
+ALONG, ACROSS = "longitudinal, positive forward [mm]", "lateral, positive to the left [mm]"
 
 
 def draw_patches(data: Dataset, file: Path) -> None:
-    """Write the picture; its format is that of the file's ending. Raises ValueError when nothing touches, or for an
-    ending that is no picture's.
-    """
+    """Save the figure in the format of the file ending. Raises ValueError without contact or for another ending."""
     from matplotlib import rc_context
 
     with rc_context(STYLE):
@@ -34,22 +32,26 @@ def draw_patches(data: Dataset, file: Path) -> None:
 
 
 def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Pressure, arrows of traction and the edge of stick of all patches of a Dataset of
-    `wheelrail.scenes.datasets.contact`: a column for every side, its patches below one another, on one scale of
-    pressure.
+    """Pressure, traction arrows and stick-slip boundary of all patches.
+
+    Parameters:
+        data: Dataset of `wheelrail.scenes.datasets.contact`.
+        figure: Matplotlib figure; a new one by default.
+
+    One column per side with its patches below one another; one pressure scale. Raises ValueError without contact.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    there = touching(data)
-    if not there:
-        raise ValueError("nothing touches: there is no patch to draw")
-    sides = list(dict.fromkeys(side for side, _ in there))
-    rows = 1 + max(patch for _, patch in there)
-    cells = {place: PatchCells.of(data, *place) for place in there}
+    patches = touching(data)
+    if not patches:
+        raise ValueError("the bodies are not in contact: no patch to draw")
+    sides = list(dict.fromkeys(side for side, _ in patches))
+    rows = 1 + max(patch for _, patch in patches)
+    cells = {key: PatchCells.of(data, *key) for key in patches}
     heights = [
-        1.3 + 3.4 * min(max(_tall(own) for (_, patch), own in cells.items() if patch == row), 1.6)
+        1.3 + 3.4 * min(max(_aspect(own) for (_, patch), own in cells.items() if patch == row), 1.6)
         for row in range(rows)
     ]
     figure = Figure() if figure is None else figure
@@ -71,8 +73,15 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
 
 
 def pressure_map(data: Dataset, side: str | None = None, patch: int = 0, ax: Axes | None = None) -> Axes:
-    """Pressure MPa of one patch over its plane, and the edge between stick and slip; the first side that touches
-    unless one is named. Raises ValueError for a patch that is not there.
+    """Pressure of one patch, MPa, and its stick-slip boundary.
+
+    Parameters:
+        data: Dataset of `wheelrail.scenes.datasets.contact`.
+        side: of the patch; the first side in contact by default.
+        patch: index by decreasing load.
+        ax: Matplotlib axes; new ones by default.
+
+    Raises ValueError for a missing patch.
     """
     from matplotlib.colors import Normalize
 
@@ -88,10 +97,13 @@ def pressure_map(data: Dataset, side: str | None = None, patch: int = 0, ax: Axe
 def traction_map(
     data: Dataset, side: str | None = None, patch: int = 0, ax: Axes | None = None, *, slip: bool = True
 ) -> Axes:
-    """Where one patch sticks and slips, with arrows of the traction on the wheel, or the upper body, and of the slip
-    where it slips.
+    """Stick and slip areas of one patch, with arrows of the traction on the wheel or upper body and of the slip.
 
-    Raises ValueError for a patch that is not there.
+    Parameters:
+        data, side, patch, ax: as for `pressure_map`.
+        slip: whether to draw arrows of the slip velocity.
+
+    Raises ValueError for a missing patch.
     """
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
@@ -101,15 +113,17 @@ def traction_map(
     colours = np.where(cells.sticks, REGIONS["stick"], REGIONS["slip"])
     ax.add_collection(PolyCollection(list(1e3 * cells.corners), facecolors=list(colours), edgecolors="face"))
     notes = _arrows(ax, cells, cells.traction, "0.1")
-    slides = ~cells.sticks
-    if slip and slides.any() and notes:
-        moving = np.where(slides[:, None], cells.slip, 0.0)
-        notes += _arrows(ax, cells, moving, EDGE, only=slides, says="orange: slip, longest {:.3g} of the speed")
-    share = {name: float(cells.areas[cells.sticks == (name == "stick")].sum()) for name in REGIONS}
+    slips = ~cells.sticks
+    if slip and slips.any() and notes:
+        moving = np.where(slips[:, None], cells.slip, 0.0)
+        notes += _arrows(
+            ax, cells, moving, EDGE, only=slips, note="orange: slip velocity, largest {:.3g} of the rolling speed"
+        )
+    area = {name: float(cells.areas[cells.sticks == (name == "stick")].sum()) for name in REGIONS}
     handles = [
-        Patch(color=colour, label=f"{name}s, {1e6 * share[name]:.3g} mm²")
+        Patch(color=colour, label=f"{name}, {1e6 * area[name]:.3g} mm²")
         for name, colour in REGIONS.items()
-        if share[name] > 0.0
+        if area[name] > 0.0
     ]
     ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
     ax.set_title(title(data, *chosen(data, side, patch)))
@@ -117,7 +131,7 @@ def traction_map(
     return ax
 
 
-def _tall(cells: PatchCells) -> float:
+def _aspect(cells: PatchCells) -> float:
     """Height over width."""
     return float(np.divide(*np.ptp(cells.corners, axis=(0, 1))[::-1]))
 
@@ -132,7 +146,7 @@ def _shaded(ax: Axes, cells: PatchCells, shade: Any) -> Any:
 
 
 def _finish(ax: Axes, cells: PatchCells, notes: list[str]) -> None:
-    """Axes in true proportion, with notes below."""
+    """Axes of equal scale, with notes below."""
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.margins(0.08)
@@ -148,9 +162,9 @@ def _arrows(
     colour: str,
     *,
     only: NDArray[np.bool_] | None = None,
-    says: str = "",
+    note: str = "",
 ) -> list[str]:
-    """Arrows of vectors (n, 2), tractions [Pa] unless something else is said, and a word on their length."""
+    """Draw arrows of vectors (n, 2), tractions, Pa, by default; returns a note on their length."""
     size = np.hypot(*vectors.T)
     largest = float(size.max())
     if not largest > 0.0:
@@ -171,16 +185,16 @@ def _arrows(
         edgecolor="0.2",
         linewidth=0.3 if colour == "white" else 0.0,
     )
-    return [says.format(largest) if says else f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the {cells.on}"]
+    return [note.format(largest) if note else f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the {cells.on}"]
 
 
 def _stick_line(ax: Axes, cells: PatchCells) -> list[str]:
-    """The line between cells that stick and cells that slip, and a word on it; nothing without friction."""
+    """Draw the stick-slip boundary and return a note on it; nothing without friction."""
     if not cells.traction.any():
         return []
     if cells.sticks.all() or not cells.sticks.any():
-        return ["all sticks" if cells.sticks.all() else "all slips"]
+        return ["full stick" if cells.sticks.all() else "full slip"]
     from matplotlib.collections import LineCollection
 
     ax.add_collection(LineCollection(list(1e3 * cells.stick_edge()), colors=EDGE, linewidths=1.6))
-    return ["orange: edge between stick and slip"]
+    return ["orange: stick-slip boundary"]

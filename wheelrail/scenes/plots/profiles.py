@@ -1,4 +1,4 @@
-"""Wheel over rail in the plane of the profiles, contact points marked."""
+"""Figure of the profiles of wheel and rail with contact points."""
 
 from __future__ import annotations
 
@@ -19,34 +19,46 @@ WHEEL, RAIL, MARK = "#0072B2", "0.25", "#D55E00"
 
 
 def profiles_in_contact(data: Dataset, side: str | None = None, ax: Axes | None = None) -> Axes:
-    """Wheel and rail of one side of a Dataset of `wheelrail.scenes.datasets.solution` where they stand, mm in the frame
-    of the rail, the middle of each patch marked. The first side that touches unless one is named.
+    """Plot the profiles of one side in their computed position, mm in the frame of the rail, with patch centres.
 
-    Raises ValueError for a Hertz pair, which has no profiles, and for a side that is not there.
+    Parameters:
+        data: Dataset of `wheelrail.scenes.datasets.solution`.
+        side: "left" or "right"; the first side in contact by default.
+        ax: Matplotlib axes; new ones by default.
+
+    Raises ValueError for a Hertz pair, which has no profiles, and for a missing side.
     """
     if "wheel_profile" not in data:
-        raise ValueError("a Hertz pair has no profiles to draw")
+        raise ValueError("profiles: a Hertz pair has none")
     sides = [str(name) for name in data["side"].values]
     if side is None:
         side = next((name for name, _ in touching(data)), sides[0])
     if side not in sides:
         raise ValueError(f"side = {side!r}: must be {' or '.join(map(repr, sides))}")
     own = data.sel(side=side)
-    hand = -1.0 if side == "right" else 1.0  # profiles count to the field side
+    hand = -1.0 if side == "right" else 1.0  # profile coordinates are positive to the field side
     wheel = np.column_stack([hand * data["wheel_profile"].values[:, 0], data["wheel_profile"].values[:, 1]])
     rotation, origin = own["wheel_rotation"].values, own["wheel_origin"].values
-    placed = _placed(wheel, origin, rotation, float(data.attrs["nominal_radius"]))
+    wheel_outline = _placed(wheel, origin, rotation, float(data.attrs["nominal_radius"]))
     rail = data["rail_profile"].values * (hand, 1.0)
     at = [_resultant(data, side, k) for k in range(int(own["patches"]))]
     force = [1e-3 * float(own["patch_normal_force"][k]) for k in range(len(at))]
     labels = [f"contact, {value:.3g} kN" for value in force]
-    return draw_profiles(placed, rail, at, labels, title=f"{side} wheel on its rail", ax=ax)
+    return draw_profiles(wheel_outline, rail, at, labels, title=f"{side} wheel and rail", ax=ax)
 
 
 def draw_profiles(
     wheel: Array, rail: Array, points: Sequence[Array], labels: Sequence[str], *, title: str, ax: Axes | None = None
 ) -> Axes:
-    """Curves (n, 2) and points (2,) in m of one frame, y to the left and z up, drawn in mm in true proportion."""
+    """Plot profiles and contact points, mm, to scale.
+
+    Parameters:
+        wheel, rail: (n, 2) curves, m, y to the left and z up, in one frame.
+        points: (2,) contact points, m, in the same frame.
+        labels: of the points.
+        title: of the axes.
+        ax: Matplotlib axes; new ones by default.
+    """
     ax = axes_of(ax, (7.2, 4.0))
     for curve, colour, name in ((rail, RAIL, "rail"), (wheel, WHEEL, "wheel")):
         ax.plot(*(1e3 * curve.T), color=colour, label=name, lw=1.3)
@@ -55,21 +67,21 @@ def draw_profiles(
         ax.plot([y], [z], "oD^v"[index % 4], color=MARK, ms=6, mec="white", mew=0.8, label=label, zorder=5)
     ax.set_aspect("equal")
     ax.set_title(title)
-    ax.set_xlabel("y from the top of the rail, to the left [mm]")
-    ax.set_ylabel("z, up [mm]")
+    ax.set_xlabel("y from the top of the rail, positive to the left [mm]")
+    ax.set_ylabel("z, positive upwards [mm]")
     ax.legend(loc="lower center", ncols=2 + len(points), bbox_to_anchor=(0.5, 0.02), fontsize=8)
     ax.set_ylim(1e3 * min(rail[:, 1].min(), wheel[:, 1].min()) - 9.0, 1e3 * wheel[:, 1].max() + 3.0)
     return ax
 
 
 def _placed(wheel: Array, origin: Array, rotation: Array, radius: float) -> Array:
-    """The wheel's lowest line (n, 2) m in its rail's frame; profile points (n, 2) m in the wheel's own."""
+    """Lowest line of the wheel (n, 2), m, in the frame of the rail, from its profile points (n, 2), m."""
     points = np.column_stack([np.zeros(len(wheel)), wheel[:, 0], -(radius + wheel[:, 1])])
     return np.asarray((points @ rotation.T + origin)[:, 1:])
 
 
 def _resultant(data: Dataset, side: str, patch: int) -> Array:
-    """Where pressure acts (2,) m, in the frame of the rail."""
+    """Point of application of the pressure (2,), m, in the frame of the rail."""
     own = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
     weight = data["pressure"].values[own] * data["area"].values[own]
     return np.asarray(weight @ data["position"].values[own][:, 1:] / weight.sum())

@@ -1,4 +1,4 @@
-"""Pictures of a vehicle run, those of the paper's Figs. 11 to 20: displacements, forces, where wheel and rail touch."""
+"""Figures of a vehicle run, as Figs. 11 to 20 of the paper: displacements, forces, contact positions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:
-    """Write the pictures and yield their files; there are none of fewer than two samples."""
+    """Save the figures and yield their files; none for fewer than two samples."""
     if data.sizes["time"] < 2:
         return
     from matplotlib import rc_context
@@ -36,33 +36,37 @@ def displacements(data: Dataset, figure: Figure | None = None) -> Figure:
     for ax, name, title in zip(axes, ("wheelset_y", "car_body_y"), ("wheelset", "car body"), strict=True):
         ax.plot(data["distance"], 1e3 * data[name], color="0.15")
         ax.set_title(f"Lateral displacement of the {title}")
-        ax.set_ylabel("y, to the left [mm]")
+        ax.set_ylabel("y, positive to the left [mm]")
     return figure
 
 
 def lateral_forces(data: Dataset, figure: Figure | None = None) -> Figure:
     """Lateral contact forces on both wheels, Figs. 13 and 15."""
-    return _by_side(data, "lateral_force", 1e-3, "Lateral contact force on the wheels", "Y, to the left [kN]", figure)
+    return _by_side(
+        data, "lateral_force", 1e-3, "Lateral contact force on the wheels", "Y, positive to the left [kN]", figure
+    )
 
 
 def vertical_forces(data: Dataset, figure: Figure | None = None) -> Figure:
     """Vertical contact forces on both wheels, Figs. 14 and 16."""
-    return _by_side(data, "vertical_force", 1e-3, "Vertical contact force on the wheels", "Q, upwards [kN]", figure)
+    return _by_side(
+        data, "vertical_force", 1e-3, "Vertical contact force on the wheels", "Q, positive upwards [kN]", figure
+    )
 
 
 def t_gamma(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Heat of friction per metre of track, both wheels."""
-    return _by_side(data, "t_gamma", 1.0, "T-gamma of the wheels", "heat of friction per metre [N]", figure)
+    """Frictional energy per metre of track, both wheels."""
+    return _by_side(data, "t_gamma", 1.0, "T-gamma of the wheels", "frictional energy per metre [N]", figure)
 
 
 def wheel_sections(data: Dataset, figure: Figure | None = None) -> Figure:
     """Sections of the contact areas on the wheels, Figs. 17 and 18."""
-    return patch_bands(data, "wheel", "from the rolling circle\nto the field side [mm]", figure)[0]
+    return patch_bands(data, "wheel", "from the rolling circle,\npositive to the field side [mm]", figure)[0]
 
 
 def rail_sections(data: Dataset, figure: Figure | None = None) -> Figure:
     """Sections of the contact areas on the rails, Figs. 19 and 20."""
-    return patch_bands(data, "rail", "from the top of the rail\nto the field side [mm]", figure)[0]
+    return patch_bands(data, "rail", "from the top of the rail,\npositive to the field side [mm]", figure)[0]
 
 
 PICTURES: dict[str, Callable[..., Figure]] = {
@@ -75,18 +79,25 @@ PICTURES: dict[str, Callable[..., Figure]] = {
 
 
 def named(side: str, data: Dataset) -> str:
-    """left or right, with inner and outer where the track curves to one hand only."""
+    """Side with "inner" or "outer" if all curves have the same direction."""
     curvature = data["curvature"].values
-    most = float(curvature[np.argmax(np.abs(curvature))])
-    if most == 0.0 or curvature.min() * curvature.max() < 0.0:
+    extreme = float(curvature[np.argmax(np.abs(curvature))])
+    if extreme == 0.0 or curvature.min() * curvature.max() < 0.0:
         return side
-    return f"{side} ({'inner' if (most > 0.0) == (side == 'left') else 'outer'})"
+    return f"{side} ({'inner' if (extreme > 0.0) == (side == 'left') else 'outer'})"
 
 
 def along_track(
     data: Dataset, count: int, *, sharey: bool = False, figure: Figure | None = None
 ) -> tuple[Figure, list[Axes]]:
-    """Panels over the distance, with the track's curvature hinted at below the curves; in a new figure unless given."""
+    """Panels over distance, with curves of the track shaded in grey.
+
+    Parameters:
+        data: Dataset of a run.
+        count: number of panels.
+        sharey: whether they share the y axis.
+        figure: Matplotlib figure; a new one by default.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure() if figure is None else figure
@@ -100,21 +111,28 @@ def along_track(
     most = np.abs(curvature).max()
     if most > 0.0:
         hands = [hand for hand, extreme in (("left", curvature.max()), ("right", -curvature.min())) if extreme > 0.0]
-        text = f"grey: track curves to the {' and the '.join(hands)}, darkest at R = {1.0 / most:.0f} m"
+        text = f"grey: {' and '.join(hands)}-hand curve, darkest at R = {1.0 / most:.0f} m"
         axes[0].set_title(text, loc="right", color="0.45", fontsize=8)
     axes[-1].set_xlabel("distance along the track [m]")
     return figure, axes
 
 
 def _shade(ax: Axes, distance: Array, curvature: Array) -> None:
-    """Grey where the track curves, darker in the full curve."""
+    """Grey background in curves, darker at the full curvature."""
     most = np.abs(curvature).max()
     if most == 0.0:
         return
-    share = np.abs(curvature) / most
+    fraction = np.abs(curvature) / most
     for level, grey in ((1e-9, "0.965"), (1.0 - 1e-6, "0.92")):
         ax.fill_between(
-            distance, 0, 1, where=share >= level, transform=ax.get_xaxis_transform(), color=grey, linewidth=0, zorder=0
+            distance,
+            0,
+            1,
+            where=fraction >= level,
+            transform=ax.get_xaxis_transform(),
+            color=grey,
+            linewidth=0,
+            zorder=0,
         )
 
 
@@ -130,7 +148,14 @@ def _by_side(data: Dataset, name: str, scale: float, title: str, label: str, fig
 
 
 def patch_bands(data: Dataset, body: str, label: str, figure: Figure | None = None) -> tuple[Figure, list[Axes]]:
-    """Lateral extent of every patch along the track, shaded by its peak pressure."""
+    """Lateral extent of every patch along the track, coloured by peak pressure.
+
+    Parameters:
+        data: Dataset of a run.
+        body: "wheel" or "rail".
+        label: of the y axes.
+        figure: Matplotlib figure; a new one by default.
+    """
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import Normalize
@@ -152,7 +177,7 @@ def patch_bands(data: Dataset, body: str, label: str, figure: Figure | None = No
 
 
 def _strips(distance: Array, band: DataArray, pressure: DataArray) -> tuple[Array, Array]:
-    """Rectangles (n, 4, 2), one for each patch of each sample, and their values (n,)."""
+    """Rectangles (n, 4, 2), one per patch and sample, and their pressures (n,)."""
     edges = np.concatenate([distance[:1], 0.5 * (distance[1:] + distance[:-1]), distance[-1:]])
     sample, patch = np.nonzero(np.isfinite(pressure.values))
     bottom, top = band.values[sample, patch].T

@@ -1,4 +1,4 @@
-"""Pressure and traction along a line through the middle of a patch, beside Hertz's pressure."""
+"""Pressure and traction along a line through the centre of a patch, compared with the Hertz pressure."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from wheelrail.contact.analytical.hertz import Hertz
 
 PRESSURE, TRACTION, CLOSED = "#0072B2", "#009E73", "#D55E00"
-WORDS = {"x": "x from the patch's resultant, forward [mm]", "y": "y from the patch's resultant, to the left [mm]"}
+LABELS = {
+    "x": "x from the resultant of the patch, positive forward [mm]",
+    "y": "y from the resultant of the patch, positive to the left [mm]",
+}
 
 
 def section(
@@ -30,14 +33,20 @@ def section(
     hertz: bool = True,
     ax: Axes | None = None,
 ) -> Axes:
-    """Pressure and traction MPa of a Dataset of `wheelrail.scenes.datasets.solution` in the cells next to the line x or
-    y through the resultant, over mm.
+    """Plot pressure and traction, MPa, in the cells next to the line x or y through the resultant of a patch, mm.
 
-    hertz: also Hertz's pressure under the same normal force between bodies as curved as these in the middle of the
-    patch, where both curvatures are known and positive. Raises ValueError for another line, or a patch that is not
-    there.
+    Parameters:
+        data: Dataset of `wheelrail.scenes.datasets.solution`.
+        along: "x" or "y".
+        side: of the patch; the first side in contact by default.
+        patch: index by decreasing load.
+        hertz: whether to add the Hertz pressure for the same normal force and the curvatures at the patch centre, if
+            both are known and positive.
+        ax: Matplotlib axes; new ones by default.
+
+    Raises ValueError for another line or a missing patch.
     """
-    if along not in WORDS:
+    if along not in LABELS:
         raise ValueError(f'along = {along!r}: must be "x" or "y"')
     side, patch = chosen(data, side, patch)
     cells, axis = PatchCells.of(data, side, patch), "xy".index(along)
@@ -48,26 +57,27 @@ def section(
         traction = np.hypot(*cells.traction[row].T)
         ax.plot(1e3 * at, 1e-6 * traction, "s", ms=3, ls=(0, (5, 1.5)), color=TRACTION, label="traction")
         bound = float(data.attrs.get("friction", 0.0)) * cells.pressure[row]
-        ax.plot(1e3 * at, 1e-6 * bound, color="0.45", lw=0.9, ls=(0, (1, 1)), label="friction times pressure")
-    exact = closed_form(data, side, patch) if hertz else None
-    if exact is not None:
-        half = exact.semi_axes[axis]
+        ax.plot(1e3 * at, 1e-6 * bound, color="0.45", lw=0.9, ls=(0, (1, 1)), label="friction bound")
+    solution = closed_form(data, side, patch) if hertz else None
+    if solution is not None:
+        half = solution.semi_axes[axis]
         line = half * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 201))
         zero = np.zeros_like(line)
-        values = exact.pressure(*((line, zero) if axis == 0 else (zero, line)))
-        label = f"Hertz, {1e-6 * exact.peak:.0f} MPa, half width {1e3 * half:.2f} mm"
+        values = solution.pressure(*((line, zero) if axis == 0 else (zero, line)))
+        label = f"Hertz, {1e-6 * solution.peak:.0f} MPa, semi-axis {1e3 * half:.2f} mm"
         ax.plot(1e3 * line, 1e-6 * values, color=CLOSED, ls=(0, (4, 1.5)), label=label)
     ax.set_ylim(bottom=0.0)
     ax.set_title(title(data, side, patch))
-    ax.set_xlabel(WORDS[along])
+    ax.set_xlabel(LABELS[along])
     ax.set_ylabel(f"on the {upper_body(side)} [MPa]")
     ax.legend(loc="best")
     return ax
 
 
 def through(cells: PatchCells, axis: int) -> tuple[Array, NDArray[np.int64]]:
-    """Places (k,) m along an axis (0 forward, 1 left) in order, and the cells (k,) next to that axis: of each line of
-    cells across it the nearest one, where the line reaches the axis.
+    """Coordinates (k,), m, along an axis (0 forward, 1 left) in order, and indices (k,) of the cells next to it.
+
+    Of each line of cells across the axis the nearest cell is taken, if the line reaches the axis.
     """
     low, high = cells.corners.min(axis=1), cells.corners.max(axis=1)
     across = 1 - axis
@@ -77,17 +87,15 @@ def through(cells: PatchCells, axis: int) -> tuple[Array, NDArray[np.int64]]:
         if not own.size:
             own = np.array([int(np.abs(middle[:, 1]).argmin())])
         row = np.abs(middle[:, 1] - middle[own[np.abs(middle[own, 1]).argmin()], 1]) < 1e-3 * np.ptp(low[:, 1]) + 1e-12
-        found = np.flatnonzero(row)
+        cells_near = np.flatnonzero(row)
     else:
-        found = np.flatnonzero((low[:, across] <= 0.0) & (high[:, across] > 0.0))
-    found = found[np.argsort(middle[found, axis], kind="stable")]
-    return middle[found, axis], found
+        cells_near = np.flatnonzero((low[:, across] <= 0.0) & (high[:, across] > 0.0))
+    cells_near = cells_near[np.argsort(middle[cells_near, axis], kind="stable")]
+    return middle[cells_near, axis], cells_near
 
 
 def closed_form(data: Dataset, side: str, patch: int) -> Hertz | None:
-    """Hertz's contact under the patch's normal force and with its curvatures, None where they are not known or not
-    both positive.
-    """
+    """Hertz solution for the normal force and curvatures of a patch; None if these are unknown or not positive."""
     from wheelrail.contact.analytical.hertz import hertz
 
     if "patch_gap_curvature_x" not in data:

@@ -1,4 +1,4 @@
-"""One style for all figures, and their size where they are shown."""
+"""Common style of all figures."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ STYLE = {
     "lines.linewidth": 1.1,
     "savefig.dpi": 150,
 }
-# Okabe and Ito's colours, told apart by every kind of sight; dashes say the same in black and white.
+# Okabe-Ito colours, safe for colour-blind readers; dashes distinguish the lines in black and white.
 SIDES: dict[str, dict[str, Any]] = {
     "left": {"color": "#0072B2", "linestyle": "-"},
     "right": {"color": "#D55E00", "linestyle": (0, (5, 1.5))},
 }
 PRESSURE_MAP = "viridis"
-REGIONS = {"stick": "#CFE5F2", "slip": "#FBE3CC"}  # light, below arrows; the one is bluish, the other reddish
+REGIONS = {"stick": "#CFE5F2", "slip": "#FBE3CC"}  # light blue and light red, below arrows
 SERIES: tuple[dict[str, Any], ...] = (
     {"color": "#0072B2", "marker": "o", "linestyle": "-"},
     {"color": "#D55E00", "marker": "s", "linestyle": (0, (5, 1.5))},
@@ -45,7 +45,7 @@ SERIES: tuple[dict[str, Any], ...] = (
 
 
 def axes_of(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Axes:
-    """The axes, or those of a new figure of a size in inches."""
+    """The axes, or new ones in a figure of the given size, inches."""
     if ax is not None:
         return ax
     from matplotlib.figure import Figure
@@ -55,7 +55,7 @@ def axes_of(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Axes:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """The style of all figures, inside the block."""
+    """Apply the style of all figures inside the block."""
     from matplotlib import rc_context
 
     with rc_context(STYLE):
@@ -63,21 +63,21 @@ def styled() -> Iterator[None]:
 
 
 def shown(figure: Figure | None, size: tuple[float, float] | None = None) -> Figure:
-    """The figure, or a new one (size in inches) that pyplot knows of, so that a notebook shows it."""
+    """The figure, or a new one of pyplot (size in inches), which a notebook displays."""
     if figure is not None:
         return figure
     from matplotlib import pyplot
 
-    made: Figure = pyplot.figure(figsize=size, layout="constrained")
-    return made
+    new: Figure = pyplot.figure(figsize=size, layout="constrained")
+    return new
 
 
 def panels(figure: Figure) -> tuple[Axes, ...]:
-    """The axes of a figure but for its colour bars."""
+    """Axes of a figure without colour bars."""
     return tuple(ax for ax in figure.axes if ax.get_label() != "<colorbar>")
 
 
 def save(figure: Figure, file: Path) -> None:
-    """Write a picture, whole or not at all; the ending names its format."""
+    """Save a figure atomically in the format of the file ending."""
     with atomic_file(file) as part:
         figure.savefig(part)

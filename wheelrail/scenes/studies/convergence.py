@@ -1,4 +1,4 @@
-"""Errors of a study along one dimension, and how fast they fall."""
+"""Errors of a study along one dimension, and their order of convergence."""
 
 from __future__ import annotations
 
@@ -19,10 +19,14 @@ ERROR, REFERENCE, ORDER = "relative_error_", "reference_", "order_"
 
 
 def with_errors(data: Dataset, plan: Plan) -> Dataset:
-    """The results with what they should be (`reference_...`), `relative_error_...` and the fitted `order_...` of every
-    quantity that has one; the case that serves as the reference, if it is one, is no longer among them.
+    """Results with `reference_...`, `relative_error_...` and fitted `order_...` of every quantity with a reference.
 
-    The order is the slope of log error over log size; the size is one over the number, for counts as of strips.
+    Parameters:
+        data: Dataset of the study.
+        plan: of the study.
+
+    A reference case is removed. The order is the slope of log error over log size; for counts, as of strips, the size
+    is the reciprocal.
     """
     if plan.convergence is None:
         return data
@@ -49,10 +53,10 @@ def with_errors(data: Dataset, plan: Plan) -> Dataset:
 
 
 def closed_form(data: Dataset, plan: Plan) -> dict[str, DataArray]:
-    """Hertz's for the cases of a Hertz pair."""
+    """Closed-form solutions of the cases of a Hertz pair."""
     from wheelrail.contact.analytical.hertz import hertz, modulus
 
-    found: dict[str, Array] = {}
+    solutions: dict[str, Array] = {}
     for case in plan.cases:
         scene = case.scene
         assert isinstance(scene, HertzScene)
@@ -63,12 +67,12 @@ def closed_form(data: Dataset, plan: Plan) -> dict[str, DataArray]:
         values = {"max_pressure": exact.peak, "area": np.pi * a * b, "semi_axis_x": a, "semi_axis_y": b}
         values |= {"approach": exact.approach} if scene.approach is None else {"normal_force": exact.force}
         for name, value in values.items():
-            found.setdefault(name, np.full(plan.shape, np.nan))[case.place] = value
-    return {name: data["seconds"].copy(data=values) for name, values in found.items() if name in data}
+            solutions.setdefault(name, np.full(plan.shape, np.nan))[case.place] = value
+    return {name: data["seconds"].copy(data=values) for name, values in solutions.items() if name in data}
 
 
 def counts(plan: Plan, axis: StudyAxis) -> bool:
-    """Whether the numbers of a dimension are counts, of which more is finer."""
+    """Whether a dimension is a count, for which larger is finer."""
     from wheelrail.scenes.schema.messages import whole
 
     name = next(iter(axis.values))
@@ -76,12 +80,12 @@ def counts(plan: Plan, axis: StudyAxis) -> bool:
 
 
 def counts_of(data: Dataset) -> bool:
-    """The same of results."""
+    """Whether the dimension of convergence of results is a count."""
     return bool(data.attrs["convergence_counts"])
 
 
 def worst_of(data: Dataset) -> dict[str, Any]:
-    """The largest relative error of all sides and other dimensions, along that of convergence, by quantity."""
+    """Largest relative error over sides and other dimensions, along the dimension of convergence, by quantity."""
     over = str(data.attrs["convergence_over"])
     return {name: error.max([dim for dim in error.dims if dim != over]) for name, error in errors_of(data).items()}
 

@@ -1,4 +1,4 @@
-"""The results of a study as one Dataset over its dimensions."""
+"""Results of a study as one Dataset over its dimensions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 
 
 def dataset(plan: Plan, found: Mapping[tuple[int, ...], CaseResult]) -> Dataset:
-    """Parameters as coordinates, quantities by side where a scene has several; what is not known is NaN.
+    """Dataset with parameters as coordinates and quantities by side; NaN for missing values.
+
+    Parameters:
+        plan: of the study.
+        found: results of the computed cases by index.
 
     status of a case: "converged", "separated", "completed", "failed" with its error, or "not computed". The reference
     of a convergence study, if it is a case, is the last one along its dimension.
@@ -51,7 +55,7 @@ class StudyDataset:
 
     @property
     def sides(self) -> list[str]:
-        """Those of all cases, as scenes name them; none for a Hertz pair."""
+        """Sides of all cases; none for a Hertz pair."""
         if self.plan.kind == "hertz":
             return []
         if self.plan.kind == "run":
@@ -60,7 +64,7 @@ class StudyDataset:
         return [side for side in ("left", "right") if side in named]
 
     def coordinates(self) -> dict[str, Any]:
-        """Every parameter along its dimension, texts for what is no number; a hypercube's samples by number."""
+        """Every parameter along its dimension, as text unless numeric; samples of a hypercube by number."""
         found: dict[str, Any] = {}
         for axis in self.plan.axes:
             for name, values in axis.values.items():
@@ -90,7 +94,7 @@ class StudyDataset:
             units, text = MEANINGS[name]
             values = self._filled(lambda one, name=name: one.whole.get(name, np.nan), np.nan)  # type: ignore[misc]
             found[name] = (self.dims, values, {"units": units, "long_name": text})
-        attrs = {"units": "s", "long_name": "time for the case, preparation included"}
+        attrs = {"units": "s", "long_name": "computing time of the case including preparation"}
         found["seconds"] = (self.dims, self._filled(lambda one: one.seconds, np.nan), attrs)
         for name, missing in (("status", "not computed"), ("error", ""), ("host", "")):
             values = self._filled(lambda one, name=name: getattr(one, name), missing)  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""What runs did over time, side by side."""
+"""Time histories of the runs of a study on common times."""
 
 from __future__ import annotations
 
@@ -14,8 +14,12 @@ from wheelrail.scenes.studies.solve import CaseResult
 def histories(plan: Plan, found: Mapping[tuple[int, ...], CaseResult]) -> dict[str, Any]:
     """Variables over the dimensions and `time`, NaN after the end of a run.
 
-    All runs keep one sample per interval, so that times are the same up to the end of the shortest; a last sample
-    between two of the longest is left out.
+    Parameters:
+        plan: of the study.
+        found: results of the computed cases by index.
+
+    All runs have the same sampling interval, hence equal times; a last sample between two times of the longest run is
+    omitted.
     """
     runs = {place: one.histories for place, one in found.items() if one.histories}
     if not runs:

@@ -1,4 +1,4 @@
-"""A case as it is sent to a worker, on this machine or another one: a scene with the files that it names."""
+"""Job of a worker: the scene of a case with its files."""
 
 from __future__ import annotations
 
@@ -18,12 +18,19 @@ from wheelrail.scenes.studies.plan import StudyCase
 
 @dataclass(frozen=True)
 class Job:
-    """A scene's table with files by names that say what they hold, these files, and what computes it: `computer`.
+    """A scene with its files, as sent to a worker.
 
-    key: hash of all that; the same key, the same results. timed: seconds are compared, so that a process solves its
-    first case once before, which loads and compiles. A run keeps to one process: the cases fill the others.
-    folder: where a run keeps its checkpoints, from which it goes on if it was stopped, and its data, on machines that
-    have it.
+    Parameters:
+        table: tables of the scene; files are named by the hash of their content.
+        files: content by name.
+        histories: whether to return time histories of a run.
+        computer: versions and sources, see `computer`.
+        key: hash of the above; equal keys mean equal results.
+        timed: whether computing times are compared; a process then solves its first case twice, the first time for
+            loading and compiling.
+        folder: for checkpoints and data of a run, on machines that have it.
+
+    A run uses one process; the other ones are used by other cases.
     """
 
     table: Mapping[str, Any]
@@ -36,21 +43,21 @@ class Job:
 
     @classmethod
     def of(cls, case: StudyCase, *, histories: bool = False, timed: bool = False, folder: Path | None = None) -> Job:
-        """folder: of finished cases. Raises OSError for a file that has gone meanwhile."""
+        """Job of a case; folder: of completed cases. Raises OSError for a missing file."""
         files: dict[str, bytes] = {}
         table = _packed(dict(case.table), case.scene.model_dump(), files)
         if case.scene.kind == "run":
             table |= {"solver": {**table.get("solver", {}), "workers": 1}}
             table |= {"output": {**table.get("output", {}), "figures": False}}
-        what = {"scene": table, "histories": histories, "computer": computer()}
-        text = json.dumps(what, sort_keys=True, default=list)
+        content = {"scene": table, "histories": histories, "computer": computer()}
+        text = json.dumps(content, sort_keys=True, default=list)
         key = hashlib.sha256(text.encode()).hexdigest()[:24]
         place = str(folder.absolute()) if folder is not None and case.scene.kind == "run" else ""
         return cls(table, files, histories, computer(), key, timed, place)
 
     @contextmanager
     def scene(self) -> Iterator[tuple[Scene, Path]]:
-        """The scene, its files in a folder of their own that goes at the end, for whatever else there is to write."""
+        """The validated scene, and a temporary folder with its files, which is removed at the end."""
         with tempfile.TemporaryDirectory(prefix="wheelrail-case-") as name:
             for path, content in self.files.items():
                 file = Path(name, path)
@@ -60,18 +67,18 @@ class Job:
 
 
 def unfinished(folder: Path, key: str) -> Path:
-    """The file of a run's checkpoints among finished cases."""
+    """Checkpoint file of a run."""
     return folder / f"{key}.checkpoints"
 
 
 def run_data(folder: Path, key: str) -> Path:
-    """The file of all that a run gave."""
+    """Data file of a run."""
     return folder / f"{key}.nc"
 
 
 @cache
 def computer() -> dict[str, str]:
-    """Versions of what computes, the sources of this package by their hash."""
+    """Versions of libraries, and the hash of the sources of this package."""
     from wheelrail.scenes.runs.resume import sources
     from wheelrail.support.version import versions
 
@@ -79,7 +86,7 @@ def computer() -> dict[str, str]:
 
 
 def _packed(value: Any, checked: Any, files: dict[str, bytes]) -> Any:
-    """The value with the files in it by name, which go into files; checked is the same with their full paths."""
+    """Value with its files renamed and collected in `files`; checked: the same value with full paths."""
     if isinstance(value, Mapping) and isinstance(checked, Mapping):
         return {key: _packed(item, checked.get(key), files) for key, item in value.items()}
     if isinstance(value, list | tuple) and isinstance(checked, list | tuple):
@@ -94,6 +101,6 @@ def _packed(value: Any, checked: Any, files: dict[str, bytes]) -> Any:
 
 @lru_cache(maxsize=64)
 def _file(path: str, stamp: tuple[int, ...]) -> tuple[str, bytes]:
-    """A name that says what is in a file, and that; once for all cases, as long as the file stays as it is."""
+    """Name with the hash of the content, and content of a file; cached by its stamp."""
     content = Path(path).read_bytes()
     return f"{hashlib.sha256(content).hexdigest()[:16]}/{Path(path).name}", content

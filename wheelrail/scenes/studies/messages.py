@@ -12,7 +12,7 @@ from threading import Thread
 from wheelrail.support.progress import LOGGER
 from wheelrail.support.terminal import quieten_libraries
 
-LONGEST = 1000  # characters of a message: what several processes write to a pipe stays whole up to 4096 bytes
+LONGEST = 1000  # characters of a message; writes of several processes to a pipe are atomic up to 4096 bytes
 
 
 class PipeHandler(logging.Handler):
@@ -23,12 +23,12 @@ class PipeHandler(logging.Handler):
         self.pipe = pipe
 
     def emit(self, record: logging.LogRecord) -> None:
-        with suppress(OSError):  # nobody reads any more
+        with suppress(OSError):  # the reading end is closed
             self.pipe.send((record.name, record.levelno, self.format(record)[:LONGEST]))
 
 
 def send_messages(pipe: Connection) -> None:
-    """In a worker process: messages of this package from level INFO go to the pipe, of libraries only errors show."""
+    """In a worker process: send messages of this package from level INFO to the pipe; libraries log only errors."""
     quieten_libraries()
     logger = logging.getLogger(LOGGER)
     logger.addHandler(PipeHandler(pipe))
@@ -37,7 +37,7 @@ def send_messages(pipe: Connection) -> None:
 
 @contextmanager
 def received_messages() -> Iterator[Connection]:
-    """The pipe for worker processes that have ended when the block ends."""
+    """Pipe for worker processes, which must have ended at the end of the block."""
     here, there = Pipe(duplex=False)
     thread = Thread(target=_log, args=(here,), daemon=True)
     thread.start()

@@ -1,4 +1,4 @@
-"""Pictures of a study: quantities over what was varied, what they depend on, and how errors fall."""
+"""Figures of a study: quantities over the varied parameters, sensitivities, convergence."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 COLOURS, MARKERS = zip(*((look["color"], look["marker"]) for look in SERIES), strict=True)
 SIDES: dict[Any, dict[str, Any]] = {"left": {}, "right": {"linestyle": "--", "fillstyle": "none"}}
-PANELS, LINES = 6, 12  # at most
+PANELS, LINES = 6, 12  # largest numbers
 
 
 def draw_study(data: Dataset, folder: Path) -> list[Path]:
-    """Save what there is to see; returns the files: study.png, and convergence.png of a study of convergence."""
+    """Save the figures; returns the files: study.png, and convergence.png of a convergence study."""
     from matplotlib import rc_context
 
     files = []
@@ -40,7 +40,7 @@ def draw_study(data: Dataset, folder: Path) -> list[Path]:
 
 
 def drawings(data: Dataset) -> dict[str, Callable[[Dataset, Figure | None], Figure | None]]:
-    """What can be drawn of a study, by name."""
+    """Functions that draw the figures of a study, by name."""
     found: dict[str, Callable[[Dataset, Figure | None], Figure | None]] = {
         "study": sensitivity if SAMPLE in data.dims else lines
     }
@@ -48,7 +48,7 @@ def drawings(data: Dataset) -> dict[str, Callable[[Dataset, Figure | None], Figu
 
 
 def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
-    """The main quantities over the longest dimension of numbers, a colour for every case of the others."""
+    """Main quantities over the longest numeric dimension, one colour per combination of the others."""
     from matplotlib.lines import Line2D
 
     names, dims = varying(data)[:PANELS], dimensions(data)
@@ -67,20 +67,20 @@ def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
                 panel.plot(*_ordered(data[over], scale * values.values), **_look(index), **SIDES.get(side, {}))
         panel.set_ylabel(f"{label} [{unit}]")
         _along(panel, data[over])
-    handles = [Line2D([], [], label=_said(data, others, place), **_look(i)) for i, place in enumerate(chosen)]
+    handles = [Line2D([], [], label=_combination(data, others, place), **_look(i)) for i, place in enumerate(chosen)]
     handles = handles if others else []
     if "side" in data.dims:
         handles += [Line2D([], [], color="0.4", marker="o", markersize=4.0, label=s, **SIDES[s]) for s in SIDES]
     if handles:
         count = int(np.prod([data.sizes[dim] for dim in others]))
-        more = f"the first {LINES} of {count}" if count > LINES else None
+        more = f"first {LINES} of {count}" if count > LINES else None
         figure.legend(handles=handles, loc="outside lower center", ncols=min(5, len(handles)), title=more)
     return figure
 
 
 def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
-    """Rank correlation (Spearman) of the main quantities with every parameter of the hypercube, and scatter over the
-    one that matters most.
+    """Rank correlation (Spearman) of the main quantities with every parameter, and scatter over that of largest
+    correlation.
     """
     from scipy.stats import spearmanr
 
@@ -121,7 +121,7 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
 
 
 def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
-    """Relative errors over the size, and over the time that they cost (work and precision), largest of all sides."""
+    """Relative errors over size and over computing time (work-precision), the largest of all sides."""
     if not errors_of(data):
         return None
     over = str(data.attrs["convergence_over"])
@@ -134,9 +134,9 @@ def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
     worst = {name.replace("_", " "): 100.0 * error for name, error in worst_of(data).items()}
     spent, label = seconds.mean(others), "relative error [%]"
     panels.convergence(data[over].values.tolist(), worst, xlabel=_label(data[over]), ylabel=label, ax=left)
-    quickest = np.argsort(spent.values)
-    paid = {name: (spent.values[quickest].tolist(), error.values[quickest].tolist()) for name, error in worst.items()}
-    panels.work_precision(paid, xlabel="time for the contact solves [s]", ylabel=label, ax=right)
+    order = np.argsort(spent.values)
+    series = {name: (spent.values[order].tolist(), error.values[order].tolist()) for name, error in worst.items()}
+    panels.work_precision(series, xlabel="time for the contact solves [s]", ylabel=label, ax=right)
     if not counts_of(data):
         left.invert_xaxis()
     handles, labels = left.get_legend_handles_labels()
@@ -149,7 +149,7 @@ def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
 
 
 def _panels(figure: Figure | None, count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]:
-    """A grid of panels, in a new figure unless one is given, which takes on the size that they need."""
+    """Grid of panels; figure: is resized, a new one by default."""
     from matplotlib.figure import Figure
 
     columns = columns or min(count, 3 if count > 4 else 2)
@@ -163,13 +163,13 @@ def _panels(figure: Figure | None, count: int, columns: int | None = None) -> tu
 
 
 def _look(index: int) -> dict[str, Any]:
-    """Of a line: colours, and markers that go on when these begin anew."""
+    """Style of a line: colours repeat, with shifted markers."""
     marker = MARKERS[(index + index // len(COLOURS)) % len(MARKERS)]
     return {"color": COLOURS[index % len(COLOURS)], "marker": marker, "markersize": 4.0}
 
 
 def _ordered(x: DataArray, y: Any) -> tuple[Any, Any]:
-    """Points by rising x; texts as they come."""
+    """Points by increasing x; unordered for texts."""
     if x.dtype.kind not in "if":
         return x.values.astype(str), y
     order = np.argsort(x.values)
@@ -188,7 +188,7 @@ def _label(x: DataArray) -> str:
     return f"{x.attrs.get('long_name', x.name)} [{'-' if unit in (None, '1') else unit}]"
 
 
-def _said(data: Dataset, dims: list[str], place: tuple[int, ...]) -> str:
+def _combination(data: Dataset, dims: list[str], place: tuple[int, ...]) -> str:
     values = (
         f"{data[dim].attrs['long_name']} = {shown(data[dim].values[i].item())}"
         for dim, i in zip(dims, place, strict=True)

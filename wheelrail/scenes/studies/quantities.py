@@ -1,4 +1,4 @@
-"""What of a case goes into the results of its study, with units and meanings."""
+"""Quantities of a case in the results of a study, with units and descriptions."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
 # Name: unit, meaning. One value for each side of a contact scene.
 CONTACT = {
     "normal_force": ("N", "normal force of all patches"),
-    "longitudinal_force": ("N", "contact force on the wheel or the upper body, forward"),
-    "lateral_force": ("N", "contact force on the wheel or the upper body, to the left"),
-    "vertical_force": ("N", "contact force on the wheel or the upper body, upwards"),
+    "longitudinal_force": ("N", "contact force on the wheel or the upper body, positive forward"),
+    "lateral_force": ("N", "contact force on the wheel or the upper body, positive to the left"),
+    "vertical_force": ("N", "contact force on the wheel or the upper body, positive upwards"),
     "roll_moment": ("N m", "moment of the contact force about the forward axis"),
     "spin_moment": ("N m", "moment of the contact force about the lateral axis"),
     "yaw_moment": ("N m", "moment of the contact force about the upward axis"),
     "max_pressure": ("Pa", "peak pressure of all patches"),
     "area": ("m2", "area of all patches"),
-    "approach": ("m", "approach of the bodies: largest undeformed overlap; negative is a gap"),
-    "semi_axis_x": ("m", "semi-axis along the track of the patch with the largest load"),
-    "semi_axis_y": ("m", "semi-axis across of the patch with the largest load"),
-    "stick_area": ("m2", "area that sticks"),
-    "frictional_power": ("W", "power of friction that turns into heat"),
+    "approach": ("m", "approach of the bodies: largest penetration of the undeformed bodies; negative is a gap"),
+    "semi_axis_x": ("m", "longitudinal semi-axis of the patch with the largest load"),
+    "semi_axis_y": ("m", "lateral semi-axis of the patch with the largest load"),
+    "stick_area": ("m2", "stick area"),
+    "frictional_power": ("W", "frictional power"),
     "z": ("m", "height of the wheelset or the upper body"),
     "roll": ("rad", "roll of the wheelset"),
 }
@@ -36,14 +36,14 @@ ESTIMATES = {
     "area_error_estimate": ("m2", "estimated error of the area"),
 }
 STRESSES = {
-    f"largest_von_mises_{body}": ("Pa", f"largest von Mises stress at the depths asked for, {body}")
+    f"largest_von_mises_{body}": ("Pa", f"largest von Mises stress at the requested depths, {body}")
     for body in ("wheel", "rail", "upper", "lower")
 }
 COST = {
     "patches": ("1", "number of contact patches"),
     "points": ("1", "contact points of the last solve"),
     "contact_solves": ("1", "contact problems solved"),
-    "newton_iterations": ("1", "Newton iterations of the last solve, of a run in all"),
+    "newton_iterations": ("1", "Newton iterations of the last solve, or of the whole run"),
     "solve_seconds": ("s", "time for all contact solves"),
 }
 # One value for each side of a run: variable, how it is summed up, unit, meaning.
@@ -52,33 +52,43 @@ RUN_SIDES = {
         "lateral_force",
         "largest",
         "N",
-        "largest lateral contact force on the wheel, either way",
+        "largest magnitude of the lateral contact force on the wheel",
     ),
     "largest_longitudinal_force": (
         "longitudinal_force",
         "largest",
         "N",
-        "largest longitudinal contact force on the wheel, either way",
+        "largest magnitude of the longitudinal contact force on the wheel",
     ),
-    "least_vertical_force": ("vertical_force", "least", "N", "least vertical contact force on the wheel"),
-    "greatest_vertical_force": ("vertical_force", "greatest", "N", "greatest vertical contact force on the wheel"),
+    "least_vertical_force": ("vertical_force", "least", "N", "minimum vertical contact force on the wheel"),
+    "greatest_vertical_force": ("vertical_force", "greatest", "N", "maximum vertical contact force on the wheel"),
     "max_pressure": ("patch_max_pressure", "greatest", "Pa", "peak pressure of all patches"),
-    "greatest_t_gamma": ("t_gamma", "greatest", "N", "greatest T-gamma"),
+    "greatest_t_gamma": ("t_gamma", "greatest", "N", "maximum T-gamma"),
     "mean_t_gamma": ("t_gamma", "mean", "N", "T-gamma, mean over the samples"),
 }
 RUN = {
-    "largest_wheelset_y": ("wheelset_y", "largest", "m", "largest lateral displacement of the wheelset, either way"),
-    "largest_bogie_y": ("bogie_y", "largest", "m", "largest lateral displacement of the bogie, either way"),
-    "largest_car_body_y": ("car_body_y", "largest", "m", "largest lateral displacement of the car body, either way"),
-    "largest_car_body_roll": ("car_body_roll", "largest", "rad", "largest roll of the car body, either way"),
-    "largest_bumpstop_force": ("bumpstop_force", "largest", "N", "largest force of the bumpstop, either way"),
+    "largest_wheelset_y": (
+        "wheelset_y",
+        "largest",
+        "m",
+        "largest magnitude of the lateral displacement of the wheelset",
+    ),
+    "largest_bogie_y": ("bogie_y", "largest", "m", "largest magnitude of the lateral displacement of the bogie"),
+    "largest_car_body_y": (
+        "car_body_y",
+        "largest",
+        "m",
+        "largest magnitude of the lateral displacement of the car body",
+    ),
+    "largest_car_body_roll": ("car_body_roll", "largest", "rad", "largest magnitude of the roll of the car body"),
+    "largest_bumpstop_force": ("bumpstop_force", "largest", "N", "largest magnitude of the bumpstop force"),
     "distance": ("distance", "greatest", "m", "distance run"),
 }
 RUN_COST = {
     "steps_accepted": ("1", "steps of the integrator"),
     "steps_rejected": ("1", "steps rejected"),
-    "evaluations": ("1", "evaluations of the motion's derivative"),
-    "run_seconds": ("s", "time for the run without the contact's preparation"),
+    "evaluations": ("1", "evaluations of the equations of motion"),
+    "run_seconds": ("s", "computing time of the run without preparation of the contact model"),
 }
 HISTORIES = ("distance", "wheelset_y", "wheelset_z", "wheelset_roll", "bogie_y", "car_body_y", "car_body_roll")
 SIDED_HISTORIES = ("longitudinal_force", "lateral_force", "vertical_force", "t_gamma")
@@ -86,10 +96,10 @@ SIDED_HISTORIES = ("longitudinal_force", "lateral_force", "vertical_force", "t_g
 PHYSICAL = {
     **CONTACT,
     **STRESSES,
-    **{name: what[2:] for name, what in (RUN_SIDES | RUN).items()},
+    **{name: entry[2:] for name, entry in (RUN_SIDES | RUN).items()},
 }
 MEANINGS: dict[str, tuple[str, str]] = {**PHYSICAL, **ESTIMATES, **COST, **RUN_COST}
-# What tables and pictures show, where it is not the same in all cases: label, scale, unit.
+# Quantities of tables and figures, if they vary between cases: label, scale, unit.
 MAIN = {
     "max_pressure": ("peak pressure", 1e-6, "MPa"),
     "area": ("area", 1e6, "mm²"),
@@ -99,11 +109,11 @@ MAIN = {
     "normal_force": ("normal force", 1e-3, "kN"),
     "largest_wheelset_y": ("largest wheelset y", 1e3, "mm"),
     "largest_lateral_force": ("largest lateral force", 1e-3, "kN"),
-    "least_vertical_force": ("least vertical force", 1e-3, "kN"),
-    "greatest_t_gamma": ("greatest T-gamma", 1.0, "N"),
+    "least_vertical_force": ("minimum vertical force", 1e-3, "kN"),
+    "greatest_t_gamma": ("maximum T-gamma", 1.0, "N"),
     "largest_car_body_roll": ("largest car body roll", 1e3, "mrad"),
 }
-SAME = 1e-4  # relative differences below it are those of a load search
+SAME = 1e-4  # relative differences below it are due to the load search
 SUMMED: dict[str, Callable[[Any], Any]] = {
     "largest": lambda values: np.nanmax(np.abs(values)),
     "greatest": np.nanmax,
@@ -113,7 +123,7 @@ SUMMED: dict[str, Callable[[Any], Any]] = {
 
 
 def of_contact(report: Mapping[str, Any]) -> dict[str, float]:
-    """Of one side of a contact scene's report (`wheelrail.scenes.contacts.report`); a side that failed has none."""
+    """Quantities of one side of a report of `wheelrail.scenes.contacts.report`; none for a failed side."""
     if "force" not in report:
         return {}
     patches, cost = report["patches"], report["statistics"]
@@ -140,7 +150,7 @@ def of_contact(report: Mapping[str, Any]) -> dict[str, float]:
 
 
 def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
-    """Of a run's results, by side and in all."""
+    """Quantities of a run, by side and for the whole run."""
     sides: dict[str, dict[str, float]] = {}
     for side in map(str, data["side"].values):
         one = data.sel(side=side)
@@ -157,7 +167,7 @@ def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]
 
 
 def histories_of(data: Dataset) -> dict[str, Any]:
-    """Of a run, by name: values (time) or (time, side), with unit and meaning."""
+    """Time histories of a run by name: values (time,) or (time, side), with unit and description."""
     found = {}
     for name in ("time", *HISTORIES, *SIDED_HISTORIES):
         attrs = data[name].attrs
@@ -171,7 +181,7 @@ def _summed(values: Any, how: str) -> float:
 
 
 def varying(data: Dataset) -> list[str]:
-    """The main quantities that are not the same in all cases."""
+    """Names of the main quantities that vary between cases."""
     found = []
     for name in MAIN:
         if name in data and name not in data.coords:

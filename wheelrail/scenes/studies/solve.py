@@ -1,4 +1,4 @@
-"""One case, solved: what a worker does."""
+"""Solution of one case by a worker."""
 
 from __future__ import annotations
 
@@ -16,16 +16,23 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
 from wheelrail.scenes.studies.job import Job, computer, run_data, unfinished
 
-ALONE = threading.Lock()  # the libraries in C are made for one thread; workers of a cluster may have several
-WARM: set[bool] = set()  # not empty when this process has solved a case
+ALONE = threading.Lock()  # C libraries are not thread-safe; workers of a cluster may have several threads
+WARM: set[bool] = set()  # not empty after the first case of this process
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What is known of a case: status, what went wrong, seconds in all, numbers by side and in all, histories.
+    """Result of a case.
 
-    status: "converged", "separated" or "completed", or "failed" with the error. lost: the worker ended, and nothing is
-    known about the case itself.
+    Parameters:
+        status: "converged", "separated", "completed", or "failed".
+        error: reason of a failure.
+        seconds: computing time.
+        sides: quantities by side.
+        whole: quantities of the whole case.
+        histories: time histories of a run.
+        host: machine.
+        lost: whether the worker ended, without information about the case itself.
     """
 
     status: str
@@ -43,16 +50,16 @@ class CaseResult:
 
     @property
     def peak_pressure(self) -> float:
-        """Of all sides, Pa; zero where none is known."""
+        """Largest peak pressure of all sides, Pa; zero if unknown."""
         return max((side.get("max_pressure", 0.0) for side in self.sides.values()), default=0.0)
 
     def text(self) -> str:
-        """As JSON, every bit of every number kept."""
+        """As JSON, with all bits of numbers."""
         return json.dumps(asdict(self))
 
 
 def solve(job: Job) -> CaseResult:
-    """Never raises for what a case does: a failure is a status too."""
+    """Solve a case; a failure sets the status and raises nothing."""
     with ALONE:
         if job.timed and job.table["kind"] != "run" and not WARM:
             with contextlib.suppress(Exception):
@@ -60,18 +67,18 @@ def solve(job: Job) -> CaseResult:
         WARM.add(True)
         start = perf_counter()
         try:
-            found = _solved(job)
+            result = _solved(job)
         except (OSError, MemoryError) as error:  # of this machine, not of the case
-            found = {"status": "failed", "error": _said(error), "lost": True}
+            result = {"status": "failed", "error": _error_text(error), "lost": True}
         except Exception as error:
-            found = {"status": "failed", "error": _said(error)}
-        return CaseResult(**found, seconds=perf_counter() - start, host=os.uname().nodename)
+            result = {"status": "failed", "error": _error_text(error)}
+        return CaseResult(**result, seconds=perf_counter() - start, host=os.uname().nodename)
 
 
 def _solved(job: Job) -> dict[str, Any]:
     here = computer()
     if here["sources"] != job.computer["sources"]:
-        text = "the worker has another version of wheelrail's files than what started the study"
+        text = "the worker has another version of the wheelrail sources than the process that started the study"
         return {"status": "failed", "error": text, "lost": True}
     with job.scene() as (scene, folder):
         return _run(scene, folder, job) if isinstance(scene, RunScene) else _contact(scene)
@@ -94,7 +101,9 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
     from wheelrail.scenes.runs.run import run_scene
     from wheelrail.scenes.studies.quantities import histories_of, of_run
 
-    place = Path(job.folder) if job.folder and Path(job.folder).is_dir() else folder  # it may be on another machine
+    place = (
+        Path(job.folder) if job.folder and Path(job.folder).is_dir() else folder
+    )  # the folder may be on another machine
     file = unfinished(place, job.key)
     with open(os.devnull, "w") as nowhere:
         resume = goes_on(scene, file)
@@ -103,7 +112,7 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
         return _ended(f"failed: {outcome.status.removeprefix('failed: ')} before the first step")
     data = load_dataset(folder / RESULTS, engine="netcdf4")
     sides, whole = of_run(data)
-    with contextlib.suppress(OSError):  # whoever cannot keep it has no picture of it
+    with contextlib.suppress(OSError):  # without its data the run is only missing in the report
         shutil.move(folder / RESULTS, run_data(place, job.key))
     return _ended(outcome.status) | {
         "sides": sides,
@@ -113,7 +122,7 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
 
 
 def goes_on(scene: RunScene, file: Path) -> bool:
-    """Whether a file has a checkpoint of this run; a damaged file, another run's or one in use counts as none."""
+    """Whether a file has a checkpoint of this run; damaged files, files in use and those of other runs do not count."""
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
     from wheelrail.scenes.runs.resume import header, latest
 
@@ -128,11 +137,11 @@ def goes_on(scene: RunScene, file: Path) -> bool:
 
 
 def _ended(status: str) -> dict[str, str]:
-    """The first word of a status, the rest as its error."""
+    """Status, with the reason of a failure as error."""
     if status in ("converged", "separated", "completed"):
         return {"status": status}
     return {"status": "failed", "error": status.removeprefix("failed").lstrip(": ")}
 
 
-def _said(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     return str(error) if isinstance(error, SceneError) else f"{type(error).__name__}: {error}"

@@ -49,7 +49,10 @@ class Store:
             file.unlink(missing_ok=True)
 
     def hardest_run(self, known: Mapping[str, CaseResult]) -> str | None:
-        """Key of the run with the largest peak pressure among those with data on disk; removes the data of all others.
+        """Key of the run with the maximum peak pressure among those with data on disk; removes all other data.
+
+        Parameters:
+            known: results by key.
 
         A failed run is chosen only if no other has data.
         """

@@ -1,4 +1,4 @@
-"""A study to read: its cases, and how errors fall."""
+"""Tables of a study: cases and convergence."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from rich.table import Table
     from xarray import Dataset
 
-ROWS = 30  # of a table; more are in the results
+ROWS = 30  # of a table; all cases are in the results
 
 
 def dimensions(data: Dataset) -> list[str]:
-    """Names of the study's own dimensions."""
+    """Names of the dimensions of the study."""
     return [str(name) for name in data["status"].dims]
 
 
 def parameters(data: Dataset) -> list[str]:
-    """Names of the coordinates that are parameters."""
+    """Names of the coordinates of parameters."""
     own = set(dimensions(data))
     return [
         str(name)
@@ -35,12 +35,18 @@ def parameters(data: Dataset) -> list[str]:
 
 
 def tables(data: Dataset) -> list[RenderableType]:
-    """Cases, then convergence if the study is about it."""
+    """Table of cases, and of errors for a convergence study."""
     return [case_table(data), *([error_table(data)] if errors_of(data) else [])]
 
 
 def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -> Table:
-    """A line for every case, up to so many; values of the sides one after the other. where: the rest is to be found."""
+    """Table of cases, values of the sides in sequence.
+
+    Parameters:
+        data: Dataset of the study.
+        rows: largest number of rows.
+        where: place of the other cases, for the caption.
+    """
     from rich.table import Table
 
     names = parameters(data)
@@ -60,17 +66,15 @@ def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -
         cells = [_short(_plain(one[name])) for name in names]
         for name in main:
             cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(one[name])))
-        said = f"{one['status']}" + (f": {one['error']}" if str(one["error"]) else "")
-        view.add_row(*cells, f"{float(one['seconds']):.2g}", said)
+        status = f"{one['status']}" + (f": {one['error']}" if str(one["error"]) else "")
+        view.add_row(*cells, f"{float(one['seconds']):.2g}", status)
     if (more := data["status"].size - rows) > 0:
         view.caption, view.caption_justify = f"and {more} more, {where}", "left"
     return view
 
 
 def error_table(data: Dataset) -> Table:
-    """Relative errors in per cent along the dimension of convergence, of sides and other dimensions the largest, and
-    at the end the order to which these fall.
-    """
+    """Largest relative errors, %, of all sides and other dimensions, and their order of convergence."""
     from rich.table import Table
 
     over = str(data.attrs["convergence_over"])
@@ -88,7 +92,7 @@ def error_table(data: Dataset) -> Table:
 
 
 def flat(data: Dataset, name: str) -> Any:
-    """Values of a variable, case by case; by side, too, if it has sides: an array of one or two dimensions."""
+    """Values (cases,) or (cases, sides) of a variable."""
     dims = dimensions(data)
     there = [dim for dim in dims if dim not in data[name].dims]
     values = data[name].expand_dims({dim: data.sizes[dim] for dim in there}).transpose(*dims, ...).values

@@ -1,4 +1,4 @@
-"""Scenes that differ in a few values, checked one after the other."""
+"""Validation of many scenes that differ in few values."""
 
 from __future__ import annotations
 
@@ -14,8 +14,13 @@ from wheelrail.scenes.schema.tables import SceneTable
 
 
 @dataclass(frozen=True)
-class Checking:
-    """Checks scenes in a file, or as if in it; a table in them that was found fine in one is not checked again."""
+class SceneChecker:
+    """Validates scenes of a file; tables that were valid in an earlier scene are not validated again.
+
+    Parameters:
+        file: of the scenes, for errors and relative paths.
+        fine: valid tables by name and content.
+    """
 
     file: Path
     fine: dict[tuple[str, str], SceneTable] = field(default_factory=dict)
@@ -23,11 +28,11 @@ class Checking:
     def __call__(self, tables: Mapping[str, Any]) -> Scene:
         """Raises SceneError as `checked` does."""
         names = {name: (name, repr(table)) for name, table in tables.items() if isinstance(table, Mapping)}
-        given = {name: self.fine.get(names[name], value) if name in names else value for name, value in tables.items()}
+        data = {name: self.fine.get(names[name], value) if name in names else value for name, value in tables.items()}
         try:
-            scene = checked(given, self.file)
+            scene = checked(data, self.file)
         except SceneError:
-            return checked(tables, self.file)  # which has all words for it
+            return checked(tables, self.file)  # for complete messages
         for name, text in names.items():
             if isinstance(table := getattr(scene, name, None), SceneTable):
                 self.fine[text] = table
@@ -37,21 +42,26 @@ class Checking:
 KEY = re.compile(r"[^\s:=]*")
 
 
-def complaints(
+def study_messages(
     error: Exception, places: Mapping[str, str], *, file: Path, path: str | Path
 ) -> Iterator[tuple[str, bool]]:
-    """The lines of a scene's error, and whether each is about a value of the study: about one whose name is in places,
-    where its place takes that of the key, or about the scene in the file. path names the study.
+    """Lines of the error of a scene, each with whether it is about a value of the study.
+
+    Parameters:
+        error: of the scene.
+        places: place in the study file by name of the parameter; replaces the key in the line.
+        file: of the scene.
+        path: of the study.
     """
-    for said in str(error).splitlines():
-        line = said.removeprefix(f"{file}: ").removeprefix(f"{path}: ")
-        found = KEY.match(line)
-        key = found.group() if found else ""
+    for message in str(error).splitlines():
+        line = message.removeprefix(f"{file}: ").removeprefix(f"{path}: ")
+        match = KEY.match(line)
+        key = match.group() if match else ""
         dotted = key.replace("[", ".").replace("]", "")
         name = next((name for name in places if f"{dotted}.".startswith(f"{name}.")), None)
         if name is None:
             yield line, False
-        elif ": unknown key" in line:  # whatever its values are
+        elif ": unknown key" in line:  # independent of its values
             yield f"{path}: {places[name].partition('[')[0]}: unknown key{line.partition(': unknown key')[2]}", True
         else:
             inner = "".join(
