@@ -295,7 +295,7 @@ MALFORMED = [
     (IRREGULAR, "radius = 800.0", "radius = 8.0", ("track.segments[2].radius = 8.0", "at least 50")),
     (IRREGULAR, "radius = 800.0", "radius = 800.0\ncurvature = 1e-3", ("segments[2].radius = 800.0", "not both")),
     (IRREGULAR, "cant = 0.08 ", "cant = 0.8 ", ("track.segments[2].cant = 0.8", "60 mm are 0.06")),
-    (IRREGULAR, "vertical_radius = 4000.0", "", ("track.segments[3].vertical_radius: missing", "slope changes")),
+    (IRREGULAR, "vertical_radius = 4000.0", "", ("track.segments[3].vertical_radius: missing", "gradient changes")),
     (IRREGULAR, "cant = 0.06", 'shape = "bloss"', ('track.segments[4].shape = "bloss"', "only for a transition")),
     (IRREGULAR, "cant_base = 1.5", "cant_base = 1.5\ntangent = 5.0", ("track.tangent = 5.0", "not beside segments")),
     (IRREGULAR, 'kind = "arc"', 'kind = "tangent"', ("track.segments[2].radius = 800.0", "left out for a tangent")),

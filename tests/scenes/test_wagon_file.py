@@ -96,14 +96,14 @@ def test_the_wagon_rolls_on_the_scenes_wheels(tmp_path: Path) -> None:
         ("roll_bar = '1e3'", ('roll_bar = "1e3": must be a number',)),
         ("roll_bar = nan", ("roll_bar = NaN: must be zero or positive and finite",)),
         ("bumpstop = 1e3", ("bumpstop = 1000.0: must be an array of points",)),
-        ("bumpstop = [[-1, -1], [0, 0]]", ("bumpstop = [[-1, -1], [0, 0]]: must be alike in both directions",)),
+        ("bumpstop = [[-1, -1], [0, 0]]", ("bumpstop = [[-1, -1], [0, 0]]: must be an odd law",)),
         ("car_body = 3", ("car_body = 3: must be a table",)),
-        ("[car_body]\nheight = 0.5", ("car_body", "above the bogie's")),
+        ("[car_body]\nheight = 0.5", ("car_body", "greater than that of the bogie")),
         (
             "[secondary]\nlateral_stiffness = 1e5\nturn = 0.1\nlateral_damping = -1",
             ("secondary.lateral_damping = -1: must be zero or positive and finite",),
         ),
-        ("[secondary]\nturn = 2", ("secondary.turn = 2: must be a share between 0 and 1",)),
+        ("[secondary]\nturn = 2", ("secondary.turn = 2: must be between 0 and 1",)),
         (
             "[secondary]\nlateral_damping = [[0, 0], [0.1, 5], [0.1, 6]]",
             ("secondary.lateral_damping = [[0, 0], [0.1, 5], [0.1, 6]]: must be points whose first numbers rise",),

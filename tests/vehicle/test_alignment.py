@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import fresnel
 
-from wheelrail.vehicle.track.alignment import AlignmentError, Segment, courses
+from wheelrail.vehicle.track.alignment import AlignmentError, Segment, track_functions
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction, Shape
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track, centre_line
@@ -47,7 +47,7 @@ def test_bloss_is_its_formula_with_its_jumps() -> None:
 
 
 def test_segments_give_curvature_lift_and_gradient() -> None:
-    curvature, lift, gradient = courses(S_CURVE)
+    curvature, lift, gradient = track_functions(S_CURVE)
     for s, k, h in (
         (-1.0, 0.0, 0.0),
         (30.0, 0.0, 0.0),
@@ -122,18 +122,18 @@ T, A = Segment("tangent", 10.0), Segment("arc", 10.0, 1e-3, 0.05)
 )
 def test_segments_that_make_no_track(segments: list[Segment], index: int, key: str, says: str) -> None:
     with pytest.raises(AlignmentError, match=f"segment {index}") as caught:
-        courses(segments)
+        track_functions(segments)
     assert (caught.value.index, caught.value.key) == (index, key)
     assert says in caught.value.says
 
 
 def test_compound_curves_and_ends_without_a_tangent() -> None:
-    curvature, lift, _ = courses(
+    curvature, lift, _ = track_functions(
         [Segment("transition", 20.0, 1e-3, 0.05), Segment("transition", 30.0), Segment("arc", 9.0, 2e-3, 0.1)]
     )
     assert (curvature.values, lift.values) == ((0.0, 1e-3, 2e-3), (0.0, 0.05, 0.1))
-    assert courses([A, Segment("transition", 20.0)]).curvature.values == (1e-3, 0.0)
-    assert courses([A]).lift(3.0) == (0.05, 0.0, 0.0)
+    assert track_functions([A, Segment("transition", 20.0)]).curvature.values == (1e-3, 0.0)
+    assert track_functions([A]).lift(3.0) == (0.05, 0.0, 0.0)
 
 
 def test_the_centre_line_of_a_circle_on_a_slope_is_a_helix() -> None:

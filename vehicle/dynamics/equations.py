@@ -229,7 +229,7 @@ class Dynamics:
         lateral, vertical = frame.acceleration_of(
             position[..., 0], height + position[..., 1], rate[..., 0], rate[..., 1]
         )
-        o_y, o_z = frame.turned(roll)
+        o_y, o_z = frame.rate_in_body_axes(roll)
         theta_rate = self.rolling_rate(frame) + pitch_rate
         gyroscopic = (izz - iyy) * o_y * o_z
         gyroscopic[..., 2] -= iyy[2] * theta_rate * o_z[..., 2]

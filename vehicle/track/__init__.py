@@ -1,4 +1,4 @@
-"""Alignment, cant, gradient and irregularities; the moving track frame; speed over time.
+"""Alignment, cant, gradient and irregularities; the moving track frame; speed profiles.
 
 `Track` gives the centre line and its derivatives at every arc length.
 """

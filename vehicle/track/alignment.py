@@ -1,4 +1,4 @@
-"""A track as a list of what follows one upon the other: tangents, transitions and arcs, with cant and gradients."""
+"""Track alignment as a sequence of segments: tangents, transitions and arcs, with cant and gradients."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ Kind = Literal["tangent", "transition", "arc"]
 
 
 class AlignmentError(ValueError):
-    """Segments that make no track: index of the one at fault, from 0, and the key of its value."""
+    """A sequence of segments that is not a valid alignment.
+
+    Parameters:
+        index: of the invalid segment, from 0.
+        key: of the invalid value.
+        says: what is allowed.
+    """
 
     def __init__(self, index: int, key: str, says: str) -> None:
         super().__init__(f"segment {index}, counted from 0, {key}: {says}")
@@ -23,14 +29,19 @@ class AlignmentError(ValueError):
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of track, length m along it.
+    """A segment of the alignment.
 
-    curvature 1/m of an arc, positive to the left; cant m of an arc, positive raises the outer rail (the right one where
-    nothing curves). A transition takes both from the segment before to the one after, in its shape, from and to
-    straight track where there is none; between two transitions the first says what it ends with. gradient rad, positive
-    uphill, that of the segment before unless given, level at first; where it changes, a vertical curve of
-    vertical_radius m, half before and half behind the beginning of this segment, is a circle (its gradient changes
-    evenly along the track) but for its ends, which are rounded like those of a clothoid.
+    Parameters:
+        kind: "tangent", "transition" or "arc".
+        length: m along the track.
+        curvature: of an arc, 1/m, positive to the left; of a transition that is followed by another one, its end value.
+        cant: of an arc, m, positive raises the outer rail (the right one without curvature); of a transition as for
+            curvature.
+        shape: of a transition from the values of the previous to those of the next segment (straight track if there is
+            none).
+        gradient: rad, positive uphill; None: that of the previous segment, level at first.
+        vertical_radius: m, of the vertical curve where the gradient changes, centred on the start of this segment: the
+            gradient varies linearly with distance, except for the ends, rounded as those of a clothoid.
     """
 
     kind: Kind
@@ -42,8 +53,8 @@ class Segment:
     vertical_radius: float | None = None
 
 
-class VerticalCurve(NamedTuple):
-    """Curvature 1/m, positive to the left, and lift m of the right rail over the left."""
+class CurveValues(NamedTuple):
+    """Curvature 1/m, positive to the left, and lift m, the superelevation of the right rail above the left."""
 
     curvature: float
     lift: float
@@ -52,50 +63,56 @@ class VerticalCurve(NamedTuple):
         return f"{self.curvature:g} 1/m with {self.lift * copysign(1.0, self.curvature):g} m of cant"
 
 
-STRAIGHT = VerticalCurve(0.0, 0.0)
+STRAIGHT = CurveValues(0.0, 0.0)
 
 
 class TrackFunctions(NamedTuple):
+    """Functions of distance: curvature 1/m, lift (superelevation) m, gradient rad."""
+
     curvature: PiecewiseFunction
     lift: PiecewiseFunction
     gradient: PiecewiseFunction
 
 
-def courses(segments: Sequence[Segment], *, corner: float = 3.0) -> TrackFunctions:
-    """Curvature, lift and gradient along the segments, constant before the first and behind the last.
+def track_functions(segments: Sequence[Segment], *, corner: float = 3.0) -> TrackFunctions:
+    """Curvature, superelevation and gradient along the segments, constant before the first and beyond the last.
 
-    corner m: as in `PiecewiseFunction`. Raises LayoutError where segments make no sense or do not meet.
+    Parameters:
+        segments: in order, from s = 0.
+        corner: m, as in `PiecewiseFunction`.
+
+    Raises AlignmentError for invalid segments, or values that are not continuous.
     """
     if not segments:
-        raise AlignmentError(0, "kind", "missing: a layout has one segment at least")
+        raise AlignmentError(0, "kind", "missing: an alignment must have one segment at least")
     for index, segment in enumerate(segments):
         _check(index, segment, corner)
-    joints = list(accumulate((segment.length for segment in segments), initial=0.0))
+    boundaries = list(accumulate((segment.length for segment in segments), initial=0.0))
     ends = _ends(segments)
-    at, bends, shapes = list[float](), list[VerticalCurve](), list[Shape]()
+    stations, values, shapes = list[float](), list[CurveValues](), list[Shape]()
     for index, segment in enumerate(segments):
         if segment.kind != "transition":
             continue
-        if not at or at[-1] < joints[index]:
-            shapes += ["quintic"] if at else []  # between equal values
-            at.append(joints[index])
-            bends.append(ends[index - 1] if index else STRAIGHT)
-        at.append(joints[index + 1])
-        bends.append(ends[index])
+        if not stations or stations[-1] < boundaries[index]:
+            shapes += ["quintic"] if stations else []  # between equal values
+            stations.append(boundaries[index])
+            values.append(ends[index - 1] if index else STRAIGHT)
+        stations.append(boundaries[index + 1])
+        values.append(ends[index])
         shapes.append(segment.shape)
 
-    def course(part: Literal["curvature", "lift"]) -> PiecewiseFunction:
-        if not at:
+    def function(part: Literal["curvature", "lift"]) -> PiecewiseFunction:
+        if not stations:
             return PiecewiseFunction.constant(getattr(ends[0], part))
         return PiecewiseFunction(
-            tuple(at), tuple(getattr(bend, part) for bend in bends), shape=tuple(shapes), corner=corner
+            tuple(stations), tuple(getattr(value, part) for value in values), shape=tuple(shapes), corner=corner
         )
 
-    return TrackFunctions(course("curvature"), course("lift"), _gradient(segments, joints, corner))
+    return TrackFunctions(function("curvature"), function("lift"), _gradient(segments, boundaries, corner))
 
 
 def _check(index: int, segment: Segment, corner: float) -> None:
-    """Raises LayoutError for what is wrong with a segment by itself."""
+    """Raises AlignmentError for an invalid segment."""
     for key, choices in (("kind", get_args(Kind)), ("shape", get_args(Shape))):
         if getattr(segment, key) not in choices:
             raise AlignmentError(index, key, f"must be one of {', '.join(choices)}")
@@ -112,64 +129,62 @@ def _check(index: int, segment: Segment, corner: float) -> None:
         raise AlignmentError(index, "length", f"must have room for two rounded corners of {corner:g} m (more than 0 m)")
 
 
-def _ends(segments: Sequence[Segment]) -> list[VerticalCurve]:
-    """What each segment ends with. Raises LayoutError where two do not meet."""
-    own = [_own(segment) for segment in segments]
-    ends: list[VerticalCurve] = []
+def _ends(segments: Sequence[Segment]) -> list[CurveValues]:
+    """Values at the end of each segment. Raises AlignmentError where they are not continuous."""
+    values = [_own(segment) for segment in segments]
+    ends: list[CurveValues] = []
     for index, segment in enumerate(segments):
         last = index + 1 == len(segments)
-        meets = segments[index + 1].kind != "transition" if not last else False
-        end = own[index]
+        followed = segments[index + 1].kind != "transition" if not last else False
+        end = values[index]
         if segment.kind != "transition":
             if ends and ends[-1] != end:
-                text = f"must go on from {ends[-1]}, not jump to {end}: put a transition in between"
-                raise AlignmentError(index, _apart(ends[-1], end), text)
+                text = f"jumps from {ends[-1]} to {end}: must have a transition in between"
+                raise AlignmentError(index, _differing(ends[-1], end), text)
         elif segment.curvature is None and segment.cant is None:
-            if not (last or meets):
+            if not (last or followed):
                 raise AlignmentError(index, "curvature", "must be given for a transition into another one")
-            end = own[index + 1] if meets else STRAIGHT
-        elif meets and end != own[index + 1]:
-            text = f"must end with the {own[index + 1]} of the next segment, not with {end}"
-            raise AlignmentError(index, _apart(end, own[index + 1]), text)
+            end = values[index + 1] if followed else STRAIGHT
+        elif followed and end != values[index + 1]:
+            text = f"must end with the {values[index + 1]} of the next segment, not with {end}"
+            raise AlignmentError(index, _differing(end, values[index + 1]), text)
         ends.append(end)
     return ends
 
 
-def _own(segment: Segment) -> VerticalCurve:
+def _own(segment: Segment) -> CurveValues:
     curvature = segment.curvature or 0.0
-    return VerticalCurve(curvature, (segment.cant or 0.0) * copysign(1.0, curvature))
+    return CurveValues(curvature, (segment.cant or 0.0) * copysign(1.0, curvature))
 
 
-def _apart(one: VerticalCurve, other: VerticalCurve) -> str:
-    return "cant" if one.curvature == other.curvature else "curvature"
+def _differing(a: CurveValues, b: CurveValues) -> str:
+    return "cant" if a.curvature == b.curvature else "curvature"
 
 
-def _gradient(segments: Sequence[Segment], joints: list[float], corner: float) -> PiecewiseFunction:
-    """Raises LayoutError for a change without a radius, or a vertical curve without room."""
+def _gradient(segments: Sequence[Segment], boundaries: list[float], corner: float) -> PiecewiseFunction:
+    """Gradient along the track. Raises AlignmentError for a change without radius, or overlapping vertical curves."""
     slopes = [0.0]
     for segment in segments:
         slopes.append(slopes[-1] if segment.gradient is None else segment.gradient)
     slopes[0] = slopes[1]
-    at, values, shortest = list[float](), list[float](), inf
+    stations, values, shortest = list[float](), list[float](), inf
     for index, (before, after) in enumerate(pairwise(slopes)):
         if before == after:
             continue
         radius = segments[index].vertical_radius
         if radius is None:
-            raise AlignmentError(index, "vertical_radius", "must be given where the slope changes")
+            raise AlignmentError(index, "vertical_radius", "must be given where the gradient changes")
         half = 0.5 * radius * abs(after - before)
-        start, end, free = joints[index] - half, joints[index] + half, at[-1] if at else 0.0
-        if start < free or end > joints[-1]:
-            text = (
-                f"gives a vertical curve from {start:g} to {end:g} m; there is room from {free:g} to {joints[-1]:g} m"
-            )
+        start, end, free = boundaries[index] - half, boundaries[index] + half, stations[-1] if stations else 0.0
+        if start < free or end > boundaries[-1]:
+            text = f"gives a curve from {start:g} to {end:g} m; must lie between {free:g} and {boundaries[-1]:g} m"
             raise AlignmentError(index, "vertical_radius", text)
-        if start > free or not at:
-            at.append(start)
+        if start > free or not stations:
+            stations.append(start)
             values.append(before)
-        at.append(end)
+        stations.append(end)
         values.append(after)
         shortest = min(shortest, half)
-    if not at:
+    if not stations:
         return PiecewiseFunction.constant(slopes[0])
-    return PiecewiseFunction(tuple(at), tuple(values), shape="clothoid", corner=min(corner, 0.5 * shortest))
+    return PiecewiseFunction(tuple(stations), tuple(values), shape="clothoid", corner=min(corner, 0.5 * shortest))

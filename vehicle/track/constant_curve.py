@@ -1,4 +1,4 @@
-"""One curve at one speed, and what it asks of a vehicle whatever its springs."""
+"""Curve of constant radius and cant at constant speed: cant deficiency, equilibrium speed."""
 
 from __future__ import annotations
 
@@ -11,8 +11,15 @@ from wheelrail.vehicle.track.track import Track
 
 @dataclass(frozen=True)
 class ConstantCurve:
-    """A level curve without end at a speed m/s; curvature 1/m, positive to the left; cant m, positive raises the outer
-    rail (the right one without curvature) over a base m. Raises ValueError for what cannot be.
+    """An infinitely long level curve.
+
+    Parameters:
+        speed: m/s.
+        curvature: 1/m, positive to the left.
+        cant: m, positive raises the outer rail (the right one without curvature).
+        base: m, lateral distance over which the cant is measured.
+
+    Raises ValueError for values out of bounds.
     """
 
     speed: float
@@ -25,9 +32,9 @@ class ConstantCurve:
             value = getattr(self, item.name)
             if not isfinite(value) or (item.name in ("speed", "base") and value <= 0.0):
                 allowed = "positive and finite" if item.name in ("speed", "base") else "finite"
-                raise ValueError(f"Curve.{item.name} = {value}: must be {allowed}")
+                raise ValueError(f"ConstantCurve.{item.name} = {value}: must be {allowed}")
         if not abs(self.cant) < self.base:
-            raise ValueError(f"Curve.cant = {self.cant}: must be less than the base of {self.base} m")
+            raise ValueError(f"ConstantCurve.cant = {self.cant}: must be less than base = {self.base} m")
 
     @property
     def track(self) -> Track:
@@ -40,15 +47,15 @@ class ConstantCurve:
         return asin(self.cant / self.base)
 
     def unbalanced(self, gravity: float = 9.81) -> float:
-        """Lateral acceleration that cant leaves, m/s2 in the plane of the rails, positive to the outside."""
+        """Unbalanced lateral acceleration in the plane of the rails, m/s2, positive to the outside."""
         return self.speed**2 * abs(self.curvature) * cos(self.angle) - gravity * sin(self.angle)
 
     def deficiency(self, gravity: float = 9.81) -> float:
-        """Cant that is missing for no lateral force, m, as usual: base V^2 / (g R) less the cant."""
+        """Cant deficiency, m: base V^2 / (g R) minus the cant."""
         return self.base * self.speed**2 * abs(self.curvature) / gravity - self.cant
 
     def balance_speed(self, gravity: float = 9.81) -> float:
-        """Speed without lateral force, m/s. Raises ValueError without curvature or cant."""
+        """Equilibrium speed (no cant deficiency), m/s. Raises ValueError without curvature or cant."""
         if self.curvature == 0.0 or self.cant <= 0.0:
-            raise ValueError("a speed of balance needs curvature and positive cant")
+            raise ValueError("balance speed: curvature must not be 0 and cant must be positive")
         return sqrt(gravity * tan(self.angle) / abs(self.curvature))

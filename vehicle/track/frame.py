@@ -1,4 +1,4 @@
-"""The moving track frame: how it turns, and what a body feels that is described in it."""
+"""Moving track frame: its rotation, and accelerations of bodies described in it."""
 
 from __future__ import annotations
 
@@ -16,8 +16,13 @@ Vector = tuple[float, float, float]
 class Frame:
     """Motion of the track frame (x tangent, y left, z normal to the rails), components in its own axes.
 
-    speed m/s, acceleration m/s2 along x; rate rad/s and rate_dot rad/s2 of the frame; down: unit vector of gravity;
-    rails: where irregularities put them, as in `wheelrail.contact.kinematics.wheelset_state.WheelsetState`.
+    Parameters:
+        speed: along x, m/s.
+        acceleration: along x, m/s2.
+        rate, rate_dot: (3,) angular velocity rad/s and angular acceleration rad/s2 of the frame.
+        down: (3,) unit vector of gravity.
+        rails: displacement of the rails by irregularities, as in
+            `wheelrail.contact.kinematics.wheelset_state.WheelsetState`.
     """
 
     speed: float
@@ -28,19 +33,24 @@ class Frame:
     rails: RailShift | None = None
 
     def steady(self) -> Frame:
-        """The frame of a smooth curve without end: no change of speed, no roll rate, no angular acceleration."""
+        """Frame of a smooth infinite curve: constant speed, no roll rate, no angular acceleration."""
         _, wy, wz = self.rate
         return Frame(self.speed, 0.0, (0.0, wy, wz), (0.0, 0.0, 0.0), self.down)
 
     def acceleration_of(self, y: Array, z: Array, y_rate: Array, z_rate: Array) -> tuple[Array, Array]:
-        """Absolute acceleration in y and z of points (0, y, z), without their own y and z accelerations, m/s2."""
+        """Absolute acceleration in y and z, m/s2, of points (0, y, z) without relative acceleration.
+
+        Parameters:
+            y, z: (...) m in the frame.
+            y_rate, z_rate: (...) m/s relative to the frame.
+        """
         (wx, wy, wz), (dx, _, _) = self.rate, self.rate_dot
         lateral = self.speed * wz - dx * z - (wx * wx + wz * wz) * y + wy * wz * z - 2 * wx * z_rate
         vertical = -self.speed * wy + dx * y - (wx * wx + wy * wy) * z + wy * wz * y + 2 * wx * y_rate
         return lateral, vertical
 
-    def turned(self, roll: Array) -> tuple[Array, Array]:
-        """Parts of the frame's rate along the lateral and vertical axes of bodies that rolled, rad/s."""
+    def rate_in_body_axes(self, roll: Array) -> tuple[Array, Array]:
+        """Lateral and vertical components (...) rad/s of the frame's rate in axes rotated by a roll (...) rad."""
         _, wy, wz = self.rate
         c, s = np.cos(roll), np.sin(roll)
         return wy * c + wz * s, wz * c - wy * s

@@ -1,4 +1,4 @@
-"""Irregularities of a track: where the rails lie beside where they should, along the distance s."""
+"""Track irregularities: deviations of the rails from their nominal position as functions of distance s."""
 
 from __future__ import annotations
 
@@ -19,11 +19,15 @@ RAILS = np.array([[1.0, 0.0, 0.0, 0.5], [0.0, 1.0, -0.5, 0.0], [1.0, 0.0, 0.0, -
 
 @dataclass(frozen=True, eq=False)
 class Irregularities:
-    """Deviations by a cubic spline through samples, and none outside.
+    """Deviations interpolated by a cubic spline, zero outside the samples.
 
-    stations (n,) m, rising strictly; values (n, 4) m: alignment, both rails to the left; level, both rails up;
-    cross_level, the right rail above the left like a track's lift; gauge, wider. Raises ValueError for stations that do
-    not rise, values that are not finite, and ends that are not 0 (see `faded`).
+    Parameters:
+        stations: (n,) m, strictly increasing.
+        values: (n, 4) m: alignment, both rails to the left; level, both rails up; cross_level, the right rail above the
+            left like the superelevation; gauge, widening.
+
+    Raises ValueError for stations that do not increase, values that are not finite, and ends that are not 0 (see
+    `faded`).
     """
 
     stations: Array
@@ -31,27 +35,32 @@ class Irregularities:
 
     def __post_init__(self) -> None:
         if self.values.shape != (len(self.stations), len(QUANTITIES)) or len(self.stations) < 2:
-            raise ValueError(f"irregularities need two stations at least, and {len(QUANTITIES)} values at each")
+            raise ValueError(f"irregularities must have two stations at least, and {len(QUANTITIES)} values at each")
         if not (np.diff(self.stations) > 0.0).all():
-            raise ValueError("stations must rise strictly")
+            raise ValueError("stations must increase strictly")
         if not np.isfinite(self.values).all() or self.values[[0, -1]].any():
             raise ValueError("irregularities must be finite, and 0 at both ends")
 
     @classmethod
     def faded(cls, stations: Array, values: Array, *, start: float = 0.0, fade: float = 10.0) -> Irregularities:
-        """The same from a start m on, growing from nothing over `fade` m and going back to nothing before the last
-        station, so that a run begins at rest.
+        """Irregularities multiplied by a weight that rises from 0 to 1 after the start and returns to 0 before the last
+        station, so that a run starts in equilibrium.
 
-        Raises ValueError, too, where the samples do not hold both.
+        Parameters:
+            stations, values: as of the class.
+            start: m.
+            fade: length of both ramps, m.
+
+        Raises ValueError for invalid samples, or samples shorter than both ramps.
         """
         start, end = max(start, float(stations[0])), float(stations[-1])
         if not (fade > 0.0 and end - start >= 2.0 * fade):
             raise ValueError(f"irregularities from {start:g} to {end:g} m are shorter than two fades of {fade:g} m")
-        at = np.concatenate([[start], stations[stations > start]])
-        share = PiecewiseFunction((0.0, fade), (0.0, 1.0))
-        weight = np.array([share(s - start)[0] * share(end - s)[0] for s in at.tolist()])
+        faded_stations = np.concatenate([[start], stations[stations > start]])
+        ramp = PiecewiseFunction((0.0, fade), (0.0, 1.0))
+        weight = np.array([ramp(s - start)[0] * ramp(end - s)[0] for s in faded_stations.tolist()])
         inside = np.vstack([np.zeros(len(QUANTITIES)), values[stations > start]])
-        return cls(at, inside * weight[:, None])
+        return cls(faded_stations, inside * weight[:, None])
 
     @cached_property
     def _knots(self) -> list[float]:
@@ -59,9 +68,9 @@ class Irregularities:
 
     @cached_property
     def _cubics(self) -> list[list[list[float]]]:
-        """Of each piece and each component of both rails, four coefficients from the cube down; level at the ends.
+        """Four coefficients, highest power first, of each piece and component of both rails; zero slope at the ends.
 
-        Plain numbers: of so few an array costs more than it saves.
+        Plain numbers are faster than arrays for so few values.
         """
         from scipy.interpolate import CubicSpline
 
@@ -74,7 +83,7 @@ class Irregularities:
         return (self._cubics[i], s - self._knots[i]) if 0 <= i < len(self._knots) - 1 else None
 
     def rails(self, s: float) -> RailShift | None:
-        """Lateral and vertical shift of the left and of the right rail at s, m; None where there are none."""
+        """Lateral and vertical displacement, m, of the left and the right rail at s; None outside the samples."""
         piece = self._piece(s)
         if piece is None:
             return None
@@ -83,6 +92,6 @@ class Irregularities:
         return (left_y, left_z), (right_y, right_z)
 
     def at(self, stations: Array) -> Array:
-        """The four quantities (m, 4) at stations (m,), m."""
+        """The four quantities (m, 4) m at stations (m,), m."""
         shifts = [self.rails(s) or ((0.0, 0.0), (0.0, 0.0)) for s in stations.tolist()]
         return np.asarray(np.reshape(np.array(shifts), (-1, 4)) @ np.linalg.inv(RAILS).T)

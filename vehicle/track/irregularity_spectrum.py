@@ -1,10 +1,10 @@
 """Random irregularities from the spectra of ERRI B176, low and high.
 
-The formulas and constants are those that public codes and the literature on track dynamics repeat for ORE / ERRI B176
-and for the German railways, with different names; the report itself was not at hand. The manual of GENSYS prints
-figures of the high class (www.gensys.se/doc_html/trc_ipsd.html) in m2/(1/m), 2 pi times the unit here: they agree to
-four digits, and its white spectrum shows that they are one-sided. The gauge is no part of B176: its spectrum is the one
-of the same form that goes with it in the Chinese literature.
+Formulas and constants are those that public codes and the literature on track dynamics quote for ORE / ERRI B176 and
+for the German railways, with different names; the report itself was not available. The manual of GENSYS lists values
+of the high class (www.gensys.se/doc_html/trc_ipsd.html) in m2/(1/m), 2 pi times the unit here: they agree to four
+digits, and its white spectrum shows that they are one-sided. B176 does not define the gauge: its spectrum has the same
+form and is the one used with B176 in the Chinese literature.
 """
 
 from __future__ import annotations
@@ -21,17 +21,20 @@ Class = Literal["low", "high"]
 
 CUT, LONG, ROLL = 0.8246, 0.0206, 0.4380  # rad/m: Omega_c, Omega_r, Omega_s
 WAVES = 600
-PER_WAVE = 20  # samples along the shortest wave, 1e-4 of which a cubic spline then misses
+PER_WAVE = 20  # samples per shortest wavelength: relative error of the cubic spline 1e-4
 
 
 @dataclass(frozen=True)
 class IrregularitySpectrum:
-    """One-sided spectral densities m2/(rad/m) over the angular wave number Omega rad/m: the variance of a quantity is
-    their integral over the positive Omega alone.
+    """One-sided spectral densities S m2/(rad/m) over the angular wave number O rad/m: the variance of a quantity is the
+    integral of S over positive O.
 
-    alignment, level, gauge rad m: the constants A of S = A Oc^2 / ((O^2 + Or^2)(O^2 + Oc^2)), for the gauge times
-    O^2 / (O^2 + Os^2). The cross level as an angle has the level's over half_base^2 (m), times the latter; as a
-    difference of heights over 2 half_base it has four times that of the level.
+    Parameters:
+        alignment, level, gauge: rad m, the constants A of S = A Oc^2 / ((O^2 + Or^2)(O^2 + Oc^2)), for the gauge times
+            O^2 / (O^2 + Os^2).
+        half_base: m. The density of the cross level as an angle is that of the level over half_base^2, times
+            O^2 / (O^2 + Os^2); as a difference of heights over 2 half_base it is four times that of the level, times
+            the same factor.
     """
 
     alignment: float
@@ -40,7 +43,7 @@ class IrregularitySpectrum:
     half_base: float = 0.75
 
     def __call__(self, wave_number: Array) -> Array:
-        """(..., 4) densities of alignment, level, cross level (as a height) and gauge."""
+        """Densities (..., 4) of alignment, level, cross level (as a height) and gauge at wave numbers (...) rad/m."""
         o2 = np.square(wave_number)
         plain = CUT**2 / ((o2 + LONG**2) * (o2 + CUT**2))
         rolling = plain * o2 / (o2 + ROLL**2)
@@ -51,15 +54,20 @@ class IrregularitySpectrum:
     def irregularities(
         self, length: float, *, seed: int, wavelengths: tuple[float, float] = (3.0, 100.0), fade: float = 10.0
     ) -> Irregularities:
-        """A realisation from 0 to a length m with waves of shortest to longest m, faded at both ends over `fade` m.
+        """A random realisation.
 
-        Cosines of random phase, one at a random place in each of bins that are equally wide in log(Omega), share the
-        variance of the bin. The same seed gives the same track, however long. Raises ValueError for wavelengths that do
-        not rise, or a track of less than two fades.
+        Parameters:
+            length: m, from s = 0.
+            seed: of the random numbers; the same seed gives the same track for any length.
+            wavelengths: shortest and longest, m.
+            fade: length of the ramps at both ends, m.
+
+        Sum of cosines of random phase, one at a random wave number in each bin of equal width in log(Omega), with the
+        variance of the bin. Raises ValueError for wavelengths that do not increase, or a track shorter than two fades.
         """
         shortest, longest = wavelengths
         if not 0.0 < shortest < longest < np.inf:
-            raise ValueError(f"wavelengths {shortest} to {longest} m: positive, the shortest first")
+            raise ValueError(f"wavelengths {shortest} to {longest} m: must be positive, the shortest first")
         random = np.random.default_rng(seed)
         edges = np.geomspace(2.0 * np.pi / longest, 2.0 * np.pi / shortest, WAVES + 1)
         widths = np.diff(edges)

@@ -1,4 +1,4 @@
-"""How fast the vehicle goes, and how far it is: distance, speed and acceleration over time."""
+"""Kinematics along the track: distance, speed and acceleration over time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 
 
 class TrackPosition(NamedTuple):
-    """distance m along the track, speed m/s, acceleration m/s2."""
+    """Distance m along the track, speed m/s, acceleration m/s2."""
 
     distance: float
     speed: float
@@ -18,11 +18,14 @@ class TrackPosition(NamedTuple):
 
 @dataclass(frozen=True)
 class SpeedProfile:
-    """Speed m/s as a course over time s; the distance is its exact integral, zero at time zero.
+    """Prescribed speed over time; the distance is its exact integral, zero at time zero.
 
-    The motion along the track is prescribed, at constant speed as at a changing one: whatever force that takes acts on
-    the bodies along x and appears nowhere. There is neither a motor nor a brake on the axle: rails turn the wheelset,
-    with J dV/dt / r^2 in all, when the speed changes. Raises ValueError for speeds that are not positive and finite.
+    Parameters:
+        speeds: m/s, function of time s.
+
+    The motion along the track is a constraint, whose force along x is not computed. No traction or braking torque acts
+    on the axle: when the speed changes, the rails accelerate the wheelset's rotation by a longitudinal force of
+    J dV/dt / r^2 in total. Raises ValueError for speeds that are not positive and finite.
     """
 
     speeds: PiecewiseFunction
@@ -30,7 +33,7 @@ class SpeedProfile:
     def __post_init__(self) -> None:
         for speed in self.speeds.values:
             if not 0.0 < speed < float("inf"):
-                raise ValueError(f"speed {speed} m/s: positive and finite (creepage is slip over speed)")
+                raise ValueError(f"speed {speed} m/s: must be positive and finite (creepage is slip over speed)")
 
     @classmethod
     def of(cls, speed: float | SpeedProfile) -> SpeedProfile:
@@ -38,7 +41,12 @@ class SpeedProfile:
 
     @classmethod
     def through(cls, times: tuple[float, ...], speeds: tuple[float, ...]) -> SpeedProfile:
-        """Constant before and after, quintic in between: at each of the times s the acceleration is zero."""
+        """Profile through speeds m/s at times s, quintic in between and constant outside; no acceleration at the times.
+
+        Parameters:
+            times: (n,) s.
+            speeds: (n,) m/s.
+        """
         return cls(PiecewiseFunction(times, speeds))
 
     @property
@@ -50,12 +58,12 @@ class SpeedProfile:
         return TrackPosition(self.speeds.integral(time), speed, acceleration)
 
     def time_at(self, distance: float) -> float:
-        """When the vehicle gets to a distance m, s."""
+        """Time s at which the vehicle reaches a distance m."""
         if len(self.speeds.stations) == 1:
             return distance / self.speeds.values[0]
         from scipy.optimize import brentq
 
         bounds = (distance / speed for speed in (min(self.speeds.values), max(self.speeds.values)))
         low, high = sorted(bounds)
-        found = brentq(lambda t: self.speeds.integral(t) - distance, low - 1e-9, high + 1e-9, xtol=1e-12)
-        return float(found)
+        time = brentq(lambda t: self.speeds.integral(t) - distance, low - 1e-9, high + 1e-9, xtol=1e-12)
+        return float(time)

@@ -1,4 +1,4 @@
-"""Where a track runs in space."""
+"""Track geometry: alignment, track frame and centre line."""
 
 from __future__ import annotations
 
@@ -10,17 +10,22 @@ from math import asin, cos, sin, sqrt
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.track.alignment import Segment, courses
+from wheelrail.vehicle.track.alignment import Segment, track_functions
 from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.irregularity import Irregularities
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction, Shape
 
 
 def centre_line(track: Track, length: float, *, spacing: float = 1.0) -> tuple[Array, Array]:
-    """Stations (n,) m from 0 to a length, at most `spacing` m apart, and points of the centre line there (n, 3) m.
+    """Stations (n,) m and points (n, 3) m of the centre line.
 
-    x along the tangent at the start in plan, y to its left, z up. Four Gauss points for each interval, whose headings
-    are known beforehand: errors of an arc are of the order (spacing / radius)^8.
+    Parameters:
+        track: the alignment.
+        length: m, from s = 0.
+        spacing: largest distance of stations, m.
+
+    x along the tangent at the start in plan, y to its left, z up. Gauss quadrature of the tangent, four points for each
+    interval: errors of an arc are of the order (spacing / radius)^8.
     """
     stations = np.linspace(0.0, length, int(np.ceil(length / spacing)) + 1, dtype=np.float64)
     nodes, weights = np.polynomial.legendre.leggauss(4)  # type: ignore[no-untyped-call]
@@ -39,12 +44,16 @@ def _zero() -> PiecewiseFunction:
 
 @dataclass(frozen=True)
 class Track:
-    """The centre line as courses of s.
+    """Alignment as functions of the distance s; the plane of the rails rotates about the centre line.
 
-    curvature 1/m in plan, positive to the left; lift m: by how much the right rail lies above the left one (the cant of
-    a left-hand curve); gradient rad, positive uphill; base m, distance over which the lift is measured; irregularities
-    of the rails, if any. The plane of the rails turns about the centre line. Raises ValueError where the lift does not
-    fit the base.
+    Parameters:
+        curvature: in plan, 1/m, positive to the left.
+        lift: superelevation, m: height of the right rail above the left (the cant of a left-hand curve).
+        gradient: rad, positive uphill.
+        base: m, lateral distance over which the superelevation is measured.
+        irregularities: of the rails, if any.
+
+    Raises ValueError for a superelevation not smaller than the base.
     """
 
     curvature: PiecewiseFunction = field(default_factory=_zero)
@@ -55,7 +64,7 @@ class Track:
 
     def __post_init__(self) -> None:
         if not self.base > max(abs(h) for h in self.lift.values):
-            raise ValueError(f"cant {self.lift.values} m does not fit a base of {self.base} m")
+            raise ValueError(f"cant {self.lift.values} m: must be less than base = {self.base} m")
 
     @classmethod
     def curve(
@@ -72,10 +81,16 @@ class Track:
         shape: Shape = "quintic",
         corner: float = 3.0,
     ) -> Track:
-        """Tangent, transition, full curve and, when exit_transition is given, back to a tangent without end.
+        """Tangent, transition, full curve and, with exit_transition, transition back to an infinite tangent.
 
-        curvature 1/m, positive to the left; cant m, positive raises the outer rail; gradient rad; lengths m.
-        Raises LayoutError, a ValueError, for lengths that are not positive.
+        Parameters:
+            curvature: of the full curve, 1/m, positive to the left.
+            cant: of the full curve, m, positive raises the outer rail.
+            tangent, transition, length, exit_transition: lengths of the segments, m.
+            gradient: rad.
+            base, shape, corner: as in `Track`, `Segment` and `PiecewiseFunction`.
+
+        Raises AlignmentError, a ValueError, for lengths that are not positive.
         """
         segments = [Segment("tangent", tangent)] if tangent else []
         segments += [Segment("transition", transition, shape=shape), Segment("arc", length, curvature, cant)]
@@ -93,23 +108,34 @@ class Track:
         corner: float = 3.0,
         irregularities: Irregularities | None = None,
     ) -> Track:
-        """Segments one upon the other from s = 0 on; corner m: over which ends of straight ramps are rounded.
+        """Track of a sequence of segments from s = 0.
 
-        Raises LayoutError, a ValueError, for segments that do not meet.
+        Parameters:
+            segments: in order.
+            base: m, lateral distance over which the superelevation is measured.
+            corner: m, length of rounded corners as in `PiecewiseFunction`.
+            irregularities: of the rails, if any.
+
+        Raises AlignmentError, a ValueError, for invalid segments, or values that are not continuous.
         """
-        found = courses(segments, corner=corner)
-        return cls(found.curvature, found.lift, found.gradient, base, irregularities)
+        functions = track_functions(segments, corner=corner)
+        return cls(functions.curvature, functions.lift, functions.gradient, base, irregularities)
 
     def angle(self, s: float) -> tuple[float, float, float]:
-        """Roll of the rail plane about the tangent, positive raises the left rail, and two derivatives by s."""
+        """Roll rad of the rail plane about the tangent, positive raises the left rail, and two derivatives in s."""
         h, dh, ddh = (-value / self.base for value in self.lift(s))
         root = sqrt(1.0 - h * h)
         return asin(h), dh / root, ddh / root + h * dh * dh / root**3
 
     def frame(self, s: float, speed: float, acceleration: float = 0.0) -> Frame:
-        """Track frame at s for a vehicle at speed m/s with acceleration m/s2.
+        """Track frame at a distance.
 
-        Orientation Rz(heading) Ry(-gradient) Rx(angle); rotation k and k' per length turn into w = V k and
+        Parameters:
+            s: m.
+            speed: m/s.
+            acceleration: m/s2.
+
+        Orientation Rz(heading) Ry(-gradient) Rx(angle); with the rotation k per length, w = V k and
         dw/dt = V' k + V^2 k'.
         """
         p, dp, ddp = self.angle(s)
@@ -118,7 +144,7 @@ class Track:
         ca, sa, cp, sp = cos(a), sin(a), cos(p), sin(p)
         turn = curvature * ca  # heading per arc length
         dturn = dcurvature * ca - curvature * da * sa
-        across, dacross = turn * ca, dturn * ca - turn * da * sa  # its part normal to the tangent
+        across, dacross = turn * ca, dturn * ca - turn * da * sa  # component normal to the tangent
         k = (dp + turn * sa, across * sp - da * cp, across * cp + da * sp)
         dk = (
             ddp + dturn * sa + turn * da * ca,
@@ -140,7 +166,7 @@ class Track:
         )
 
     def heading(self, s: float) -> float:
-        """Angle of the tangent in plan against that at s = 0, rad, by Gauss quadrature piece by piece."""
+        """Angle of the tangent in plan relative to s = 0, rad, by Gauss quadrature over each smooth piece."""
         low, high = min(0.0, s), max(0.0, s)
         breaks = sorted({low, high, *(x for c in (self.curvature, self.gradient) for x in c.breaks if low < x < high)})
         nodes, weights = np.polynomial.legendre.leggauss(8)  # type: ignore[no-untyped-call]

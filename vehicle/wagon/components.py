@@ -1,4 +1,4 @@
-"""What a wagon is made of: rigid bodies, stages of suspension, and their shares in the plane model."""
+"""Components of a wagon: rigid bodies, suspension stages, and scaling to the plane model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 
 class InvalidParameter(ValueError):
-    """A value that is not allowed: which, and what is."""
+    """A value out of bounds.
+
+    Parameters:
+        thing: instance with the value.
+        key: field of the value.
+        allowed: values.
+    """
 
     def __init__(self, thing: object, key: str, allowed: str) -> None:
         super().__init__(f"{type(thing).__name__}.{key} = {getattr(thing, key)}: {allowed}")
@@ -17,8 +23,14 @@ class InvalidParameter(ValueError):
 
 
 def check(thing: object, *, positive: tuple[str, ...] = (), infinite: tuple[str, ...] = ()) -> None:
-    """Every number is finite and not negative, except that the named ones are not zero, or may be infinite; raises
-    Refused.
+    """Checks that all numbers of a dataclass are finite and not negative.
+
+    Parameters:
+        thing: instance to check.
+        positive: fields that must not be zero.
+        infinite: fields that may be infinite.
+
+    Raises InvalidParameter.
     """
     for item in fields(thing):  # type: ignore[arg-type]
         value = getattr(thing, item.name)
@@ -34,7 +46,13 @@ def check(thing: object, *, positive: tuple[str, ...] = (), infinite: tuple[str,
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body: mass kg, principal moments of inertia kg m2, height of its centre above top of rail m."""
+    """A rigid body.
+
+    Parameters:
+        mass: kg.
+        roll_inertia, pitch_inertia, yaw_inertia: principal moments of inertia, kg m2.
+        height: of the centre of mass above top of rail, m.
+    """
 
     mass: float
     roll_inertia: float
@@ -57,17 +75,22 @@ class RigidBody:
 
 @dataclass(frozen=True)
 class Suspension:
-    """One stage: a spring and a damper on each side, values of one side in N/m and N s/m, bending stiffness N m/rad.
+    """One suspension stage: a spring and a damper on each side, values for one side.
 
-    Stiffness and damping are numbers, or the points of a force law: force over deflection or velocity of the upper body
-    against the lower one, vertical ones positive where they part, lateral ones positive outwards on both sides.
-    Deflections count from the nominal loaded position: the law of a vertical spring is what its force changes by from
-    the static load. Series stiffness: that of a spring in series with the damper; inf is none.
+    Parameters:
+        lateral_stiffness, vertical_stiffness: N/m, or a force law over deflection m.
+        lateral_damping, vertical_damping: N s/m, or a force law over velocity m/s.
+        bending_stiffness: N m/rad.
+        spring_y, spring_height, damper_y, damper_height: m, lateral position (+-y) and height above top of rail of the
+            attachment points, which coincide in the nominal position.
+        turn: fraction of the upper body's roll in the axes of a spring: 0 for a spring upright on the lower body and
+            loaded at the displaced point of the upper one, 0.5 for a coil clamped at both ends.
+        lateral_series_stiffness, vertical_series_stiffness: N/m, spring in series with the damper (Maxwell element);
+            inf: rigid.
 
-    Springs and dampers join points at y = +-spring_y, +-damper_y and at spring_height, damper_height, m, that
-    coincide in the nominal position. turn: share of the upper body's roll in the axes of a spring. 0 is a spring that
-    stands upright on the lower body and is loaded where the upper body has moved to, 0.5 a coil clamped at both ends
-    alike. Raises Refused for values out of bounds.
+    Deflections and velocities of nonlinear laws are those of the upper body relative to the lower, from the nominal
+    loaded position: vertical ones positive in extension, lateral ones positive outwards on both sides. The law of a
+    vertical spring gives the change of force from the static load. Raises InvalidParameter for values out of bounds.
     """
 
     lateral_stiffness: Law
@@ -87,12 +110,12 @@ class Suspension:
         series = {"lateral_series_stiffness": self.lateral_damping, "vertical_series_stiffness": self.vertical_damping}
         check(self, positive=("lateral_stiffness", "vertical_stiffness", "spring_y", *series), infinite=tuple(series))
         if self.turn > 1.0:
-            raise InvalidParameter(self, "turn", "must be a share between 0 and 1")
+            raise InvalidParameter(self, "turn", "must be between 0 and 1")
         for key, damping in series.items():
             rises = damping.rises if isinstance(damping, ForceLaw) else damping > 0.0
             if getattr(self, key) < inf and not rises:
                 raise InvalidParameter(
-                    self, key, "must be inf, unless the damper's force rises with the velocity everywhere"
+                    self, key, "must be inf, unless the damper's force increases strictly with the velocity"
                 )
 
     def scaled(self, factor: float) -> Suspension:
@@ -110,7 +133,7 @@ class Suspension:
 
 @dataclass(frozen=True)
 class Scaling:
-    """Shares of the vehicle in the plane model: Table 1 (masses and inertias) and Table 2 (springs and dampers)."""
+    """Fractions of the vehicle in the plane model: Table 1 (masses and inertias), Table 2 (springs and dampers)."""
 
     car_body: float = 0.25
     bogie: float = 0.5

@@ -1,4 +1,4 @@
-"""Force laws of springs and dampers, each in one direction: linear, by points, dampers in series with a spring."""
+"""Force elements in one direction: linear and nonlinear springs and dampers, Maxwell elements."""
 
 from __future__ import annotations
 
@@ -16,9 +16,13 @@ from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 @dataclass(frozen=True)
 class ElementPair:
-    """A direction (0 lateral, 1 vertical) of the elements of both sides, left one first, or of one in the middle.
+    """One direction of the elements of both sides.
 
-    Laws count lateral deflections outwards: positive to the left on the left side, to the right on the right side.
+    Parameters:
+        left, right: element indices, equal for one in the middle.
+        direction: 0 lateral, 1 vertical.
+
+    In force laws, lateral deflections are positive outwards: to the left on the left side, to the right on the right.
     """
 
     left: int
@@ -34,33 +38,44 @@ class ElementPair:
         return np.array([1.0] if self.left == self.right else [1.0, 1.0 if self.direction else -1.0])
 
     def outward(self, values: Array) -> Array:
-        """Of values (..., n, 2) those at this place, (..., 1 or 2)."""
+        """Values (..., 1 or 2) of these elements from all (..., n, 2), positive outwards."""
         return np.asarray(self.signs * values[self.index])
 
-    def add(self, values: Array, more: Array) -> None:
-        values[self.index] += self.signs * more
+    def add(self, values: Array, outward: Array) -> None:
+        """Adds outward values (..., 1 or 2) of these elements to all (..., n, 2)."""
+        values[self.index] += self.signs * outward
 
 
 @dataclass(frozen=True)
 class ForceElement:
-    """What acts at a place: a spring and a damper side by side, the damper in series with a stiffness N/m."""
+    """Spring and damper in parallel.
+
+    Parameters:
+        place: elements and direction.
+        spring: stiffness N/m, or a force law.
+        damper: damping N s/m, or a force law.
+        series: N/m, stiffness in series with the damper (Maxwell element); inf: rigid.
+    """
 
     place: ElementPair
     spring: Law = 0.0
     damper: Law = 0.0
     series: float = inf
 
-    def slide(self, force: Array) -> Array:
-        """Velocity of the damper m/s under a force N; raises ValueError for a law that does not rise everywhere."""
+    def damper_velocity(self, force: Array) -> Array:
+        """Velocity of the damper m/s under a force N; raises ValueError for a law that does not increase strictly."""
         return self.damper.inverse(force) if isinstance(self.damper, ForceLaw) else force / self.damper
 
 
 @dataclass(frozen=True)
 class ForceElements:
-    """Force laws of n elements, deflections and velocities (..., n, 2) lateral and vertical, m and m/s.
+    """Force laws of n elements; deflections and velocities (..., n, 2) lateral and vertical, m and m/s.
 
-    stiffness, damping (n, 2) of all that is linear; springs and dampers by points; series: dampers on a spring, whose
-    deflections (..., m), outwards, m, are part of the state: those of the left side, then of the right side.
+    Parameters:
+        stiffness, damping: (n, 2) N/m and N s/m, of the linear elements.
+        springs, dampers: nonlinear force laws.
+        series: Maxwell elements; their spring deflections (..., m), m, outwards, are part of the state: left side, then
+            right side.
     """
 
     stiffness: Array
@@ -73,59 +88,68 @@ class ForceElements:
     def of(cls, elements: Iterable[ForceElement], n: int) -> ForceElements:
         elements = list(elements)
         rigid, series = (tuple(e for e in elements if (e.series == inf) == is_rigid) for is_rigid in (True, False))
-        stiffness, springs = _sorted([(e.place, e.spring) for e in elements], n)
-        damping, dampers = _sorted([(e.place, e.damper) for e in rigid], n)
+        stiffness, springs = _linear_and_nonlinear([(e.place, e.spring) for e in elements], n)
+        damping, dampers = _linear_and_nonlinear([(e.place, e.damper) for e in rigid], n)
         return cls(stiffness, damping, springs, dampers, series)
 
     @property
     def states(self) -> int:
-        """m, deflections of springs in series with dampers."""
+        """Number m of spring deflections of Maxwell elements."""
         return 2 * len(self.series)
 
     def force(self, deflection: Array, velocity: Array, series: Array) -> Array:
-        """On the upper body (..., n, 2), N."""
+        """Forces (..., n, 2) N on the upper body.
+
+        Parameters:
+            deflection, velocity: (..., n, 2) m and m/s.
+            series: (..., m) m, spring deflections of Maxwell elements.
+        """
         force = -self.stiffness * deflection - self.damping * velocity
         for values, laws in ((deflection, self.springs), (velocity, self.dampers)):
             for place, law in laws:
                 place.add(force, -law(place.outward(values)))
-        for element, stretch in self._in_series(series):
-            element.place.add(force, -element.series * stretch)
+        for element, deflections in self._in_series(series):
+            element.place.add(force, -element.series * deflections)
         return force
 
     def series_rate(self, velocity: Array, series: Array) -> Array:
-        """Rates (..., m) of the springs in series with dampers, m/s."""
+        """Rates (..., m) m/s of the spring deflections of Maxwell elements."""
         rate = np.empty(series.shape)
-        for i, (element, stretch) in enumerate(self._in_series(series)):
-            rate[..., i :: len(self.series)] = element.place.outward(velocity) - element.slide(element.series * stretch)
+        for i, (element, deflections) in enumerate(self._in_series(series)):
+            rate[..., i :: len(self.series)] = element.place.outward(velocity) - element.damper_velocity(
+                element.series * deflections
+            )
         return rate
 
     def energy(self, deflection: Array, series: Array) -> Array:
-        """Stored in all springs (...), J."""
+        """Energy (...) J stored in all springs."""
         energy = 0.5 * np.sum(self.stiffness * deflection**2, axis=(-2, -1))
         for place, law in self.springs:
             energy += law.energy(place.outward(deflection)).sum(axis=-1)
-        for element, stretch in self._in_series(series):
-            energy += 0.5 * element.series * np.sum(stretch**2, axis=-1)
+        for element, deflections in self._in_series(series):
+            energy += 0.5 * element.series * np.sum(deflections**2, axis=-1)
         return np.asarray(energy)
 
     def dissipated(self, velocity: Array, series: Array) -> Array:
-        """Power taken up by all dampers (...), W."""
+        """Power (...) W dissipated in all dampers."""
         power = np.sum(self.damping * velocity**2, axis=(-2, -1))
         for place, law in self.dampers:
-            at = place.outward(velocity)
-            power += np.sum(law(at) * at, axis=-1)
-        for element, stretch in self._in_series(series):
-            force = element.series * stretch
-            power += np.sum(force * element.slide(force), axis=-1)
+            outward = place.outward(velocity)
+            power += np.sum(law(outward) * outward, axis=-1)
+        for element, deflections in self._in_series(series):
+            force = element.series * deflections
+            power += np.sum(force * element.damper_velocity(force), axis=-1)
         return np.asarray(power)
 
     def _in_series(self, series: Array) -> Iterable[tuple[ForceElement, Array]]:
-        """Each with the deflections (..., 2) of its springs on the left and on the right."""
+        """Maxwell elements with the deflections (..., 2) of their left and right springs."""
         return ((element, series[..., i :: len(self.series)]) for i, element in enumerate(self.series))
 
 
-def _sorted(laws: list[tuple[ElementPair, Law]], n: int) -> tuple[Array, tuple[tuple[ElementPair, ForceLaw], ...]]:
-    """The linear ones as a matrix (n, 2), the others by their places."""
+def _linear_and_nonlinear(
+    laws: list[tuple[ElementPair, Law]], n: int
+) -> tuple[Array, tuple[tuple[ElementPair, ForceLaw], ...]]:
+    """Linear laws as a matrix (n, 2), and nonlinear ones with their elements."""
     matrix, tables = np.zeros((n, 2)), []
     for place, law in laws:
         if isinstance(law, ForceLaw):

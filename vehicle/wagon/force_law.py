@@ -1,4 +1,4 @@
-"""Force laws given by points: springs, dampers and stops that are not linear."""
+"""Nonlinear force laws of springs, dampers and bumpstops, piecewise linear."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from wheelrail.support.arrays import Array
 
 @dataclass(frozen=True)
 class ForceLaw:
-    """Force over deflection (a spring) or velocity (a damper), linear between points; the last slopes go on.
+    """Force over deflection (spring) or velocity (damper), linear between points and extrapolated beyond them.
 
-    points: pairs of deflection m (velocity m/s), which rises strictly, and force N, which never falls; (0, 0) is one of
-    them. A law whose points begin there is odd: the same in both directions. Times a number it is the law with that
-    many times the force. Raises ValueError for other points.
+    Parameters:
+        points: (n, 2), n >= 2: deflection m (velocity m/s), strictly increasing, and force N, not decreasing; one point
+            is (0, 0). If that is the first, the law is odd.
+
+    A number times a law is the law with the scaled force. Raises ValueError for other points.
     """
 
     points: tuple[tuple[float, float], ...]
@@ -25,11 +27,11 @@ class ForceLaw:
     def __post_init__(self) -> None:
         table = np.array(self.points, dtype=float) if all(len(p) == 2 for p in self.points) else np.empty(0)
         if table.shape[:1] < (2,) or not np.isfinite(table).all():
-            raise ValueError("two points or more, each a pair of finite numbers")
+            raise ValueError("points: must be two or more pairs of finite numbers")
         if (np.diff(table[:, 0]) <= 0.0).any() or (np.diff(table[:, 1]) < 0.0).any():
-            raise ValueError("points whose first numbers rise strictly and whose forces do not fall")
+            raise ValueError("points: deflections must increase strictly and forces must not decrease")
         if not (table == 0.0).all(axis=1).any():
-            raise ValueError("points one of which is (0, 0)")
+            raise ValueError("points: one must be (0, 0)")
 
     @property
     def odd(self) -> bool:
@@ -37,11 +39,12 @@ class ForceLaw:
 
     @property
     def rises(self) -> bool:
-        """Whether the force rises everywhere, so that it has an inverse."""
+        """Whether the force increases strictly, so that the law has an inverse."""
         return bool((self.slopes > 0.0).all())
 
     @cached_property
     def places(self) -> Array:
+        """(n,) deflections m or velocities m/s of the points."""
         return np.array([p[0] for p in self.points])
 
     @cached_property
@@ -54,32 +57,32 @@ class ForceLaw:
 
     @cached_property
     def energies(self) -> Array:
-        """Integral of the force from 0 to each place, J."""
+        """(n,) integrals of the force from 0 to each point, J."""
         pieces = 0.5 * (self.forces[1:] + self.forces[:-1]) * np.diff(self.places)
         sums = np.append(0.0, np.cumsum(pieces))
         return np.asarray(sums - sums[np.searchsorted(self.places, 0.0)])
 
     def __call__(self, value: float | Array) -> Array:
-        """Force N at a deflection m or velocity m/s of any shape, with its sign."""
-        i, beyond = self._located(value)
-        force = self.slopes[i] * beyond + self.forces[i]
+        """Force N at deflections m or velocities m/s (...), with their sign."""
+        i, offset = self._located(value)
+        force = self.slopes[i] * offset + self.forces[i]
         return np.asarray(np.copysign(force, value) if self.odd else force)
 
     def energy(self, value: float | Array) -> Array:
-        """Integral of the force from 0, J, exact."""
-        i, beyond = self._located(value)
-        return np.asarray(self.energies[i] + (self.forces[i] + 0.5 * self.slopes[i] * beyond) * beyond)
+        """Integral (...) of the force from 0, J, exact."""
+        i, offset = self._located(value)
+        return np.asarray(self.energies[i] + (self.forces[i] + 0.5 * self.slopes[i] * offset) * offset)
 
     @cached_property
     def inverse(self) -> ForceLaw:
-        """Deflection or velocity over force; raises ValueError for a law that does not rise everywhere."""
+        """Deflection or velocity over force; raises ValueError for a law that does not increase strictly."""
         return ForceLaw(tuple((f, x) for x, f in self.points))
 
     def _located(self, value: float | Array) -> tuple[NDArray[np.int64], Array]:
-        """The piece, and how far beyond its beginning; of an odd law for the size of the value."""
-        size = np.abs(value) if self.odd else np.asarray(value)
-        i = np.searchsorted(self.places[1:-1], size, side="right")
-        return np.asarray(i), np.asarray(size - self.places[i])
+        """Index of the piece and distance from its start; of an odd law for the absolute value."""
+        magnitude = np.abs(value) if self.odd else np.asarray(value)
+        i = np.searchsorted(self.places[1:-1], magnitude, side="right")
+        return np.asarray(i), np.asarray(magnitude - self.places[i])
 
     def __rmul__(self, factor: float) -> ForceLaw:
         return ForceLaw(tuple((x, factor * f) for x, f in self.points))

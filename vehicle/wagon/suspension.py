@@ -15,18 +15,23 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 CAR_BODY, BOGIE, WHEELSET = 0, 1, 2
 
-LEFT_PRIMARY, LEFT_SECONDARY, OTHER_SIDE, STOP = 0, 2, 4, 8  # springs among the elements, dampers follow
+LEFT_PRIMARY, LEFT_SECONDARY, OTHER_SIDE, STOP = 0, 2, 4, 8  # indices of springs; their dampers follow
 
 Row = tuple[float, ...]  # upper and lower body, y and height, preload, turn
 
 
 class SuspensionForces(NamedTuple):
-    """on_bodies (..., 3, 3): lateral and vertical force N, roll moment N m about the centre, on car body, bogie,
-    wheelset.
+    """Forces of the suspension.
 
-    deflection (..., n, 2) m and force (..., n, 2) N of the elements, lateral and vertical in their own axes, force on
-    the upper body. Elements: primary spring and damper, secondary spring and damper of the left side, the same of the
-    right side, bumpstop. series_rate (..., m) m/s: of the springs in series with dampers.
+    Parameters:
+        on_bodies: (..., 3, 3) lateral and vertical force N, roll moment N m about the centre, on car body, bogie and
+            wheelset.
+        deflection: (..., n, 2) m, of the elements, lateral and vertical in their own axes.
+        force: (..., n, 2) N, of the elements on the upper body.
+        series_rate: (..., m) m/s, rates of the spring deflections of Maxwell elements.
+
+    Elements: primary spring and damper, secondary spring and damper of the left side, the same of the right side,
+    bumpstop.
     """
 
     on_bodies: Array
@@ -41,7 +46,7 @@ class SuspensionForces(NamedTuple):
 
 
 def _rows(stage: Suspension, side: float, upper: int, lower: int, load: float) -> list[Row]:
-    """Spring and damper on one side (+1 left, -1 right) of a stage that carries a static load N."""
+    """Spring and damper on one side (+1 left, -1 right) of a stage under a static load N."""
     return [
         (upper, lower, side * stage.spring_y, stage.spring_height, 0.5 * load, stage.turn),
         (upper, lower, side * stage.damper_y, stage.damper_height, 0.0, stage.turn),
@@ -49,7 +54,7 @@ def _rows(stage: Suspension, side: float, upper: int, lower: int, load: float) -
 
 
 def _laws(stage: Suspension, spring: int) -> list[ForceElement]:
-    """Springs and dampers on both sides of a stage, whose left spring is the given element."""
+    """Springs and dampers on both sides of a stage; spring: element index of the left spring."""
     springs, dampers = (spring, spring + OTHER_SIDE), (spring + 1, spring + 1 + OTHER_SIDE)
     return [
         ForceElement(ElementPair(*springs, 0), spring=stage.lateral_stiffness),
@@ -63,9 +68,15 @@ def _laws(stage: Suspension, spring: int) -> list[ForceElement]:
 class Assembly:
     """All n force elements of the plane wagon.
 
-    preload (n,) N, vertical; couple (2,) N m/rad between car body and bogie, bogie and wheelset. series in arguments:
-    deflections (..., m) of the springs in series with dampers as in `wheelrail.vehicle.wagon.elements`, none stretched
-    if not given.
+    Parameters:
+        joints: attachment points.
+        laws: force laws.
+        preload: (n,) N, vertical.
+        couple: (2,) N m/rad, roll stiffness between car body and bogie, bogie and wheelset.
+
+    Arguments of the methods: position (..., 3, 3), y m, z m from the nominal height, roll rad of each body; rate
+    (..., 3, 3), its time derivative; series (..., m) m, spring deflections of Maxwell elements as in
+    `wheelrail.vehicle.wagon.elements`; None: zero.
     """
 
     joints: Attachments
@@ -75,12 +86,15 @@ class Assembly:
 
     @classmethod
     def of(cls, wagon: Wagon) -> Assembly:
-        """Preloads hold the nominal position on straight level track."""
+        """Suspension with the preloads of the nominal position on straight level track."""
         w = wagon.plane
-        body, both = w.gravity * w.car_body.mass, w.gravity * (w.car_body.mass + w.bogie.mass)
+        secondary_load, primary_load = w.gravity * w.car_body.mass, w.gravity * (w.car_body.mass + w.bogie.mass)
         stop: Row = (CAR_BODY, BOGIE, 0.0, w.bumpstop_height, 0.0, w.secondary.turn)
         sides = [
-            [*_rows(w.primary, side, BOGIE, WHEELSET, both), *_rows(w.secondary, side, CAR_BODY, BOGIE, body)]
+            [
+                *_rows(w.primary, side, BOGIE, WHEELSET, primary_load),
+                *_rows(w.secondary, side, CAR_BODY, BOGIE, secondary_load),
+            ]
             for side in (1.0, -1.0)
         ]
         table = np.array([*sides[0], *sides[1], stop]).T
@@ -99,8 +113,8 @@ class Assembly:
         )
 
     def forces(self, position: Array, rate: Array, series: Array | None = None) -> SuspensionForces:
-        """Forces at position (..., 3, 3), y m, z m from the nominal height, roll rad of each body, and its rate."""
-        series = self._unstretched(position) if series is None else series
+        """Forces at positions and rates (..., 3, 3)."""
+        series = self._unloaded(position) if series is None else series
         strain = self.joints.strain(position, rate)
         force = self.laws.force(strain.deflection, strain.velocity, series)
         force[..., 1] += self.preload
@@ -112,16 +126,16 @@ class Assembly:
 
     def stored_energy(self, position: Array, series: Array | None = None) -> Array:
         """Potential energy (...) J of springs, preloads, roll bar, bending and bumpstop; 0 in the nominal position."""
-        series = self._unstretched(position) if series is None else series
+        series = self._unloaded(position) if series is None else series
         deflection = self.joints.strain(position, np.zeros(position.shape)).deflection
-        turned = position[..., :2, 2] - position[..., 1:, 2]
-        bent, lifted = 0.5 * turned**2 @ self.couple, deflection[..., 1] @ self.preload
-        return np.asarray(self.laws.energy(deflection, series) + bent - lifted)
+        roll = position[..., :2, 2] - position[..., 1:, 2]
+        roll_energy, preload_work = 0.5 * roll**2 @ self.couple, deflection[..., 1] @ self.preload
+        return np.asarray(self.laws.energy(deflection, series) + roll_energy - preload_work)
 
     def dissipated_power(self, position: Array, rate: Array, series: Array | None = None) -> Array:
-        """Power (...) W that the dampers turn into heat."""
-        series = self._unstretched(position) if series is None else series
+        """Power (...) W dissipated in the dampers."""
+        series = self._unloaded(position) if series is None else series
         return self.laws.dissipated(self.joints.strain(position, rate).velocity, series)
 
-    def _unstretched(self, position: Array) -> Array:
+    def _unloaded(self, position: Array) -> Array:
         return np.zeros((*position.shape[:-2], self.laws.states))

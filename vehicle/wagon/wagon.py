@@ -1,10 +1,10 @@
-"""The Manchester wagon (benchmark vehicle 1) and the scaling that makes the plane model of it.
+"""The Manchester wagon (benchmark vehicle 1) and its scaling to the plane model.
 
-Sources: S. Iwnicki, Vehicle System Dynamics 30 (1998) 295-313, DOI 10.1080/00423119808969454, as carried by the public
+Sources: S. Iwnicki, Vehicle System Dynamics 30 (1998) 295-313, DOI 10.1080/00423119808969454, as quoted by the public
 codes OpenVSD and TTB-2D and a public MATLAB vehicle file. Masses, inertias, heights, primary and secondary springs and
-dampers stand in at least two of them. Only one gives the top of the secondary spring (hence its mid height 0.8275 m),
-the bending stiffness, the anti-roll bar and the bumpstop. Assumed: where dampers are attached, no stiffness in series
-with them, and the axes in which a spring carries its load (`Suspension.turn`).
+dampers agree in at least two of them. Only one gives the top of the secondary spring (hence its mid height 0.8275 m),
+the bending stiffness, the anti-roll bar and the bumpstop. Assumed: attachment points of dampers, no stiffness in series
+with them, and the axes of the spring forces (`Suspension.turn`).
 """
 
 from __future__ import annotations
@@ -63,9 +63,17 @@ BUMPSTOP = ForceLaw(
 class Wagon:
     """A four-axle wagon: one car body, two bogies, four wheelsets.
 
-    Primary values per axle box, secondary ones per side of a bogie, roll bar N m/rad and lateral bumpstop per bogie,
-    the latter an odd law at bumpstop_height m above top of rail; gravity m/s2. The wheelset's height is its nominal
-    rolling radius. `dataclasses.replace` changes any of it. Raises Refused for values out of bounds.
+    Parameters:
+        car_body, bogie, wheelset: rigid bodies; the height of the wheelset is its nominal rolling radius.
+        primary: suspension stage, values per axle box.
+        secondary: suspension stage, values per side of a bogie.
+        roll_bar: per bogie, N m/rad.
+        bumpstop: lateral, per bogie; an odd law.
+        bumpstop_height: above top of rail, m.
+        scaling: fractions of the vehicle in the plane model.
+        gravity: m/s2.
+
+    `dataclasses.replace` changes values. Raises InvalidParameter for values out of bounds.
     """
 
     car_body: RigidBody = CAR_BODY
@@ -82,9 +90,9 @@ class Wagon:
     def __post_init__(self) -> None:
         check(self)
         if not self.car_body.height > self.bogie.height > 0.0:
-            raise InvalidParameter(self, "car_body", "its centre must lie above the bogie's")
+            raise InvalidParameter(self, "car_body", "height must be greater than that of the bogie")
         if not self.bumpstop.odd:
-            raise InvalidParameter(self, "bumpstop", "must be alike in both directions: points from (0, 0) on")
+            raise InvalidParameter(self, "bumpstop", "must be an odd law: its first point must be (0, 0)")
 
     @property
     def radius(self) -> float:
@@ -93,7 +101,7 @@ class Wagon:
 
     @cached_property
     def plane(self) -> Wagon:
-        """The 2D model, one wheelset's share of everything: values scaled, the scaling itself 1."""
+        """The plane model, with the fractions of one wheelset: values scaled, scaling 1."""
         s = self.scaling
         return replace(
             self,

@@ -187,7 +187,7 @@ class TrackLine(RailsTable):
 
     @model_validator(mode="after")
     def _meet(self) -> TrackLine:
-        from wheelrail.vehicle.track.alignment import AlignmentError, courses
+        from wheelrail.vehicle.track.alignment import AlignmentError, track_functions
 
         if self.length > LONGEST:
             raise q.reject(
@@ -197,7 +197,7 @@ class TrackLine(RailsTable):
             text = f"the shortest must be at least {self.length / MOST_WAVES:.3g} m, for at most {MOST_WAVES:g} waves"
             raise q.reject(f"{text} along the track", "irregularities.wavelengths")
         try:
-            courses(self.layout, corner=self.corner)
+            track_functions(self.layout, corner=self.corner)
         except AlignmentError as error:
             segment = self.segments[error.index] if self.segments else None
             key = "radius" if error.key == "curvature" and segment and segment.radius is not None else error.key
