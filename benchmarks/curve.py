@@ -73,7 +73,7 @@ class TimedRun:
 def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, seconds: float) -> TimedRun:
     """The scene's first seconds, on prepared bodies."""
     assert isinstance(contact.model, FittedContact)
-    model = replace(contact.model, fineness=Resolution(*variant.fineness), warm=variant.warm)
+    model = replace(contact.model, resolution=Resolution(*variant.fineness), warm=variant.warm)
     own = replace(contact, model=model)
     with in_parallel(own) if variant.workers == 2 else nullcontext(own) as both:
         began = perf_counter()

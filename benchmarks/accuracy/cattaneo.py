@@ -76,7 +76,7 @@ def cattaneo_section(quick: bool, say: Say) -> TableSection:
         )
         size = pair.size(points=POINTS)
         depth, _ = pressed(pair, size)
-        model = replace(hertz_model(pair, frictional(case["mu"]), size), tangential="shift", fineness=FINENESS)
+        model = replace(hertz_model(pair, frictional(case["mu"]), size), tangential="shift", resolution=FINENESS)
         distance, result = pushed(model, depth, exact.force, exact.shift)
         section.count(carrying(result))
         fields = result.fields

@@ -109,7 +109,7 @@ class ModelVariant:
             return _made(pair, laws, replace(self, family="", regularisation=0.0))
         model = _made(pair, ContactLaws(), replace(self, family="", fineness=Resolution(), warm=False))
         assert isinstance(model, FittedContact)
-        return replace(model, laws=laws, fineness=self.fineness, warm=self.warm)
+        return replace(model, laws=laws, resolution=self.fineness, warm=self.warm)
 
     def hertz_depth(self, pair: Ellipse) -> float:
         """Hertz's approach [m] on these bodies, that is, less what finite blocks lack to a half-space."""

@@ -52,7 +52,7 @@ class Reference:
 def extrapolated(finest: Resolution, cases: Sequence[TimedCase], say: Say) -> Reference:
     """The order is that by which the RMS of differences falls as cells are halved, of three solutions."""
     every = (yardstick(), *cases)
-    levels = [finest.halved().halved(), finest.halved(), finest]
+    levels = [finest.coarsened().coarsened(), finest.coarsened(), finest]
     found = []
     for fineness in levels:
         variant = ModelVariant("reference", "half-space", fineness)

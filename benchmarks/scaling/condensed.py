@@ -54,7 +54,7 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
     model = hertz_model(pair, laws, size, bodies=bodies, points=points, **choices)
     assert isinstance(model, CondensedContact | FittedContact)
     # what all solves share, spectra, tables and compiled kernels, is made by a first one
-    few = replace(model, fineness=Resolution(4, 8)) if isinstance(model, FittedContact) else model
+    few = replace(model, resolution=Resolution(4, 8)) if isinstance(model, FittedContact) else model
     if isinstance(model, FittedContact):
         few(hertz_pose(depth), rolling(xi), None)
     replace(few, laws=frictionless())(hertz_pose(depth), rolling(0.0), None)

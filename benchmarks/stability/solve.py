@@ -117,7 +117,7 @@ def twin_of(case: SampledCase) -> ContactModel:
     if np.isfinite(case.stiffness_per_area):
         grid: ContactModel = replace(_pair(case.rail, max(case.size / 2, SIZES[0]), True), laws=case.laws)
         return grid
-    model: ContactModel = replace(_pair(case.rail, SIZES[0], False), laws=case.laws, fineness=TWIN_FINENESS)
+    model: ContactModel = replace(_pair(case.rail, SIZES[0], False), laws=case.laws, resolution=TWIN_FINENESS)
     return model
 
 

@@ -1,6 +1,6 @@
-"""Depth at which a contact carries a given load: few solves, each warm-started by the one before.
+"""Depth at which a contact carries a given load: a secant search with few solves, each warm-started by the previous.
 
-A smooth contact force grows like depth^1.5, so that F^(2/3) is nearly a straight line: the secant runs on it.
+A smooth contact force is about proportional to depth^1.5: the secant is taken of F^(2/3), which is nearly linear.
 """
 
 from __future__ import annotations
@@ -13,25 +13,30 @@ import numpy as np
 from wheelrail.contact.results.result import ContactResult
 
 Results = tuple[ContactResult, ...]
-
-
 Lowered = Callable[[float, Results | None], Results]  # depth m, earlier results -> results
 
 
 RTOL = 1e-9  # of the load
-NOISE = 1e-6  # of the load: below it a trial that no longer improves is taken, as the contact's own tolerance shows
-JUMP = 2e-4  # of the load: cells that come and go make a discrete contact's force jump; smaller jumps are taken for it
+NOISE = 1e-6  # of the load: below it a trial without improvement is accepted, for the contact's own tolerance
+JUMP = 2e-4  # of the load: largest accepted jump of a discrete contact's force, where cells become active
 MOST = 60  # solves
 
 
 class LoadError(RuntimeError):
-    """No depth was found at which the contact carries the load."""
+    """The search for the depth at which the contact carries the load failed."""
 
 
 @dataclass(frozen=True)
 class LoadSolution:
-    """Depth m (downwards from the start of the scale), the results there, error of the load relative to it, number of
-    trials, and the slope of F^(2/3) by depth, N^(2/3)/m."""
+    """Depth at which the contact carries a load.
+
+    Parameters:
+        depth: m, downwards from the origin of the scale.
+        results: of the contact at that depth.
+        error: of the vertical force, over the load.
+        trials: number of solves.
+        slope: of F^(2/3) by depth, N^(2/3)/m.
+    """
 
     depth: float
     results: Results
@@ -41,7 +46,7 @@ class LoadSolution:
 
 
 def vertical(results: Results) -> float:
-    """Vertical force N on all wheels, friction included."""
+    """Vertical force N on all wheels, including friction."""
     return float(sum(result.force[2] for result in results))
 
 
@@ -51,7 +56,7 @@ def compliant(force: float) -> float:
 
 
 def check(results: Results) -> Results:
-    """The results, all usable; raises LoadError with the reason of one that failed."""
+    """The results; raises LoadError with the status of the first that failed."""
     for result in results:
         if not result.ok:
             raise LoadError(f"contact {result.status}")
@@ -68,14 +73,22 @@ def find_depth_for_load(
     deepest: float = 0.1,
     guess: Results | None = None,
 ) -> LoadSolution:
-    """Lower the upper body from a start depth m until the vertical force equals the load N.
+    """Depth of the upper body at which the vertical force equals a load.
 
-    expected m is the approach that the load should need; deepest m bounds the search below the start. Raises LoadError
-    when contact solves fail, or when the load is not reached.
+    Parameters:
+        contact: results at a depth m, with earlier results as initial guess.
+        load: N.
+        expected: estimate of the approach under the load, m.
+        start: depth of the first solve, m.
+        rtol: tolerance of the force over the load.
+        deepest: largest depth below the start, m.
+        guess: initial guess of the first solve.
+
+    Raises LoadError when contact solves fail, or when the load is not reached.
     """
     target = compliant(load)
     below, above = -np.inf, np.inf  # depths that carry less; more, or where the contact fails
-    failed: Results = ()  # there
+    failed: Results = ()  # results at depth `above` where the contact fails
     depth, stride, slope = start, expected, target / expected
     last: tuple[float, float] | None = None  # depth and F^(2/3) of the last solve in contact
     best, width = LoadSolution(start, (), np.inf, 0, slope), np.inf
@@ -109,7 +122,7 @@ def find_depth_for_load(
             depth += float(np.clip((target - value) / slope, -room, room)) if slope > 0.0 else expected
         else:
             depth, stride = depth + max(-overlap, 0.0) + stride, 2.0 * stride
-        slow = trial % 4 == 0 and above - below > 0.25 * width  # a secant that creeps from one side: halve instead
+        slow = trial % 4 == 0 and above - below > 0.25 * width  # one-sided convergence of the secant: bisect instead
         width = above - below if trial % 4 == 0 else width
         if np.isfinite(below + above) and (slow or not below < depth < above):
             depth = 0.5 * (below + above)
@@ -119,7 +132,7 @@ def find_depth_for_load(
 
 
 def _slope(slope: float, last: tuple[float, float] | None, now: tuple[float, float], overlap: float) -> float:
-    """Slope of F^(2/3) by the secant through two solves in contact (depth and F^(2/3)), or by the overlap m of one."""
+    """Slope of F^(2/3) by the secant through two solves in contact (depth and F^(2/3)), or by one's penetration m."""
     if last is not None and now[1] != last[1] and now[0] != last[0]:
         return (now[1] - last[1]) / (now[0] - last[0])
     return now[1] / overlap if overlap > 0.0 else slope

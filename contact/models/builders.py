@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class BodyPair(Protocol):
-    """Wheel (upper body) and rail (lower body), discretised in the ways that the models need."""
+    """Wheel (upper body) and rail (lower body), discretised for each kind of model."""
 
     def half_space_strips(self, how: Discretisation) -> StripOperators:
         """Compliance of strips on half-spaces."""
@@ -79,7 +79,7 @@ def contact_model(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> Any
     Parameters:
         pair: the bodies.
         laws: of the interface.
-        how: discretisation; what it leaves open is chosen to suit the laws.
+        how: discretisation; choices that are None depend on the laws.
 
     Returns `FittedContact`, `CondensedContact` or `FullContact`. Raises IncompatibleChoice.
     """
@@ -102,10 +102,10 @@ def hertz_pair(
         radii: principal radii in x and y of the upper and of the lower body, m; inf is straight, negative is hollow.
         materials: of the upper and of the lower body.
         laws, how: as for `contact_model`.
-        load: N, or approach: m, that the meshed surface has room for.
+        load: N, or approach: m, for which the meshed surface is large enough.
 
-    Blocks are 40 times as wide as the patch, so the compliance that they lack is about 1 % of the approach. Raises
-    ValueError for radii that do not touch in a point, IncompatibleChoice.
+    Blocks are 40 times as wide as the patch: the compliance missing to a half-space is about 1 % of the approach.
+    Raises ValueError for radii without a point contact, IncompatibleChoice.
     """
     return contact_model(QuadricBodies(radii, materials, laws, load=load, approach=approach), laws, how)
 
@@ -125,6 +125,6 @@ def wheel_rail_pair(
         materials: of wheel and rail.
         laws, how: as for `contact_model`.
 
-    Raises ValueError for profiles that do not fit a wheel's or rail's section, IncompatibleChoice.
+    Raises ValueError for profiles that do not match the standard wheel's or rail's section, IncompatibleChoice.
     """
     return contact_model(ProfileBodies(profiles, radius, materials), laws, how)

@@ -28,11 +28,18 @@ from wheelrail.support.arrays import Array, Nodes
 class CondensedContact:
     """Contact model on surface compliances: pose and velocities in, `ContactResult` out.
 
-    order of the upstream slip: 1 or 2. tangential: steady "rolling", or a "shift": one step of tangential loading from
-    none (Cattaneo, Mindlin), where the motion is read as the rigid displacements of that step [m], slip is a distance
-    [m], and friction must be Coulomb's own. Cost of a solve with n candidates, a of them active: n^2 to gather the
-    compliance, 5 a^3 a Newton step with friction, a^3 / 3 without; the same again where pressure and friction are
-    coupled and the active points change. Raises ValueError for other friction in a shift.
+    Parameters:
+        geometry: surfaces of both bodies and their grids.
+        wheel, rail: surface compliances on these grids.
+        laws: of the interface.
+        order: of the upstream difference formula for the slip, 1 or 2.
+        options: of the Newton method.
+        tangential: steady "rolling", or "shift", one step of tangential loading from none (Cattaneo, Mindlin): the
+            motion is then the rigid displacement of that step, m, slip is a distance, m, and friction Coulomb's law.
+
+    Cost of a solve with n candidates, a of them active: n^2 to assemble the compliance, 5 a^3 per Newton step with
+    friction, a^3 / 3 without; the same again where pressure and friction are coupled and the active points change.
+    Raises ValueError for a friction law that depends on the slip velocity together with tangential = "shift".
     """
 
     geometry: SurfacePair
@@ -59,10 +66,10 @@ class CondensedContact:
             speed, rigid = self._rigid(points, motion)
         except NotRolling as error:
             return ContactResult.failed(str(error), approach)
-        placed = perf_counter()
+        located = perf_counter()
         displacement, slip = self._compliance(points)
-        gathered = perf_counter()
-        # a pressure pushes along the inward normal: the last columns count -p
+        assembled = perf_counter()
+        # pressure acts along the inward normal: the last columns are for -p
         operator = ContactCompliance(np.vstack([slip, displacement[-len(points.node) :]]), len(points.node), self.laws)
         count = IterationCount()
         try:
@@ -76,7 +83,7 @@ class CondensedContact:
             linear=count.linear,
             points=len(points.node),
             residual=count.residual,
-            seconds={"points": placed - started, "compliance": gathered - placed, "solve": solved - gathered},
+            seconds={"points": located - started, "compliance": assembled - located, "solve": solved - assembled},
         )
         return self._result(points, solution, displacement, approach, statistics)
 
@@ -86,17 +93,20 @@ class CondensedContact:
 
     @property
     def _slip_order(self) -> int:
-        """Of the upstream slip; 0 without friction."""
+        """Order of the upstream difference formula; 0 without friction."""
         return 0 if not self.laws.friction else 1 if self._shifts else self.order
 
     def _rigid(self, points: GridPoints, motion: RigidMotion) -> tuple[float, Array | None]:
-        """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction. Raises NotRolling."""
+        """Rolling speed m/s and rigid creepage, or the tangential displacement m; None without friction.
+
+        Raises NotRolling.
+        """
         if not self._slip_order:
             return 0.0, None
         return (0.0, shift(points, motion)) if self._shifts else creepage(points, motion)
 
     def _compliance(self, points: GridPoints) -> tuple[Array, Array]:
-        """Relative displacement and slip (rows) of the points by unit tractions (columns) on the wheel."""
+        """Relative displacement m/Pa and slip (rows) of the points by unit tractions (columns) on the wheel."""
         wheel, rail = pair_operators(points, self._slip_order)
         if self._shifts:
             wheel, rail = replace(wheel, slip=None), replace(rail, slip=None)
@@ -119,9 +129,9 @@ class CondensedContact:
         guess: ContactResult | None,
         count: IterationCount,
     ) -> Tractions:
-        """From a guess or, where a stale one led astray, from nothing. Raises NotConverged."""
+        """Tractions, started from a guess, or from zero if the solve from the guess fails. Raises NotConverged."""
 
-        def solved(start: tuple[Array, Array] | None) -> Tractions:
+        def solve(start: tuple[Array, Array] | None) -> Tractions:
             return solve_tractions(
                 operator,
                 points.overlap,
@@ -136,8 +146,8 @@ class CondensedContact:
         start = warm(guess, points.node)
         if start is not None:
             with suppress(NotConverged, np.linalg.LinAlgError):
-                return solved(start)
-        return solved(None)
+                return solve(start)
+        return solve(None)
 
     def _result(
         self,
@@ -147,11 +157,11 @@ class CondensedContact:
         approach: float,
         statistics: Statistics,
     ) -> ContactResult:
-        """In the frame of the rail, from the compliance (rows displacement) and the tractions."""
+        """Result in the frame of the rail, from the compliance (rows displacement) and the tractions."""
         n, p, q = len(points.node), solution.found.pressure, solution.found.tangential
         loads = np.concatenate([*q.T, -p]) if self._slip_order else -p
-        moved = np.zeros((n, 3))
-        moved[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
+        deformation = np.zeros((n, 3))
+        deformation[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
         bound = self.laws.friction_at(np.hypot(*solution.found.slip.T), solution.speed)[0] * p
         result = assemble_result(
             FrictionalWork.below(bound, points, q, solution.motion, solution.speed),
@@ -159,7 +169,7 @@ class CondensedContact:
             patch=connected(points.node, p > 0, self.wheel.shape),
             pressure=p,
             slip=solution.found.slip,
-            displacement=moved,
+            displacement=deformation,
             approach=approach,
             statistics=statistics,
         )
@@ -167,8 +177,8 @@ class CondensedContact:
 
 
 def condense(coupling: ContactOperators, compliance: Compliance) -> tuple[Array, Array]:
-    """B C B^T of one body: displacements and slips (rows) at the points by forces on them (columns), component by
-    component.
+    """B C B^T of one body: displacements m/N and slips 1/N (rows) at the points by forces on them (columns), component
+    by component.
     """
     matrix = compliance.block(coupling.nodes, coupling.directions)
     half = (coupling.displacement @ matrix).T  # C B^T, C symmetric
@@ -179,11 +189,11 @@ def condense(coupling: ContactOperators, compliance: Compliance) -> tuple[Array,
 
 
 def warm(guess: ContactResult | None, nodes: Nodes) -> tuple[Array, Array] | None:
-    """Pressure and tangential traction of an earlier result on the present candidates."""
+    """Pressure (n,) Pa and tangential traction (2 n,) Pa of an earlier result at candidate nodes (n,); None without."""
     if guess is None or guess.fields is None:
         return None
-    old = guess.fields
-    _, mine, theirs = np.intersect1d(nodes, old.node, assume_unique=True, return_indices=True)
+    fields = guess.fields
+    _, index, guess_index = np.intersect1d(nodes, fields.node, assume_unique=True, return_indices=True)
     pressure, traction = np.zeros(len(nodes)), np.zeros((2, len(nodes)))
-    pressure[mine], traction[:, mine] = old.pressure[theirs], old.traction[theirs].T
+    pressure[index], traction[:, index] = fields.pressure[guess_index], fields.traction[guess_index].T
     return pressure, traction.ravel()

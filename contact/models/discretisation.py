@@ -1,4 +1,4 @@
-"""How bodies and contact are discretised, and which choices go together."""
+"""Discretisation of bodies and contact, and the allowed combinations of choices."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ DEGREE: dict[Bodies, int] = {"solid": 1, "waveguide": 2, "half-space": 0}
 
 
 class IncompatibleChoice(ValueError):
-    """A choice that the others do not allow.
+    """A choice that is incompatible with the others.
 
     Parameters:
         key: the field of `Discretisation`.
-        allowed: what it must be.
+        allowed: its allowed values.
     """
 
     def __init__(self, key: str, allowed: str) -> None:
@@ -30,7 +30,7 @@ class IncompatibleChoice(ValueError):
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Model, bodies, contact points and elements; what is None is decided by `for_laws`.
+    """Model, bodies, contact points and elements; None is replaced by `for_laws`.
 
     Parameters:
         surface_size: spacing of the nodes or lines of the surface in contact, m.
@@ -55,7 +55,7 @@ class Discretisation:
     cells: int | None = None
 
     def for_laws(self, *, exact: bool) -> Discretisation:
-        """The discretisation with every choice made.
+        """The discretisation with all choices made.
 
         Parameters:
             exact: whether the normal law is exact: a penalty needs a grid.
@@ -85,5 +85,5 @@ class Discretisation:
         """Strips and cells of fitted points. Raises ValueError for too few."""
         from wheelrail.contact.models.fitted.resolution import Resolution
 
-        given = {"strips": self.strips, "cells": self.cells}
-        return Resolution(**{key: number for key, number in given.items() if number is not None})
+        numbers = {"strips": self.strips, "cells": self.cells}
+        return Resolution(**{key: number for key, number in numbers.items() if number is not None})

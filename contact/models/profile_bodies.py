@@ -1,4 +1,4 @@
-"""A wheel and a rail of given profiles, discretised."""
+"""Discretisations of a wheel and a rail of given profiles."""
 
 from __future__ import annotations
 
@@ -25,12 +25,18 @@ from wheelrail.meshes.profiles.profile import Profile
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
-REACH = 0.2  # m along the rolling direction, between the ends of what fitted cells can cover
+REACH = 0.2  # m, largest length of fitted cells along the rolling direction
 
 
 @dataclass(frozen=True)
 class ProfileBodies:
-    """Left-hand pair of a wheel of nominal radius m and a rail as laid; profiles and materials in this order."""
+    """Left-hand pair of a wheel and a rail as laid.
+
+    Parameters:
+        profiles: of wheel and rail.
+        radius: nominal rolling radius of the wheel, m.
+        materials: of wheel and rail.
+    """
 
     profiles: tuple[Profile, Profile]
     radius: float
@@ -69,11 +75,11 @@ class ProfileBodies:
     def _waveguides(self, how: Discretisation) -> Iterator[tuple[Any, Any]]:
         """Outline of each body, with its compliance, grid and strip."""
         sections = wheel_outline(self.profiles[0], self.radius), rail_outline(self.profiles[1])
-        for section, made, material in zip(sections, (wheel_waveguide, rail_waveguide), self.materials, strict=True):
-            yield section, made(section, material, size=how.surface_size, degree=how.degree)
+        for section, build, material in zip(sections, (wheel_waveguide, rail_waveguide), self.materials, strict=True):
+            yield section, build(section, material, size=how.surface_size, degree=how.degree)
 
     def solid_grids(self, how: Discretisation) -> tuple[ProfilePair, Compliance, Compliance]:
-        surfaces, solids = self._solids(how, lambda mesh: mesh())
+        surfaces, solids = self._solids(how, lambda build: build())
         above, below = (
             solid_compliance(solid, key, material, how.degree)
             for (solid, key), material in zip(solids, self.materials, strict=True)
@@ -91,14 +97,14 @@ class ProfileBodies:
         return surfaces, above, below
 
     def _solids(
-        self, how: Discretisation, meshed: Callable[[Callable[[], Any]], Any]
+        self, how: Discretisation, run: Callable[[Callable[[], Any]], Any]
     ) -> tuple[ProfilePair, list[tuple[Solid, str]]]:
-        """Surfaces, and both solids with their keys in the cache; meshed: who makes the meshes."""
+        """Surfaces, and both solids with their keys in the cache; run calls the mesh generation."""
         size, cell, degree = how.surface_size, how.cell, how.degree
         rim = rim_outline(self.profiles[0], self.radius)
-        wheel_solid, wheel_strip, wheel_key = meshed(partial(wheel, rim, size=size, cell=cell))
+        wheel_solid, wheel_strip, wheel_key = run(partial(wheel, rim, size=size, cell=cell))
         outline = rail_outline(self.profiles[1], chord_error=min(0.5 * size, 5e-4))
-        rail_solid, rail_strip, rail_key = meshed(partial(rail, outline, size=size, cell=cell))
+        rail_solid, rail_strip, rail_key = run(partial(rail, outline, size=size, cell=cell))
         grids = ContactGrid.on(wheel_solid, degree), ContactGrid.on(rail_solid, degree)
         surfaces = ProfilePair(*self.profiles, self.radius, wheel_strip, rail_strip, *grids, degree)
         return surfaces, [(wheel_solid, wheel_key), (rail_solid, rail_key)]

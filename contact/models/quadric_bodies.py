@@ -1,4 +1,4 @@
-"""Two quadratic surfaces on large blocks, discretised."""
+"""Discretisations of two quadratic surfaces on large blocks."""
 
 from __future__ import annotations
 
@@ -28,13 +28,20 @@ from wheelrail.meshes.bodies.solids import block
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
-ROOM = 1.25  # times the approach that the surface has room for
+ROOM = 1.25  # times the expected approach: largest approach on the meshed surface
 WIDTH = 40.0  # least width of a block over the longer semi-axis of the patch
 
 
 @dataclass(frozen=True)
 class QuadricBodies:
-    """Upper and lower body, with principal radii m in x and y, under a load N or at an approach m, on equal blocks."""
+    """Upper and lower body on equal blocks.
+
+    Parameters:
+        radii: principal radii in x and y of the upper and of the lower body, m.
+        materials: of the upper and of the lower body.
+        laws: of the interface.
+        load: N, or approach: m, for which the meshed surface is large enough.
+    """
 
     radii: tuple[tuple[float, float], tuple[float, float]]
     materials: tuple[Material, Material]
@@ -50,7 +57,7 @@ class QuadricBodies:
 
     @cached_property
     def _expected(self) -> tuple[float, float]:
-        """Depth m that the surface has room for, and the longer semi-axis m, by Hertz."""
+        """Largest approach m on the meshed surface, and the longer semi-axis m, by Hertz."""
         upper, lower = self.materials
         E_star = modulus((upper.E, upper.nu), (lower.E, lower.nu))
         exact = hertz(*self._curvatures, E_star, force=self.load, approach=self.approach)
@@ -104,7 +111,7 @@ class QuadricBodies:
         return block_waveguide(half_cells, material, size=how.surface_size, half_width=half_width, degree=how.degree)
 
     def solid_grids(self, how: Discretisation) -> tuple[QuadricPair, Compliance, Compliance]:
-        surfaces, solid, key = self._solid(how, lambda mesh: mesh())
+        surfaces, solid, key = self._solid(how, lambda build: build())
 
         def compliance(material: Material) -> SurfaceCompliance:
             scale = 1 / (material.E * how.surface_size)
@@ -120,10 +127,10 @@ class QuadricBodies:
         above, below = (distributed_body(solid.mapped(scaled), material, how.degree) for material in self.materials)
         return surfaces, above, below
 
-    def _solid(self, how: Discretisation, meshed: Callable[[Callable[[], Any]], Any]) -> tuple[QuadricPair, Solid, str]:
-        """Surfaces, and the block of unit cells with its key in the cache; meshed: who makes the mesh."""
+    def _solid(self, how: Discretisation, run: Callable[[Callable[[], Any]], Any]) -> tuple[QuadricPair, Solid, str]:
+        """Surfaces, and the block of unit cells with its key in the cache; run calls the mesh generation."""
         half_cells, half_width = self._half_cells(how), self._half_width(how)
-        solid, key = meshed(partial(block, half_cells, half_width=half_width, cell=how.cell))
+        solid, key = run(partial(block, half_cells, half_width=half_width, cell=how.cell))
         grid = ContactGrid.on(solid, how.degree)
         size = how.surface_size
         scaled = ContactGrid(grid.position * size, grid.weight * size**2, grid.stride)

@@ -1,4 +1,4 @@
-"""From tractions at contact points to forces and patches."""
+"""Resultant forces and patches from tractions at contact points."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 
 
 def assemble_result(
-    rubbing: FrictionalWork,
+    work: FrictionalWork,
     *,
     node: Nodes,
     patch: Nodes,
@@ -28,10 +28,16 @@ def assemble_result(
 ) -> ContactResult:
     """Converged result in the frame of the rail, moment about its origin.
 
-    pressure (n,) Pa; slip (n, 2) over the rolling speed, which is 0 where nothing rolls or rubs; displacement (n, 3) m,
-    wheel minus rail; node (n,) and patch (n,) as in `Fields`.
+    Parameters:
+        work: points, tangential tractions and the bodies' motion.
+        node, patch: (n,), as in `Fields`.
+        pressure: (n,) Pa.
+        slip: (n, 2) over the rolling speed; zero without rolling or friction.
+        displacement: (n, 3) m, wheel minus rail.
+        approach: largest undeformed penetration, m.
+        statistics: of the solve.
     """
-    points, traction = rubbing.points, rubbing.traction
+    points, traction = work.points, work.traction
     local = np.column_stack([traction, -pressure]) * points.area[:, None]
     forces = (local[:, None, :] @ points.axes)[:, 0]
     load = np.bincount(patch + 1, local[:, 2], patch.max(initial=-1) + 2)[1:]
@@ -42,7 +48,7 @@ def assemble_result(
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=LazyPatches(partial(_summarised, rubbing, patch, forces, pressure)),
+        patches=LazyPatches(partial(_patches, work, patch, forces, pressure)),
         fields=Fields(
             node,
             patch,
@@ -64,8 +70,14 @@ def assemble_result(
 
 @dataclass(frozen=True)
 class FrictionalWork:
-    """Places, tractions (n, 2) Pa on the wheel, where the surfaces stick (n,), the bodies' motion and rolling speed
-    m/s.
+    """Tractions and rigid motion, for frictional power and stick.
+
+    Parameters:
+        points: n contact points.
+        traction: (n, 2) Pa, on the wheel.
+        sticks: (n,), whether the surfaces stick.
+        motion: of the bodies.
+        speed: rolling speed, m/s.
     """
 
     points: SurfacePoints
@@ -78,15 +90,15 @@ class FrictionalWork:
     def below(
         cls, bound: Array, points: SurfacePoints, traction: Array, motion: RigidMotion, speed: float
     ) -> FrictionalWork:
-        """Points stick where the traction stays below a bound (n,) Pa, the largest possible one."""
+        """Points stick where the traction (n, 2) Pa is below a bound (n,) Pa, the largest possible one."""
         return cls(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
 
     @cached_property
     def power(self) -> Array:
-        """Power (n,) W of the tractions over the rigid slip.
+        """Power (n,) W of the tractions on the rigid slip.
 
-        In steady rolling the patch as a whole turns this into heat: what elastic slip takes in one place it gives back
-        in another. Sums of traction times slip tend to the same, but from 7 % below with 12 x 16 cells.
+        In steady rolling its sum over the patch is the frictional heat, as the power of the elastic slip sums to zero.
+        Sums of traction times slip converge to the same value, from 7 % below with 12 x 16 cells.
         """
         if self.speed == 0.0:
             return np.zeros(len(self.points.area))
@@ -94,7 +106,7 @@ class FrictionalWork:
         return np.asarray(-self.points.area * np.einsum("nk,kn->n", self.traction, slip))
 
     def creepage(self, point: Array, axes: Array) -> tuple[float, float, float]:
-        """At a point (3,) m; axes forward, left and upward as rows (3, 3)."""
+        """Longitudinal and lateral creepage, and spin 1/m, at a point (3,) m; axes (3, 3) forward, left and upward."""
         if self.speed == 0.0:
             return 0.0, 0.0, 0.0
         wheel, rail = self.motion.wheel, self.motion.rail
@@ -102,35 +114,42 @@ class FrictionalWork:
         return float(slip[0]), float(slip[1]), float(axes[2] @ (wheel.rotation - rail.rotation)) / self.speed
 
 
-def _summarised(rubbing: FrictionalWork, patch: Nodes, forces: Array, pressure: Array) -> tuple[Patch, ...]:
-    """Every patch, by falling load."""
+def _patches(work: FrictionalWork, patch: Nodes, forces: Array, pressure: Array) -> tuple[Patch, ...]:
+    """All patches, by decreasing load."""
     return tuple(
-        summarise(rubbing.points, patch == k, forces=forces, pressure=pressure, rubbing=rubbing)
-        for k in range(patch.max(initial=-1) + 1)
+        patch_resultants(work, patch == k, forces=forces, pressure=pressure) for k in range(patch.max(initial=-1) + 1)
     )
 
 
 def connected(nodes: Nodes, loaded: Mask, grid: tuple[int, int]) -> Nodes:
-    """Patch (n,) of each node, -1 where it is not loaded."""
+    """Patch (n,) of nodes (n,) on a grid of a shape, -1 where they are not loaded."""
     patch = np.full(len(nodes), -1)
     patch[loaded] = components(nodes[loaded], grid)
     return patch
 
 
 def components(nodes: Nodes, grid: tuple[int, int]) -> Nodes:
-    """Number, from 0, of the connected patch (eight neighbours on the grid) of each node."""
+    """Number, from 0, of the connected patch (eight neighbours on a grid of a shape) of each node (n,)."""
     if not len(nodes):
         return np.empty(0, dtype=int)
     i, j = np.divmod(nodes, grid[1])
     i, j = i - i.min(), j - j.min()
-    picture = np.zeros((i.max() + 1, j.max() + 1), dtype=bool)
-    picture[i, j] = True
-    labels, _ = ndimage.label(picture, structure=np.ones((3, 3)))
+    occupied = np.zeros((i.max() + 1, j.max() + 1), dtype=bool)
+    occupied[i, j] = True
+    labels, _ = ndimage.label(occupied, structure=np.ones((3, 3)))
     return np.asarray(labels[i, j] - 1)
 
 
-def summarise(points: SurfacePoints, inside: Mask, *, forces: Array, pressure: Array, rubbing: FrictionalWork) -> Patch:
-    """One patch: its resultant, place, angle and shape from the pressure's moments."""
+def patch_resultants(work: FrictionalWork, inside: Mask, *, forces: Array, pressure: Array) -> Patch:
+    """One patch: resultants, position, contact angle, and semi-axes from the second moments of the pressure.
+
+    Parameters:
+        work: points, tangential tractions and motion.
+        inside: (n,), points of the patch.
+        forces: (n, 3) N, of all points.
+        pressure: (n,) Pa.
+    """
+    points = work.points
     area, p = points.area[inside], pressure[inside]
     weight = p * area
     total = weight.sum()
@@ -147,7 +166,7 @@ def summarise(points: SurfacePoints, inside: Mask, *, forces: Array, pressure: A
     )
     along = points.point[inside, 0] - x
     across = points.wheel_place[inside, 0] - wheel_s
-    # a point stands for the part of the surface around it
+    # half the width of the surface that belongs to a point
     half = 0.5 * area / points.step[inside] * np.abs(points.axes[inside, 2, 2])
     wheel_band, rail_band = (
         (float((place[inside, 1] - half).min()), float((place[inside, 1] + half).max()))
@@ -168,7 +187,7 @@ def summarise(points: SurfacePoints, inside: Mask, *, forces: Array, pressure: A
         wheel_band=wheel_band,
         rail_band=rail_band,
         x=float(x),
-        stick_area=float(area[rubbing.sticks[inside]].sum()),
-        creepage=rubbing.creepage(weight @ points.point[inside] / total, np.stack([forward, left, upward])),
-        frictional_power=float(rubbing.power[inside].sum()),
+        stick_area=float(area[work.sticks[inside]].sum()),
+        creepage=work.creepage(weight @ points.point[inside] / total, np.stack([forward, left, upward])),
+        frictional_power=float(work.power[inside].sum()),
     )

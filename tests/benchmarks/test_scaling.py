@@ -15,7 +15,7 @@ from benchmarks.scaling.figure import draw
 from benchmarks.scaling.isolated import rows
 from benchmarks.scaling.lower_bounds import AlongX, OverPlane
 from benchmarks.scaling.report import measured
-from wheelrail.contact.models.full.two_body_stiffness import rigid
+from wheelrail.contact.models.full.two_body_stiffness import rigid_motions
 
 
 def test_a_power_law_is_found_where_it_holds() -> None:
@@ -66,7 +66,7 @@ def test_products_by_fft_are_those_of_the_dense_matrix() -> None:
 
 def test_rigid_motions_strain_nothing() -> None:
     points = np.random.default_rng(2).standard_normal((6, 3))
-    turned = rigid(points).reshape(6, 3, 6)
+    turned = rigid_motions(points).reshape(6, 3, 6)
     for i in range(6):
         for j in range(i):
             # distances stay: relative motion is at right angles to the line between two points

@@ -21,7 +21,7 @@ from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.fitted.edge_rules import CAUTION, TIP, edge_rules, line_contact, tip
-from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, settling
+from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, anderson_step
 from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
 from wheelrail.contact.models.fitted.influence_tables import means
 from wheelrail.contact.models.fitted.layout import StripLayout, marks
@@ -54,12 +54,12 @@ def exact() -> Hertz:
 
 @cache
 def pair(
-    friction: float = 0.0, bodies: Bodies = "half-space", fineness: Resolution | None = None, estimate: bool = False
+    friction: float = 0.0, bodies: Bodies = "half-space", resolution: Resolution | None = None, estimate: bool = False
 ) -> FittedContact:
     how = Discretisation(1e-3, bodies=bodies)
     model = hertz_pair((RADII, (np.inf, np.inf)), (STEEL, STEEL), ContactLaws(friction=friction), how, load=LOAD)
     assert isinstance(model, FittedContact)
-    return replace(model, fineness=fineness or Resolution(), estimate=estimate)
+    return replace(model, resolution=resolution or Resolution(), estimate=estimate)
 
 
 def loaded(model: FittedContact) -> tuple[float, ContactResult]:
@@ -162,8 +162,8 @@ def test_stick_ends_within_a_cell() -> None:
     assert stick_length(np.ones(10), np.diff(edges)) == pytest.approx(1.0)
 
 
-def errors(fineness: Resolution) -> Array:
-    _, result = loaded(pair(fineness=fineness))
+def errors(resolution: Resolution) -> Array:
+    _, result = loaded(pair(resolution=resolution))
     (patch,) = result.patches
     ellipse = np.pi * np.prod(exact().semi_axes)
     return np.array(
@@ -233,7 +233,7 @@ def test_error_estimate_covers_the_error() -> None:
     assert plain.error_estimate is None
     told = pair(0.3, estimate=True)(pose, motion, None)
     np.testing.assert_array_equal(told.force, plain.force)
-    fine = pair(0.3, fineness=Resolution(20, 24))(pose, motion, None)
+    fine = pair(0.3, resolution=Resolution(20, 24))(pose, motion, None)
     estimate = told.error_estimate
     assert isinstance(estimate, ErrorEstimate)
     wrong = np.linalg.norm(plain.force - fine.force)
@@ -253,7 +253,7 @@ def test_penalty_and_other_misfits_are_refused() -> None:
             Discretisation(1e-3, bodies="solid", points="fitted"),
             load=1e3,
         )
-    with pytest.raises(ValueError, match="4 strips"):
+    with pytest.raises(ValueError, match="at least 4"):
         Resolution(2, 8)
 
 
@@ -362,8 +362,8 @@ def test_two_rounds_tell_where_friction_moves_the_overlap_no_more(slope: float) 
         return FrictionPenetration.by(layout, rest.at(layout) + slope * (now - rest.at(layout)))
 
     first = answer(None)
-    found = settling(layout, (None, first), (first, answer(first)))
+    found = anderson_step(layout, (None, first), (first, answer(first)))
     np.testing.assert_allclose(found.at(layout), rest.at(layout), rtol=1e-9)
     creeping = FrictionPenetration.by(layout, 1.9 * first.at(layout))
-    limited = settling(layout, (None, first), (first, creeping))
+    limited = anderson_step(layout, (None, first), (first, creeping))
     np.testing.assert_allclose(limited.at(layout), 2.8 * first.at(layout), rtol=1e-9)

@@ -35,7 +35,7 @@ def slope(contact: FittedContact, column: int, step: float) -> Array:
 
 
 def test_hertz() -> None:
-    contact = settled(pair(0.3, fineness=FINE))
+    contact = settled(pair(0.3, resolution=FINE))
     result = contact(hertz_pose(exact().approach), CREEP, None)
     tangent = result.tangent()
     assert -tangent[2, 2] == pytest.approx(STIFFNESS, rel=0.02)
@@ -54,7 +54,7 @@ def test_hertz() -> None:
 def test_wheelset(side: Side) -> None:
     model = wheelset(0.3)
     assert isinstance(model.model, FittedContact)
-    contact = WheelsetContact(settled(replace(model.model, fineness=FINE)), model.mounting)
+    contact = WheelsetContact(settled(replace(model.model, resolution=FINE)), model.mounting)
     state = WheelsetState(
         y=2e-3, z=-2.5e-4, roll=2e-5, yaw=1e-3, y_rate=5e-3, speed=20.0, pitch_rate=20 / 0.46 * 1.0005
     )

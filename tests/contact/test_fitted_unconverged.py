@@ -12,7 +12,7 @@ from test_fitted import exact, flowing, pair
 import wheelrail.contact.models.fitted.model
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.fitted.cell_compliance import CellCompliance
-from wheelrail.contact.models.fitted.model import FADING, RAISED, ROUNDS
+from wheelrail.contact.models.fitted.model import ITERATIONS, PENETRATION_TOLERANCE, REMAINDER_DECAY
 from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tractions import Tractions
@@ -23,7 +23,7 @@ SHARE = 0.04  # of the approach
 
 def test_where_rounds_do_not_rest_warm_solves_stay_on_one_branch(monkeypatch: pytest.MonkeyPatch) -> None:
     """Friction that presses bodies together on narrow cells, apart on wide ones: none agree with their answer."""
-    model = replace(pair(0.3, fineness=Resolution(4, 10)), warm=True)
+    model = replace(pair(0.3, resolution=Resolution(4, 10)), warm=True)
     depths = exact().approach * (1 + 2e-4 * np.arange(8))
     motion = flowing(5e-3)
     free = model(hertz_pose(depths[0]), motion)
@@ -59,20 +59,20 @@ def test_where_rounds_do_not_rest_warm_solves_stay_on_one_branch(monkeypatch: py
             found.append(model(hertz_pose(depth), motion, found[-1] if found else cold))
             rounds.append(solves[0])
     assert not any(result.statistics.settled for result in found)
-    assert rounds == [ROUNDS] + [1] * (len(depths) - 1)
+    assert rounds == [ITERATIONS] + [1] * (len(depths) - 1)
     # what was left fades, and forces do not jump: 2 % between the answers of narrow and of wide cells
     left = [
-        float(np.abs(result.warm_start.aside.values).max())
+        float(np.abs(result.warm_start.remainder.values).max())
         for result in found
-        if result.warm_start and result.warm_start.aside
+        if result.warm_start and result.warm_start.remainder
     ]
-    np.testing.assert_allclose(left, left[0] * FADING ** np.arange(len(depths)), rtol=1e-9)
+    np.testing.assert_allclose(left, left[0] * REMAINDER_DECAY ** np.arange(len(depths)), rtol=1e-9)
     assert 0 < left[0] <= SHARE
     forces = np.array([result.force for result in found])
     assert np.abs(np.diff(forces, 2, axis=0)).max() < 1e-5 * forces[0, 2]
 
     last = found[-1]
-    for _ in range(int(np.log(RAISED / SHARE) / np.log(FADING)) + 1):
+    for _ in range(int(np.log(PENETRATION_TOLERANCE / SHARE) / np.log(REMAINDER_DECAY)) + 1):
         last = model(hertz_pose(depths[0]), motion, last)
     assert last.statistics.settled
     np.testing.assert_allclose(last.force, free.force, atol=3e-3 * free.force[2])

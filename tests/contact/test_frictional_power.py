@@ -14,8 +14,8 @@ from wheelrail.contact.results.result import ContactResult, Patch
 SPEED = 1.0  # of `flowing`
 
 
-def rolling(motion: RigidMotion, fineness: Resolution | None = None) -> ContactResult:
-    model = pair(0.3, fineness=fineness)
+def rolling(motion: RigidMotion, resolution: Resolution | None = None) -> ContactResult:
+    model = pair(0.3, resolution=resolution)
     return hertz_under_load(model, motion, LOAD, expected=exact().approach).results[0]
 
 

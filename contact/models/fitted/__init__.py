@@ -1,6 +1,6 @@
 """Strips of cells fitted to the patch: a free-boundary problem on the compliance of strips.
 
-`FittedContact` is the model, `Fineness` its numbers of strips and cells.
+`FittedContact` is the model, `Resolution` its numbers of strips and cells.
 """
 
 import lazy_loader

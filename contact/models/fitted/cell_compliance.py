@@ -22,12 +22,12 @@ from wheelrail.contact.solvers.active_set import CachedFactors
 from wheelrail.contact.solvers.tractions import ContactCompliance
 from wheelrail.support.arrays import Array
 
-LARGER = 1e-2  # of all lengths
-ASIDE = 0.5  # strips
+LARGEST_SCALING = 1e-2  # of all lengths
+LARGEST_OFFSET = 0.5  # strips
 
 
 class CellCompliance:
-    """Compliance on the cells of a layout in a pose: along the normals, or of all components, made when asked for."""
+    """Compliance on the cells of a layout in a pose: along the normals, or of all components; computed on demand."""
 
     def __init__(
         self,
@@ -42,7 +42,7 @@ class CellCompliance:
 
     @cached_property
     def normal(self) -> CachedFactors:
-        """Along the normals alone (n, n) m/Pa; as given, where fitting has left it."""
+        """Along the normals alone (n, n) m/Pa; that of the free-boundary iteration where it is passed in."""
         return self._normal or CachedFactors(self._operators.normal(self._pose, self.layout))
 
     @cached_property
@@ -52,24 +52,24 @@ class CellCompliance:
 
     @cached_property
     def operator(self) -> Array:
-        """Slip and overlap (3 n, 3 n) as `wheelrail.contact.solvers.tractions.solve_tractions` wants them."""
+        """Slip and penetration (3 n, 3 n), rows as `wheelrail.contact.solvers.tractions.solve_tractions` takes them."""
         return np.vstack([self._all[1], self.displacement[-self.displacement.shape[0] // 3 :]])
 
     @cached_property
     def frictionless(self) -> ContactCompliance:
-        """Compliance along the normals and what solves make of it."""
+        """Compliance along the normals, with the solvers' cache."""
         body = ContactCompliance(self.normal.compliance, len(self.normal.compliance), self._laws)
-        body.normal = self.normal  # with its factors: no penalty softens fitted cells
+        body.normal = self.normal  # with its factors: fitted cells have no penalty
         return body
 
     @cached_property
     def rolling(self) -> ContactCompliance:
-        """The operator and what solves make of it."""
+        """The operator, with the solvers' cache."""
         return ContactCompliance(self.operator, len(self.operator) // 3, self._laws)
 
     @cached_property
     def shifting(self) -> ContactCompliance:
-        """The same where displacement stands for slip: one step from none."""
+        """The same with displacement in place of slip: one step of tangential loading from none (Cattaneo, Mindlin)."""
         return ContactCompliance(self.displacement, len(self.displacement) // 3, self._laws)
 
     @cached_property
@@ -80,29 +80,34 @@ class CellCompliance:
 
 @dataclass(frozen=True)
 class FittedState:
-    """What a solve on fitted cells leaves for the next one: cells, overlap added by friction that they were fitted to,
-    tractions (2 n,) Pa, and compliance, gathered on cells of which the present ones are a copy, moved aside and larger
-    by a scale; aside, what more friction adds than that, over the approach, where no cells were found that it adds the
-    same to.
+    """State of a solve on fitted cells, the initial guess of the next one.
+
+    Parameters:
+        layout: cells.
+        penetration: due to friction, to which the cells were fitted; None without.
+        gathered: compliance, assembled on cells of which the present ones are a translated copy, scaled by scale.
+        scale: of all lengths, over those of the compliance's cells.
+        traction: tangential (2 n,) Pa.
+        remainder: unconverged part of the penetration due to friction, over the approach; None if converged.
     """
 
     layout: StripLayout
-    raised: FrictionPenetration | None
+    penetration: FrictionPenetration | None
     gathered: CellCompliance
     scale: float
     traction: Array
-    aside: FrictionPenetration | None = None
+    remainder: FrictionPenetration | None = None
 
     def covers(self, ridge: PenetrationProfile) -> bool:
-        """Whether all humps of the overlap lie on the cells, or next to them."""
+        """Whether all local maxima of the penetration lie on the cells, or next to them."""
         low, high = self.layout.sides.T
         at = ridge.s[ridge.humps][:, None]
         return bool(((at > low - self.layout.width) & (at < high + self.layout.width)).any(axis=1).all())
 
     def copied(self, moves: Array, tips: Array) -> FittedState:
-        """Moved and scaled as a whole, as near as that comes to steps of the ends.
+        """The cells translated and scaled as a whole, the closest approximation to given steps of the ends.
 
-        moves (S, 2) of the strips' lengths and tips (parts, 2) of their widths, outwards.
+        moves (S, 2) over the strips' lengths and tips (parts, 2) over their widths, outwards.
         """
         old = self.layout
         new_part = np.diff(old.patch, prepend=old.patch[0] - 1) != 0
@@ -114,16 +119,16 @@ class FittedState:
         along = np.bincount(part, step.mean(axis=1)) / count
         across = 0.5 * (tips[:, 1] - tips[:, 0]) * old.width[first]
 
-        def moved(places: Array, aside: Array) -> Array:
+        def moved(places: Array, offset: Array) -> Array:
             middle = np.bincount(part, places.mean(axis=1)) / count
-            return np.asarray((middle + aside)[part, None] + (1 + growth) * (places - middle[part, None]))
+            return np.asarray((middle + offset)[part, None] + (1 + growth) * (places - middle[part, None]))
 
         new = replace(old, sides=moved(old.sides, across), ends=moved(old.ends, along))
         return replace(self, layout=new, scale=self.scale * (1 + growth))
 
     @property
     def far(self) -> bool:
-        """Whether the cells are too unlike those that the compliance was gathered on."""
+        """Whether the cells differ too much from those on which the compliance was assembled."""
         original = self.gathered.layout
         away = np.abs(self.layout.middle - original.middle).max() / original.width.min()
-        return bool(abs(self.scale - 1) > LARGER or away > ASIDE)
+        return bool(abs(self.scale - 1) > LARGEST_SCALING or away > LARGEST_OFFSET)

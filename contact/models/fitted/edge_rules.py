@@ -12,11 +12,11 @@ from wheelrail.support.arrays import Array
 
 @dataclass(frozen=True)
 class EdgeRule:
-    """How far a strip's contact reaches beyond the end of its cells, from the pressures of the last two.
+    """Distance by which a strip's contact extends beyond its cells, from the pressures of the last two of them.
 
-    Near an end that is short by z the pressure goes like (xi + z) / sqrt(xi), xi the distance from the end, Johnson
-    1985, ch. 5. own and other: means of sqrt(xi) in the last cell and the one before; excess those of 1 / sqrt(xi),
-    with the lengths of the cells as parts of the strip. The ratio of the first two is that of the discrete solution.
+    Near an end that is short by z the pressure is proportional to (xi + z) / sqrt(xi), xi the distance from the end
+    (Johnson 1985, ch. 5). own and other: means of sqrt(xi) in the last cell and the one before; excess: those of
+    1 / sqrt(xi); lengths over the strip's. The ratio of own and other is that of the discrete solution.
     """
 
     own: float
@@ -25,8 +25,8 @@ class EdgeRule:
     other_excess: float
 
     def beyond(self, last: Array, before: Array) -> Array:
-        """z as part of the strip's length from the mean pressures of the last cells and those before; infinite where
-        the last one is larger than any z makes it.
+        """z over the strip's length from the mean pressures of the last cells and those before; infinite where no z
+        gives so large a last pressure.
         """
         top, bottom = self.other * last - self.own * before, before * self.own_excess - last * self.other_excess
         return np.asarray(np.where(bottom > 0, top / np.where(bottom > 0, bottom, 1.0), np.copysign(np.inf, top)))
@@ -36,7 +36,8 @@ class EdgeRule:
 def edge_rules(cells: tuple[float, ...]) -> tuple[EdgeRule, EdgeRule]:
     """Rules for the trailing and the leading end, exact for the line contact of two cylinders on such cells.
 
-    cells: the marks. The discrete pressures of a line contact whose ends are known fix the ratio of own and other.
+    cells: boundaries of the cells, 0 to 1. The ratio of own and other follows from the discrete pressures of a line
+    contact with known ends.
     """
     t = np.array(cells, dtype=float)
     pressure = line_contact(2.0 * t - 1.0)
@@ -50,8 +51,8 @@ def edge_rules(cells: tuple[float, ...]) -> tuple[EdgeRule, EdgeRule]:
 
 
 def line_contact(edges: Array) -> Array:
-    """Mean pressures of cells that end at edges (m + 1,), -1 to 1, in the line contact of unit load of which these are
-    the true ends: p = 2/pi sqrt(1 - x^2), and -2 int ln|x - x'| p dx' = const - x^2 ... in the mean over every cell.
+    """Mean pressures of cells with edges (m + 1,), -1 to 1, in the line contact of unit load with these ends:
+    p = 2/pi sqrt(1 - x^2), and -2 int ln|x - x'| p dx' = const - x^2 ... in the mean over every cell.
     """
     low, high = edges[:-1], edges[1:]
     length = high - low
@@ -60,7 +61,7 @@ def line_contact(edges: Array) -> Array:
         return np.where(x == 0, 0.0, 0.75 * x * x - 0.5 * x * x * np.log(np.maximum(np.abs(x), 1e-300)))
 
     away = kernel(edges[:, None] - edges)
-    # means over cells by loads of unit traction; a constant changes nothing but the approach, and keeps it regular
+    # means over cells by loads of unit traction; the constant only changes the approach, and keeps the matrix regular
     matrix = -np.diff(np.diff(away, axis=0), axis=1) / length[:, None] + 3 * length
     gap = (low * low + low * high + high * high) / 3
     rigid, bent = np.linalg.solve(matrix, np.column_stack([np.ones(len(gap)), gap])).T
@@ -68,19 +69,18 @@ def line_contact(edges: Array) -> Array:
     return np.asarray(approach * rigid - bent)
 
 
-TIP = -0.123  # where the parabola ends for strips that end where the contact does: -0.111 to -0.128 for elliptic
-
-
-# contacts of a/b = 0.5 to 2 on 6 to 16 strips of half-spaces
-CAUTION = 1.1  # of a step of the tips
+# Root of the parabola for strips that end with the contact: -0.111 to -0.128 for elliptic contacts of a/b = 0.5 to 2
+# on 6 to 16 strips of half-spaces
+TIP = -0.123
+CAUTION = 1.1  # relaxation factor of the tips' steps
 
 
 def tip(loads: Array) -> float:
-    """Where the contact ends beside a run of strips of equal width, in widths outwards of the last strip's side.
+    """Lateral end of the contact next to strips of equal width, in widths outwards of the last strip's side.
 
-    loads (n,) of the strips per width, the last one first: a parabola through the means of the last three, as the load
-    of an elliptic contact is 1 - y^2, and where they bend the other way the line through the last two, so that the tip
-    moves continuously with the loads. Within -1/2 .. 1/2.
+    loads (n,) of the strips per width, the last one first: root of a parabola through the means of the last three, as
+    the load of an elliptic contact is 1 - y^2; where their curvature has the opposite sign, of the line through the
+    last two, so that the tip is a continuous function of the loads. Within -1/2 .. 1/2.
     """
     first, second = loads[0], loads[min(1, len(loads) - 1)]
     bend = min(0.5 * (first - 2 * second + loads[2]), 0.0) if len(loads) > 2 else 0.0

@@ -1,5 +1,5 @@
-"""Cells that end where the contact ends: Newton-like steps on the ends of the strips and the tips of the patches, all
-from the pressures of the frictionless contact.
+"""Free-boundary iteration: quasi-Newton steps of the strips' ends and the patches' tips until cells and contact end
+together, on the pressures of the frictionless contact.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 log = logging.getLogger(__name__)
 
 STEPS = 40
-COPIES = 3  # that are tried before cells are fitted anew
-FARTHEST = 0.12  # that an end moves in a step, of the strip's length, before it is stretched
-STRETCH = 1.6  # of the first step: between 1, of a line contact, and 2, of a point contact
+COPIES = 3  # translated and scaled layouts that are tried before the free-boundary iteration
+FARTHEST = 0.12  # of the strip's length: largest step of an end, before relaxation
+STRETCH = 1.6  # relaxation factor of the first step: between 1, of a line contact, and 2, of a point contact
 
 
 @dataclass(frozen=True)
 class FittedPressure:
-    """Cells, the frictionless pressures (S, M) Pa on them, their compliance along the normals, and whether their ends
-    have settled.
+    """Cells, the frictionless pressures (S, M) Pa on them, their compliance along the normals, whether their ends
+    converged, and the number of steps.
     """
 
     layout: StripLayout
@@ -43,7 +43,7 @@ class FittedPressure:
 
     @property
     def divided(self) -> bool:
-        """Whether a strip carries less than strips on both sides of it."""
+        """Whether the load across the patch has a local minimum."""
         steps = np.diff((self.pressure * np.diff(self.layout.edges)).sum(axis=1))
         return bool(((steps[1:] > 0) & (steps[:-1] < 0)).any())
 
@@ -52,19 +52,27 @@ def fit(
     overlap: Overlap,
     operator: NormalOperator,
     start: StripLayout,
-    fineness: Resolution,
+    resolution: Resolution,
     *,
     tolerance: float,
     count: IterationCount,
 ) -> FittedPressure | None:
-    """Move ends and tips until their steps, as parts of the strips' length and width, are below the tolerance (RMS).
+    """Solve for ends and tips: iterate until their steps, over the strips' length and width, are below the tolerance.
 
-    Strips inside a patch that would pull are left out until they touch again. The layout nearest to rest when
-    they do not settle; None when no pressure is left.
+    Parameters:
+        overlap: undeformed penetration (S, M) m of the cells of a layout.
+        operator: relative normal compliance m/Pa of the cells of a layout.
+        start: initial layout of S strips of M cells.
+        resolution: numbers of strips and cells.
+        tolerance: RMS of the ends' steps over the strips' length; a tenth of the largest step of a tip over the width.
+        count: iteration counts, increased.
+
+    Strips in tension inside a patch are released until their penetration is positive again. Returns the layout with
+    the smallest residual when the iteration does not converge; None when no pressure is left.
     """
     layout, stretch = start, STRETCH
     previous: Array | None = None
-    best: tuple[float, StripLayout, Array, CachedFactors] | None = None  # the nearest to rest
+    best: tuple[float, StripLayout, Array, CachedFactors] | None = None  # with the smallest residual
     held = np.ones(len(start.sides), dtype=bool)
     last: Array = np.zeros((0, 2))
     damping: Array = np.ones((0, 2))
@@ -93,7 +101,7 @@ def fit(
             best = distance, layout, pressure, factors
         stretch, previous = _relaxation(stretch, previous, moves), moves
         ends = layout.ends + stretch * moves * np.diff(layout.ends) * [-1.0, 1.0]
-        moved = _retipped(replace(layout, ends=ends), load, damping * tips, fineness)
+        moved = _retipped(replace(layout, ends=ends), load, damping * tips, resolution)
         if moved is None:
             return None
         held = holds if len(moved.sides) == len(held) else np.ones(len(moved.sides), dtype=bool)
@@ -105,8 +113,8 @@ def fit(
 
 
 def _damped(tips: Array, before: Array, damping: Array) -> Array:
-    """Factors (parts, 2) on steps of the tips, from the steps before and their factors: a tip that swings is moved less
-    and less, one that creeps gets its full step back.
+    """Damping factors (parts, 2) of the tips' steps, from the previous steps and factors: halved where the step changes
+    its sign, else raised by half up to 1.
     """
     if tips.shape != before.shape:
         return np.ones(tips.shape)
@@ -130,10 +138,14 @@ def follow(
     tolerance: float,
     count: IterationCount,
 ) -> tuple[FittedState, Array | None]:
-    """Cells moved and scaled as a whole, their compliance gathered anew where they come far; and their pressures (S, M)
-    Pa where that brings all ends near enough.
+    """Cells translated and scaled as a whole, and their pressures (S, M) Pa if their ends converge that way, else None.
 
-    tolerance as for `fit`, here of what is left of the steps.
+    Parameters:
+        overlap: as for `fit`.
+        cells: state of an earlier solve.
+        gather: assembles the compliance of a layout, called where the cells differ too much from the assembled ones.
+        tolerance: as for `fit`, of the remaining steps.
+        count: iteration counts, increased.
     """
     for step in range(COPIES):
         layout = cells.layout
@@ -155,25 +167,28 @@ def follow(
 
 
 def _pressed(factors: CachedFactors, overlap: Array, held: Mask, count: IterationCount) -> tuple[Array, Mask]:
-    """Pressures (S, M) Pa of the strips that are held, signed; and which strips (S,) touch, as all of these do.
+    """Signed pressures (S, M) Pa of the strips in contact (held), and which strips (S,) touch: these, and others with
+    positive penetration.
 
-    Raises NotConverged when the cells cannot be told apart.
+    Raises NotConverged when the compliance is singular.
     """
     depth = overlap.ravel()
     own = np.repeat(held, overlap.shape[1])
-    found = np.zeros(own.size)
-    found[own] = la.lu_solve(factors.of(own, count), depth[own], check_finite=False)
-    if not np.isfinite(found).all():
-        raise NotConverged("the cells of the contact cannot be told apart")
+    pressure = np.zeros(own.size)
+    pressure[own] = la.lu_solve(factors.of(own, count), depth[own], check_finite=False)
+    if not np.isfinite(pressure).all():
+        raise NotConverged("the normal compliance of the fitted cells is singular")
     touches = held
     if not held.all():
-        left = (depth - factors.compliance @ found).reshape(overlap.shape)
+        left = (depth - factors.compliance @ pressure).reshape(overlap.shape)
         touches = held | (left.max(axis=1) > 0)
-    return found.reshape(overlap.shape), touches
+    return pressure.reshape(overlap.shape), touches
 
 
 def _beyond(layout: StripLayout, pressure: Array) -> Array:
-    """How far every strip reaches beyond its trailing and its leading end (S, 2), as part of its length."""
+    """Distances by which the contact extends beyond the trailing and leading end of every strip (S, 2), over its
+    length.
+    """
     trailing, leading = edge_rules(tuple(layout.marks.tolist()))
     return np.column_stack(
         [trailing.beyond(pressure[:, 0], pressure[:, 1]), leading.beyond(pressure[:, -1], pressure[:, -2])]
@@ -182,22 +197,22 @@ def _beyond(layout: StripLayout, pressure: Array) -> Array:
 
 def _outermost(layout: StripLayout) -> Mask:
     """First and last strips of the patches, which the tips' steps move."""
-    found = np.zeros(len(layout.patch), dtype=bool)
-    found[np.concatenate(_bounds(layout))] = True
-    return found
+    outermost = np.zeros(len(layout.patch), dtype=bool)
+    outermost[np.concatenate(_bounds(layout))] = True
+    return outermost
 
 
 def _tips(layout: StripLayout, load: Array) -> Array:
-    """How far each part reaches beyond its first and its last strip (parts, 2), in widths; nothing where it meets the
-    next one as long as both press there.
+    """Distances by which the contact extends beyond the first and last strip of each part (parts, 2), in widths; zero
+    where two loaded parts share a side.
     """
     first, last = _bounds(layout)
-    found = np.array([(tip(load[i : j + 1]), tip(load[i : j + 1][::-1])) for i, j in zip(first, last, strict=True)])
+    tips = np.array([(tip(load[i : j + 1]), tip(load[i : j + 1][::-1])) for i, j in zip(first, last, strict=True)])
     for k in range(len(first) - 1):
         i, j = last[k], first[k + 1]
         if layout.sides[i, 1] == layout.sides[j, 0] and load[i] > 0 and load[j] > 0:
-            found[k, 1] = found[k + 1, 0] = 0.0
-    return found
+            tips[k, 1] = tips[k + 1, 0] = 0.0
+    return tips
 
 
 def _bounds(layout: StripLayout) -> tuple[Nodes, Nodes]:
@@ -206,14 +221,14 @@ def _bounds(layout: StripLayout) -> tuple[Nodes, Nodes]:
     return np.concatenate([[0], new]), np.concatenate([new - 1, [len(layout.patch) - 1]])
 
 
-def _retipped(layout: StripLayout, load: Array, tips: Array, fineness: Resolution) -> StripLayout | None:
-    """Strips between the moved tips; parts that lost their load vanish, those that meet share a side."""
-    found = []
+def _retipped(layout: StripLayout, load: Array, tips: Array, resolution: Resolution) -> StripLayout | None:
+    """Strips between the moved tips; parts without load are removed, those that meet share a side."""
+    parts = []
     for i, j, (before, after) in zip(*_bounds(layout), tips, strict=True):
         own = slice(i, j + 1)
         width = layout.width[i]
         low, high = layout.sides[i, 0] - before * width, layout.sides[j, 1] + after * width
         middle = layout.middle[own]
         if (load[own] > 0).any() and ((middle > low) & (middle < high)).any():
-            found.append(PatchSpan(float(low), float(high), middle, layout.ends[own], j + 1 - i))
-    return assembled(found, fineness, layout.marks)
+            parts.append(PatchSpan(float(low), float(high), middle, layout.ends[own], j + 1 - i))
+    return assembled(parts, resolution, layout.marks)

@@ -1,4 +1,6 @@
-"""What tangential tractions add to the overlap of two bodies, carried over to other cells."""
+"""Normal displacement caused by tangential tractions, as a piecewise linear function that can be evaluated on another
+layout.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +11,12 @@ import numpy as np
 from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.support.arrays import Array
 
-FARTHEST = 1.0  # times the last change of the overlap, that two rounds extrapolate
+FARTHEST = 1.0  # times the last change of the penetration: largest extrapolation of the Anderson step
 
 
 @dataclass(frozen=True)
 class FrictionPenetration:
-    """Overlap added by friction, linear over every part of a contact and constant beyond it.
+    """Penetration due to friction, linear over every part of a contact and constant beyond it.
 
     low and high (parts, 2) m: extent of the parts across and along; values (parts, 3): constant, slopes across and
     along from the middle.
@@ -26,7 +28,7 @@ class FrictionPenetration:
 
     @classmethod
     def by(cls, layout: StripLayout, added: Array) -> FrictionPenetration:
-        """From the overlap added on the cells (S, M) m of a layout."""
+        """Least-squares fit to the penetration due to friction, added (S, M) m, on the cells of a layout."""
         low, high, values = [], [], []
         for number in np.unique(layout.patch):
             own = layout.patch == number
@@ -43,7 +45,7 @@ class FrictionPenetration:
         return cls(np.array(low), np.array(high), np.array(values))
 
     def at(self, layout: StripLayout) -> Array:
-        """The same on the cells (S, M) of another layout, from the nearest part."""
+        """Its values (S, M) m on the cells of another layout, from the nearest part."""
         edges = layout.edges
         x = 0.5 * (edges[:, 1:] + edges[:, :-1])
         middle = 0.5 * (self.low + self.high)
@@ -58,28 +60,29 @@ class FrictionPenetration:
         return replace(self, values=factor * self.values)
 
     def between(self, layout: StripLayout, least: float, most: float) -> FrictionPenetration | None:
-        """The same if its largest on the cells of a layout lies between these, else nothing."""
+        """The function if its largest value on the cells of a layout lies between least and most m, else None."""
         return self if least < float(np.abs(self.at(layout)).max()) <= most else None
 
 
-def added(raised: FrictionPenetration | None, layout: StripLayout) -> Array:
-    """Overlap (S, cells) m added on the cells of a layout; none if nothing is known of friction."""
-    return np.zeros_like(layout.edges[:, 1:]) if raised is None else raised.at(layout)
+def on_cells(penetration: FrictionPenetration | None, layout: StripLayout) -> Array:
+    """Penetration due to friction (S, M) m on the cells of a layout; zero for None."""
+    return np.zeros_like(layout.edges[:, 1:]) if penetration is None else penetration.at(layout)
 
 
-def settling(
+def anderson_step(
     layout: StripLayout,
     before: tuple[FrictionPenetration | None, FrictionPenetration],
     now: tuple[FrictionPenetration | None, FrictionPenetration],
 ) -> FrictionPenetration:
-    """Overlap that friction would leave as it is, by a secant through two rounds: Anderson's method of depth one,
-    doi:10.1145/321296.321305.
+    """Next iterate of the penetration due to friction by Anderson acceleration of depth one, doi:10.1145/321296.321305.
 
-    before and now: overlap added to a round, and what its tractions add then.
+    Parameters:
+        layout: cells on which residuals are compared.
+        before, now: of the last two iterations, the penetration assumed and the one caused by the tractions then.
     """
-    answer, earlier = now[1].at(layout), before[1].at(layout)
-    misfit = answer - added(now[0], layout)
-    change = misfit - (earlier - added(before[0], layout))
+    caused, earlier = now[1].at(layout), before[1].at(layout)
+    residual = caused - on_cells(now[0], layout)
+    change = residual - (earlier - on_cells(before[0], layout))
     bottom = float((change**2).sum())
-    share = float((misfit * change).sum()) / bottom if bottom > 0 else 0.0
-    return FrictionPenetration.by(layout, answer - np.clip(share, -FARTHEST, 1.0) * (answer - earlier))
+    factor = float((residual * change).sum()) / bottom if bottom > 0 else 0.0
+    return FrictionPenetration.by(layout, caused - np.clip(factor, -FARTHEST, 1.0) * (caused - earlier))

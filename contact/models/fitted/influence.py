@@ -29,18 +29,22 @@ from wheelrail.support.arrays import Array
 NODES = 128  # of the table of G over x: its error in a mean compliance stays below 1e-4
 FINEST = 0.005  # spacing of the first nodes over that of the surface's lines
 NEIGHBOURS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16  # shares of a line in the mean over its neighbours
-TILE = 8  # lines: parts of the surface are made ready so many at a time, and more on both sides
-KEPT = 3.2e7  # numbers (256 MB) in these parts, a body: S1002 on UIC60 at 1 mm fill 124 MB in both from -8 to -5.5 mm
-GAUSS, WEIGHT = roots_legendre(6)  # places and weights over the width of a strip
+TILE = 8  # lines: granularity of the parts of the surface whose correction is assembled
+KEPT = 3.2e7  # numbers (256 MB) in stored parts, a body: S1002 on UIC60 at 1 mm fill 124 MB in both from -8 to -5.5 mm
+GAUSS, WEIGHT = roots_legendre(6)  # points and weights over the width of a strip
 
 
 @dataclass
 class HalfSpaceInfluence:
     """Influence between strips on half-spaces that touch the surface of a body: tables of G in closed form.
 
-    points (ns, 2) m of the surface's lines on the section, and their arc (ns,) m; reach m, the longest distance along
-    x; nu Poisson's ratio; radius m of a body of revolution; unit m and scale turn the tables' lengths and compliances
-    into m and m/N.
+    Parameters:
+        points: (ns, 2) m, lines of the surface on the section.
+        arc: (ns,) m, their arc length.
+        reach: longest distance along x, m.
+        nu: Poisson's ratio.
+        radius: of a body of revolution, m.
+        unit, scale: factors from the tables' lengths and compliances to m and m/N.
     """
 
     points: Array
@@ -71,7 +75,7 @@ class HalfSpaceInfluence:
     def window(self, low: float, high: float) -> tuple[int, int]:
         """First and one past the last line whose cells meet an interval of arc length, m.
 
-        Raises OutsideGrid beyond the lines.
+        Raises OutsideSurface beyond the lines.
         """
         if low < self.bounds[0] or high > self.bounds[-1]:
             raise OutsideSurface("the bodies touch beyond the part of their surface that carries contact points")
@@ -80,7 +84,7 @@ class HalfSpaceInfluence:
 
     def normal(self, sides: Array, reach: float) -> Array:
         """Table (pairs, nodes) of G along the surface's normals between strips with sides (S, 2) m, row by row of the
-        pairs i <= j, for distances along x up to a reach [m]. Raises OutsideGrid beyond the lines.
+        pairs i <= j, for distances along x up to a reach [m]. Raises OutsideSurface beyond the lines.
         """
         self.window(float(sides.min()), float(sides.max()))
         count = self.nodes.up_to(reach / self.unit)
@@ -114,21 +118,21 @@ class HalfSpaceInfluence:
         return np.zeros((pairs, len(EVEN), count)), np.zeros((pairs, len(ODD), count))
 
     def _strips(self, sides: Array) -> tuple[Array, Array, Array]:
-        """Sides (S, 2) of strips on half-spaces, units; how the strips are stretched (S,); their tangents (S, 2)."""
+        """Sides (S, 2) of strips on half-spaces, in units; metric factors (S,) and tangents (S, 2) of the strips."""
         sides = np.ascontiguousarray(sides)
         across = between_lines(self.arc, self._along_lines[:, :1], sides.ravel()).reshape(sides.shape) / self.unit
-        seen = between_lines(self.arc, self._along_lines, 0.5 * (sides[:, 0] + sides[:, 1]))
-        tangent = seen[:, 2:]
-        return across, seen[:, 1], tangent / np.sqrt((tangent * tangent).sum(axis=1))[:, None]
+        middle = between_lines(self.arc, self._along_lines, 0.5 * (sides[:, 0] + sides[:, 1]))
+        tangent = middle[:, 2:]
+        return across, middle[:, 1], tangent / np.sqrt((tangent * tangent).sum(axis=1))[:, None]
 
     @cached_property
     def _along_lines(self) -> Array:
-        """Of every line (ns, 4): length up to it over the stretch, m, stretch, and tangent."""
+        """Of every line (ns, 4): arc length over the metric factor, m, metric factor, and tangent."""
         return np.column_stack([self._across, self._stretch(self.arc), self._slope])
 
     @cached_property
     def _across(self) -> Array:
-        """Arc length (ns,) m over the stretch, summed up from line to line."""
+        """Arc length (ns,) m over the metric factor, integrated from line to line."""
         inverse = 1 / self._stretch(self.arc)
         steps = 0.5 * (inverse[1:] + inverse[:-1]) * np.diff(self.arc)
         return np.concatenate([[0.0], np.cumsum(steps)])
@@ -143,7 +147,7 @@ class HalfSpaceInfluence:
         return np.asarray(np.gradient(self.points, self.arc, axis=0))
 
     def _stretch(self, arc: Array) -> Array:
-        """Length on the surface over length on the rolling circle."""
+        """Metric factor: length on the surface over length on the rolling circle."""
         if self.radius is None:
             return np.ones_like(arc)
         return np.asarray(np.interp(arc, self.arc, self.points[:, 1]) / self.radius)
@@ -169,9 +173,9 @@ class ElementCorrection:
 
 @dataclass
 class ElementInfluence(HalfSpaceInfluence):
-    """Half-spaces corrected by finite elements: the spectrum of a body's surface lines, turned into tables of G.
+    """Half-spaces corrected by finite elements: tables of G from the spectrum of a body's surface lines.
 
-    spectrum fetches the samples when first needed; error fetches the compliance that elements lack near a load.
+    spectrum returns the samples, error the near-field error of the elements; both are called on first use.
     """
 
     spectrum: Callable[[], ComplianceSpectrum] = field(kw_only=True)
@@ -191,7 +195,17 @@ class ElementInfluence(HalfSpaceInfluence):
         *,
         unit: float = 1.0,
     ) -> ElementInfluence:
-        """From the spectrum behind the grid of a body, along lines (ns, 2) m at arc lengths (ns,) m."""
+        """Influence from the spectrum of a body.
+
+        Parameters:
+            body: compliance by wavenumbers, with its spectrum.
+            lines: (ns, 2) m, lines of the surface on the section.
+            arc: (ns,) m, their arc length.
+            reach: longest distance along x, m.
+            material: of the body.
+            degree: of the elements, 1 or 2.
+            unit: length of the tables' unit, m.
+        """
         return cls(
             lines,
             arc,
@@ -209,12 +223,12 @@ class ElementInfluence(HalfSpaceInfluence):
         """The spectrum. Raises ValueError when it belongs to another number of lines."""
         spectrum = self.spectrum()
         if spectrum.lines != len(self.arc):
-            raise ValueError(f"a spectrum of {spectrum.lines} lines cannot serve {len(self.arc)}")
+            raise ValueError(f"the spectrum must have {len(self.arc)} lines, got {spectrum.lines}")
         return spectrum
 
     @cached_property
     def weights(self) -> tuple[Array, Array]:
-        """Even and odd weights (nodes, nk) that turn samples into G at the table's nodes."""
+        """Even and odd weights (nodes, nk) of the samples in G at the table's nodes."""
         x, samples = self.nodes.x, self.samples
         k, w = rule(samples.k, float(x[-1]), samples.round)
         phase = np.outer(x, k)
@@ -233,7 +247,7 @@ class ElementInfluence(HalfSpaceInfluence):
 
     @cached_property
     def _far_field(self) -> Array:
-        """Far-field correction (nodes, 3) at the table's nodes: what the cut-off takes from the half-space."""
+        """Far-field correction (nodes, 3) at the table's nodes: effect of the cut-off on the half-space."""
         return floor_correction(self.nodes.x, self._cutoff, self.nu)
 
     def _normal_correction(self, sides: Array, count: int) -> Array:
@@ -248,8 +262,8 @@ class ElementInfluence(HalfSpaceInfluence):
         return even, odd
 
     def _correction(self, sides: Array) -> tuple[Array, ElementCorrection, slice]:
-        """Shares (S, lines) of strips in the lines that they meet, the correction that covers these, and which of its
-        lines they are.
+        """Weights (S, lines) of the lines in the strips' means, the correction that covers these lines, and their range
+        in it.
         """
         first, last = self.window(float(sides.min()), float(sides.max()))
         first, last = max(first - 1, 0), min(last + 1, len(self.arc))
@@ -264,7 +278,7 @@ class ElementInfluence(HalfSpaceInfluence):
         return share, correction, slice(first - correction.low, last - correction.low)
 
     def _assembled(self, low: int, high: int) -> ElementCorrection:
-        # with neighbours, so that what is smoothed does not depend on the part
+        # with neighbours, so that smoothing does not depend on the part
         first, last = max(low - len(NEIGHBOURS), 0), min(high + len(NEIGHBOURS), len(self.arc))
         lines = self._remainder(first, last)[:, low - first : high - first, low - first : high - first]
         normal = self._tangents(self.arc[low:high])[:, ::-1] * [-1.0, 1.0]
@@ -277,18 +291,18 @@ class ElementInfluence(HalfSpaceInfluence):
     def _remainder(self, low: int, high: int) -> Array:
         """Spectrum (nk, n, n, 3, 3) of a run of lines minus that of half-spaces."""
         remainder = self.samples.values[:, pair_places(len(self.arc))[low:high, low:high]]
-        one, other = np.tril_indices(high - low, -1)
-        remainder[:, one, other] = remainder[:, other, one].swapaxes(-1, -2)
+        row, column = np.tril_indices(high - low, -1)
+        remainder[:, row, column] = remainder[:, column, row].swapaxes(-1, -2)
         self._add_near_field(remainder, low, high)
         bounds = np.column_stack([self.bounds[low:high], self.bounds[low + 1 : high + 1]])
         remainder -= self._half_space_spectrum(bounds)
-        # the remainder is smooth but for the triangles' own noise, which differs from line to line
+        # the remainder is smooth except for discretisation noise of the triangles, which differs from line to line
         for axis in (1, 2):
             remainder = convolve1d(remainder, NEIGHBOURS, axis=axis, mode="nearest")
         return np.asarray(remainder)
 
     def _add_near_field(self, spectrum: Array, low: int, high: int) -> None:
-        """Add the near-field correction: the compliance that elements lack next to a load."""
+        """Add the near-field correction: the compliance missing in the elements next to a load."""
         arc = self.arc[low:high]
         spacing = np.gradient(arc) / self.unit / self._stretch(arc)
         missing = self.error().at(np.outer(self.samples.k, spacing)) / self._stretch(arc)[:, None, None]
@@ -305,7 +319,7 @@ class ElementInfluence(HalfSpaceInfluence):
     def _half_space_spectrum(self, sides: Array) -> Array:
         """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m on half-spaces that touch the surface in between."""
         axes = self._pair_axes(sides.mean(axis=1))
-        # on a circle of another radius k and the load per length shrink by the stretch, as if strips were narrower
+        # on a circle of another radius k and the load per length shrink by the metric factor, as for narrower strips
         across = np.interp(sides, self.arc, self._across) / self.unit
         stretch = self._stretch(sides.mean(axis=1))
         flat = strip_flexibility(self.samples.k, across, across, self.nu, self._cutoff)
@@ -315,7 +329,7 @@ class ElementInfluence(HalfSpaceInfluence):
         return np.asarray(spectrum / (0.5 * (stretch[:, None] + stretch))[..., None, None])
 
     def _pair_axes(self, arc: Array) -> Array:
-        """Mean local axes (n, n, 3, 3) of pairs of places, rows along x, across and normal."""
+        """Mean local axes (n, n, 3, 3) of pairs of lines, rows along x, across and normal."""
         tangent = self._tangents(arc)
         t = tangent[:, None] + tangent
         t /= np.hypot(t[..., 0], t[..., 1])[..., None]
@@ -325,7 +339,7 @@ class ElementInfluence(HalfSpaceInfluence):
 
 
 def _pair_means(share: Array, lines: Array, count: int) -> Array:
-    """Means (pairs, count, nk) over two strips, of lines (L, L, count nk), by their shares (S, L)."""
+    """Means (pairs, count, nk) over two strips, of values (L, L, count nk) at lines with weights (S, L)."""
     S, L = share.shape
     half = (share @ lines.reshape(L, -1)).reshape(S, L, -1)
     return np.asarray((share @ half).reshape(S * S, count, -1)[pairs_of(S)])
@@ -333,6 +347,6 @@ def _pair_means(share: Array, lines: Array, count: int) -> Array:
 
 @lru_cache(maxsize=32)
 def pairs_of(strips: int) -> NDArray[np.int64]:
-    """Places of the pairs i <= j in a square of strips, row by row."""
+    """Indices of the pairs i <= j in a square of strips, row by row."""
     i, j = np.triu_indices(strips)
     return np.asarray(i * strips + j)

@@ -1,7 +1,7 @@
 """Compiled: mean compliance between the cells of strips from tables of its second antiderivative along x.
 
 With G'' = C the compliance along x, the mean over cells [a1, a2] by loads on [b1, b2] is the second difference
-(G(a2 - b1) + G(a1 - b2) - G(a2 - b2) - G(a1 - b1)) / ((a2 - a1) (b2 - b1)): four look-ups for any two cells.
+(G(a2 - b1) + G(a1 - b2) - G(a2 - b2) - G(a1 - b1)) / ((a2 - a1) (b2 - b1)): four table values for any two cells.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class TableNodes:
 
     @classmethod
     def over(cls, count: int, first: float, reach: float) -> TableNodes:
-        """So many nodes, the first about first apart, up to a distance reach."""
+        """Given number of nodes, spaced by about first at the start, up to a distance reach."""
         rate = 1.0 / count
         for _ in range(50):
             rate = float(np.arcsinh(reach * rate / first)) / (count - BEFORE - 4)
@@ -39,7 +39,7 @@ class TableNodes:
         return np.asarray(self.start * np.sinh(self.rate * np.arange(-BEFORE, self.count - BEFORE)))
 
     def up_to(self, x: float) -> int:
-        """How many nodes serve distances up to x."""
+        """Number of nodes for distances up to x."""
         return min(int(np.arcsinh(x / self.start) / self.rate) + BEFORE + 5, self.count)
 
 
@@ -104,7 +104,7 @@ def full_table(
 
 @compiled
 def _place(z: float, rate: float) -> float:
-    """Place of a distance z >= 0 among the nodes: arsinh z, which as a logarithm is quicker, over the rate."""
+    """Node coordinate of a distance z >= 0: arsinh z, faster as a logarithm, over the rate."""
     return float(np.log(z + np.sqrt(z * z + 1.0)) / rate)
 
 
@@ -124,7 +124,7 @@ def _weights(t: float, w: Array) -> None:
 @compiled
 def add_normal_means(total: Array, table: Array, edges: Array, area: Array, start: float, rate: float) -> bool:
     """Add the mean compliances between cells with edges (S, M + 1), times the area (n,) of the loaded ones, to total
-    (n, n); table (pairs, nodes). False, with total spoilt, where cells are farther apart than the table reaches.
+    (n, n); table (pairs, nodes). False, with total invalid, where cells are farther apart than the table's end.
     """
     S, M, count = edges.shape[0], edges.shape[1] - 1, table.shape[1]
     w = np.empty(6)
@@ -163,7 +163,7 @@ def add_normal_means(total: Array, table: Array, edges: Array, area: Array, star
 @compiled
 def means(rows: Array, columns: Array, table: Array, start: float, rate: float, G: Array, C: Array) -> bool:
     """Means C (9, R, M) between cells with edges rows (R + 1,) and columns (M + 1,) of two strips, table (nodes, 9);
-    G (R + 1, M + 1, 9) is room to work in. False where cells are farther apart than the table reaches.
+    G (R + 1, M + 1, 9) is work space. False where cells are farther apart than the table's last node.
     """
     R, M, count = len(rows) - 1, len(columns) - 1, table.shape[0]
     w = np.empty(6)
@@ -226,7 +226,7 @@ def add_all_means(
                 return False
             _add(displacement, slip, C, i, j, axes, area, weight, turn, L, own)
             if i != j:
-                # what j moves by a load on i is what i moves by one on j
+                # reciprocity: the displacement of j by a load on i equals that of i by a load on j
                 for a in range(3):
                     for b in range(3):
                         for r in range(R):
@@ -250,7 +250,7 @@ def _add(
     L: Array,
     own: Array,
 ) -> None:
-    """Add what strip i moves by loads on strip j, from the means C (9, M + 2, M + 2); L and own are room to work in."""
+    """Add the displacement of strip i by loads on strip j, from the means C (9, M + 2, M + 2); L, own: work space."""
     R, M = L.shape[1], L.shape[2]
     first = j * M
     for b in range(3):
@@ -266,7 +266,7 @@ def _add(
         for r in range(M):
             m = i * M + r
             w0, w1, w2 = weight[0, i, r], weight[1, i, r], weight[2, i, r]
-            # the circle's axes turn on the way: e' = e - r turn, r' = r + e turn
+            # the circle's axes rotate between the cells: e' = e - r turn, r' = r + e turn
             t1, t2 = w1 * turn[1, i, r], w2 * turn[2, i, r]
             for d in range(3):
                 x, y, z = axes[m, d, 0], axes[m, d, 1], axes[m, d, 2]

@@ -1,4 +1,4 @@
-"""A first look at a contact: strips over all that overlaps, equal cells, the frictionless pressures on them."""
+"""Initial layout: strips over the region of penetration, with frictionless pressures on uniform cells."""
 
 from __future__ import annotations
 
@@ -17,19 +17,21 @@ from wheelrail.support.compiled import compiled
 COARSE_STRIPS, COARSE_CELLS = 24, 8
 GAUSS = 0.5 / np.sqrt(3.0)  # of a cell's length, from its middle
 
-Overlap = Callable[[StripLayout], Array]  # undeformed overlap (S, M) m of the cells
+Overlap = Callable[[StripLayout], Array]  # undeformed penetration (S, M) m of the cells
 NormalOperator = Callable[[StripLayout], CachedFactors]  # relative normal compliance m/Pa of cells
 
 
 def mean_overlap(surfaces: StripSurfaces, pose: Pose, layout: StripLayout) -> Array:
-    """Undeformed overlap (S, M) m, the mean over every cell, by Gauss's rule of two points each way."""
+    """Undeformed penetration (S, M) m, the mean over every cell, by Gauss's rule of 2 x 2 points."""
     across, along = gauss_places(layout.edges, layout.middle, layout.width)
     return np.asarray(surfaces.overlap(pose, across, along).mean(axis=0))
 
 
 @compiled
 def gauss_places(edges: Array, middle: Array, width: Array) -> tuple[Array, Array]:
-    """Places (4, S, M) across and along of Gauss's points in the cells of strips, edges (S, M + 1)."""
+    """Coordinates (4, S, M) m across and along of the Gauss points of cells with edges (S, M + 1) m, on strips with
+    middles and widths (S,) m.
+    """
     S, M = edges.shape[0], edges.shape[1] - 1
     across, along = np.empty((4, S, M)), np.empty((4, S, M))
     for i in range(S):
@@ -44,7 +46,14 @@ def gauss_places(edges: Array, middle: Array, width: Array) -> tuple[Array, Arra
 def initial_layout(
     ridge: PenetrationProfile, overlap: Overlap, operator: NormalOperator, count: IterationCount
 ) -> tuple[StripLayout, Array]:
-    """Strips over every run of lines that overlap, equal cells over their overlap, and pressures (S, M) Pa there."""
+    """Strips over every run of lines with positive penetration, on uniform cells, and the pressures (S, M) Pa there.
+
+    Parameters:
+        ridge: penetration profile of the rigid surfaces.
+        overlap: undeformed penetration (S, M) m of the cells of a layout.
+        operator: relative normal compliance m/Pa of the cells of a layout.
+        count: iteration counts, increased.
+    """
     inside = ridge.overlap > 0
     starts = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
     stops = np.flatnonzero(inside & ~np.concatenate([inside[1:], [False]]))
@@ -55,23 +64,23 @@ def initial_layout(
         edge = np.linspace(low, high, COARSE_STRIPS + 1)
         sides.append(np.column_stack([edge[:-1], edge[1:]]))
         patch += [number] * COARSE_STRIPS
-    both = np.concatenate(sides)
-    middle = both.mean(axis=1)
+    strip_sides = np.concatenate(sides)
+    middle = strip_sides.mean(axis=1)
     depth = np.maximum(np.interp(middle, ridge.s, ridge.overlap), 0.02 * ridge.overlap.max())
     x, half = np.interp(middle, ridge.s, ridge.x), np.sqrt(2 * depth / np.interp(middle, ridge.s, ridge.bend))
-    # on a steep flange strips beside the deepest one overlap over far more than the contact's length
+    # on a steep flange strips next to the deepest one penetrate over far more than the contact's length
     longest, centre = half[np.argmax(depth)], x[np.argmax(depth)]
     half, x = np.minimum(half, longest), np.clip(x, centre - longest, centre + longest)
     layout = StripLayout(
-        both, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False)
+        strip_sides, np.column_stack([x - half, x + half]), np.array(patch), marks(COARSE_CELLS, rolling=False)
     )
     depths = overlap(layout).ravel()
     pressure, _ = normal_contact(operator(layout), depths, depths > 0.4 * depths.max(), count)
-    return layout, pressure.reshape(len(both), -1)
+    return layout, pressure.reshape(len(strip_sides), -1)
 
 
 def _crossing(ridge: PenetrationProfile, inner: int, outer: int) -> float:
-    """Arc length between two lines where the overlap vanishes."""
+    """Arc length m between two lines at which the penetration vanishes."""
     a, b = ridge.overlap[inner], ridge.overlap[outer]
-    share = a / (a - b) if np.isfinite(b) else 0.0
-    return float(ridge.s[inner] + share * (ridge.s[outer] - ridge.s[inner]))
+    fraction = a / (a - b) if np.isfinite(b) else 0.0
+    return float(ridge.s[inner] + fraction * (ridge.s[outer] - ridge.s[inner]))

@@ -14,9 +14,11 @@ from wheelrail.support.arrays import Array, Nodes
 class StripLayout:
     """S strips of M cells.
 
-    sides (S, 2) m, arc length on the wheel's profile; ends (S, 2) m, trailing and leading end along the rolling
-    circle; patch (S,) number of the part, of strips
-    of one width, to which a strip belongs, in order; marks (M + 1,) from 0 (trailing) to 1, where cells end.
+    Parameters:
+        sides: (S, 2) m, lateral bounds, arc length on the wheel's profile.
+        ends: (S, 2) m, trailing and leading end along the rolling circle.
+        patch: (S,) number of the part, of strips of one width, to which a strip belongs, in order.
+        marks: (M + 1,) cell boundaries from 0 (trailing) to 1 (leading).
     """
 
     sides: Array
@@ -26,7 +28,7 @@ class StripLayout:
 
     @cached_property
     def edges(self) -> Array:
-        """Ends (S, M + 1) m of the cells."""
+        """Cell boundaries (S, M + 1) m along the rolling circle."""
         return np.asarray(self.ends[:, :1] + np.diff(self.ends) * self.marks)
 
     @cached_property
@@ -40,32 +42,34 @@ class StripLayout:
         return np.asarray(self.sides[:, 1] - self.sides[:, 0])
 
 
-LEADING = 0.35  # share of the cells' density that favours the leading end alone
+LEADING = 0.35  # fraction of the cells' grading towards the leading end alone
 
 
 def connected(layout: StripLayout, pressure: Array) -> Nodes:
-    """Patch (S,) of every strip, -1 where none of its cells (S, M) presses: neighbours that press side by side."""
+    """Patch (S,) of every strip, -1 where it has no positive pressure (S, M): adjacent loaded cells share a patch."""
     presses = pressure > 0
-    found = np.full(len(presses), -1)
+    patch = np.full(len(presses), -1)
     edges = layout.edges
     count = -1
     for i, row in enumerate(presses):
         if not row.any():
             continue
         touches = False
-        if i > 0 and found[i - 1] >= 0 and layout.sides[i, 0] - layout.sides[i - 1, 1] <= 1e-9 * layout.width[i]:
-            mine, other = edges[i][:-1][row], edges[i - 1][1:][presses[i - 1]]
-            touches = bool(mine[0] < other[-1] and edges[i - 1][:-1][presses[i - 1]][0] < edges[i][1:][row][-1])
+        if i > 0 and patch[i - 1] >= 0 and layout.sides[i, 0] - layout.sides[i - 1, 1] <= 1e-9 * layout.width[i]:
+            starts, previous_stops = edges[i][:-1][row], edges[i - 1][1:][presses[i - 1]]
+            touches = bool(
+                starts[0] < previous_stops[-1] and edges[i - 1][:-1][presses[i - 1]][0] < edges[i][1:][row][-1]
+            )
         count += not touches
-        found[i] = count
-    return found
+        patch[i] = count
+    return patch
 
 
 def marks(cells: int, *, rolling: bool) -> Array:
-    """Ends (cells + 1,) of the cells of a strip, from 0 to 1.
+    """Cell boundaries (cells + 1,) of a strip, from 0 to 1.
 
-    Equal without rolling. Traction in rolling starts like a square root at the leading end and, where all sticks, rises
-    like the inverse of one at the trailing end: cells shrink quadratically towards both, more towards the first.
+    Uniform without rolling. In rolling the traction grows as a square root from the leading end and, under full stick,
+    as an inverse square root towards the trailing end: cells shrink quadratically towards both, more towards the first.
     """
     t = np.linspace(0.0, 1.0, cells + 1, dtype=np.float64)
     if not rolling:

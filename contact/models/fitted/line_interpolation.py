@@ -1,4 +1,4 @@
-"""Compiled: what is known at the lines of a surface, between them and in the mean over strips."""
+"""Compiled: linear interpolation between the lines of a surface, at points and in the mean over strips."""
 
 from __future__ import annotations
 
@@ -10,32 +10,36 @@ from wheelrail.support.compiled import compiled
 
 @compiled
 def _cell(arc: Array, s: float) -> tuple[int, float]:
-    """Line before a place and the share of the next one, held to the ends."""
+    """Line before an arc length and the weight of the next one, clipped to the ends."""
     near = min(max(int(np.searchsorted(arc, s)) - 1, 0), len(arc) - 2)
     return near, min(max((s - arc[near]) / (arc[near + 1] - arc[near]), 0.0), 1.0)
 
 
 @compiled
 def between_lines(arc: Array, values: Array, s: Array) -> Array:
-    """Values (ns, k) at lines of arc length (ns,) at places s (n,), linear between lines: (n, k)."""
-    found = np.empty((len(s), values.shape[1]))
+    """Values (n, k) at arc lengths s (n,) m, linear between values (ns, k) at lines of arc length (ns,) m."""
+    interpolated = np.empty((len(s), values.shape[1]))
     for i in range(len(s)):
         near, part = _cell(arc, s[i])
         for k in range(values.shape[1]):
-            found[i, k] = (1.0 - part) * values[near, k] + part * values[near + 1, k]
-    return found
+            interpolated[i, k] = (1.0 - part) * values[near, k] + part * values[near + 1, k]
+    return interpolated
 
 
 @compiled
 def shares(arc: Array, sides: Array, place: Array, weight: Array) -> Array:
-    """Shares (S, ns) of lines in the means over strips with sides (S, 2), of what is linear from line to line, by a
-    rule with places and weights on -1 to 1.
+    """Weights (S, ns) of lines in the means over strips of functions linear between lines.
+
+    Parameters:
+        arc: (ns,) m, arc length of the lines.
+        sides: (S, 2) m, of the strips.
+        place, weight: points and weights (m,) of a quadrature rule on -1 to 1.
     """
-    found = np.zeros((len(sides), len(arc)))
+    mean_weights = np.zeros((len(sides), len(arc)))
     for i in range(len(sides)):
         for k in range(len(place)):
             s = 0.5 * (sides[i, 0] + sides[i, 1]) + 0.5 * (sides[i, 1] - sides[i, 0]) * place[k]
             near, part = _cell(arc, s)
-            found[i, near] += 0.5 * weight[k] * (1.0 - part)
-            found[i, near + 1] += 0.5 * weight[k] * part
-    return found
+            mean_weights[i, near] += 0.5 * weight[k] * (1.0 - part)
+            mean_weights[i, near + 1] += 0.5 * weight[k] * part
+    return mean_weights

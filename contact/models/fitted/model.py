@@ -1,8 +1,8 @@
 """Contact on cells fitted to the patch, between bodies invariant along x or in angle: exact normal law, few points.
 
-The normal problem without friction finds the patch: its tips across, the ends of strips along the rolling direction.
-Pressure and traction are then solved on the cells of the strips. What is left is an error that falls smoothly with the
-number of cells, so that a solution on half as many tells how large it is.
+The frictionless normal problem gives the patch: its lateral ends and the ends of strips along the rolling direction.
+Pressure and traction are then solved on the cells of the strips. The discretisation error decreases smoothly with the
+number of cells, so that a solution on half as many strips and cells gives an estimate of it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.fitted.cell_compliance import CellCompliance, FittedState
 from wheelrail.contact.models.fitted.free_boundary import FittedPressure, fit, follow
-from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, added, settling
+from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, anderson_step, on_cells
 from wheelrail.contact.models.fitted.initial_layout import initial_layout, mean_overlap
 from wheelrail.contact.models.fitted.layout import StripLayout, connected, marks
 from wheelrail.contact.models.fitted.operators import StripOperators
@@ -41,17 +41,17 @@ from wheelrail.support.arrays import Array
 
 log = logging.getLogger(__name__)
 
-FOLLOWED = 5.0  # times the tolerance, for cells that follow the contact as a whole
-BEYOND = "the wheel overlaps the rail beyond the part of its surface that carries contact points"
-ROUNDS = 6  # of the fixed-point iteration between layout and tractions
-RAISED = 1e-2  # of the approach: its convergence tolerance of the penetration due to friction
-ASIDE = 0.1  # of the approach: largest unconverged remainder that warm solves start from
-FADING = 0.99  # of that remainder, left by every warm solve
-LINES = 241  # where the overlap of two profiles is looked for: 0.4 mm apart
+WARM_FACTOR = 5.0  # times the tolerance, for cells translated and scaled as a whole
+OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
+ITERATIONS = 6  # of the fixed-point iteration between layout and tractions
+PENETRATION_TOLERANCE = 1e-2  # of the approach: its convergence tolerance of the penetration due to friction
+LARGEST_REMAINDER = 0.1  # of the approach: largest unconverged remainder that warm solves start from
+REMAINDER_DECAY = 0.99  # factor on that remainder in every warm solve
+LINES = 241  # least number of lines at which the penetration is evaluated: 0.4 mm apart
 
 
 class PhaseTimer:
-    """Seconds by phase: each lasts from the end of the one before."""
+    """Time s spent in each phase, counted from the end of the previous one."""
 
     def __init__(self) -> None:
         self.spent = {"fit": 0.0, "compliance": 0.0, "solve": 0.0}
@@ -67,15 +67,23 @@ class PhaseTimer:
 class FittedContact:
     """Contact model on strips of cells that end where the contact ends: pose and velocities in, `ContactResult` out.
 
-    tolerance: RMS of the last movement of the strips' ends over their length. tangential as for `CondensedContact`.
-    estimate: every result carries an estimate of its error, for about a third more time. warm: solves start from the
-    guess, for a fraction of the time; what they give then depends on it within the tolerance. Raises ValueError for a
-    penalty, whose pressure has no such ends, and for friction that a shift cannot have.
+    Parameters:
+        operators: compliance and surfaces of both bodies.
+        laws: of the interface.
+        resolution: strips over a patch's width, cells along a strip.
+        tolerance: RMS of the last step of the strips' ends over their length.
+        options: of the Newton method.
+        tangential: as for `CondensedContact`.
+        estimate: results carry an error estimate, for about a third more time.
+        warm: solves start from the guess, for a fraction of the time; results then depend on it within the tolerance.
+
+    Raises ValueError for a penalty, whose pressure has no sharp ends, and for a friction law that depends on the slip
+    velocity together with tangential = "shift".
     """
 
     operators: StripOperators
     laws: ContactLaws
-    fineness: Resolution = field(default_factory=Resolution)
+    resolution: Resolution = field(default_factory=Resolution)
     tolerance: float = 1e-3
     options: NewtonOptions = field(default_factory=NewtonOptions)
     tangential: Literal["rolling", "shift"] = "rolling"
@@ -89,11 +97,11 @@ class FittedContact:
             raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
-        """The guess is only used by a warm model: else the same pose and motion always give the same result."""
+        """Result of a pose and motion; the guess is only used if warm, otherwise results do not depend on it."""
         result = self._solved(pose, motion, guess if self.warm else None)
         if not (self.estimate and result.patches):
             return result
-        rough = replace(self, fineness=self.fineness.halved(), estimate=False)(pose, motion)
+        rough = replace(self, resolution=self.resolution.coarsened(), estimate=False)(pose, motion)
         return replace(result, error_estimate=difference(result, rough) if rough.ok else ErrorEstimate.unknown())
 
     def _solved(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None) -> ContactResult:
@@ -103,7 +111,7 @@ class FittedContact:
         if approach <= 0:
             return ContactResult.separated(approach)
         if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
-            return ContactResult.failed(BEYOND, approach)
+            return ContactResult.failed(OUTSIDE, approach)
         earlier = None if guess is None or self.tangential == "shift" else guess.warm_start
         starts = (earlier, None) if isinstance(earlier, FittedState) and earlier.covers(ridge) else (None,)
         reason = ""
@@ -115,7 +123,7 @@ class FittedContact:
         return ContactResult.failed(reason, approach)
 
     def _iterated(self, iteration: LayoutIteration) -> ContactResult:
-        """The result of an iteration. Raises NotConverged, OutsideGrid, NotRolling."""
+        """Result of an iteration. Raises NotConverged, OutsideSurface, NotRolling."""
         if not iteration.run():
             return ContactResult.separated(iteration.approach)
         solution, count = iteration.solution, iteration.count
@@ -131,39 +139,39 @@ class FittedContact:
 
     @cached_property
     def _lines(self) -> Array:
-        """Where the overlap is looked for, m: more finely than the lines of the compliance."""
+        """Arc length m of the lines of the penetration profile: finer than those of the compliance."""
         arc = self.operators.upper.arc
         return np.asarray(np.linspace(arc[0], arc[-1], max(2 * len(arc), LINES)))
 
     def _result(
         self,
-        around: TangentProblem,
+        solution: TangentProblem,
         cells: FittedState,
         approach: float,
         statistics: Statistics,
     ) -> ContactResult:
-        """What was found, in the frame of the rail."""
-        places, found, layout = around.places, around.found, cells.layout
+        """Result in the frame of the rail."""
+        places, tractions, layout = solution.places, solution.found, cells.layout
         scale = cells.scale
-        p, q, n = found.pressure, found.tangential, len(places.area)
-        moved = np.zeros((n, 3))
-        if around.rigid is None:
-            moved[:, 2] = -scale * (cells.gathered.normal.compliance @ p)
+        p, q, n = tractions.pressure, tractions.tangential, len(places.area)
+        displacement = np.zeros((n, 3))
+        if solution.rigid is None:
+            displacement[:, 2] = -scale * (cells.gathered.normal.compliance @ p)
         else:
-            moved[:] = scale * (cells.gathered.displacement @ np.concatenate([*q.T, -p])).reshape(3, n).T
-        bound = self.laws.friction_at(np.hypot(*found.slip.T), around.speed)[0] * p
+            displacement[:] = scale * (cells.gathered.displacement @ np.concatenate([*q.T, -p])).reshape(3, n).T
+        bound = self.laws.friction_at(np.hypot(*tractions.slip.T), solution.speed)[0] * p
         strip = connected(layout, p.reshape(len(layout.sides), -1))
         result = assemble_result(
-            FrictionalWork.below(bound, places, q, around.motion, around.speed),
+            FrictionalWork.below(bound, places, q, solution.motion, solution.speed),
             node=np.arange(n),
-            patch=np.where(p > 0, np.repeat(strip, self.fineness.cells), -1),
+            patch=np.where(p > 0, np.repeat(strip, self.resolution.cells), -1),
             pressure=p,
-            slip=found.slip,
-            displacement=moved,
+            slip=tractions.slip,
+            displacement=displacement,
             approach=approach,
             statistics=statistics,
         )
-        return replace(sharpened(result, layout, bound), force_tangent=tangent_of(around), warm_start=cells)
+        return replace(sharpened(result, layout, bound), force_tangent=tangent_of(solution), warm_start=cells)
 
 
 class LayoutIteration:
@@ -192,23 +200,23 @@ class LayoutIteration:
         self.model, self.pose, self.motion, self.ridge, self.start = model, pose, motion, ridge, start
         self.count, self.clock, self.approach = count, clock, float(ridge.overlap.max())
         # penetration due to friction: as assumed for the layout, and the remainder that earlier solves left unconverged
-        self.penetration = None if start is None else start.raised
-        self.remainder = None if start is None else start.aside
+        self.penetration = None if start is None else start.penetration
+        self.remainder = None if start is None else start.remainder
         self.traction = None if start is None else start.traction  # (2 n,) Pa, initial guess
         self.previous: tuple[FrictionPenetration | None, FrictionPenetration] | None = (
             None  # penetration assumed, and caused then
         )
-        self.rounds: list[
+        self.iterates: list[
             tuple[float, FittedState, TangentProblem]
-        ] = []  # the first one m: residual of the penetration
+        ] = []  # residual of the penetration m, cells, solution
 
     def run(self) -> bool:
-        """Iterates to convergence, or through all rounds; False without contact.
+        """Iterate to convergence or to the largest number of iterations; False without contact.
 
-        Raises NotConverged, OutsideGrid, NotRolling.
+        Raises NotConverged, OutsideSurface, NotRolling.
         """
         cells = self.start
-        for _ in range(ROUNDS):
+        for _ in range(ITERATIONS):
             if not self.fit(cells):
                 return False
             self.solve()
@@ -219,23 +227,23 @@ class LayoutIteration:
         return True
 
     def fit(self, start: FittedState | None) -> bool:
-        """Fits the layout to the penetration, from cells to start from, if any; False without contact.
+        """Fit the layout to the penetration, starting from given cells, if any; False without contact.
 
-        Raises NotConverged when an earlier solve's cells do not serve.
+        Raises NotConverged when the iteration from an earlier solve's cells fails.
         """
         fitted = self._fitted(start)
         if fitted is None:
             if self.start is not None:
-                raise NotConverged("cells that were fitted before lose all their pressure")
+                raise NotConverged("the cells of the initial guess lose all their pressure")
             return False
         self.cells, self.pressure, self.settled = fitted
         if self.start is not None and not self.settled:
-            raise NotConverged("cells that were fitted before do not settle")
+            raise NotConverged("the patch-edge iteration from the cells of the initial guess does not converge")
         self.clock.ends("fit")
         return True
 
     def solve(self) -> None:
-        """Solves for the tractions on the cells. Raises NotConverged, NotRolling."""
+        """Solve for the tractions on the cells. Raises NotConverged, NotRolling."""
         model, cells, scale = self.model, self.cells, self.cells.scale
         surfaces = model.operators.surfaces
         overlap = mean_overlap(surfaces, self.pose, cells.layout).ravel()
@@ -248,7 +256,7 @@ class LayoutIteration:
             self.traction = np.zeros(2 * n)
         tractions = solve_tractions(
             body,
-            overlap / scale,  # displacements grow with the scale: the solution is that of an overlap divided by it
+            overlap / scale,  # displacements are proportional to the scale
             rigid,
             laws=model.laws,
             speed=speed,
@@ -257,7 +265,7 @@ class LayoutIteration:
             count=self.count,
         )
         self.clock.ends("solve")
-        self.cells = replace(cells, raised=self.penetration, traction=tractions.tangential.T.ravel())
+        self.cells = replace(cells, penetration=self.penetration, traction=tractions.tangential.T.ravel())
         self.solution = TangentProblem(
             places,
             self.pose.origin,
@@ -267,54 +275,61 @@ class LayoutIteration:
             speed,
             model.laws,
             tractions,
-            model.fineness.cells,
+            model.resolution.cells,
             scale,
         )
 
     def update(self) -> bool:
-        """Compares the penetration that friction causes with the one assumed: True if they agree; if not, a better one
-        is assumed for the next round.
+        """Compare the penetration caused by friction with the one assumed: True if they agree within the tolerance;
+        else the assumed one is updated for the next iteration.
         """
         cells, layout, n = self.cells, self.cells.layout, len(self.cells.traction) // 2
-        # friction presses the bodies together or apart, where one patch pushes another one sideways, too
+        # normal displacement by tangential tractions, also by those of other patches
         caused = cells.scale * (cells.gathered.displacement[2 * n :, : 2 * n] @ cells.traction)
         caused = caused.reshape(len(layout.sides), -1)
         remainder = self.remainder
         target = FrictionPenetration.by(
             layout, caused if remainder is None else caused - self.approach * remainder.at(layout)
         )
-        assumed = added(self.penetration, layout)
+        assumed = on_cells(self.penetration, layout)
         residual = float(np.abs(target.at(layout) - assumed).max())
-        log.debug("friction changes the overlap by %.1e of the approach", residual / self.approach)
-        if residual <= RAISED * self.approach:
+        log.debug("residual of the penetration due to friction: %.1e of the approach", residual / self.approach)
+        if residual <= PENETRATION_TOLERANCE * self.approach:
             if remainder is not None:
-                self.cells = replace(cells, aside=remainder.times(FADING).between(layout, RAISED, ASIDE))
+                self.cells = replace(
+                    cells,
+                    remainder=remainder.times(REMAINDER_DECAY).between(
+                        layout, PENETRATION_TOLERANCE, LARGEST_REMAINDER
+                    ),
+                )
                 self.settled = False
             return True
-        unconverged = FrictionPenetration.by(layout, (caused - assumed) / self.approach).between(layout, RAISED, ASIDE)
-        self.rounds.append((residual, replace(cells, aside=unconverged), self.solution))
+        unconverged = FrictionPenetration.by(layout, (caused - assumed) / self.approach).between(
+            layout, PENETRATION_TOLERANCE, LARGEST_REMAINDER
+        )
+        self.iterates.append((residual, replace(cells, remainder=unconverged), self.solution))
         now = self.penetration, target
-        self.penetration = target if self.previous is None else settling(layout, self.previous, now)
+        self.penetration = target if self.previous is None else anderson_step(layout, self.previous, now)
         self.previous, self.traction = now, cells.traction
         return False
 
     def stop(self) -> None:
-        """Ends an iteration that does not converge."""
+        """Choose the state of an iteration that did not converge."""
         self.settled = False
         if self.start is None:
-            self.cells = replace(self.cells, raised=self.penetration)
+            self.cells = replace(self.cells, penetration=self.penetration)
         else:  # the iteration alternates between two layouts: keep the one with the smaller residual
-            _, self.cells, self.solution = min(self.rounds, key=lambda entry: entry[0])
+            _, self.cells, self.solution = min(self.iterates, key=lambda entry: entry[0])
 
     def _rigid(self, places: SurfacePoints) -> tuple[float, Array | None]:
-        """Rolling speed [m/s] and rigid creepage, or the shift [m]; none without friction."""
+        """Rolling speed m/s and rigid creepage, or the tangential displacement m; None without friction."""
         if not self.model.laws.friction:
             return 0.0, None
         shifts = self.model.tangential == "shift"
         return (0.0, shift(places, self.motion)) if shifts else creepage(places, self.motion)
 
     def _compliance(self, tangential: bool) -> ContactCompliance:
-        """Compliance for the tractions, and what earlier solves made of it."""
+        """Compliance for the tractions, with the solvers' cache."""
         gathered = self.cells.gathered
         if not tangential:
             return gathered.frictionless
@@ -323,16 +338,17 @@ class LayoutIteration:
     def _fitted(self, start: FittedState | None) -> tuple[FittedState, Array, bool] | None:
         """Cells, their pressures (S, M) Pa without friction, and whether their ends converged; None without contact.
 
-        From cells to start from, moved and scaled as a whole if that suffices, or from the initial layout.
+        The iteration starts from given cells, translated and scaled as a whole if that suffices, or from the initial
+        layout.
         """
         model = self.model
         if start is not None and model.warm:
-            tolerance = FOLLOWED * model.tolerance
+            tolerance = WARM_FACTOR * model.tolerance
             start, pressures = follow(self._overlap, start, self._gathered, tolerance=tolerance, count=self.count)
             if pressures is not None:
                 return start, pressures, True
         rolls = model.laws.friction > 0 and model.tangential == "rolling"
-        full = marks(model.fineness.cells, rolling=rolls)
+        full = marks(model.resolution.cells, rolling=rolls)
         fitted = self._fit_initial(full) if start is None else self._fit(start.layout, full, model.tolerance)
         if fitted is None:
             return None
@@ -340,27 +356,27 @@ class LayoutIteration:
         return FittedState(fitted.layout, self.penetration, gathered, 1.0, np.zeros(0)), fitted.pressure, fitted.settled
 
     def _fit_initial(self, full: Array) -> FittedPressure | None:
-        """From the rigid surfaces where they suggest one patch, else from pressures on the initial layout."""
-        fineness, tolerance = self.model.fineness, self.model.tolerance
-        # equal cells find the ends from afar; those that shrink towards the leading end only from near
-        few = marks(max(fineness.cells // 2, 4), rolling=False)
-        fitted = self._fit(single(self.ridge, fineness, few), few, 5 * tolerance)
+        """Fit from the rigid surfaces where they indicate one patch, else from pressures on the initial layout."""
+        resolution, tolerance = self.model.resolution, self.model.tolerance
+        # the iteration converges from farther away on uniform cells than on graded ones
+        few = marks(max(resolution.cells // 2, 4), rolling=False)
+        fitted = self._fit(single(self.ridge, resolution, few), few, 5 * tolerance)
         if fitted is not None:
-            fitted = self._fit(recounted(fitted.layout, fineness), full, tolerance)
+            fitted = self._fit(recounted(fitted.layout, resolution), full, tolerance)
         if fitted is None or not fitted.settled or fitted.divided:
             initial = initial_layout(self.ridge, self._overlap, self._normal, self.count)
-            fitted = self._fit(patches(*initial, fineness, few), few, 5 * tolerance)
+            fitted = self._fit(patches(*initial, resolution, few), few, 5 * tolerance)
             fitted = None if fitted is None else self._fit(fitted.layout, full, tolerance)
         return fitted
 
     def _fit(self, layout: StripLayout | None, cell_marks: Array, tolerance: float) -> FittedPressure | None:
         if layout is None:
             return None
-        start, fineness = replace(layout, marks=cell_marks), self.model.fineness
-        return fit(self._overlap, self._normal, start, fineness, tolerance=tolerance, count=self.count)
+        start, resolution = replace(layout, marks=cell_marks), self.model.resolution
+        return fit(self._overlap, self._normal, start, resolution, tolerance=tolerance, count=self.count)
 
     def _overlap(self, layout: StripLayout) -> Array:
-        """Undeformed overlap (S, M) m of the cells, with what friction adds."""
+        """Undeformed penetration (S, M) m of the cells, plus that due to friction."""
         free = mean_overlap(self.model.operators.surfaces, self.pose, layout)
         return free if self.penetration is None else free + self.penetration.at(layout)
 

@@ -15,16 +15,16 @@ from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.contact.models.fitted.surfaces import StripSurfaces
 from wheelrail.support.arrays import Array
 
-TOO_LONG = "the overlap is longer than what fitted cells were made for"
-AHEAD = 2  # cells in front of a strip, of the length of its first, that the slip looks at
+TOO_LONG = "the patch is longer than the influence tables of the fitted cells"
+AHEAD = 2  # cells in front of a strip, of the length of its first, in the upstream difference of the slip
 
 
 @dataclass(frozen=True)
 class StripOperators:
-    """Two bodies invariant along x or in angle, and the surfaces that touch.
+    """Two bodies invariant along x or in angle, and their surfaces in contact.
 
-    The lower body is taken along the rolling direction: a yaw of 30 mrad turns it by as much, which a half-space does
-    not feel.
+    The lower body is aligned with the rolling direction: a yaw of 30 mrad rotates it by as much, which has no effect on
+    a half-space.
     """
 
     surfaces: StripSurfaces
@@ -37,7 +37,7 @@ class StripOperators:
         return np.asarray((length * layout.width[:, None]).ravel())
 
     def normal(self, pose: Pose, layout: StripLayout) -> Array:
-        """Relative normal displacement (n, n) m/Pa of the cells, means by unit pressures."""
+        """Relative normal compliance (n, n) m/Pa: mean displacement of the cells by unit pressures on them."""
         edges, area = layout.edges, self.area(layout)
         total = np.zeros((area.size, area.size))
         for kernel, sides, along in self._bodies(pose, layout):
@@ -49,19 +49,21 @@ class StripOperators:
 
     @property
     def alike(self) -> bool:
-        """Whether one body's compliance along the normals is that of the other: level surfaces of the same steel."""
+        """Whether both bodies have the same normal compliance: plane surfaces of the same material."""
         return self.lower is self.upper
 
     def _bodies(self, pose: Pose, layout: StripLayout) -> Iterator[tuple[HalfSpaceInfluence, Array, Array | float]]:
-        """The bodies that differ, sides (S, 2) m of the strips on them, and lengths along them over the circle's."""
+        """The different bodies, sides (S, 2) m of the strips on them, and lengths along them over those on the rolling
+        circle.
+        """
         yield self.upper, layout.sides, 1.0
         if not self.alike:
             stretch = self.surfaces.along(layout.middle)[:, None]
             yield self.lower, self.surfaces.lower_sides(pose, layout), stretch
 
     def all(self, pose: Pose, layout: StripLayout, places: SurfacePoints) -> tuple[Array, Array]:
-        """Relative displacement (3 n, 3 n) m/Pa and elastic slip over the rolling speed (2 n, 3 n) 1/Pa in the local
-        axes of the cells by unit tractions, component by component.
+        """Relative displacement (3 n, 3 n) m/Pa and elastic slip over the rolling speed (2 n, 3 n) 1/Pa by unit
+        tractions, in the local axes of the cells, component by component.
         """
         S, M = len(layout.sides), len(layout.marks) - 1
         n = S * M

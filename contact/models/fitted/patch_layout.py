@@ -1,4 +1,6 @@
-"""Patches, and parts of patches with strips of one width: from where strips press to a layout of strips and cells."""
+"""Layouts of strips and cells from pressures or from the rigid surfaces: patches, and parts of patches with strips of
+one width.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +16,19 @@ from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
 from wheelrail.support.arrays import Array
 
 VIRTUAL = 0.55  # of the approach
-WIDE = 1.8  # times as wide as the guess: an overlap wider than that, 1.35 times for one hump, may touch elsewhere, too
-NECK = 0.9  # of the smaller hump beside it: a load lower than that divides a patch into parts with strips of their own
+WIDE = 1.8  # times the estimated width: a wider penetration (1.35 times for one maximum) may have further contacts
+NECK = 0.9  # of the smaller adjacent maximum: a local minimum of the load below that divides a patch into parts
 
 
 @dataclass(frozen=True)
 class PatchSpan:
-    """A patch, or a part of one, to be: its tips low and high m, middles (n,) and ends (n, 2) m of strips known; how
-    many it shall have (None: as suits it).
+    """Extent of a patch or a part of one, from which strips are laid out.
+
+    Parameters:
+        low, high: lateral ends, m.
+        middle: (n,) m, middles of strips with known ends.
+        ends: (n, 2) m, their trailing and leading ends.
+        count: number of strips; None is that of the resolution.
     """
 
     low: float
@@ -31,16 +38,16 @@ class PatchSpan:
     count: int | None = None
 
 
-def patches(layout: StripLayout, pressure: Array, fineness: Resolution, cell_marks: Array) -> StripLayout | None:
-    """Parts for every run of strips that carry pressure, fitted to it roughly; None without any.
+def patches(layout: StripLayout, pressure: Array, resolution: Resolution, cell_marks: Array) -> StripLayout | None:
+    """Parts for every run of strips with positive pressure (S, M) Pa, with estimated ends; None without any.
 
-    A run with several humps is divided at the necks between them, so that a patch about to part has the same strips as
-    the two that it becomes.
+    A run is divided at local minima of its load, so that a patch about to split has the same strips as the two patches
+    after it.
     """
     carries = np.any(pressure > 0, axis=1)
     joined = np.concatenate([[False], carries[1:] & carries[:-1] & (layout.patch[1:] == layout.patch[:-1])])
     run = np.cumsum(carries & ~joined) - 1
-    found: list[PatchSpan] = []
+    parts: list[PatchSpan] = []
     for k in range(run.max(initial=-1) + 1):
         own = np.flatnonzero(carries & (run == k))
         edges, p, width = layout.edges[own], pressure[own], layout.width[own[0]]
@@ -55,14 +62,14 @@ def patches(layout: StripLayout, pressure: Array, fineness: Resolution, cell_mar
         middle = layout.middle[own]
         for start, stop in pairwise(cuts):
             inside = (middle >= start - width) & (middle <= stop + width)
-            found.append(PatchSpan(float(start), float(stop), middle[inside], ends[inside]))
-    return assembled(found, fineness, cell_marks)
+            parts.append(PatchSpan(float(start), float(stop), middle[inside], ends[inside]))
+    return assembled(parts, resolution, cell_marks)
 
 
-def single(ridge: PenetrationProfile, fineness: Resolution, cell_marks: Array) -> StripLayout | None:
-    """One part where the overlap has one hump, guessed from the rigid surfaces; None where it has not.
+def single(ridge: PenetrationProfile, resolution: Resolution, cell_marks: Array) -> StripLayout | None:
+    """One part, estimated from the rigid surfaces, if the penetration has a single maximum; else None.
 
-    Bodies touch about where they would overlap after half of the approach, VIRTUAL: Kik and Piotrowski 1996.
+    The patch is about the region of penetration at a fraction VIRTUAL of the approach: Kik and Piotrowski 1996.
     """
     o, top = ridge.overlap, int(ridge.overlap.argmax())
     depth = o - (1 - VIRTUAL) * o[top]
@@ -77,20 +84,20 @@ def single(ridge: PenetrationProfile, fineness: Resolution, cell_marks: Array) -
     )
     half = np.sqrt(2 * depth[inside] / ridge.bend[inside])
     ends = ridge.x[inside, None] + half[:, None] * [-1.0, 1.0]
-    return assembled([PatchSpan(low, high, ridge.s[inside], ends)], fineness, cell_marks)
+    return assembled([PatchSpan(low, high, ridge.s[inside], ends)], resolution, cell_marks)
 
 
-def recounted(layout: StripLayout, fineness: Resolution) -> StripLayout:
-    """The layout of one part with as many strips as suit the shape that it was fitted to."""
+def recounted(layout: StripLayout, resolution: Resolution) -> StripLayout:
+    """The layout of one part with the number of strips that the resolution gives for its converged shape."""
     low, high = float(layout.sides[0, 0]), float(layout.sides[-1, 1])
-    if fineness.strips_over(high - low, float(np.diff(layout.ends).max())) == len(layout.sides):
+    if resolution.strips_over(high - low, float(np.diff(layout.ends).max())) == len(layout.sides):
         return layout
-    return assembled([PatchSpan(low, high, layout.middle, layout.ends)], fineness, layout.marks) or layout
+    return assembled([PatchSpan(low, high, layout.middle, layout.ends)], resolution, layout.marks) or layout
 
 
 def _necks(load: Array) -> list[int]:
-    """Strips between humps of the load (n,), lowest between them."""
-    found: list[int] = []
+    """Strips at local minima of the load (n,)."""
+    minima: list[int] = []
     start = 0
     for j in range(1, len(load) - 1):
         if load[j] > min(load[j - 1], load[j + 1]) or j <= start:
@@ -100,14 +107,14 @@ def _necks(load: Array) -> list[int]:
             beyond = load[j + 1 :]
             rise = int(np.argmax(beyond > load[j] / NECK)) if (beyond > load[j] / NECK).any() else len(beyond)
             if load[j] <= beyond[:rise].min(initial=np.inf):
-                found.append(j)
+                minima.append(j)
                 start = j
-    return found
+    return minima
 
 
-def assembled(found: list[PatchSpan], fineness: Resolution, cell_marks: Array) -> StripLayout | None:
+def assembled(spans: list[PatchSpan], resolution: Resolution, cell_marks: Array) -> StripLayout | None:
     """Layout of parts; those that meet share a side, halfway between their tips. None without any."""
-    parts = sorted(found, key=lambda part: part.low)
+    parts = sorted(spans, key=lambda part: part.low)
     low = np.array([part.low for part in parts])
     high = np.array([part.high for part in parts])
     sides, all_ends, patch = [], [], []
@@ -122,7 +129,7 @@ def assembled(found: list[PatchSpan], fineness: Resolution, cell_marks: Array) -
             number + 1 < len(parts) and high[number] == low[number + 1],
         )
         length = float(np.diff(part.ends).max())
-        count = part.count or fineness.strips_over(float(high[number] - low[number]), length)
+        count = part.count or resolution.strips_over(float(high[number] - low[number]), length)
         edge = np.linspace(low[number], high[number], count + 1)
         sides.append(np.column_stack([edge[:-1], edge[1:]]))
         all_ends.append(_ends_at(0.5 * (edge[1:] + edge[:-1]), edge[[0, -1]], meets, part.middle, part.ends))
@@ -133,8 +140,8 @@ def assembled(found: list[PatchSpan], fineness: Resolution, cell_marks: Array) -
 
 
 def _ends_at(at: Array, tips: Array, meets: tuple[bool, bool], middle: Array, ends: Array) -> Array:
-    """Ends of strips at other places: the squared half lengths of an ellipse are a parabola, zero at its tips, but not
-    where it meets another part.
+    """Ends (n, 2) m of strips with other middles (n,) m, by interpolation of squared half lengths, which are a parabola
+    for an ellipse: zero at the tips, except where a tip is shared with another part.
     """
     inner = (middle > tips[0]) & (middle < tips[1])
     if not inner.any():

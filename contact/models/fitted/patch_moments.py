@@ -14,12 +14,13 @@ from wheelrail.support.arrays import Array
 
 ROUND_OFF = 1e-9  # of the largest traction
 RESOLVED = 0.01
-EDGE = 2  # cells next to an end, where pressure goes like a square root, have no peak
+EDGE = 2  # cells next to an end, where the pressure is a square root, have no peak
 
 
 def sharpened(result: ContactResult, layout: StripLayout, bound: Array) -> ContactResult:
-    """The result with the peak between the cells' middles, semi-axes that know that pressure varies in a cell, and
-    stick that ends within cells. bound (n,) Pa, the largest possible traction.
+    """The result with peak pressure, semi-axes and stick area interpolated within cells.
+
+    bound (n,) Pa: the largest possible traction.
     """
     assert result.fields is not None
     return replace(result, patches=LazyPatches(partial(_sharpened, result.patches, result.fields, layout, bound)))
@@ -30,7 +31,7 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
     left = (bound - np.hypot(*fields.traction.T)).reshape(p.shape)
     left[left < ROUND_OFF * bound.reshape(p.shape)] = 0.0
     labels = fields.patch.reshape(p.shape).max(axis=1)
-    found = []
+    corrected = []
     for k, patch in enumerate(patches):
         own = labels == k
         edges, s, width = layout.edges[own], layout.middle[own], layout.width[own]
@@ -43,14 +44,14 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
             for row, part, wide in zip(left[own], length, area[own], strict=True)
         )
         highest = peak(p[own], x, length, s, width)
-        found.append(replace(patch, max_pressure=highest, semi_axes=axes, stick_area=float(stick)))
-    return tuple(found)
+        corrected.append(replace(patch, max_pressure=highest, semi_axes=axes, stick_area=float(stick)))
+    return tuple(corrected)
 
 
 def stick_length(left: Array, length: Array) -> float:
-    """Length m of a strip that sticks, from what is left to the largest traction, (M,) Pa, zero where it slips.
+    """Length m of the stick zone of a strip, from the margin (M,) Pa of the traction to its bound, zero under slip.
 
-    It starts like a square root from where slip begins (Cattaneo, Carter), so its square is extrapolated to zero.
+    The margin grows as a square root from the slip zone (Cattaneo, Carter), so its square is extrapolated to zero.
     """
     sticks = np.concatenate([[False], left > 0, [False]])
     starts, stops = np.flatnonzero(np.diff(sticks.astype(int)) > 0), np.flatnonzero(np.diff(sticks.astype(int)) < 0)
@@ -68,7 +69,7 @@ def stick_length(left: Array, length: Array) -> float:
 def spread(p: Array, x: Array, length: Array, weight: Array) -> float:
     """Semi-axis m of the ellipse whose Hertz pressure has the same second moment along the last axis.
 
-    A cell's pressure has a slope p': its second moment is p (x^2 + l^2/12) + 2 x p' l^2/12.
+    With a pressure gradient p' the second moment of a cell is p (x^2 + l^2/12) + 2 x p' l^2/12.
     """
     total = weight.sum()
     centre = (weight * x).sum() / total
@@ -84,7 +85,7 @@ def spread(p: Array, x: Array, length: Array, weight: Array) -> float:
 def peak(p: Array, x: Array, length: Array, s: Array, width: Array) -> float:
     """Largest pressure Pa: a parabola through the mean pressures of the largest cell and its neighbours each way.
 
-    A hump that it would raise by more than 1 % is not resolved by three cells and left as it is.
+    A peak that it would raise by more than 1 % is not resolved by three cells and not corrected.
     """
     inner = p.copy()
     inner[:, :EDGE] = inner[:, -EDGE:] = 0.0
@@ -98,7 +99,7 @@ def peak(p: Array, x: Array, length: Array, s: Array, width: Array) -> float:
 
 
 def _rise(p: Array, x: Array, length: float) -> float:
-    """How far the top of a parabola through three means lies above the middle one, Pa."""
+    """Height Pa of the maximum of a parabola through three means above the middle one."""
     a, b, _ = np.polyfit(x - x[1], p, 2)
     if a >= 0 or abs(b / (2 * a)) > length:
         return 0.0

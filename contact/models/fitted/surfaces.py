@@ -1,4 +1,4 @@
-"""Where the surfaces of two bodies overlap, strip by strip along the rolling direction."""
+"""Undeformed penetration of the surfaces of two bodies, strip by strip along the rolling direction."""
 
 from __future__ import annotations
 
@@ -22,8 +22,13 @@ from wheelrail.support.compiled import compiled
 
 @dataclass(frozen=True)
 class PenetrationProfile:
-    """Along every line s (ns,) m of the upper body: deepest overlap (ns,) m (negative: distance), its place x (ns,) m,
-    and how fast it falls to both sides, bend (ns,) 1/m: overlap - bend x^2 / 2.
+    """Largest penetration along every line of the upper body.
+
+    Parameters:
+        s: (ns,) m, arc length of the lines.
+        overlap: (ns,) m, largest penetration; negative is a distance.
+        x: (ns,) m, its position along the rolling circle.
+        bend: (ns,) 1/m, relative curvature there: overlap - bend x^2 / 2.
     """
 
     s: Array
@@ -33,7 +38,7 @@ class PenetrationProfile:
 
     @property
     def humps(self) -> Nodes:
-        """Lines where the overlap is positive and larger than at both neighbours."""
+        """Lines of the local maxima of positive penetration."""
         o = self.overlap
         return np.flatnonzero((o[1:-1] > 0) & (o[1:-1] > o[:-2]) & (o[1:-1] >= o[2:])) + 1
 
@@ -44,7 +49,7 @@ class StripSurfaces(Protocol):
     def ridge(self, pose: Pose, s: Array) -> PenetrationProfile: ...
 
     def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
-        """Undeformed overlap m at s and x of one shape."""
+        """Undeformed penetration m at s and x of one shape."""
 
     def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         """The cells' middles, strip by strip from the trailing end."""
@@ -56,12 +61,17 @@ class StripSurfaces(Protocol):
         """Length on the surface at s over length on the rolling circle."""
 
 
-NEXT = 2e-4  # m: a place so near to the one before has its foot beside that one's
+NEXT = 2e-4  # m: points closer than that have neighbouring closest points
 
 
 class ProjectedPoints(NamedTuple):
-    """Places of a wheel seen from a rail: undeformed overlap (n,) m, -inf beyond the rail's ends; arc length (n,) m of
-    their feet on the rail; point (n, 3) m and local axes (n, 3, 3), rows longitudinal, lateral, outward.
+    """Points of a wheel's surface projected on a rail.
+
+    Parameters:
+        overlap: (n,) m, undeformed penetration; -inf beyond the rail's ends.
+        foot: (n,) m, arc length of the closest points on the rail.
+        point: (n, 3) m.
+        axes: (n, 3, 3), rows longitudinal, lateral and outward.
     """
 
     overlap: Array
@@ -71,10 +81,10 @@ class ProjectedPoints(NamedTuple):
 
 
 @compiled
-def seen(
+def projected(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """`ProjectedPoints` of places s, x (n,) on a wheel of a radius, revolved about y, from a rail, extruded along x."""
+    """`ProjectedPoints` of points s, x (n,) m of a wheel revolved about y, with a radius m, on an extruded rail."""
     n = len(s)
     overlap, feet, points, axes = np.empty(n), np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
     last, sample = complex(np.inf, 0.0), 0
@@ -93,11 +103,11 @@ def seen(
 @compiled
 def stretched(wheel: Shape, radius: float, s: Array) -> Array:
     """Length on the surface at s (n,) over length on the rolling circle."""
-    found = np.empty(len(s))
+    factor = np.empty(len(s))
     for i in range(len(s)):
         z, _, _ = local(wheel, s[i], piece(wheel, s[i]))
-        found[i] = 1.0 + z.imag / radius
-    return found
+        factor[i] = 1.0 + z.imag / radius
+    return factor
 
 
 @dataclass(frozen=True)
@@ -113,22 +123,22 @@ class ProfileStrips:
         return WheelPointSensitivity.of(self.rail)
 
     def _seen(self, pose: Pose, s: Array, x: Array) -> ProjectedPoints:
-        """Places of the wheel, seen from the rail."""
-        both = np.broadcast_arrays(s, x)
+        """Points of the wheel, projected on the rail."""
+        coordinates = np.broadcast_arrays(s, x)
         return ProjectedPoints(
-            *seen(
+            *projected(
                 self.wheel.shape,
                 self.rail.shape,
                 self.radius,
                 pose.origin,
                 np.ascontiguousarray(pose.rotation),
-                *(np.ascontiguousarray(part.ravel(), dtype=float) for part in both),
+                *(np.ascontiguousarray(part.ravel(), dtype=float) for part in coordinates),
             )
         )
 
     def ridge(self, pose: Pose, s: Array) -> PenetrationProfile:
-        """The wheel's circle is nearest to the rail where it runs along it: its forward direction has no part in the
-        rail's normal.
+        """Penetration is largest where the wheel's circle is parallel to the rail: where its tangent has no component
+        along the rail's normal.
         """
         x = np.zeros_like(s)
         for _ in range(2 if pose.rotation[1, 0] != 0 else 0):

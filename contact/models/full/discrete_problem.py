@@ -1,4 +1,4 @@
-"""The discrete problem of eq. (12) for one pose: contact forces on all displacements, and their tangent."""
+"""The discrete problem of eq. (12) for one pose: contact forces by nodal displacements, and their tangent."""
 
 from __future__ import annotations
 
@@ -15,35 +15,42 @@ from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.mpi import Ranks
 
 
-def spread(coupling: ContactOperators, body: ElasticBody) -> tuple[sp.csr_array, sp.csr_array | None]:
-    """Operators of one body on its unknowns: the columns of this rank's."""
-    nodes = body.nodes.ravel()[coupling.nodes]
-    columns = (3 * nodes[:, None] + np.asarray(coupling.directions)).ravel()
-    mine = np.repeat(nodes >= 0, len(coupling.directions))
+def extended(operators: ContactOperators, body: ElasticBody) -> tuple[sp.csr_array, sp.csr_array | None]:
+    """Operators of displacement and slip on all unknowns of one body, the columns of this rank."""
+    nodes = body.nodes.ravel()[operators.nodes]
+    columns = (3 * nodes[:, None] + np.asarray(operators.directions)).ravel()
+    owned = np.repeat(nodes >= 0, len(operators.directions))
 
-    def widen(operator: sp.csr_array) -> sp.csr_array:
-        kept = mine[operator.indices]
-        pointer = np.concatenate([[0], np.cumsum(kept)])[operator.indptr]
+    def extend(operator: sp.csr_array) -> sp.csr_array:
+        entries = owned[operator.indices]
+        pointer = np.concatenate([[0], np.cumsum(entries)])[operator.indptr]
         shape = (operator.shape[0], 3 * body.owned)
-        return sp.csr_array((operator.data[kept], columns[operator.indices[kept]], pointer), shape=shape)
+        return sp.csr_array((operator.data[entries], columns[operator.indices[entries]], pointer), shape=shape)
 
-    return widen(coupling.displacement), None if coupling.slip is None else widen(coupling.slip)
+    return extend(operators.displacement), None if operators.slip is None else extend(operators.slip)
 
 
 @dataclass
 class DiscreteProblem:
-    """Contact forces and their tangent for one pose.
+    """Contact forces and their tangent for one pose, for n contact points and c components.
 
-    Every rank has all rows (columns of B^T) for its own unknowns, the wheel's before the rail's.
+    Parameters:
+        ranks: processes of the solve; each has all rows (columns of B^T) of its own unknowns, wheel before rail.
+        law: of contact.
+        nodes: (n,), of the contact grid.
+        displacement: B, rows of components (t1, t2, n) or (n).
+        forces: B^T, columns of components (n, t1, t2) or (n).
+        gradient: G, rows (d, s1, s2) or (d).
+        constant: z0.
     """
 
     ranks: Ranks
     law: SurfaceLaw
     nodes: Nodes
-    displacement: sp.csr_array  # B, components (t1, t2, n) or (n)
-    forces: sp.csr_array  # B^T, components (n, t1, t2)
-    gradient: sp.csr_array  # G, rows (d, s1, s2)
-    constant: Array  # z0
+    displacement: sp.csr_array
+    forces: sp.csr_array
+    gradient: sp.csr_array
+    constant: Array
 
     @classmethod
     def of(
@@ -56,12 +63,16 @@ class DiscreteProblem:
     ) -> DiscreteProblem:
         """Problem at the contact points of one pose.
 
-        bodies: wheel and rail, on the same ranks; order of the slip's difference formula; rigid (2 n,) rigid creepage
-        at the points, None without friction.
+        Parameters:
+            points: of contact.
+            bodies: wheel and rail, on the same ranks.
+            law: of contact.
+            order: of the upstream difference formula for the slip, 1 or 2.
+            rigid: (2 n,) rigid creepage at the points, None without friction.
         """
         wheel, rail = pair_operators(points, order if rigid is not None else 0)
         ranks = bodies[0].ranks
-        (bw, sw), (br, sr) = spread(wheel, bodies[0]), spread(rail, bodies[1])
+        (bw, sw), (br, sr) = extended(wheel, bodies[0]), extended(rail, bodies[1])
         displacement = sp.csr_array(sp.hstack([bw, -br], format="csr"))
         n = len(points.node)
         normal = displacement[-n:]
@@ -73,16 +84,16 @@ class DiscreteProblem:
         return cls(ranks, law, points.node, displacement, ordered.T.tocsr(), gradient, constant)
 
     def state(self, u: Array) -> tuple[Array, Array]:
-        """z (n, c) and nodal forces T (n, c) at displacements u, this rank's."""
+        """z (n, c) and nodal forces T (n, c) N at displacements u m of this rank."""
         z = self._at(u)
         return z, self.ranks.shared(lambda: self.law.force(self.nodes, z))
 
     def contact_forces(self, u: Array) -> Array:
-        """B^T T, forces of the contact on this rank's unknowns [N]."""
+        """B^T T: contact forces N on the unknowns of this rank."""
         return np.asarray(self.forces @ self.state(u)[1].T.ravel())
 
     def tangent(self, u: Array) -> sp.csr_array:
-        """D G: change of the nodal contact forces with the displacements."""
+        """D G: derivative of the nodal contact forces by the displacements."""
         z = self._at(u)
         blocks = self.ranks.shared(lambda: self.law.tangent(self.nodes, z))
         c = self.law.components

@@ -1,4 +1,4 @@
-"""The Jacobian K - B^T D G of eq. (12) as a product with a vector, and its preconditioners' correction."""
+"""The Jacobian K - B^T D G of eq. (12) as a product with a vector."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """All displacements of both bodies in one sparse problem, eq. (12): dolfinx's NewtonSolver with PETSc's BiCGStab.
 
-Unknown U = (U_w, U_r); z = z0 + G U collects overlap and slip at the contact points, T(z) the nodal contact forces of
-the law in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. B carries forces to both
+Unknown U = (U_w, U_r); z = z0 + G U: penetration and slip at the contact points; T(z): nodal contact forces of the law
+in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. The same B applies the forces to both
 bodies, so action equals reaction to round-off.
 
-Exact laws are reached by multipliers, see `wheelrail.contact.laws.augmented_lagrangian`: each loop is one such solve
+Exact laws by augmented-Lagrangian iterations, see `wheelrail.contact.laws.augmented_lagrangian`: each is one such solve
 from the last displacements.
 """
 
@@ -26,7 +26,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.contact.models.full.newton import FullIterationCount, FullOptions, Newton
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
-from wheelrail.contact.models.full.two_body_stiffness import both, with_rigid_motions
+from wheelrail.contact.models.full.two_body_stiffness import two_body_stiffness, with_rigid_motions
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
 from wheelrail.support.arrays import Array
@@ -36,8 +36,15 @@ from wheelrail.support.arrays import Array
 class FullContact:
     """Contact model on the complete 3D meshes: pose and velocities in, `ContactResult` out.
 
-    Under `mpirun` all ranks call it alike, with bodies that are split over them, and get the same result, but for its
-    displacements: each has its own unknowns', the wheel's before the rail's, and starts from them again as a guess.
+    Parameters:
+        geometry: surfaces of both bodies and their grids.
+        wheel, rail: meshed solids with their stiffness.
+        laws: of the interface.
+        order: of the upstream difference formula for the slip, 1 or 2.
+        options: of the solvers.
+
+    Under `mpirun` all ranks call it together, with distributed bodies, and get the same result except for `warm_start`:
+    the displacements of a rank's own unknowns, wheel before rail, from which it starts with the result as a guess.
     """
 
     geometry: SurfacePair
@@ -49,7 +56,7 @@ class FullContact:
 
     @cached_property
     def soft(self) -> ContactLaws:
-        """The laws that displacements are solved with."""
+        """The regularised laws with which displacements are solved."""
         size = float(np.sqrt(self.wheel.grid.weight.max()))
         return softened(self.laws, modulus=self.wheel.steel.E, size=size)
 
@@ -61,8 +68,8 @@ class FullContact:
 
     @cached_property
     def solver(self) -> Newton:
-        """Solver with the stiffness of both bodies and its preconditioner (19), made once."""
-        matrix = both(self.wheel, self.rail)
+        """Solver with the stiffness of both bodies and its preconditioner (19), computed once."""
+        matrix = two_body_stiffness(self.wheel, self.rail)
         if self.options.preconditioner == "gamg":
             with_rigid_motions(matrix, np.concatenate([self.wheel.coordinates, self.rail.coordinates]))
         return Newton(matrix, self.options, self.wheel.ranks)
@@ -89,9 +96,9 @@ class FullContact:
             return ContactResult.failed(status, approach)
         traction = forces / points.area[:, None]
         n = len(points.node)
-        moved = np.zeros((n, 3))
+        displacement = np.zeros((n, 3))
         local = ranks.total(problem.displacement @ u).reshape(-1, n).T
-        moved[:, 3 - local.shape[1] :] = local
+        displacement[:, 3 - local.shape[1] :] = local
         tangential = traction[:, 1:] if order else np.zeros((n, 2))
         bound = -traction[:, 0] * self.laws.friction_at(np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)[0]
         result = assemble_result(
@@ -100,7 +107,7 @@ class FullContact:
             patch=connected(points.node, traction[:, 0] < 0, self.wheel.grid.shape),
             pressure=-traction[:, 0] + 0.0,
             slip=z[:, 1:] if order else np.zeros((n, 2)),
-            displacement=moved,
+            displacement=displacement,
             approach=approach,
             statistics=Statistics(
                 newton=count.newton,
@@ -113,19 +120,19 @@ class FullContact:
         return replace(result, warm_start=u)
 
     def _start(self, guess: ContactResult | None) -> Array | None:
-        """Displacements of an earlier result, unless they are those of other meshes or of another split."""
-        before = guess.warm_start if guess is not None and isinstance(guess.warm_start, np.ndarray) else None
-        own = 3 * (self.wheel.owned + self.rail.owned)
-        strange = self.wheel.ranks.total(np.array(float(before is None or len(before) != own)))
-        return None if strange else before
+        """Displacements of an earlier result; None if they belong to other meshes or another distribution."""
+        displacement = guess.warm_start if guess is not None and isinstance(guess.warm_start, np.ndarray) else None
+        owned = 3 * (self.wheel.owned + self.rail.owned)
+        mismatches = self.wheel.ranks.total(np.array(float(displacement is None or len(displacement) != owned)))
+        return None if mismatches else displacement
 
     def _solve(
         self, problem: DiscreteProblem, area: Array, speed: float, start: Array | None
     ) -> tuple[Array, Array, Array, str, FullIterationCount]:
-        """Displacements, z (n, c) and nodal forces (n, c) of the laws, status and cost."""
+        """Displacements m, z (n, c) and nodal forces (n, c) N of the laws, status and cost; area (n,) m2, speed m/s."""
         u, status, count = self.solver.run(problem, start)
-        bare = problem.constant
-        added: Array = np.zeros((len(area), self.law.components))
+        constant = problem.constant
+        multiplier_offset: Array = np.zeros((len(area), self.law.components))
         z, forces = problem.state(u)
         if self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance):
             return u, z, forces, status, count
@@ -133,16 +140,17 @@ class FullContact:
             if status != "converged":
                 break
             count.loops += 1
-            added = offset(self.laws, self.soft, forces / area[:, None], (z - added)[:, 1:], speed)
-            problem.constant = bare + added.T.ravel()
-            u, status, more = self.solver.run(problem, u)
-            count.add(more)
-            before = forces
+            slip = (z - multiplier_offset)[:, 1:]
+            multiplier_offset = offset(self.laws, self.soft, forces / area[:, None], slip, speed)
+            problem.constant = constant + multiplier_offset.T.ravel()
+            u, status, inner = self.solver.run(problem, u)
+            count.add(inner)
+            previous = forces
             z, forces = problem.state(u)
-            change = float(np.linalg.norm(forces - before)) / max(float(np.linalg.norm(forces)), 1e-300)
-            count.residual = max(more.residual, change)
+            change = float(np.linalg.norm(forces - previous)) / max(float(np.linalg.norm(forces)), 1e-300)
+            count.residual = max(inner.residual, change)
             if change <= max(10 * self.options.tolerance, 1e-9):
-                return u, z - added, forces, status, count
+                return u, z - multiplier_offset, forces, status, count
         else:
-            status = f"the multipliers still change by {change:.1e} after {LOOPS} loops"
-        return u, z - added, forces, status, count
+            status = f"relative change of the multipliers {change:.1e} after {LOOPS} augmented-Lagrangian iterations"
+        return u, z - multiplier_offset, forces, status, count

@@ -1,4 +1,4 @@
-"""dolfinx's NewtonSolver on the problem of eq. (12): BiCGStab, forcing term, Armijo, regularisation in steps."""
+"""dolfinx's NewtonSolver for eq. (12): BiCGStab, forcing term, Armijo, continuation in the regularisation."""
 
 from __future__ import annotations
 
@@ -17,15 +17,21 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
 from wheelrail.support.mpi import ALONE, Ranks
 
-LEVELS = (300.0, 10.0)  # multiples of the regularisation on the way to it
-ROUGH = 1e-2  # relative residual that is enough on the way
+LEVELS = (300.0, 10.0)  # multiples of the regularisation in the continuation
+ROUGH = 1e-2  # tolerance of the relative residual at these
 
 
 @dataclass(frozen=True)
 class FullOptions:
-    """tolerance: residual force over contact force; forcing: eq. (18); jacobian: exact product or finite difference
-    (20); preconditioner from the elastic stiffness (19), see `wheelrail.contact.models.full.preconditioner`; armijo:
-    halvings of a step.
+    """Options of the Newton method.
+
+    Parameters:
+        tolerance: residual force over contact force.
+        iterations: largest number of Newton steps.
+        forcing: relative tolerance of the linear solves, eq. (18).
+        jacobian: exact product or finite difference (20).
+        preconditioner: from the elastic stiffness (19), see `wheelrail.contact.models.full.preconditioner`.
+        armijo: largest number of halvings of a step.
     """
 
     tolerance: float = 1e-9
@@ -38,7 +44,9 @@ class FullOptions:
 
 @dataclass
 class FullIterationCount:
-    """Steps of Newton, BiCGStab, Armijo, linear solves that failed, loops of multipliers, and the relative residual."""
+    """Newton and BiCGStab iterations, failed linear solves, Armijo halvings, augmented-Lagrangian iterations (loops),
+    and the relative residual.
+    """
 
     newton: int = 0
     linear: int = 0
@@ -48,7 +56,7 @@ class FullIterationCount:
     residual: float = np.inf
 
     def add(self, more: FullIterationCount) -> None:
-        """Take over the steps of another solve."""
+        """Add the counts of another solve."""
         self.newton += more.newton
         self.linear += more.linear
         self.failed_linear += more.failed_linear
@@ -67,17 +75,17 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count = FullIterationCount()
         self._b, self._work = stiffness.createVecs()
         self._x = self._work.duplicate()
-        self._contact = 0.0  # norm of the contact forces: what a residual is measured by
+        self._contact = 0.0  # norm of the contact forces, reference of the relative residual
         self._product = JacobianOperator(stiffness)
         jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
         jacobian.setUp()
         compat.freed_with(self, stiffness, self._b, self._work, self._x, jacobian)
-        me = weakref.proxy(self)  # callbacks that hold the solver would hold it for ever: C++ breaks no cycles
-        self.setF(lambda x, b: me._residual(x, b), self._b)
-        self.setJ(lambda x, J: me._linearise(x, J), jacobian)
+        solver = weakref.proxy(self)  # strong references in callbacks of C++ would never be freed
+        self.setF(lambda x, b: solver._residual(x, b), self._b)
+        self.setJ(lambda x, J: solver._linearise(x, J), jacobian)
         self.setP(lambda x, P: None, stiffness)
         self.set_form(lambda x: None)
-        self.set_update(lambda _, step, x: me._update(step, x))
+        self.set_update(lambda _, step, x: solver._update(step, x))
         krylov = self.krylov_solver
         krylov.setOperators(jacobian, stiffness)
         krylov.setType("bcgs")
@@ -97,26 +105,29 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.report = False
 
     def run(self, problem: DiscreteProblem, start: Array | None = None) -> tuple[Array, str, FullIterationCount]:
-        """This rank's displacements, status and cost; from displacements to start from, or from afar where these lead
-        nowhere.
+        """Displacements of this rank, status and cost.
 
-        From afar, friction is sharpened in steps to its own regularisation: Newton on the nearly discontinuous law
-        wanders, from the blunter law's answer it does not.
+        Parameters:
+            problem: of one pose.
+            start: initial displacements of this rank.
+
+        Without a start, or if the solve from it fails, displacements start from zero with continuation in the
+        regularisation of friction: Newton's method does not converge directly on the nearly discontinuous law.
         """
         self.problem, self.count = problem, FullIterationCount()
         if self._corrected is not None:
             self._corrected.prepare(problem)
         law = problem.law
-        sharp = law.laws.regularisation
-        blunt = [sharp * k for k in LEVELS] if law.components == 3 else []
+        final = law.laws.regularisation
+        levels = [final * k for k in LEVELS] if law.components == 3 else []
         x = self._x
         relative = np.inf
         if start is not None:
             x.array[:] = start
-            relative = self._sharpen(x, [sharp], sharp)
+            relative = self._continuation(x, [final], final)
         if not relative <= self.options.tolerance:
             x.set(0.0)
-            relative = self._sharpen(x, [*blunt, sharp], sharp)
+            relative = self._continuation(x, [*levels, final], final)
         status = "converged"
         if not relative <= self.options.tolerance:
             status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
@@ -125,14 +136,14 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count.residual = relative
         return x.array_r.copy(), status, self.count
 
-    def _sharpen(self, x: Any, levels: list[float], sharp: float) -> float:
-        """Newton at each regularisation in turn, from and into x; the last relative residual."""
+    def _continuation(self, x: Any, levels: list[float], final: float) -> float:
+        """Newton's method at each regularisation in turn, from and into x; returns the last relative residual."""
         assert self.problem is not None
         relative = np.inf
         for level in levels:
             self.problem.law.regularisation = level
-            tolerance = self.options.tolerance if level == sharp else ROUGH
-            for _ in range(4):  # the norm of the contact forces, unknown at first, sets the absolute tolerance
+            tolerance = self.options.tolerance if level == final else ROUGH
+            for _ in range(4):  # the absolute tolerance depends on the norm of the contact forces
                 relative = self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
                 if relative <= tolerance:
                     break
@@ -161,13 +172,13 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
     def _update(self, step: Any, x: Any) -> None:
         self.count.newton += 1
         self.count.linear += self.krylov_solver.getIterationNumber()
-        # dolfinx goes on after a failed linear solve: count it, let Armijo judge the step
+        # dolfinx continues after a failed linear solve: it is counted, and the Armijo rule limits the step
         self.count.failed_linear += self.krylov_solver.getConvergedReason() < 0
-        old, before = x.array_r.copy(), self.ranks.norm(self._b.array_r)
+        start, residual = x.array_r.copy(), self.ranks.norm(self._b.array_r)
         damping = 1.0
         for _ in range(self.options.armijo):
-            x.array[:] = old - damping * step.array_r
-            if self.ranks.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * before:
+            x.array[:] = start - damping * step.array_r
+            if self.ranks.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * residual:
                 break
             damping /= 2
             self.count.backtracks += 1

@@ -21,12 +21,15 @@ PREFIX = "wheelrail_"
 
 
 def choose(pc: Any, kind: Preconditioner, ranks: Ranks) -> None:
-    """Set the type of a preconditioner whose matrix is known.
+    """Set the type of a preconditioner with a matrix.
 
-    "cholesky", the complete factor: by CHOLMOD, on several ranks by MUMPS; "corrected", the default, corrects the same
-    for the contact's tangent, see `wheelrail.contact.models.full.preconditioner.ContactPreconditioner`. "icc", the
-    incomplete factor, on several ranks of each one's own block. "gamg", algebraic multigrid: more iterations, but
-    memory and time grow little faster than the mesh.
+    Parameters:
+        pc: PETSc's preconditioner.
+        kind: "cholesky", the complete factor by CHOLMOD, on several ranks by MUMPS; "corrected", the default, the same
+            corrected for the contact's tangent, see `ContactPreconditioner`; "icc", the incomplete factor, on several
+            ranks of each rank's block; "gamg", algebraic multigrid: more iterations, but memory and time are nearly
+            proportional to the size of the mesh.
+        ranks: processes of the solve.
     """
     several = ranks.size > 1
     if kind == "icc" and several:
@@ -40,15 +43,15 @@ def choose(pc: Any, kind: Preconditioner, ranks: Ranks) -> None:
     else:
         pc.setType(kind)
         if kind == "gamg":
-            pc.setFromOptions()  # PETSc's own defaults of multigrid come with it
+            pc.setFromOptions()  # sets PETSc's defaults of multigrid
 
 
 class ContactPreconditioner:
     """Cholesky factor of the elastic stiffness, corrected for the contact's tangent: the inverse of K - B^T D G.
 
     (K - B^T T)^-1 = (1 + Z (1 - T Z)^-1 T) K^-1 with T = D G and Z = K^-1 B^T, the response to unit forces at the
-    contact points: found once a pose, all right-hand sides together, while BiCGStab's come one by one and are bound by
-    memory. Beyond `MOST` numbers in Z on a rank only K^-1 is left.
+    contact points. Z is computed once per pose for all right-hand sides together, faster than the memory-bound single
+    solves of BiCGStab. With more than `MOST` numbers in Z on a rank only K^-1 is applied.
     """
 
     MOST = 1.5e8
@@ -66,7 +69,7 @@ class ContactPreconditioner:
         self._small: Any = None
 
     def prepare(self, problem: DiscreteProblem) -> None:
-        """Responses Z of a pose, unless they are there."""
+        """Compute the responses Z of a pose, unless stored."""
         self._tangent = None
         if problem.forces is self._forces:
             return
@@ -86,7 +89,7 @@ class ContactPreconditioner:
         left.destroy()
 
     def correct(self, tangent: sp.csr_array) -> None:
-        """Take over the tangent T = D G of a Newton step."""
+        """Set the tangent T = D G of a Newton step."""
         if self._response is not None:
             self._tangent = tangent
             self._small = la.lu_factor(np.eye(tangent.shape[0]) - self._ranks.total(tangent @ self._response))

@@ -27,11 +27,17 @@ REFERENCE: dict[int, tuple[list[list[float]], float]] = {
 
 
 class SurfaceLaw:
-    """Nodal forces T_i = a_i t(z_i) and tangent D = dT/dz on the whole contact grid, z = (d, s1, s2) or (d) without
+    """Nodal forces T_i = a_i t(z_i) N and tangent D = dT/dz on the whole contact grid, z = (d, s1, s2) or (d) without
     friction.
 
-    The regularising creepage may be changed between calls, `regularisation`, and the rolling speed that falling
-    friction asks for, `at_speed`. gained is what multipliers add to the slip of points that slide.
+    Parameters:
+        solid: mesh of the body.
+        grid: contact grid on it.
+        degree: of the displacements, 1 or 2.
+        laws: of the interface.
+        gained: slip added by multipliers at sliding points.
+
+    Between calls, `regularisation` sets the regularising creepage, `at_speed` the rolling speed for falling friction.
     """
 
     def __init__(self, solid: Solid, grid: ContactGrid, degree: int, laws: ContactLaws, *, gained: float = 0.0) -> None:
@@ -47,8 +53,8 @@ class SurfaceLaw:
             for name, value in (("K", laws.stiffness_per_area), ("mu", laws.friction), ("eps", laws.regularisation))
         }
         self._eps = constant["eps"]
-        self._rate = fem.Constant(mesh, PETSc.ScalarType(0.0))  # of falling, over creepage
-        # the points are the nodes that carry weight: exact for the shape functions, and the law acts node by node
+        self._rate = fem.Constant(mesh, PETSc.ScalarType(0.0))  # of falling friction, per creepage
+        # quadrature points are the nodes with weights: exact for the shape functions, and the law is nodal
         corners, area = REFERENCE[solid.faces.shape[1]]
         rule = RULES[solid.faces.shape[1], degree]
         measure = ufl.Measure(
@@ -75,7 +81,7 @@ class SurfaceLaw:
         compat.freed_with(self, self._vector, self._matrix)
         distance, node = cKDTree(space.tabulate_dof_coordinates()).query(grid.position.reshape(-1, 3))
         if distance.max() > 1e-6 * np.linalg.norm(grid.position[1, 0] - grid.position[0, 0]):
-            raise RuntimeError("the contact grid does not lie on nodes of the surface mesh")
+            raise RuntimeError("points of the contact grid must be nodes of the surface mesh")
         self._node = node
 
     @property
@@ -87,7 +93,7 @@ class SurfaceLaw:
         self._eps.value = value
 
     def at_speed(self, speed: float) -> None:
-        """Take over the rolling speed [m/s]."""
+        """Set the rolling speed m/s."""
         self._rate.value = 0.0 if self.laws.falling is None else self.laws.falling.rate * speed
 
     def _set(self, nodes: Nodes, z: Array) -> None:
@@ -97,7 +103,7 @@ class SurfaceLaw:
         values[self._node[nodes]] = z
 
     def force(self, nodes: Nodes, z: Array) -> Array:
-        """T (n, c) [N] at grid nodes (n,) from z (n, c)."""
+        """T (n, c) N at grid nodes (n,) from z (n, c)."""
         self._set(nodes, z)
         with self._vector.localForm() as local:
             local.set(0.0)
@@ -105,7 +111,7 @@ class SurfaceLaw:
         return np.asarray(self._vector.array.reshape(-1, self.components)[self._node[nodes]])
 
     def tangent(self, nodes: Nodes, z: Array) -> Array:
-        """dT/dz (n, c, c) at grid nodes (n,) from z (n, c): the law is pointwise, so only blocks on the diagonal."""
+        """dT/dz (n, c, c) at grid nodes (n,) from z (n, c): diagonal blocks only, as the law is pointwise."""
         self._set(nodes, z)
         self._matrix.zeroEntries()
         assemble_matrix(self._matrix, self._tangent)

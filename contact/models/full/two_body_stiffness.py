@@ -1,4 +1,4 @@
-"""The stiffness of two bodies in one matrix, split over the ranks like the bodies."""
+"""The stiffness of two bodies in one matrix, distributed over the ranks like the bodies."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.support.arrays import Array, Nodes
 
 
-def both(wheel: ElasticBody, rail: ElasticBody) -> Any:
-    """K of both bodies, PETSc, symmetric positive definite; a rank has the wheel's rows before the rail's."""
+def two_body_stiffness(wheel: ElasticBody, rail: ElasticBody) -> Any:
+    """K of both bodies N/m, PETSc, symmetric positive definite; on each rank the wheel's rows before the rail's."""
     ends = [body.stiffness.getOwnershipRanges() for body in (wheel, rail)]  # rows of rank k: from k to k + 1
     pointers: list[Nodes] = []
     columns: list[Nodes] = []
@@ -20,7 +20,7 @@ def both(wheel: ElasticBody, rail: ElasticBody) -> Any:
     for number, body in enumerate((wheel, rail)):
         pointer, column, value = body.stiffness.getValuesCSR()
         owner = np.searchsorted(ends[number], column, side="right") - 1
-        # before row g of the wheel on rank k come the rail's of the ranks before k; of the rail the wheel's up to k
+        # rows of the wheel on rank k follow the rail's of the ranks below k; the rail's follow the wheel's up to k
         column = column + (ends[1][owner] if number == 0 else ends[0][owner + 1])
         pointers.append(pointer[number > 0 :] + (pointers[0][-1] if pointers else 0))
         columns.append(column)
@@ -33,21 +33,21 @@ def both(wheel: ElasticBody, rail: ElasticBody) -> Any:
 
 
 def with_rigid_motions(matrix: Any, points: Array) -> Any:
-    """The matrix with what multigrid asks for: how displacements of this rank's points (n, 3) m strain nothing."""
+    """The matrix with its near-null space for multigrid: the rigid motions of this rank's points (n, 3) m."""
     vectors: list[Any] = []
-    for mode in rigid(points).T:
+    for mode in rigid_motions(points).T:
         vector = matrix.createVecLeft()
         vector.array[:] = mode
-        for other in vectors:
-            vector.axpy(-vector.dot(other), other)
+        for previous in vectors:
+            vector.axpy(-vector.dot(previous), previous)
         vector.normalize()
         vectors.append(vector)
     matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=vectors, comm=matrix.comm))
     return matrix
 
 
-def rigid(points: Array) -> Array:
-    """Rigid motions (3 n, 6) of points (n, 3), rotations about the origin: the same one on all ranks."""
+def rigid_motions(points: Array) -> Array:
+    """Rigid motions (3 n, 6) of points (n, 3) m, rotations about the origin, which is the same on all ranks."""
     modes = np.zeros((len(points), 3, 6))
     for axis in range(3):
         modes[:, axis, axis] = 1.0

@@ -1,4 +1,4 @@
-"""Hertz's ellipse in compiled code, and the elliptic integrals that it and strips of pressure need."""
+"""Hertz's ellipse in compiled code, and the elliptic integrals for it and for strips of pressure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wheelrail.support.compiled import compiled
 @compiled
 def complete(k: float) -> tuple[float, float]:
     """Complete elliptic integrals K and D = (K - E) / (1 - k^2) of the complementary modulus k, 0 < k <= 1, by the
-    arithmetic-geometric mean, without the loss of digits at k = 1.
+    arithmetic-geometric mean, without cancellation at k = 1.
     """
     a, g, m = 1.0, k, (1.0 - k) * (1.0 + k)
     total, weight = 0.5, 1.0
@@ -47,7 +47,13 @@ def axis_ratio(curvatures: float) -> float:
 
 @compiled
 def ellipse(A: float, B: float, approach: float, E_star: float) -> tuple[float, float, float]:
-    """Semi-axes a, b [m] along x and y and peak pressure [Pa] under an approach [m], of the gap A x^2 + B y^2 [1/m]."""
+    """Semi-axes a, b m along x and y and peak pressure Pa.
+
+    Parameters:
+        A, B: coefficients of the gap A x^2 + B y^2, 1/m.
+        approach: m.
+        E_star: Pa.
+    """
     k = axis_ratio(min(A, B) / max(A, B))
     K, D = complete(k)
     E = K - (1.0 - k * k) * D
@@ -58,7 +64,9 @@ def ellipse(A: float, B: float, approach: float, E_star: float) -> tuple[float, 
 
 @compiled
 def strip_potential(half: float, away: float) -> float:
-    """Integral [m] over x of sqrt(half^2 - x^2) / sqrt(x^2 + away^2): a strip's pressure seen from beside it."""
+    """Potential of a strip's pressure at a lateral distance away m: the integral m over x of
+    sqrt(half^2 - x^2) / sqrt(x^2 + away^2).
+    """
     if half <= 0.0:
         return 0.0
     reach = np.sqrt(half * half + away * away)

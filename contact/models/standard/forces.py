@@ -1,4 +1,4 @@
-"""From pressed strips and rigid velocities to tractions, forces and what every cell of the strips carries."""
+"""Tractions on the cells of strips, and their resultants, from strip pressures and rigid velocities."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
-from wheelrail.contact.models.standard.fastsim import ElasticFoundation, bed, strip_tractions
+from wheelrail.contact.models.standard.fastsim import ElasticFoundation, foundation, strip_tractions
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.polach import effective, polach
 from wheelrail.support.arrays import Array, Mask
@@ -17,8 +17,13 @@ NO_FRICTION, FASTSIM, POLACH = 0, 1, 2
 
 
 class FrictionParameters(NamedTuple):
-    """mu; share and rate s/m of `wheelrail.contact.laws.parameters.FallingFriction` (1 and 0: it does not fall);
-    method, one of the above; reduction factors k_A and k_S of Polach's formula.
+    """Friction law and tangential method for compiled code.
+
+    Parameters:
+        mu: friction coefficient at zero slip velocity.
+        share, rate: of `wheelrail.contact.laws.parameters.FallingFriction`, rate in s/m; 1 and 0: constant friction.
+        method: NO_FRICTION, FASTSIM or POLACH.
+        reduction: factors k_A and k_S of Polach's formula.
     """
 
     mu: float
@@ -29,7 +34,9 @@ class FrictionParameters(NamedTuple):
 
 
 class RigidVelocities(NamedTuple):
-    """Rigid motion of wheel and rail, as in `wheelrail.contact.kinematics.frames.Twist`."""
+    """Rigid motion of wheel and rail, as in `wheelrail.contact.kinematics.frames.Twist`: velocity m/s, angular velocity
+    rad/s and reference point m, (3,) each.
+    """
 
     wheel: Array
     wheel_turn: Array
@@ -47,9 +54,16 @@ class StripFrames(NamedTuple):
 
 
 class RollingPatch(NamedTuple):
-    """Speed m/s; longitudinal and lateral creepage, and spin 1/m, at the peak; semi-axes m along and across of the
-    ellipse with the pressure's second moments; load N; factor Pa/m2 of FASTSIM's paraboloid; Kalker's C11, C22, C23;
-    flexibilities.
+    """Rolling contact of one patch.
+
+    Parameters:
+        speed: rolling speed, m/s.
+        creepages: longitudinal, lateral, and spin 1/m, at the point of largest penetration.
+        semi_axes: along and across, of the ellipse with the pressure's second moments, m.
+        load: normal force, N.
+        paraboloid: factor of FASTSIM's traction bound, Pa/m2.
+        kalker: coefficients C11, C22, C23.
+        flexibility: of the elastic foundation.
     """
 
     speed: float
@@ -62,9 +76,18 @@ class RollingPatch(NamedTuple):
 
 
 class StripTractions(NamedTuple):
-    """Force N and moment N m about the origin. By contact (k,): rolling speed m/s. By cell (n,), strip by strip from
-    the trailing end: place (n, 3) m, length m; area m2 that counts; pressure and traction (n, 2) Pa; slip (n, 2) over
-    the speed; whether it sticks.
+    """Tractions of k contacts on n cells, strip by strip from the trailing end, and their resultants.
+
+    Parameters:
+        force, moment: (3,) N and N m, about the origin.
+        speed: (k,) m/s, rolling speed of the contacts.
+        point: (n, 3) m.
+        length: (n,) m.
+        area: (n,) m2, times the weight of the contact.
+        pressure: (n,) Pa.
+        traction: (n, 2) Pa.
+        slip: (n, 2) over the rolling speed.
+        sticks: (n,), whether the slip is zero.
     """
 
     force: Array
@@ -80,8 +103,8 @@ class StripTractions(NamedTuple):
 
 
 @compiled
-def flow(turn: Array, at: Array, velocity: Array, point: Array, axis: Array) -> float:
-    """Velocity along an axis of a body's point."""
+def velocity_along(turn: Array, at: Array, velocity: Array, point: Array, axis: Array) -> float:
+    """Velocity m/s of a body's point along an axis; turn, at and velocity: its angular velocity and reference point."""
     x, y, z = point[0] - at[0], point[1] - at[1], point[2] - at[2]
     return float(
         (velocity[0] + turn[1] * z - turn[2] * y) * axis[0]
@@ -91,14 +114,16 @@ def flow(turn: Array, at: Array, velocity: Array, point: Array, axis: Array) -> 
 
 
 @compiled
-def slipping(v: RigidVelocities, point: Array, axis: Array) -> float:
-    """Velocity along an axis of the wheel against the rail, m/s."""
-    return flow(v.wheel_turn, v.wheel_at, v.wheel, point, axis) - flow(v.rail_turn, v.rail_at, v.rail, point, axis)
+def relative_velocity(v: RigidVelocities, point: Array, axis: Array) -> float:
+    """Velocity of the wheel relative to the rail along an axis, m/s."""
+    return velocity_along(v.wheel_turn, v.wheel_at, v.wheel, point, axis) - velocity_along(
+        v.rail_turn, v.rail_at, v.rail, point, axis
+    )
 
 
 @compiled
-def turning(v: RigidVelocities, axis: Array) -> float:
-    """Rotation about the upward normal, against an outward axis, of the wheel against the rail, rad/s."""
+def relative_rotation(v: RigidVelocities, axis: Array) -> float:
+    """Angular velocity rad/s of the wheel relative to the rail about the upward normal, opposite to an outward axis."""
     return float(
         -(v.wheel_turn[0] - v.rail_turn[0]) * axis[0]
         - (v.wheel_turn[1] - v.rail_turn[1]) * axis[1]
@@ -114,18 +139,23 @@ def friction_at(law: FrictionParameters, velocity: float) -> float:
 
 @compiled
 def rolling_speed(v: RigidVelocities, point: Array, forward: Array) -> float:
-    """Mean speed m/s at which the material of both bodies flows backwards."""
+    """Rolling speed m/s: mean backward velocity of both bodies' material at a point."""
     return -0.5 * (
-        flow(v.wheel_turn, v.wheel_at, v.wheel, point, forward) + flow(v.rail_turn, v.rail_at, v.rail, point, forward)
+        velocity_along(v.wheel_turn, v.wheel_at, v.wheel, point, forward)
+        + velocity_along(v.rail_turn, v.rail_at, v.rail, point, forward)
     )
 
 
 @compiled
 def creepages(v: RigidVelocities, point: Array, axes: Array, speed: float) -> tuple[float, float, float]:
-    """Longitudinal and lateral creepage, and spin 1/m, at a point (3,) m with axes (3, 3); zero unless it rolls."""
+    """Longitudinal and lateral creepage, and spin 1/m, at a point (3,) m with axes (3, 3); zero without rolling."""
     if not speed > 0.0:
         return 0.0, 0.0, 0.0
-    return slipping(v, point, axes[0]) / speed, slipping(v, point, axes[1]) / speed, turning(v, axes[2]) / speed
+    return (
+        relative_velocity(v, point, axes[0]) / speed,
+        relative_velocity(v, point, axes[1]) / speed,
+        relative_rotation(v, axes[2]) / speed,
+    )
 
 
 @compiled
@@ -138,7 +168,7 @@ def rolling_patch(
     v: RigidVelocities,
     elastic: PairElasticity,
 ) -> RollingPatch:
-    """The contact made of the strips from start up to stop."""
+    """Rolling contact of the patch that consists of the strips from start up to stop."""
     volume = 0.0
     for i in range(start, stop):
         volume += 4.0 / 3.0 * strips.half[i] ** 3 * strips.width[i]
@@ -153,7 +183,7 @@ def rolling_patch(
         load,
         load / volume,
         kalker,
-        bed(a, b, elastic.G, kalker),
+        foundation(a, b, elastic.G, kalker),
     )
 
 
@@ -178,18 +208,18 @@ def half_ellipse_means(cells: int) -> tuple[Array, Array]:
 
 
 @compiled
-def place_cells(
-    strips: StripPressures, i: int, frames: StripFrames, share: float, arch: Array, found: StripTractions
+def fill_cells(
+    strips: StripPressures, i: int, frames: StripFrames, share: float, arch: Array, cells: StripTractions
 ) -> None:
-    """Fill the places, sizes and pressures of the cells of strip i, whose area counts by a share."""
+    """Fill points, sizes and pressures of the cells of strip i, with the area times a weight (share)."""
     m, half = len(arch), strips.half[i]
     length = 2.0 * half / m
     for j in range(m):
         q, x = i * m + j, half * ((2.0 * j + 1.0) / m - 1.0)
-        found.length[q], found.area[q] = length, length * strips.width[i] * share
-        found.pressure[q] = strips.scale[i] * half * arch[j]
+        cells.length[q], cells.area[q] = length, length * strips.width[i] * share
+        cells.pressure[q] = strips.scale[i] * half * arch[j]
         for d in range(3):
-            found.point[q, d] = frames.point[i, d] + x * frames.axes[i, 0, d]
+            cells.point[q, d] = frames.point[i, d] + x * frames.axes[i, 0, d]
 
 
 @compiled
@@ -202,7 +232,16 @@ def fastsim_strip(
     traction: Array,
     slip: Array,
 ) -> None:
-    """Fill tractions (m, 2) and slips (m, 2) of a strip of a half length m by FASTSIM, from its own creepages."""
+    """Fill tractions (m, 2) Pa and slips (m, 2) of a strip by FASTSIM.
+
+    Parameters:
+        patch: of the strip.
+        half: half length, m.
+        creepage: longitudinal, lateral, and spin 1/m, in the middle of the strip.
+        law: of friction.
+        dome: (m,), means of 1 - t^2 over the cells.
+        traction, slip: filled.
+    """
     m = len(dome)
     (xi, eta, _), (wx, wy, spin) = patch.creepages, creepage
     bounds = np.empty(m)
@@ -231,7 +270,16 @@ def polach_strip(
     traction: Array,
     slip: Array,
 ) -> None:
-    """Fill tractions (m, 2) of a strip, distributed like the pressure (m,), and rigid slips (m, 2)."""
+    """Fill tractions (m, 2) Pa of a strip, proportional to the pressure (m,) Pa, and rigid slips (m, 2).
+
+    Parameters:
+        force: longitudinal and lateral, of the patch, N.
+        load: of the patch, N.
+        half: half length, m.
+        creepage: longitudinal, lateral, and spin 1/m, in the middle of the strip.
+        pressure: (m,) Pa.
+        traction, slip: filled.
+    """
     m = len(pressure)
     for j in range(m):
         x = half * ((2.0 * j + 1.0) / m - 1.0)
@@ -240,13 +288,13 @@ def polach_strip(
 
 
 @compiled
-def integrate_tractions(found: StripTractions, axes: Array) -> None:
+def integrate_tractions(cells: StripTractions, axes: Array) -> None:
     """Fill force and moment from tractions and pressures of the cells, axes (n, 3, 3) of their strips."""
-    force, moment, place = found.force, found.moment, found.point
-    m = len(found.area) // len(axes)
-    for q in range(len(found.area)):
+    force, moment, place = cells.force, cells.moment, cells.point
+    m = len(cells.area) // len(axes)
+    for q in range(len(cells.area)):
         f, l, u = axes[q // m, 0], axes[q // m, 1], axes[q // m, 2]
-        area, pressure, tx, ty = found.area[q], found.pressure[q], found.traction[q, 0], found.traction[q, 1]
+        area, pressure, tx, ty = cells.area[q], cells.pressure[q], cells.traction[q, 0], cells.traction[q, 1]
         px = area * (tx * f[0] + ty * l[0] - pressure * u[0])
         py = area * (tx * f[1] + ty * l[1] - pressure * u[1])
         pz = area * (tx * f[2] + ty * l[2] - pressure * u[2])
@@ -269,13 +317,22 @@ def strip_forces(
     law: FrictionParameters,
     m: int,
 ) -> StripTractions:
-    """Tractions on m cells to a strip, of contacts that count by a share (k,) each; frames in the middles of the n
-    strips, and at the k peaks of the overlap, which give the contacts' creepages.
+    """Tractions of k contacts on the cells of n strips.
 
-    A rolling speed that is not positive leaves its contact without tractions.
+    Parameters:
+        strips: pressures.
+        share: (k,), weights of the contacts' areas.
+        middles: frames in the middles of the n strips.
+        peaks: frames at the k maxima of the penetration, where the contacts' creepages are taken.
+        v: rigid motion of wheel and rail.
+        elastic: constants of both bodies.
+        law: of friction.
+        m: cells along each strip.
+
+    Contacts with a rolling speed that is not positive have no tangential tractions.
     """
     n, k = len(strips.s), len(share)
-    found = StripTractions(
+    cells = StripTractions(
         np.zeros(3),
         np.zeros(3),
         np.zeros(k),
@@ -294,22 +351,22 @@ def strip_forces(
         while stop < n and strips.contact[stop] == c:
             stop += 1
         patch = rolling_patch(strips, c, start, stop, peaks, v, elastic)
-        found.speed[c] = patch.speed
+        cells.speed[c] = patch.speed
         rolls = law.method != NO_FRICTION and patch.speed > 0.0
         force = polach_force(patch, elastic.G, law) if rolls and law.method == POLACH else (0.0, 0.0)
         for i in range(start, stop):
-            place_cells(strips, i, middles, share[c], arch, found)
+            fill_cells(strips, i, middles, share[c], arch, cells)
             if not rolls:
                 continue
             own, half = slice(i * m, (i + 1) * m), strips.half[i]
-            traction, slip = found.traction[own], found.slip[own]
+            traction, slip = cells.traction[own], cells.slip[own]
             creepage = creepages(v, middles.point[i], middles.axes[i], patch.speed)
             if law.method == FASTSIM:
                 fastsim_strip(patch, half, creepage, law, dome, traction, slip)
             else:
-                polach_strip(force, patch.load, half, creepage, found.pressure[own], traction, slip)
+                polach_strip(force, patch.load, half, creepage, cells.pressure[own], traction, slip)
             for q in range(i * m, (i + 1) * m):
-                found.sticks[q] = found.slip[q, 0] == 0.0 and found.slip[q, 1] == 0.0
+                cells.sticks[q] = cells.slip[q, 0] == 0.0 and cells.slip[q, 1] == 0.0
         start = stop
-    integrate_tractions(found, middles.axes)
-    return found
+    integrate_tractions(cells, middles.axes)
+    return cells

@@ -1,6 +1,6 @@
 """The contact of multibody codes: a rigid search for points, Hertz or virtual penetration, FASTSIM or Polach's formula.
 
-Half-spaces wherever bodies touch, every contact for itself, no meshes: force by force in well under a millisecond.
+Half-space elasticity, independent contacts, no meshes: well under a millisecond per force evaluation.
 """
 
 from __future__ import annotations
@@ -38,11 +38,18 @@ CELLS = 16  # along each strip
 class StandardContact:
     """Contact model of multibody codes: pose and velocities in, `ContactResult` out. The guess is not used.
 
-    surfaces: the rigid pair. normal: "hertz", an ellipse as Hertz's curved like the overlap, flat in the tangent plane;
-    or "kik-piotrowski", strips that follow the surface. tangential: "fastsim" on those strips, or "polach", whose
-    resultant is shared out like the pressure and knows no moment, so that with much spin its power may turn negative.
-    Only friction and its fall are taken of the laws; reduction (k_A, k_S) is Polach's. cells to each of the 16 strips
-    of a contact. Raises ValueError for other names and impossible numbers.
+    Parameters:
+        surfaces: the rigid pair.
+        laws: of the interface; only friction and its decrease with the slip velocity are used.
+        upper, lower: materials of wheel and rail.
+        normal: "hertz", the ellipse of the penetration's curvatures in the tangent plane; or "kik-piotrowski", strips
+            on the curved surface.
+        tangential: "fastsim" on those strips; or "polach", whose resultant is distributed like the pressure and carries
+            no spin moment, so that its power may be negative under large spin.
+        reduction: factors (k_A, k_S) of Polach's formula, 0 < k_S <= k_A <= 1.
+        cells: along each of the 16 strips of a contact, at least 2.
+
+    Raises ValueError for other names and numbers out of range.
     """
 
     surfaces: RigidPair
@@ -62,7 +69,7 @@ class StandardContact:
         if not all(0.0 < k <= 1.0 for k in self.reduction) or self.reduction[1] > self.reduction[0]:
             raise ValueError(f"reduction factors must be 0 < k_S <= k_A <= 1, got k_A, k_S = {self.reduction}")
         if self.cells < 2:
-            raise ValueError(f"a strip needs at least 2 cells, got {self.cells}")
+            raise ValueError(f"cells must be at least 2, got {self.cells}")
 
     @cached_property
     def elasticity(self) -> PairElasticity:
@@ -90,7 +97,7 @@ class StandardContact:
             pose, np.concatenate([strips.s, zones.peak]), np.concatenate([strips.x, zones.peak_x])
         )
         peak, peak_axes = point[n:], axes[n:]
-        if self.normal == "hertz":  # in the plane that touches both bodies
+        if self.normal == "hertz":  # in the common tangent plane
             away = (strips.s - zones.peak[strips.contact])[:, None]
             point, axes = peak[strips.contact] + away * peak_axes[strips.contact, 1], peak_axes[strips.contact]
         else:
@@ -103,16 +110,15 @@ class StandardContact:
         cells = strip_forces(strips, zones.share, middles, peaks, velocities, self.elasticity, self.law, self.cells)
         if self.law.method != NO_FRICTION and not cells.speed.min() > 0.0:
             return ContactResult.failed(
-                f"friction needs a wheel that rolls forward, but the material flows at {cells.speed.min():g} m/s; "
-                "mu = 0 needs none",
+                f"friction needs a positive rolling speed, got {cells.speed.min():g} m/s; with mu = 0 any is allowed",
                 approach,
             )
-        made = StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces)
+        contacts = StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces)
         return ContactResult(
             force=cells.force,
             moment=cells.moment,
-            patches=LazyPatches(made.summaries),
-            fields=made.fields(),
+            patches=LazyPatches(contacts.patches),
+            fields=contacts.fields(),
             approach=approach,
             status="converged",
             statistics=Statistics(points=len(cells.area)),

@@ -1,4 +1,4 @@
-"""Pressure on strips along the rolling direction, half an ellipse on each: of Hertz, or of Piotrowski and Kik."""
+"""Pressure on strips along the rolling direction, semi-elliptic on each: of Hertz, or of Piotrowski and Kik."""
 
 from __future__ import annotations
 
@@ -13,9 +13,15 @@ from wheelrail.support.compiled import compiled
 
 
 class StripPressures(NamedTuple):
-    """Strips (n,) that carry pressure: contact; place m on the upper body's profile and x m; width m; half length m;
-    scale Pa/m: the pressure at x from the middle is scale sqrt(half^2 - x^2). By contact (k,): normal force N of all of
-    it, semi-axes m of the ellipse with the pressure's second moments.
+    """Pressures on n strips of k contacts.
+
+    Parameters:
+        contact: (n,), index of the contact.
+        s, x: (n,) m, middle of the strip: arc length on the upper body's profile, and along the rolling direction.
+        width, half: (n,) m, width and half length.
+        scale: (n,) Pa/m; the pressure at x from the middle is scale sqrt(half^2 - x^2).
+        load: (k,) N, normal force.
+        along, across: (k,) m, semi-axes of the ellipse with the pressure's second moments.
     """
 
     contact: Nodes
@@ -31,7 +37,10 @@ class StripPressures(NamedTuple):
 
 @compiled
 def moments(s: Array, width: Array, half: Array) -> tuple[float, float]:
-    """Semi-axes along and across of the ellipse whose pressure has the same second moments."""
+    """Semi-axes m, along and across, of the ellipse whose Hertz pressure has the same second moments as strips.
+
+    s (n,) m, width (n,) m and half length (n,) m.
+    """
     total, first, second, along = 0.0, 0.0, 0.0, 0.0
     for i in range(len(s)):
         load = half[i] * half[i] * width[i]
@@ -45,10 +54,11 @@ def moments(s: Array, width: Array, half: Array) -> tuple[float, float]:
 
 @compiled
 def virtual_penetration(zones: PenetrationRegions, E_star: float) -> StripPressures:
-    """Piotrowski and Kik's pressure: the zone of every contact, its shape corrected, deflects as deep as its hump.
+    """Piotrowski and Kik's pressure on the interpenetration regions, with shape correction.
 
-    Where the bodies overlap in an ellipse that zone is too slender: its length and its width are scaled to the ratio of
-    semi-axes that Hertz gives to bodies which overlap so, its area is kept. Non-elliptic zones by second moments.
+    The deflection at the deepest point equals the penetration there. An elliptic region is too slender: length and
+    width are scaled at constant area to the ratio of semi-axes that Hertz gives for the same curvatures. Non-elliptic
+    regions by their second moments.
     """
     s, x, width, half = zones.s.copy(), zones.x.copy(), zones.width.copy(), np.sqrt(2.0 * zones.overlap * zones.radius)
     scale, k = np.empty_like(s), len(zones.peak)
@@ -63,15 +73,15 @@ def virtual_penetration(zones: PenetrationRegions, E_star: float) -> StripPressu
         curvatures = (b / a) ** 2
         k_hertz = axis_ratio(curvatures) if curvatures <= 1.0 else axis_ratio(1.0 / curvatures)
         stretch = np.sqrt((1.0 / k_hertz if curvatures <= 1.0 else k_hertz) * b / a)
-        volume, seen = 0.0, 0.0
+        volume, potential = 0.0, 0.0
         for i in range(start, stop):
             away = (s[i] - zones.peak[c]) / stretch
             s[i], x[i] = zones.peak[c] + away, zones.peak_x[c] + (x[i] - zones.peak_x[c]) / stretch
             half[i], width[i] = half[i] * stretch, width[i] / stretch
             volume += 0.5 * np.pi * half[i] * half[i] * width[i]
-            seen += strip_potential(half[i], abs(away)) * width[i]
-        scale[own] = np.pi * E_star * zones.depth[c] / seen
-        load[c] = np.pi * E_star * zones.depth[c] / seen * volume
+            potential += strip_potential(half[i], abs(away)) * width[i]
+        scale[own] = np.pi * E_star * zones.depth[c] / potential
+        load[c] = np.pi * E_star * zones.depth[c] / potential * volume
         along[c], across[c] = a * stretch, b / stretch
         start = stop
     return StripPressures(zones.contact, s, x, width, half, scale, load, along, across)
@@ -79,7 +89,9 @@ def virtual_penetration(zones: PenetrationRegions, E_star: float) -> StripPressu
 
 @compiled
 def hertzian(zones: PenetrationRegions, E_star: float) -> StripPressures:
-    """Hertz's pressure: curved across as the parabola that overlaps over the same second moment as the zone."""
+    """Hertz's pressure: the lateral curvature is that of the parabola whose interpenetration region has the same second
+    moment.
+    """
     k, m = len(zones.peak), len(PLACES)
     n = 2 * m * k
     contact, s, x, width, half, scale = (
@@ -102,9 +114,9 @@ def hertzian(zones: PenetrationRegions, E_star: float) -> StripPressures:
         _, wide = moments(zones.s[own], zones.width[own], np.sqrt(2.0 * zones.overlap[own] * zones.radius[own]))
         a, b, peak = ellipse(0.5 / radius, VIRTUAL * zones.depth[c] / wide**2, zones.depth[c], E_star)
         load[c], along[c], across[c] = 2.0 / 3.0 * np.pi * peak * a * b, a, b
-        for way in (-1.0, 1.0):
+        for sign in (-1.0, 1.0):
             for q in range(m):
-                contact[n], s[n], x[n] = c, zones.peak[c] + way * b * PLACES[q], zones.peak_x[c]
+                contact[n], s[n], x[n] = c, zones.peak[c] + sign * b * PLACES[q], zones.peak_x[c]
                 width[n], half[n] = b * WIDTHS[q], a * np.sqrt(1.0 - PLACES[q] ** 2)
                 scale[n] = peak / a
                 n += 1

@@ -1,4 +1,4 @@
-"""What a contact on strips hands to its result: fields cell by cell, and patches summed up when they are looked at."""
+"""Results of a contact on strips: fields by cell, and patches, computed on demand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.models.standard.forces import StripTractions
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.results.result import Fields, Patch
-from wheelrail.contact.results.resultants import FrictionalWork, summarise
+from wheelrail.contact.results.resultants import FrictionalWork, patch_resultants
 from wheelrail.support.arrays import Array, Nodes
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StripContacts:
-    """Zones, strips and cells of one solve; points (n, 3) m and axes (n, 3, 3) of the n strips."""
+    """Interpenetration regions, strips and cells of one solve; points (n, 3) m and axes (n, 3, 3) of the n strips."""
 
     zones: PenetrationRegions
     strips: StripPressures
@@ -36,7 +36,7 @@ class StripContacts:
 
     @property
     def count(self) -> int:
-        """Cells to a strip."""
+        """Number of cells along a strip."""
         return len(self.cells.area) // len(self.point)
 
     def fields(self) -> Fields:
@@ -58,16 +58,16 @@ class StripContacts:
 
     @cached_property
     def rank(self) -> Nodes:
-        """Place (k,) of each contact in the list by falling load."""
+        """Index (k,) of each contact in the list by decreasing load."""
         rank = np.empty(len(self.zones.share), dtype=np.int64)
         rank[np.argsort(-self.strips.load * self.zones.share, kind="stable")] = np.arange(len(rank))
         return rank
 
-    def summaries(self) -> tuple[Patch, ...]:
-        """Every contact, by falling load."""
+    def patches(self) -> tuple[Patch, ...]:
+        """All patches, by decreasing load."""
         fields, cells, strips = self.fields(), self.cells, self.strips
         on_wheel, on_rail = self.surfaces.profiles(strips.s, self.point)
-        places = SurfacePoints(
+        points = SurfacePoints(
             point=fields.point,
             axes=fields.axes,
             area=fields.area,
@@ -80,11 +80,11 @@ class StripContacts:
         local = np.column_stack([cells.traction, -cells.pressure]) * cells.area[:, None]
         forces = (local[:, None, :] @ fields.axes)[:, 0]
         speed = float(cells.speed.mean()) if cells.traction.any() else 0.0
-        rubbing = FrictionalWork(places, cells.traction, cells.sticks, self.motion, speed)
-        found = []
+        work = FrictionalWork(points, cells.traction, cells.sticks, self.motion, speed)
+        patches = []
         for contact in np.argsort(self.rank):
             inside = fields.patch == self.rank[contact]
             own = strips.contact == contact
-            patch = summarise(places, inside, forces=forces, pressure=cells.pressure, rubbing=rubbing)
-            found.append(replace(patch, max_pressure=float((strips.scale[own] * strips.half[own]).max())))
-        return tuple(found)
+            patch = patch_resultants(work, inside, forces=forces, pressure=cells.pressure)
+            patches.append(replace(patch, max_pressure=float((strips.scale[own] * strips.half[own]).max())))
+        return tuple(patches)

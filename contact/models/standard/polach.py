@@ -13,7 +13,7 @@ from wheelrail.support.compiled import compiled
 
 @compiled
 def effective(eta: float, phi: float, a: float) -> float:
-    """Size of the lateral creepage with the spin phi [1/m] of a patch of semi-axis a [m]."""
+    """Effective lateral creepage from the lateral creepage eta and the spin phi 1/m on a patch of semi-axis a m."""
     return max(abs(eta), abs(eta + phi * a))
 
 
@@ -26,10 +26,15 @@ def polach(
     kalker: tuple[float, float, float],
     reduction: tuple[float, float],
 ) -> tuple[float, float]:
-    """Longitudinal and lateral force [N] on the body that is faster by the creepages xi, eta [-] and phi [1/m].
+    """Longitudinal and lateral force N on the faster body.
 
-    semi_axes m along and across; bound N: friction times load; G Pa; kalker: C11, C22, C23; reduction factors k_A and
-    k_S, 1 on dry and clean rails.
+    Parameters:
+        creepages: longitudinal xi, lateral eta, and spin phi 1/m.
+        semi_axes: along and across, m.
+        bound: friction coefficient times load, N.
+        G: shear modulus, Pa.
+        kalker: coefficients C11, C22, C23.
+        reduction: factors k_A and k_S, 1 on dry and clean rails.
     """
     (xi, eta, phi), (a, b), (adhesion, slip) = creepages, semi_axes, reduction
     lateral = effective(eta, phi, a)

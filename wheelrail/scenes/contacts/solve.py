@@ -211,7 +211,7 @@ def _halved(model: ContactModel) -> ContactModel:
     from wheelrail.contact.models.fitted.model import FittedContact
 
     assert isinstance(model, FittedContact)
-    return replace(model, fineness=model.fineness.halved())
+    return replace(model, resolution=model.resolution.coarsened())
 
 
 def _estimated(result: ContactResult, solve_coarse: Callable[[], ContactResult]) -> ContactResult:
