@@ -1,5 +1,5 @@
-"""Weak forms in UFL, and the one place that knows versions of dolfinx.
+"""Weak forms in UFL, and compatibility with versions of dolfinx.
 
-Elasticity of solids and by wavenumbers (`waveguide`), stress, and the traction of the contact; `compat` hides what
-differs between dolfinx's versions.
+Elasticity of solids and by wavenumbers (`waveguide`), stress, and the contact traction; `compat` contains all code that
+depends on the version of dolfinx.
 """

@@ -1,4 +1,4 @@
-"""The one place that knows how dolfinx 0.5 differs from 0.9 to 0.11."""
+"""Compatibility with dolfinx 0.5 and 0.9 to 0.11."""
 
 from __future__ import annotations
 
@@ -46,31 +46,31 @@ def space(mesh: Any, degree: int, dim: int = 3) -> Any:
 
 
 def assemble_matrix(form: Any, bc: Any, diagonal: float) -> Any:
-    """Assembled matrix with a constrained space's rows and columns emptied but for the diagonal."""
+    """Assembled matrix; rows and columns of constrained unknowns are zero except for a diagonal value."""
     matrix = fem.petsc.assemble_matrix(form, bcs=[bc], **{"diag" if RECENT else "diagonal": diagonal})
     matrix.assemble()
     return matrix
 
 
 def freed_with(owner: object, *objects: Any) -> None:
-    """Free objects of PETSc as soon as their owner goes.
+    """Free objects of PETSc together with their owner.
 
-    Before 3.20 PETSc keeps what Python lets go of for a collective clean-up. Objects of several processes still wait
-    for it: each would come to their end in its own time.
+    Before 3.20 PETSc defers the destruction of unreferenced objects to a collective clean-up. Objects of several
+    processes are left to it, as their finalisation is not simultaneous.
     """
-    for one in objects:
-        if one.comm.size == 1:
-            weakref.finalize(owner, one.destroy)
+    for item in objects:
+        if item.comm.size == 1:
+            weakref.finalize(owner, item.destroy)
 
 
 def create_vector(form: Any) -> Any:
-    """Vector that a linear form is assembled into."""
+    """Vector into which a linear form is assembled."""
     return fem.petsc.create_vector(form.function_spaces[0] if RECENT else form)
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """UFL warns of quadrature rules given by their points; there is nothing to do about it."""
+    """Suppress UFL's warnings about quadrature rules given by their points, which are intended."""
     logger = logging.getLogger("UFL")
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -81,7 +81,7 @@ def quiet() -> Iterator[None]:
 
 
 def newton_base() -> Any:
-    """The C++ NewtonSolver that takes callbacks on PETSc objects (0.5 to 0.11)."""
+    """The C++ NewtonSolver with callbacks on PETSc objects (0.5 to 0.11)."""
     return dolfinx.cpp.nls.petsc.NewtonSolver
 
 

@@ -1,4 +1,4 @@
-"""Stresses from displacement gradients, and the scalars that judge them."""
+"""Stresses from displacement gradients, and equivalent and principal stresses."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The contact law at a point and its virtual work, eqs. (4) and (6).
 
-z = (d, s) collects the overlap d [m] of the deformed bodies and the slip s [-], over the rolling speed; the traction
-has the same components: along the wheel's outward normal and along the two tangents.
+z = (d, s): penetration d [m] of the deformed bodies and slip s [-] over the rolling speed; the traction has the same
+components, along the wheel's outward normal and along the two tangents.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def regularised_coulomb(s: Expr, p: Expr, μ: float | Expr, ε: float | Expr) ->
 def falling_friction(s: Expr, μ: float | Expr, A: float | Expr, B: float | Expr, ε: float | Expr) -> Expr:
     """μ(s) = μ ((1 - A) exp(-B s) + A) of the slip s = max(|s| - ε, 0), Polach 2005, doi:10.1016/j.wear.2004.03.046.
 
-    B is the rate of falling times the rolling speed; ε what a multiplier adds to the slip, else 0.
+    B is the rate of falling times the rolling speed; ε the slip added by a multiplier, else 0.
     """
     length = ufl.sqrt(ufl.max_value(ufl.dot(s, s), 1e-30))
     return μ * ((1 - A) * ufl.exp(-B * ufl.max_value(length - ε, 0)) + A)
@@ -42,7 +42,7 @@ def slip(z: Expr) -> Expr:
 
 
 def frictionless_traction(d: Expr, K: float | Expr) -> Expr:
-    """Traction -pₙ on the wheel along its normal from the overlap d: no tangential work at all."""
+    """Traction -pₙ on the wheel along its normal from the penetration d, without tangential components."""
     return -penalty_pressure(d, K)
 
 

@@ -1,8 +1,8 @@
 """Elasticity of a body invariant along x, or in angle about an axle, by wavenumbers: forms on its cross-section.
 
-With u = (-i U_0, U_1, U_2) e^{i k x} the strain's phases drop out of the energy, which is real and symmetric in the
-amplitudes U: K(k) = A_0 + k A_1 + k^2 A_2. Bodies of revolution the same, with the harmonic number n for k and the
-energy counted per unit angle.
+With u = (-i U_0, U_1, U_2) e^{i k x} the phases cancel in the energy, which is real and symmetric in the amplitudes U:
+K(k) = A_0 + k A_1 + k^2 A_2. Bodies of revolution likewise, with the harmonic number n for k and the energy per unit
+angle.
 """
 
 from __future__ import annotations
@@ -48,7 +48,11 @@ def wavenumber_forms(
 ) -> tuple[ufl.Form, ufl.Form, ufl.Form]:
     """A0, A1, A2 of a(U, V) = ∫ σ(U) : ε(V) dA, per unit length along x, or per unit angle when a radius is given.
 
-    degree of the displacements: the rule is exact for the prismatic body, and as good for a slowly varying radius.
+    Parameters:
+        U, V: trial and test function.
+        λ, μ: Lamé's constants, Pa.
+        radius: distance from the axle, m, of a body of revolution; None for a prismatic one.
+        degree: of the displacements; the quadrature is exact for the prismatic body.
     """
     dA = ufl.dx(metadata={"quadrature_degree": 2 * degree})
     if radius is None:

@@ -1,7 +1,7 @@
 """3D meshes of the bodies: a section extruded along x, then mapped (wheels are revolved, spheres bulged).
 
-The contact surface carries a structured strip of equal cells; away from it the mesh grows. Meshes live in the body's
-own frame and never move.
+The contact surface has a structured strip of uniform cells; cells grow with the distance from it. Meshes are fixed in
+the frame of the body.
 """
 
 from __future__ import annotations
@@ -20,9 +20,14 @@ Cell = Literal["tetrahedron", "hexahedron"]
 
 @dataclass(frozen=True)
 class Solid:
-    """Mesh of one body: points (n, 3) m, cells (m, 4) or (m, 8) in the order of dolfinx, grid (nx, ns) nodes of the
-    structured strip (along x, along the profile), faces (k, 3) or (k, 4) of that strip, clamped (n,) mask of fixed
-    nodes.
+    """Mesh of one body.
+
+    Parameters:
+        points: (n, 3) m.
+        cells: (m, 4) or (m, 8), nodes in the order of dolfinx.
+        grid: (nx, ns), nodes of the structured strip, along x and along the profile.
+        faces: (k, 3) or (k, 4), nodes of the faces of that strip.
+        clamped: (n,), mask of the fixed nodes.
     """
 
     points: Array
@@ -36,7 +41,7 @@ class Solid:
         return "tetrahedron" if self.cells.shape[1] == 4 else "hexahedron"
 
     def mapped(self, chart: Callable[[Array], Array]) -> Solid:
-        """The same mesh with every point moved by a smooth map (n, 3) -> (n, 3)."""
+        """The mesh with its points mapped by a smooth function (n, 3) m -> (n, 3) m."""
         return replace(self, points=chart(self.points))
 
     def volume(self) -> float:
@@ -66,7 +71,15 @@ class Solid:
 
 
 def layers(half_strip: int, size: float, half_length: float, *, growth: float = 1.35, largest: float = 30e-3) -> Array:
-    """Positions [m] of the layers along x: 2 half_strip equal steps about zero, then growing to +-half_length."""
+    """Positions m of the layers along x, symmetric about zero.
+
+    Parameters:
+        half_strip: number of uniform steps on either side of zero.
+        size: their length, m.
+        half_length: of the body, m.
+        growth: ratio of successive steps outside.
+        largest: step, m.
+    """
     steps: list[float] = []
     reach = half_strip * size
     step = size
@@ -83,8 +96,9 @@ def layers(half_strip: int, size: float, half_length: float, *, growth: float = 
 def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
     """Extrude a section (y, z) along the layers x [m].
 
-    Triangles become three tetrahedra a layer, quadrilaterals hexahedra. All diagonals of the strip run the same way:
-    turned round from layer to layer, they would make nodes of two kinds, and the pressure would waver between them.
+    Triangles become three tetrahedra per layer, quadrilaterals hexahedra; half_strip layers on either side of the
+    middle are the contact strip. All diagonals of the strip have the same direction: with alternating directions, nodes
+    would be of two kinds, and the pressure would oscillate between them.
     """
     n, count = len(section.points), len(x)
     points = np.empty((count, n, 3))
@@ -95,7 +109,7 @@ def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
     grid = np.arange(middle - half_strip, middle + half_strip + 1)[:, None] * n + section.surface
     low, high, low_next, high_next = (g.ravel() for g in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, :-1], grid[1:, 1:]))
     if section.cells.shape[1] == 3:
-        # Diagonals run from the lower to the higher node number of the section: neighbours in it agree.
+        # Diagonals run from the lower to the higher node number of the section, so that neighbours are conforming.
         a = np.sort(section.cells, axis=1) + first
         b = a + n
         cells = np.stack(
@@ -108,7 +122,7 @@ def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
         ).reshape(-1, 4)
         faces = np.concatenate([np.stack([low, high, high_next], axis=1), np.stack([low, low_next, high_next], axis=1)])
     else:
-        # gmsh goes round the face, dolfinx counts in a tensor product
+        # gmsh numbers the corners around the face, dolfinx as a tensor product
         a = section.cells[:, [0, 1, 3, 2]] + first
         cells = np.concatenate([a, a + n], axis=-1).reshape(-1, 8)
         faces = np.stack([low, high, low_next, high_next], axis=1)
@@ -116,7 +130,9 @@ def extruded(section: SectionMesh, x: Array, half_strip: int) -> Solid:
 
 
 def revolved(radius: float) -> Callable[[Array], Array]:
-    """Map (x, y, r) to a body of revolution about y: the angle is x / radius, zero straight down, x > 0 forward."""
+    """Map of (x, y, r) m to a body of revolution about y: the angle is x / radius, zero at the bottom, forward for
+    x > 0.
+    """
 
     def chart(points: Array) -> Array:
         angle, r = points[:, 0] / radius, points[:, 2]
@@ -128,8 +144,8 @@ def revolved(radius: float) -> Callable[[Array], Array]:
 def bulged(radii: tuple[float, float], depth: float) -> Callable[[Array], Array]:
     """Map a block with its top at z = 0 to an ellipsoidal cap with principal radii [m] in x and y.
 
-    inf is straight (a cylinder), negative hollow, equal radii give a sphere. The effect fades linearly over the depth
-    [m], so a clamped bottom stays flat. Raises ValueError when the block is wider than the body it should become.
+    inf is straight (a cylinder), negative hollow, equal radii give a sphere. The displacement decreases linearly to
+    zero over the depth m, so that a clamped bottom remains flat. Raises ValueError for a block wider than the cap.
     """
     curvatures = np.array([1.0 / r for r in radii])
     hollow = bool((curvatures <= 0).all() and (curvatures < 0).any())
@@ -152,8 +168,13 @@ def bulged(radii: tuple[float, float], depth: float) -> Callable[[Array], Array]
 
 
 def block_section(half_strip: int, size: float, half_width: float, depth: float) -> tuple[Array, Array, Mask]:
-    """Polygon of a rectangular block with its top at z = 0: surface points, the rest, and which edges are clamped
-    (the bottom).
+    """Polygon of a rectangular block with its top at z = 0: surface points, the remaining corners, and which edges are
+    clamped (the bottom).
+
+    Parameters:
+        half_strip: number of cells on either side of the middle.
+        size: of the cells, m.
+        half_width, depth: of the block, m.
     """
     y = np.arange(-half_strip, half_strip + 1) * size
     surface = np.stack([y, np.zeros_like(y)], axis=1)

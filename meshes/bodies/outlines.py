@@ -1,4 +1,4 @@
-"""Closed outlines of the bodies' cross-sections: the running surface, and the rest of the body behind it."""
+"""Closed outlines of the bodies' cross-sections: the running surface, and the remaining boundary of the body."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
 HEIGHT = 172.0  # mm, of the 60E1 section
-SNAP = 2e-4  # m; corners of the rest nearer than this to an end of the profile are dropped for it
-MISFIT = 8e-3  # m; how far an end of a rail's profile may stand off the standard section: heavy wear, not another rail
+SNAP = 2e-4  # m; corners of the rest closer than this to an end of the profile are replaced by it
+MISFIT = 8e-3  # m; largest distance of a rail profile's end from the standard section: heavy wear, not another rail
 
-# Right half of 60E1 from the foot of the flank to the axis, mm: x from the axis, height above the underside, centre of
-# the arc that leads there (None: a line) and its sense. EN 13674-1; fillets of 35 and 7 mm between web and faces.
+# Right half of 60E1 from the lower end of the flank to the axis, mm: x from the axis, height above the underside,
+# centre of the preceding arc (None: a line) and its sense. EN 13674-1; fillets of 35 and 7 mm between web and faces.
 _Corner = tuple[float, float, tuple[float, float] | None, int]
 _START = (37.04876, 136.72473)
 _REST: list[_Corner] = [
@@ -40,11 +40,16 @@ _REST: list[_Corner] = [
 
 @dataclass(frozen=True)
 class Outline:
-    """Cross-section of a body, run through clockwise in its plane (y to the field side, z or the radius upwards).
+    """Cross-section of a body, clockwise in its plane (y to the field side, z or the radius upwards).
 
-    The running surface is the profile from surface_range[0] to surface_range[1] [m], moved by offset (2,) m; rest
-    (m, 2) m closes it from its end back to its start, both included. clamped: first and last index of the points of
-    rest between which the body is held. ValueError if rest does not fit the profile.
+    Parameters:
+        profile: running surface.
+        surface_range: arc lengths at its start and end, m.
+        rest: (m, 2) m, remaining boundary from the end of the surface back to its start, both included.
+        clamped: first and last index of the points of rest between which the body is clamped.
+        offset: (2,) m, translation of the profile.
+
+    Raises ValueError if rest does not close the outline.
     """
 
     profile: Profile
@@ -56,7 +61,7 @@ class Outline:
     def __post_init__(self) -> None:
         start, stop = self.surface(self.surface_range)
         if max(np.abs(self.rest[0] - stop).max(), np.abs(self.rest[-1] - start).max()) > 1e-12:
-            raise ValueError(f"the rest of section {self.profile.name} does not close it")
+            raise ValueError(f"rest of section {self.profile.name} must start and end at the ends of its surface")
         if not 0 <= self.clamped[0] < self.clamped[1] < len(self.rest):
             raise ValueError(f"clamped must be two indices of rest in order, not {self.clamped}")
         self.rest.setflags(write=False)
@@ -67,11 +72,11 @@ class Outline:
 
     def is_clamped(self, points: Array) -> NDArray[np.bool_]:
         """Which of points (n, 2) m lie on the clamped part, within 1e-9 m."""
-        held = self.rest[self.clamped[0] : self.clamped[1] + 1]
-        a, d = held[:-1], np.diff(held, axis=0)
+        line = self.rest[self.clamped[0] : self.clamped[1] + 1]
+        a, d = line[:-1], np.diff(line, axis=0)
         along = np.einsum("nmk,mk->nm", points[:, None] - a, d) / (d**2).sum(axis=1)
-        foot = a + np.clip(along, 0.0, 1.0)[..., None] * d
-        return np.asarray((np.hypot(*(points[:, None] - foot).transpose(2, 0, 1)) < 1e-9).any(axis=1))
+        closest = a + np.clip(along, 0.0, 1.0)[..., None] * d
+        return np.asarray((np.hypot(*(points[:, None] - closest).transpose(2, 0, 1)) < 1e-9).any(axis=1))
 
     def polygon(self, spacing: float) -> Array:
         """Closed polygon (n, 2) m, first point not repeated, with the surface sampled every spacing [m] or closer."""
@@ -80,17 +85,20 @@ class Outline:
 
 
 def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
-    """Section of a rail as laid: the profile on the rest of 60E1, clamped at the underside of its foot.
+    """Section of a rail as laid: the profile on web and foot of 60E1, clamped at the underside of the foot.
 
-    The profile is used down to the foot of the flank, 35.3 mm below the crown; one that ends higher is continued by a
-    straight line. chord_error m: largest distance of the rest's polyline from its arcs. ValueError if an end of the
-    profile stands off the standard flank by more than 8 mm.
+    Parameters:
+        profile: of the rail as laid.
+        chord_error: largest distance of the polyline of web and foot from its arcs, m.
+
+    The profile is used down to the lower end of the flank, 35.3 mm below the crown; one that ends higher is continued
+    by a straight line. Raises ValueError if an end of the profile is more than 8 mm from the standard flank.
     """
     if profile.kind != "rail":
         raise ValueError(f"{profile.name} is a {profile.kind}, not a rail")
     right = np.array(_rest(chord_error / 1e-3))
-    both = np.concatenate([right, right[::-1] * (-1.0, 1.0)])
-    rest = profile.placement((both - (0.0, HEIGHT)) * 1e-3)
+    section = np.concatenate([right, right[::-1] * (-1.0, 1.0)])
+    rest = profile.placement((section - (0.0, HEIGHT)) * 1e-3)
     stop, start = _end(profile, rest[0], 1), _end(profile, rest[-1], -1)
     rest, dropped = _joined(rest, profile.point(stop), profile.point(start))
     foot = len(right) - 1 - dropped
@@ -100,9 +108,15 @@ def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
 def rim_outline(
     profile: Profile, radius: float, *, rim_thickness: float = 0.065, faces: tuple[float, float] = (-0.070, 0.065)
 ) -> Outline:
-    """Section of a wheel's rim in (y, r), r = radius + z: faces, and an inner face that is clamped, m.
+    """Section of a wheel's rim in (y, r), r = radius + z, clamped at its inner face.
 
-    A profile that ends inside a face is continued at its radius to it; one that reaches further widens the rim.
+    Parameters:
+        profile: of the wheel.
+        radius: nominal rolling radius, m.
+        rim_thickness: m.
+        faces: y of back and front, m.
+
+    A profile that ends between the faces is continued to them at constant radius; a wider one widens the rim. Raises
     ValueError if the profile ends below the middle of the rim or covers less than half of its width.
     """
     inner = radius - rim_thickness
@@ -114,9 +128,14 @@ def rim_outline(
 
 
 def wheel_outline(profile: Profile, radius: float, shape: WheelShape | None = None) -> Outline:
-    """Section of a monobloc wheel in (y, r), r = radius + z: rim, web and hub, clamped at the bore, m.
+    """Section of a monobloc wheel in (y, r), r = radius + z: rim, web and hub, clamped at the bore.
 
-    The profile is treated as by `rim_outline`. ValueError if it or the shape does not fit a wheel of the radius.
+    Parameters:
+        profile: of the wheel, treated as by `rim_outline`.
+        radius: nominal rolling radius, m.
+        shape: dimensions below the rim; None is the default `WheelShape`.
+
+    Raises ValueError if the profile or the shape is incompatible with the radius.
     """
     shape = shape or WheelShape()
     stop, front, back, start = _rim(profile, radius, shape.rim_thickness, shape.faces)
@@ -153,7 +172,7 @@ def _rim(
 
 
 def _rest(chord_error: float) -> list[tuple[float, float]]:
-    """Right half of the section from the flank's foot to the underside, mm."""
+    """Right half of the section from the lower end of the flank to the underside, mm."""
     points = [_START]
     for x, y, centre, sense in _REST:
         if centre is not None:
@@ -161,7 +180,7 @@ def _rest(chord_error: float) -> list[tuple[float, float]]:
             a, b = complex(x0, y0) - c, complex(x, y) - c
             turn = np.angle(b / a)
             if np.sign(turn) != sense:
-                raise ValueError(f"arc to ({x}, {y}) turns the wrong way")
+                raise ValueError(f"arc to ({x}, {y}) has the wrong sense")
             # sagitta R (1 - cos(step / 2))
             count = max(2, int(np.ceil(abs(turn) / (2.0 * np.arccos(1.0 - min(chord_error / abs(a), 0.1))))))
             for k in range(1, count):
@@ -172,20 +191,20 @@ def _rest(chord_error: float) -> list[tuple[float, float]]:
 
 
 def _end(profile: Profile, corner: Array, side: int) -> float:
-    """Arc length at which the profile gives way to the rest, whose first point is corner."""
+    """Arc length m at which the profile ends and the rest, whose first point is corner, starts."""
     s = profile.closest(corner[None]).s[0]
     gap = profile.point(s) - corner
     if s * side < 0.0 or abs(gap[0]) > MISFIT:
         where = "field" if side > 0 else "gauge"
         raise ValueError(
-            f"rail {profile.name} ends {1e3 * abs(gap[0]):.1f} mm aside of the standard section on the {where} side; "
+            f"rail {profile.name} ends {1e3 * abs(gap[0]):.1f} mm from the standard section on the {where} side; "
             f"allowed: {1e3 * MISFIT:g} mm"
         )
     return float(s)
 
 
 def _joined(rest: Array, first: Array, last: Array) -> tuple[Array, int]:
-    """The rest between the profile's ends, without corners next to them; how many were dropped at its start."""
+    """The rest between the profile's ends, without corners next to them; number of corners removed at its start."""
     near_first = np.hypot(*(rest - first).T) < SNAP
     near_last = np.hypot(*(rest - last).T) < SNAP
     kept = rest[~near_first & ~near_last]

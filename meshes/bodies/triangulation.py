@@ -14,7 +14,7 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 
 @dataclass(frozen=True)
 class Grading:
-    """Element size [m] at a distance d [m] from the contact surface: min(largest, first * size + growth * d)."""
+    """Element size m at a distance d m from the contact surface: min(largest, first * size + growth * d)."""
 
     first: float = 0.7
     growth: float = 0.25
@@ -23,8 +23,13 @@ class Grading:
 
 @dataclass(frozen=True)
 class SectionMesh:
-    """Mesh of a cross-section: points (n, 2) m, cells (m, 3) or (m, 4), surface (k,) nodes of the contact surface in
-    order, clamped (n,) mask of the fixed nodes.
+    """Mesh of a cross-section.
+
+    Parameters:
+        points: (n, 2) m.
+        cells: (m, 3) or (m, 4).
+        surface: (k,), nodes of the contact surface in order.
+        clamped: (n,), mask of the fixed nodes.
     """
 
     points: Array
@@ -42,15 +47,18 @@ def triangulate(
     grading: Grading,
     quadrilaterals: bool = False,
 ) -> SectionMesh:
-    """Mesh the polygon surface (k, 2) + rest (m, 2) m, keeping every point of the surface as a node.
+    """Mesh of a polygon with all points of its contact surface as nodes.
 
-    clamped (m + 1,) marks the polygon's edges that are fixed: from the last surface point along rest back to the first.
-    Quadrilaterals come from halving a mesh of twice the size, so they need an odd number of surface points.
+    Parameters:
+        surface: (k, 2) m, points of the contact surface.
+        rest: (m, 2) m, remaining corners.
+        clamped: (m + 1,), fixed edges of the polygon, from the last surface point along rest back to the first.
+        size: element size on the surface, m.
+        grading: of the element sizes.
+        quadrilaterals: instead of triangles, by refinement of a mesh of twice the size: k must be odd.
     """
     if quadrilaterals and len(surface) % 2 == 0:
-        raise ValueError(
-            f"a surface of {len(surface)} points has an odd number of cells and cannot carry quadrilaterals"
-        )
+        raise ValueError(f"quadrilaterals need an odd number of surface points, got {len(surface)}")
     stride = 2 if quadrilaterals else 1
     scale = 1.0 / (size * stride)  # gmsh's tolerances are absolute
     with _gmsh_model() as gmsh:
@@ -136,7 +144,7 @@ def _along_surface(gmsh: Any, points: list[int], lines: list[int], quadrilateral
 
 
 def _compact(xy: Array, cells: Nodes, surface_nodes: Nodes, is_clamped: Mask, surface: Array) -> SectionMesh:
-    """Number the surface nodes first, in order, and put them exactly where they were asked for."""
+    """Number the surface nodes first, in order, and set them to their exact positions."""
     used = np.unique(cells)
     order = np.concatenate([surface_nodes, np.setdiff1d(used, surface_nodes)])
     new = np.full(len(xy), -1, dtype=np.int64)

@@ -18,8 +18,16 @@ class WheelShape:
     Defaults: a wagon wheel of 920 mm. The width of the rim is that of EN 13715 and UIC 510-2 (135 mm, the flange's back
     70 mm from the rolling circle), the bore that of a seat of 185 mm (EN 13103-1); thicknesses, fillets and the hub are
     typical of forged wheels to EN 13262, not those of one drawing.
-    faces: y of back and front of the rim; web: its thickness at rim and hub; web_middle: y of its middle at both;
-    fillets: their radii at both; hub_ends: y of the hub's ends. Raises ValueError for impossible values.
+    Parameters:
+        rim_thickness: m.
+        faces: y of back and front of the rim, m.
+        web: thickness at rim and hub, m.
+        web_middle: y of the middle of the web at rim and hub, m.
+        fillets: radii at rim and hub, m.
+        hub_ends: y of the hub's ends, m.
+        hub_radius, bore_radius: m.
+
+    Raises ValueError for inconsistent values.
     """
 
     rim_thickness: float = 0.065
@@ -46,9 +54,13 @@ class WheelShape:
                 )
 
     def below_the_rim(self, radius: float, front: float, back: float) -> Array:
-        """Polyline (m, 2) from the lower front corner of the rim round the bore to its lower back corner.
+        """Polyline (m, 2) m from the lower front corner of the rim around the bore to its lower back corner.
 
-        Raises ValueError when the fillets do not fit.
+        Parameters:
+            radius: nominal rolling radius, m.
+            front, back: y of the faces of the rim, m.
+
+        Raises ValueError for fillets larger than the sides between them.
         """
         inner = radius - self.rim_thickness
         if not self.hub_radius < inner:
@@ -67,9 +79,14 @@ class WheelShape:
 
 
 def rounded(corners: Array, radii: Array, *, chord_error: float = CHORD_ERROR) -> Array:
-    """Polyline through corners (n, 2) m, those with a radius [m] replaced by chords of the arc that touches both sides.
+    """Polyline through corners (n, 2) m, those with a radius replaced by chords of the arc tangent to both sides.
 
-    Ends stay. ValueError when an arc does not fit between its neighbours.
+    Parameters:
+        corners: (n, 2) m; both ends are kept.
+        radii: (n,) m, 0 for a sharp corner.
+        chord_error: largest distance of a chord from its arc, m.
+
+    Raises ValueError for arcs longer than the sides between them.
     """
     edges = np.diff(corners, axis=0)
     length = np.hypot(*edges.T)

@@ -1,6 +1,6 @@
-"""From sections of a plane curve, given by any parameter, to one curve by arc length.
+"""Curves by arc length from sections of a plane curve with any parameter.
 
-The plane is y + iz: rigid motion is a product and a sum, a tangent is a unit number, its normal i times it.
+Points are complex numbers y + iz: rigid motion is a product and a sum, the normal is i times the tangent.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from wheelrail.support.arrays import Array, Complex
 Function = Callable[[Array], Complex]
 
 TOLERANCE = 1e-15  # m, of a polynomial piece against its section; the coordinates themselves carry about 1e-17 m
-GAP = 1e-6  # m, largest step between sections that is taken for rounding of their numbers
+GAP = 1e-6  # m, largest gap between sections that is attributed to rounding of their coordinates
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
 _LOBATTO = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 _TO_POWERS = np.linalg.inv(np.vander(_LOBATTO, increasing=True))
@@ -85,9 +85,12 @@ def _step_slope(x: Array) -> Array:
 def bridged(
     first: CurveSegment, second: CurveSegment, before: float, after: float
 ) -> tuple[CurveSegment, CurveSegment]:
-    """Close the small gap between two sections by a smooth step.
+    """Both sections with the small gap between them closed by a smooth step.
 
-    The step starts `before` the joint and ends `after` it, in the parameter, which should mean the same length in both.
+    Parameters:
+        first, second: sections.
+        before, after: distances from the joint to the start and the end of the step, in the parameters, which must have
+            the same scale.
     """
     gap, width = second.start - first.stop, before + after
 
@@ -109,8 +112,8 @@ def bridged(
 def curve(sections: Sequence[CurveSegment]) -> Curve:
     """The sections, end to end, as one curve by arc length from zero at its start.
 
-    Piecewise polynomials in arc length that repeat the sections to round-off (pieces are halved until they do). Gaps
-    from rounded numbers are closed. ValueError if one is above 1 um or if a section does not become smooth.
+    Piecewise polynomials in arc length, equal to the sections to round-off (by bisection of the pieces). Gaps from
+    rounded coordinates are closed. Raises ValueError for a gap above 1 um and for a section that is not smooth.
     """
     sections = list(sections)
     for i, (first, second) in enumerate(pairwise(sections)):

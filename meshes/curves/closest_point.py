@@ -1,4 +1,4 @@
-"""Closest points of a curve: fine samples to start from, Newton's method on the curve itself, all compiled."""
+"""Closest points of a curve, compiled: Newton's method on the curve, started from fine samples."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from wheelrail.support.arrays import Array, Complex
 from wheelrail.support.compiled import compiled
 
 SPACING = 1e-4  # m, of the samples, and the longest step
-STRIDE = 8  # samples that the first look goes over
-SMALL_STEP = 3e-8  # m; what one more step leaves is quadratic in it, below 1e-12 m
+STRIDE = 8  # samples between those of the first, coarse search
+SMALL_STEP = 3e-8  # m; the error after one more step is quadratic in it, below 1e-12 m
 _FAST, _SAFE = 4, 1000
 
 
 class Closest(NamedTuple):
-    """Foot of each of n points: arc length s m, distance m, and whether the foot lies inside the curve.
+    """Closest points of the curve to n points.
 
-    distance is positive on the outward side; inside is False where the foot is an end of the curve and the point lies
-    beyond it.
+    Parameters:
+        s: (n,) m, arc length.
+        distance: (n,) m, positive on the outward side.
+        inside: (n,), False where the closest point is an end of the curve and the point lies beyond it.
     """
 
     s: Array
@@ -29,8 +31,14 @@ class Closest(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """A curve for compiled code: breaks (m + 1,) and middles (m,) of its pieces m, table (m, 3, 8) of coefficients of
-    y + iz and its two derivatives, samples (n,) m of arc length and the points (n,) there.
+    """A curve of m pieces for compiled code.
+
+    Parameters:
+        breaks: (m + 1,) m, arc length of the ends of the pieces.
+        middles: (m,) m.
+        table: (m, 3, 8), coefficients of y + iz and its first two derivatives.
+        samples: (n,) m, arc length.
+        sampled: (n,) m, points y + iz there.
     """
 
     breaks: Array
@@ -42,7 +50,7 @@ class Shape(NamedTuple):
 
 @compiled
 def piece(shape: Shape, s: float) -> int:
-    """The piece that s lies in."""
+    """Index of the piece that contains s."""
     return int(np.searchsorted(shape.breaks[1:-1], s, side="right"))
 
 
@@ -63,7 +71,7 @@ def _squared(z: complex) -> float:
 
 @compiled
 def nearest_sample(shape: Shape, q: complex) -> int:
-    """The nearest sample: every so many first, then all around those that may hide a nearer one."""
+    """Index of the nearest sample: every STRIDE-th first, then all around those that are near enough."""
     sampled, n = shape.sampled, len(shape.sampled)
     best, at = np.inf, 0
     for i in range(0, n, STRIDE):
@@ -82,15 +90,15 @@ def nearest_sample(shape: Shape, q: complex) -> int:
 
 @compiled
 def nearer_sample(shape: Shape, q: complex, at: int) -> int:
-    """From sample to sample as long as they come nearer: the nearest for a point beside one whose own is known."""
+    """Index of the nearest sample by descent from sample to sample: for a point next to one with a known index."""
     sampled, n = shape.sampled, len(shape.sampled)
     best = _squared(sampled[at] - q)
-    for way in (-1, 1):
-        while 0 <= at + way < n:
-            d = _squared(sampled[at + way] - q)
+    for direction in (-1, 1):
+        while 0 <= at + direction < n:
+            d = _squared(sampled[at + direction] - q)
             if d >= best:
                 break
-            best, at = d, at + way
+            best, at = d, at + direction
     return at
 
 
@@ -101,13 +109,13 @@ def _newton(shape: Shape, q: complex, s: float, j: int) -> tuple[float, float, f
     away = q - z
     along = t.real * away.real + t.imag * away.imag
     # |q - z|^2 / 2 has the slope -along and the second derivative 1 - Re(conj(z'') (q - z))
-    bend = 1.0 - (k.real * away.real + k.imag * away.imag)
-    return along, t.real * away.imag - t.imag * away.real, along / max(bend, 1e-3)
+    second = 1.0 - (k.real * away.real + k.imag * away.imag)
+    return along, t.real * away.imag - t.imag * away.real, along / max(second, 1e-3)
 
 
 @compiled
 def foot(shape: Shape, q: complex, start: float) -> tuple[float, float, bool]:
-    """Arc length m, distance m and inside of the closest point from a start."""
+    """Arc length m, distance m and inside, as in `Closest`, of the closest point to q, from an initial arc length."""
     first, last = shape.breaks[0], shape.breaks[-1]
     s = start
     for _ in range(_FAST):
@@ -120,23 +128,23 @@ def foot(shape: Shape, q: complex, start: float) -> tuple[float, float, bool]:
 
 @compiled
 def _held(shape: Shape, q: complex, s: float) -> tuple[float, float, bool]:
-    """The same with steps that stop at the end of a smooth piece, where the next one decides next time."""
+    """As `foot`, with steps limited to one smooth piece; the next step is taken on the adjacent piece."""
     top = len(shape.breaks) - 2
-    j, quiet = piece(shape, s), False
+    j, stationary = piece(shape, s), False
     along, across = 0.0, 0.0
     for _ in range(_SAFE):
         along, across, step = _newton(shape, q, s, j)
         low, high = shape.breaks[j], shape.breaks[j + 1]
         new = min(max(s + min(max(step, -SPACING), SPACING), low), high)
-        settled = abs(step) < SMALL_STEP or new == s
-        if settled and quiet:  # idle on both sides: a corner or an end
+        converged = abs(step) < SMALL_STEP or new == s
+        if converged and stationary:  # on both sides: a corner or an end
             break
         if new == high:
             j += 1
         if new == low:
             j -= 1
         j = min(max(j, 0), top)
-        s, quiet = new, settled
+        s, stationary = new, converged
     if abs(along) <= 2 * SMALL_STEP:
         return s, across, True
     inside = shape.breaks[0] < s < shape.breaks[-1]
@@ -145,7 +153,7 @@ def _held(shape: Shape, q: complex, s: float) -> tuple[float, float, bool]:
 
 @compiled
 def closest(shape: Shape, q: Complex, guess: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Feet of points q (n,), from guesses (n,), or from the nearest samples for none."""
+    """`Closest` of points q (n,) m as y + iz, from arc lengths guess (n,) m, or (0,) for the nearest samples."""
     n = len(q)
     s, distance, inside = np.empty(n), np.empty(n), np.empty(n, dtype=np.bool_)
     for i in range(n):

@@ -14,7 +14,7 @@ from wheelrail.meshes.curves.closest_point import SPACING, Closest, Shape, close
 from wheelrail.support.arrays import Array, Complex
 
 DEGREE = 7
-ROUNDING = 1e-12  # m: ends are found to the last bits, which differ from machine to machine
+ROUNDING = 1e-12  # m: the last bits of the ends differ from machine to machine
 
 _C = TypeVar("_C", bound="Curve")
 
@@ -23,8 +23,11 @@ _C = TypeVar("_C", bound="Curve")
 class Curve:
     """Piecewise polynomial in arc length s [m], with the body on its right when s increases.
 
-    breaks (m + 1,) increasing, m; coefficients (8, m) of y + iz in powers of the distance from each piece's middle.
-    ValueError if they do not fit together.
+    Parameters:
+        breaks: (m + 1,) m, arc length of the ends of the pieces, increasing.
+        coefficients: (8, m), of y + iz in powers of the distance from the middle of each piece.
+
+    Raises ValueError for wrong shapes, infinite numbers, or breaks that do not increase.
     """
 
     breaks: Array
@@ -34,7 +37,7 @@ class Curve:
         if self.coefficients.shape != (DEGREE + 1, len(self.breaks) - 1):
             raise ValueError(f"coefficients must be (8, {len(self.breaks) - 1}), not {self.coefficients.shape}")
         if not (np.isfinite(self.breaks).all() and np.isfinite(self.coefficients).all()):
-            raise ValueError("a curve needs finite numbers")
+            raise ValueError("breaks and coefficients of a curve must be finite")
         if not (np.diff(self.breaks) > 0).all():
             raise ValueError("breaks of a curve must increase")
         self.breaks.setflags(write=False)
@@ -65,9 +68,9 @@ class Curve:
     def closest(self, points: ArrayLike, guess: ArrayLike | None = None) -> Closest:
         """Nearest point of the curve for points (n, 2) m, to 1e-12 m.
 
-        guess (n,) m, arc length to start from instead of the nearest of fine samples, saves half of the time and finds
-        the local minimum near it. Of two feet whose distances d differ by less than (0.1 mm)^2 / 8 d, as on the
-        bisector inside a corner, either may be returned.
+        guess (n,) m: initial arc length instead of that of the nearest sample, for half of the time; the result is then
+        the local minimum near it. Of two closest points whose distances d differ by less than (0.1 mm)^2 / 8 d, as on
+        the bisector inside a corner, either may be returned.
         """
         p = np.asarray(points, dtype=float)
         at = np.empty(0) if guess is None else np.asarray(guess, dtype=float)
@@ -75,15 +78,17 @@ class Curve:
 
     def s_at_y(self, y: ArrayLike) -> Array:
         """Arc length m at lateral position y m, on the part around s = 0 where y increases; ValueError beyond it."""
-        asked = np.asarray(y, dtype=float)
+        lateral = np.asarray(y, dtype=float)
         s, ys = self._samples, self._sampled.real
         back = np.flatnonzero(np.diff(ys) <= 0.0)
         origin = int(s.searchsorted(0.0))
         first = int(max(back[back < origin] + 1, default=0))
         last = int(min(back[back >= origin], default=len(s) - 1))
-        inside: Array = np.clip(asked, ys[first], ys[last])
-        if not (np.abs(asked - inside) < ROUNDING).all():
-            raise ValueError(f"y must lie in {ys[first]:.6g} .. {ys[last]:.6g} m, where it fixes the point: {asked}")
+        inside: Array = np.clip(lateral, ys[first], ys[last])
+        if not (np.abs(lateral - inside) < ROUNDING).all():
+            raise ValueError(
+                f"y must lie in {ys[first]:.6g} .. {ys[last]:.6g} m, where the curve is a graph: {lateral}"
+            )
         i = np.clip(ys[first : last + 1].searchsorted(inside), 1, last - first) + first
         low, high = s[i - 1], s[i]
         guess = low + (high - low) * (inside - ys[i - 1]) / (ys[i] - ys[i - 1])
@@ -99,18 +104,29 @@ class Curve:
         return np.asarray(guess)
 
     def moved(self: _C, angle: float, shift: complex, s_shift: float = 0.0) -> _C:
-        """The curve turned by angle [rad, from y to z] about the origin, then shifted [m]; s_shift is added to s."""
+        """The curve rotated about the origin, then translated.
+
+        Parameters:
+            angle: rad, from y to z.
+            shift: translation y + iz, m.
+            s_shift: increment of the arc length, m.
+        """
         coefficients = self.coefficients * np.exp(1j * angle)
         coefficients[0] += shift
         return replace(self, breaks=self.breaks + s_shift, coefficients=coefficients)
 
     def digest(self) -> str:
-        """Hash of the curve's shape, to 1e-11 m: the last bits of a fit differ from one linear algebra to another."""
+        """Hash of the curve's shape, to 1e-11 m: the last bits of a fit depend on the linear algebra library."""
         shape = np.round(self.point(self.samples(1e-3)), 11) + 0.0
         return hashlib.sha256(shape.tobytes()).hexdigest()
 
     def samples(self, spacing: float, start: float | None = None, stop: float | None = None) -> Array:
-        """Arc lengths (n,) from start to stop, no further apart than spacing [m], with both ends and all breaks."""
+        """Arc lengths (n,) m from start to stop, at most spacing apart, with both ends and all breaks.
+
+        Parameters:
+            spacing: m.
+            start, stop: arc lengths, m; None is an end of the curve.
+        """
         start, stop = (self.breaks[0] if start is None else start), (self.breaks[-1] if stop is None else stop)
         inner = self.breaks[(self.breaks > start) & (self.breaks < stop)]
         ends = np.concatenate([[start], inner, [stop]])
@@ -147,7 +163,7 @@ class Curve:
         return table
 
     def piece(self, s: Array) -> NDArray[np.intp]:
-        """Index of the piece that s lies in."""
+        """Index of the piece that contains s."""
         return np.asarray(self.breaks[1:-1].searchsorted(s, side="right"))
 
     def local(self, s: Array, j: NDArray[np.intp]) -> Complex:

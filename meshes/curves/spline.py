@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline, splev, splprep
 from wheelrail.meshes.curves.arc_length import CurveSegment
 from wheelrail.support.arrays import Array, Complex
 
-CORNER = np.radians(20.0)  # a sharper turn from chord to chord is an edge, which a smooth spline would ring at
+CORNER = np.radians(20.0)  # a larger angle between chords is a corner, at which a smooth spline would oscillate
 
 
 def through(points: Array, noise: float = 0.0) -> list[CurveSegment]:
@@ -28,7 +28,7 @@ def through(points: Array, noise: float = 0.0) -> list[CurveSegment]:
         length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(part)))])
         if noise > 0.0 and len(part) > 4:
             section = _smoothed(part, length, noise)
-            shift = sections[-1].stop - section.start if sections else 0.0  # smoothed parts must still meet
+            shift = sections[-1].stop - section.start if sections else 0.0  # smoothed parts must meet
             sections.append(_shifted(section, shift))
         else:
             spline = CubicSpline(length, part)

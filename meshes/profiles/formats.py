@@ -1,4 +1,4 @@
-"""Points of profile files as they stand: Simpack .prr and .prw, MiniProf .ban and .whl, plain text."""
+"""Points of profile files: Simpack .prr and .prw, MiniProf .ban and .whl, plain text."""
 
 from __future__ import annotations
 
@@ -31,9 +31,13 @@ class ProfileError(ValueError):
 
 @dataclass(frozen=True)
 class RawProfile:
-    """Points (n, 2) m, y to the field side and z up (wheel: away from the axle), and the line (n,) that each is from.
+    """Points of a profile file.
 
-    oriented is False where the format leaves the signs open: then they follow from the shape.
+    Parameters:
+        path: of the file.
+        points: (n, 2) m, y to the field side and z up (wheel: away from the axle).
+        lines: (n,), line of the file of each point.
+        oriented: False where the format does not define the signs, which then follow from the shape.
     """
 
     path: Path
@@ -47,7 +51,7 @@ class RawProfile:
 
 
 def read_points(path: Path, kind: Kind) -> RawProfile:
-    """Points of a file; the suffix tells the format. ProfileError, or FileRefused if the file cannot be read."""
+    """Points of a file in the format of its suffix. Raises ProfileError, or FileRefused if the file cannot be read."""
     formats = {".prr": simpack, ".prw": simpack, ".ban": miniprof, ".whl": miniprof}
     formats |= dict.fromkeys((".txt", ".csv", ".dat"), plain)
     suffix = path.suffix.lower()
@@ -70,7 +74,7 @@ def _text(lines: list[str], comment: str) -> Iterator[tuple[int, str]]:
 
 
 def _words(path: Path, number: int, line: str) -> list[str]:
-    """What stands between blanks, commas or semicolons: a comma within a number is none of them."""
+    """Words between blanks, commas or semicolons; decimal commas are rejected."""
     if re.search(r"\d,\d", line) and re.search(r";|\d\s+[-+.\d]", line):
         raise ProfileError(path, number, f"{_short(line)} has decimal commas", "a decimal point")
     return re.split(r"[\s,;]+", line)
@@ -98,8 +102,8 @@ def _raw(path: Path, rows: list[tuple[int, float, float]], oriented: bool = True
 def simpack(path: Path, kind: Kind) -> RawProfile:
     """Simpack .prr or .prw: keywords, then y and z, after mirroring y to the field side and z down.
 
-    Shift, bounds (points beyond are dropped), mirror and unit factor are applied in that order; a rotation is refused;
-    smoothing is left to `noise`. The keywords mean what they mean to CONTACT (Vtech CMCC).
+    Shift, bounds (points beyond are dropped), mirror and unit factor are applied in that order; a rotation is rejected;
+    smoothing is by `noise` instead. Keywords as in CONTACT (Vtech CMCC).
     """
     header: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []
@@ -124,8 +128,8 @@ def simpack(path: Path, kind: Kind) -> RawProfile:
         return _floats(path, at, [text.strip("'\"")], 1)[0]
 
     for key, allowed in (("header.type", float(kind == "wheel")), ("spline.rotate", 0.0)):
-        if (given := number_of(key, allowed)) != allowed:
-            raise ProfileError(path, header[key][0], f"{key} is {given:g}", f"{allowed:g} for a {kind}")
+        if (value := number_of(key, allowed)) != allowed:
+            raise ProfileError(path, header[key][0], f"{key} is {value:g}", f"{allowed:g} for a {kind}")
     if number_of("spline.approx.smooth", 0.0) > 0.0:
         warnings.warn(f"{path}: approx.smooth is not applied, give noise instead", stacklevel=4)
     raw = _raw(path, rows)
@@ -146,15 +150,15 @@ def simpack(path: Path, kind: Kind) -> RawProfile:
 
 
 def miniprof(path: Path, kind: Kind) -> RawProfile:
-    """MiniProf .ban or .whl, mm: a header, an empty line, then columns as ColumnDef says (X, Y first without it).
+    """MiniProf .ban or .whl, mm: a header, an empty line, then columns by ColumnDef (X, Y first without it).
 
     X points to the gauge side of a rail; the direction of Y, and both for a wheel, follow from the shape.
     """
     header: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []
-    whole = _lines(path)
-    lines = list(_text(whole, '["#%!]'))
-    raw_blank = [not line.strip() for line in whole]
+    raw_lines = _lines(path)
+    lines = list(_text(raw_lines, '["#%!]'))
+    raw_blank = [not line.strip() for line in raw_lines]
     first = next((n for n, line in lines if re.fullmatch(r"[-+.\deE\s]+", line) and line), len(lines) + 1)
     start = raw_blank.index(True) + 1 if True in raw_blank[:first] else first - 1
     for number, line in lines[:start]:

@@ -1,4 +1,4 @@
-"""Profiles by name or file, each read once while its file stays as it is."""
+"""Profiles by name or file; files are read again only when they change."""
 
 from __future__ import annotations
 
@@ -10,13 +10,18 @@ from wheelrail.meshes.profiles.profile import Kind, Profile
 
 
 def load_profile(name: str | Path, kind: Kind, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:
-    """A standard profile by name, or one from a file (see `wheelrail.meshes.profiles.reader.read_profile`).
+    """A standard profile by name, or one from a file.
 
-    ValueError naming what is allowed.
+    Parameters:
+        name: of a standard profile, or path of a file.
+        kind: "wheel" or "rail".
+        noise, inclination: of a file, m and rad, as for `wheelrail.meshes.profiles.reader.read_profile`.
+
+    Raises ValueError with the allowed names.
     """
     if str(name) in NAMES:
         if NAMES[str(name)] != kind:
-            allowed = ", ".join(other for other, its in NAMES.items() if its == kind)
+            allowed = ", ".join(standard for standard, its_kind in NAMES.items() if its_kind == kind)
             raise ValueError(f"profile {name} is a {NAMES[str(name)]}, not a {kind}; allowed: {allowed}, or a file")
         return named_profile(str(name))
     if not Path(name).exists():
@@ -27,7 +32,7 @@ def load_profile(name: str | Path, kind: Kind, *, noise: float = 0.0, inclinatio
 
 @lru_cache(maxsize=16)
 def _from_file(name: str | Path, kind: Kind, noise: float, inclination: float, stamp: tuple[int, ...]) -> Profile:
-    """Read once as long as the file stays as it is: a scene is checked with its profiles, and then uses them."""
+    """Cached by the file's stamp, as profiles are read both to check a scene and to use it."""
     from wheelrail.meshes.profiles.reader import read_profile
 
     return read_profile(name, kind, noise=noise, inclination=inclination)

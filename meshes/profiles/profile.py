@@ -25,7 +25,7 @@ KINDS: tuple[Kind, Kind] = ("wheel", "rail")
 class Placement:
     """Rigid motion from the rail's axis frame (origin at the crown of the new rail) to the profile's frame.
 
-    Turned by angle [rad, from y to z] about the origin, then shifted by (y, z) [m].
+    Rotation by angle [rad, from y to z] about the origin, then translation by shift (y, z) [m].
     """
 
     angle: float = 0.0
@@ -50,7 +50,7 @@ class Profile(Curve):
     y is lateral, positive to the field side, and s grows with it; the body lies below the curve. Curvature is positive
     where the surface is convex. Wheel: from the flange's back; z is the height above the rolling circle, outward from
     the axle; s = 0 and z = 0 on the rolling circle, y = 0. Rail: z up; s = 0 at the origin, which is the highest
-    point as laid. placement takes the rail's axis frame, in which web and foot are known, to this one.
+    point as laid. placement: rigid motion from the rail's axis frame, in which web and foot are defined, to this one.
     """
 
     name: str
@@ -81,13 +81,13 @@ class Profile(Curve):
         return points.min(axis=0), points.max(axis=0)
 
     def digest(self) -> str:
-        """Hash of everything that shapes the body: curve, kind and placement, not the name."""
+        """Hash of curve, kind and placement, without the name."""
         return hashlib.sha256(
             f"{super().digest()} {self.kind} {digest(placement=vars(self.placement))}".encode()
         ).hexdigest()
 
     def laid(self, angle: float) -> Profile:
-        """Rail turned by the laying angle [rad], top towards the track's centre, origin at the new highest point."""
+        """Rail inclined by an angle rad, top towards the track's centre, origin at the new highest point."""
         if self.kind != "rail":
             raise ValueError(f"only rails are laid, {self.name} is a wheel")
         if angle == 0.0:

@@ -1,4 +1,4 @@
-"""Profiles from files: oriented, checked, and laid through by a spline."""
+"""Profiles from files: points oriented, checked, and interpolated by a spline."""
 
 from __future__ import annotations
 
@@ -17,13 +17,17 @@ from wheelrail.meshes.profiles.validation import checked, oriented
 def read_profile(
     path: str | Path, kind: Kind, *, noise: float = 0.0, inclination: float = 0.0, flange_back: float = -0.070
 ) -> Profile:
-    """Profile through the points of a .prr, .prw, .ban, .whl, .txt, .csv or .dat file (conventions:
-    `wheelrail.meshes.profiles.formats`).
+    """Profile through the points of a file, by a spline.
 
-    noise m: RMS distance that the spline may keep from the points; 0 passes through them. inclination rad: laying
-    angle already in the file, which only the rest of the rail's section follows. flange_back m: place of the flange's
-    back, from which MiniProf counts. A rail's origin moves to its highest point; a wheel's z is 0 at y = 0.
-    ProfileError with file, line, value and what is allowed.
+    Parameters:
+        path: of a .prr, .prw, .ban, .whl, .txt, .csv or .dat file, see `wheelrail.meshes.profiles.formats`.
+        kind: "wheel" or "rail".
+        noise: RMS distance between spline and points, m; 0 interpolates.
+        inclination: of the rail in the file, rad, by which only web and foot are rotated.
+        flange_back: y of the flange's back, the origin of MiniProf, m.
+
+    The origin of a rail is at its highest point; z of a wheel is 0 at y = 0. Raises ProfileError with file, line, value
+    and the allowed range.
     """
     path = Path(path)
     raw = oriented(read_points(path, kind), kind, flange_back)
@@ -48,16 +52,17 @@ def _rolling_circle(rough: Profile, raw: RawProfile, middle: float) -> float:
 
 
 def _placement(rail: Profile, inclination: float) -> Placement:
-    """Placement of a 60E1 rail of that inclination whose top is as high and whose field-side flank fits best.
+    """Placement of a 60E1 rail of that inclination with the same top and the least-squares lateral position of the
+    field-side flank.
 
-    Wear spares that flank. Without it (less than 15 mm deep) the highest points coincide.
+    That flank is not worn. Without it (less than 15 mm deep) the highest points coincide.
     """
     standard = named_profile("60E1").laid(inclination)
     points = rail.point(rail.samples(1e-3, start=0.0))
     flank = points[(points[:, 1] < -15e-3) & (points[:, 1] > -34e-3)]
-    aside = 0.0
+    offset = 0.0
     if len(flank):
         for _ in range(3):
-            found = standard.closest(flank - (aside, 0.0))
-            aside += float(np.mean(found.distance / standard.normal(found.s)[:, 0]))
-    return standard.placement.then(0.0, complex(aside))
+            closest = standard.closest(flank - (offset, 0.0))
+            offset += float(np.mean(closest.distance / standard.normal(closest.s)[:, 0]))
+    return standard.placement.then(0.0, complex(offset))

@@ -17,8 +17,8 @@ MM = 1e-3
 def s1002() -> list[CurveSegment]:
     """S1002 for diameters of 760 to 1000 mm, flange 28 mm high, sections H to A and the 5 mm chamfer (EN 13715).
 
-    The standard's rounded numbers leave steps of 1.2e-4 mm between D and C and 3.7e-5 mm between C and B; they are
-    spread over 0.37 and 0.9 mm, narrow enough to touch no published sample by more than 1e-5 mm.
+    The standard's rounded numbers have gaps of 1.2e-4 mm between D and C and 3.7e-5 mm between C and B; they are closed
+    over 0.37 and 0.9 mm, which changes no published sample by more than 1e-5 mm.
     """
     d, c = bridged(_root(), _polynomial(_C, -35.0, -26.0), 0.24 * MM, 0.13 * MM)
     c, b = bridged(c, _polynomial(_B, -26.0, 32.15796), 0.5 * MM, 0.4 * MM)
@@ -97,8 +97,11 @@ def _root() -> CurveSegment:
 class RailHead:
     """Head of the UIC60 family: arcs of 300, 80 and 13 mm, each tangent to the next, and flanks inclined 1:20.
 
-    join: half width at which 300 meets 80; half_width: where 13 meets the flank; foot: depth of the flank's lower end;
-    drop: shift of the arc of 13 mm against tangency, downwards; all m. In the rail's axis frame, origin at the crown.
+    Parameters, in the rail's axis frame with its origin at the crown:
+        join: half width at which the arcs of 300 and 80 mm meet, m.
+        foot: depth of the flank's lower end, m.
+        half_width: at which the arc of 13 mm meets the flank, m.
+        drop: downward translation of the arc of 13 mm from tangency, m.
     """
 
     join: float
@@ -107,16 +110,16 @@ class RailHead:
     drop: float = 0.0
 
     def sections(self) -> list[CurveSegment]:
-        """From the foot of the gauge side's flank to that of the field side."""
+        """Sections from the lower end of the gauge side's flank to that of the field side."""
         large, middle, small = 300.0 * MM, 80.0 * MM, 13.0 * MM
         level = math.atan(1 / 20)  # polar angle at which the flank is tangent
         first = math.acos(self.join / large)
         top = -1j * large
         shoulder = top + (large - middle) * complex(math.cos(first), math.sin(first))
         y = self.half_width - small * math.cos(level)
-        aside = y - shoulder.real
-        corner = complex(y, shoulder.imag + math.sqrt((middle - small) ** 2 - aside**2))
-        second = math.acos(aside / (middle - small))
+        lateral = y - shoulder.real
+        corner = complex(y, shoulder.imag + math.sqrt((middle - small) ** 2 - lateral**2))
+        second = math.acos(lateral / (middle - small))
         corner -= 1j * self.drop
         flank = corner + small * complex(math.cos(level), math.sin(level))
         depth = self.foot + flank.imag
@@ -132,19 +135,19 @@ class RailHead:
 
 
 def mirrored(section: CurveSegment) -> CurveSegment:
-    """The section in the mirror y = 0, run through backwards."""
-    turned = section.knots[0] + section.knots[-1]
+    """The section mirrored at y = 0, in the opposite direction."""
+    total = section.knots[0] + section.knots[-1]
     return CurveSegment(
-        lambda t: -section.position(turned - t).conj(),
-        lambda t: section.velocity(turned - t).conj(),
-        turned - section.knots[::-1],
+        lambda t: -section.position(total - t).conj(),
+        lambda t: section.velocity(total - t).conj(),
+        total - section.knots[::-1],
     )
 
 
 # EN 13674-1: 20.456 mm between the ends of the arc of 300 mm; the flank ends at the lower corner of the head.
 EN_60E1 = RailHead(join=10.228 * MM, foot=35.27527 * MM)
-# The Manchester contact benchmark's UIC60: 21 mm instead. Its file has the arc of 13 mm 4.5e-5 mm lower than tangency
-# with that of 80 mm asks, as if from a joint rounded to (25.988, 2.2532); the step is spread over 0.5 mm.
+# The Manchester contact benchmark's UIC60: 21 mm instead. In its file the arc of 13 mm is 4.5e-5 mm lower than for
+# tangency with that of 80 mm, as from a joint rounded to (25.988, 2.2532); the gap is closed over 0.5 mm.
 BENCHMARK_UIC60 = RailHead(join=10.5 * MM, foot=37.5 * MM, drop=4.5e-5 * MM)
 # Placement in that file: inclined by atan(1/40), origin 5.96e-3 mm to the gauge side of the highest point.
 BENCHMARK_INCLINATION = math.atan(1 / 40)

@@ -12,12 +12,15 @@ from wheelrail.support.arrays import Array
 
 LEAST_POINTS, MOST_POINTS = 10, 20_000
 SIZES = {"width": (20e-3, 400e-3), "height": (1e-3, 400e-3)}  # m
-CLOSE = 2e-5  # m; points nearer than this to the one before say more about their rounding than about the shape
-MINIPROF_TIP = 30e-3  # m; a flange tip nearer than this to y = 0 means that y counts from the flange's back
+CLOSE = 2e-5  # m; distances of points below that are dominated by rounding
+MINIPROF_TIP = 30e-3  # m; with a flange tip closer than this to y = 0, y is measured from the flange's back
 
 
 def oriented(raw: RawProfile, kind: Kind, flange_back: float) -> RawProfile:
-    """Signs from the shape where the format leaves them open, an error where they contradict the shape."""
+    """Points with signs from the shape where the format does not define them.
+
+    Raises ProfileError where the signs contradict the shape. flange_back m: as for `read_profile`.
+    """
     if not LEAST_POINTS <= len(raw.points) <= MOST_POINTS:
         raise ProfileError(raw.path, None, f"{len(raw.points)} points", f"{LEAST_POINTS} to {MOST_POINTS}")
     z_sign, y_sign = _signs(raw.points, kind)
@@ -43,7 +46,7 @@ _SENSE = {
 
 
 def _signs(points: Array, kind: Kind) -> tuple[int, int]:
-    """Signs of z and y that bring the top of a rail, or the flange of a wheel, to where it belongs."""
+    """Signs of z and y for which the top of a rail, or the flange of a wheel, is on the correct side."""
     y, z = points.T
     weight = np.abs(np.diff(y))
     middle = 0.5 * (z[1:] + z[:-1])
@@ -57,7 +60,10 @@ def _signs(points: Array, kind: Kind) -> tuple[int, int]:
 
 
 def checked(raw: RawProfile, kind: Kind) -> Array:
-    """Points in order, thinned: width, duplicates, order and self-intersection are checked."""
+    """Points (n, 2) m in order and at least CLOSE apart.
+
+    Raises ProfileError for a wrong size, duplicates, wrong order or self-intersection.
+    """
     points, lines = raw.points, raw.lines
     for (name, (low, high)), size in zip(SIZES.items(), np.ptp(points, axis=0).tolist(), strict=True):
         if not low <= size <= high:
@@ -110,8 +116,8 @@ def _crossing(points: Array) -> tuple[int, int] | None:
         b, e = a[i + 2 :], d[i + 2 :]
         turn = (d[i].conjugate() * e).imag
         turn[np.abs(turn) < 1e-9 * np.abs(d[i]) * np.abs(e)] = np.inf  # parallel: no crossing
-        mine, other = ((b - a[i]).conj() * e).imag / turn, ((b - a[i]).conj() * d[i]).imag / turn
-        hit = np.flatnonzero((mine > 0.0) & (mine < 1.0) & (other > 0.0) & (other < 1.0))
-        if len(hit):
-            return i, i + 2 + int(hit[0])
+        u, v = ((b - a[i]).conj() * e).imag / turn, ((b - a[i]).conj() * d[i]).imag / turn
+        crossing = np.flatnonzero((u > 0.0) & (u < 1.0) & (v > 0.0) & (v < 1.0))
+        if len(crossing):
+            return i, i + 2 + int(crossing[0])
     return None

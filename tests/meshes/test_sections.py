@@ -101,7 +101,7 @@ def test_rail_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     points = new.point(np.linspace(*new.s_range, 300)) * (1.4e3, 1e3)
     path = tmp_path / "broad.csv"
     path.write_text("\n".join(f"{y:.6f},{z:.6f}" for y, z in points))
-    with pytest.raises(ValueError, match="aside of the standard section"):
+    with pytest.raises(ValueError, match="from the standard section"):
         rail_outline(load_profile(path, "rail"))
     with pytest.raises(ValueError, match="not a rail"):
         rail_outline(named_profile("S1002"))

@@ -1,3 +1,3 @@
-"""What every layer needs and no physics is in: array types, atomic files, the disk cache, compiled loops, interrupts,
+"""Infrastructure without physics, for all layers: array types, atomic files, disk cache, compiled loops, interrupts,
 MPI, console.
 """

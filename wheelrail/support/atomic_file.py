@@ -1,4 +1,4 @@
-"""Files that are there whole, or not at all, whatever ends their writer."""
+"""Atomic files: written completely, or not at all."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ DAY = 86_400.0  # s
 
 @contextmanager
 def atomic_file(path: Path) -> Iterator[Path]:
-    """A new, empty file beside path, of the same suffix, to write to: it becomes path when the block ends well.
+    """A new, empty file in the folder of path, with the same suffix; it replaces path at the end of the block.
 
-    Else it goes, and what was at path stays. One that a writer was killed over goes with the first of a day later.
-    Makes the folder; raises OSError where none can be, or where path is a folder.
+    After an exception it is removed and path is unchanged. Temporaries of killed processes are removed by the first
+    call a day later. Creates the folder; raises OSError where that fails, or where path is a folder.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(prefix=PART, suffix=path.suffix, dir=path.parent)
@@ -36,7 +36,7 @@ def atomic_file(path: Path) -> Iterator[Path]:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove what killed writers left in a folder a day ago or earlier."""
+    """Remove temporaries in a folder that are at least a day old, of killed processes."""
     for part in folder.glob(f"{PART}*"):
         with contextlib.suppress(OSError):
             if time.time() - part.stat().st_mtime > DAY:

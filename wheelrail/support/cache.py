@@ -1,4 +1,4 @@
-"""Arrays kept on disk under a hash of everything that shapes them."""
+"""Arrays stored on disk under a hash of all their parameters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wheelrail.support.atomic_file import atomic_file
 
-FORMAT = 3  # raise it when the meaning of stored arrays changes
+FORMAT = 3  # to be increased when the meaning of stored arrays changes
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -33,7 +33,7 @@ def cache_folder() -> Path:
 
 
 def digest(**parts: Any) -> str:
-    """Hash of named numbers, strings, tuples, dictionaries and arrays; floats count to 11 digits, arrays to 1e-11."""
+    """Hash of named numbers, strings, tuples, dictionaries and arrays; floats to 11 digits, arrays to 1e-11."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, np.ndarray):
@@ -58,29 +58,27 @@ def digest(**parts: Any) -> str:
 @cache
 def source_digest(*folders: Path) -> str:
     """Hash of all Python files in folders, at any depth, by name and content, as they are at the first call."""
-    found = hashlib.sha256()
+    checksum = hashlib.sha256()
     for folder in folders:
         for file in sorted(folder.rglob("*.py")):
-            found.update(file.name.encode())
-            found.update(file.read_bytes())
-    return found.hexdigest()[:12]
+            checksum.update(file.name.encode())
+            checksum.update(file.read_bytes())
+    return checksum.hexdigest()[:12]
 
 
 def load(name: str) -> dict[str, NDArray[Any]] | None:
     """Stored arrays, or None when there are none or the file is damaged (zip checks every array's CRC)."""
     path = cache_folder() / f"{name}.npz"
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:  # which leaves a damaged one open
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:  # np.load leaves damaged files open
             return {key: stored[key] for key in stored.files}
     except Exception:
-        # Missing, unreadable or damaged: a flipped bit can make a zip raise almost anything. The caller builds it anew.
+        # Missing, unreadable or damaged: with a flipped bit zip may raise almost any exception. The caller rebuilds it.
         return None
 
 
 def store(name: str, arrays: Arrays) -> None:
-    """Write arrays so that a reader sees all of them or nothing; a cache that cannot be written costs time, not the
-    run.
-    """
+    """Write arrays atomically; a cache that cannot be written is a warning."""
     path = cache_folder() / f"{name}.npz"
     try:
         with (
@@ -96,8 +94,8 @@ def store(name: str, arrays: Arrays) -> None:
 
 def cached(name: str, build: Callable[[], Arrays], wanted: Sequence[str]) -> Arrays:
     """The wanted arrays from the cache, or built and stored."""
-    found = load(name)
-    if found is None or not set(wanted) <= set(found):
-        found = dict(build())
-        store(name, found)
-    return found
+    arrays = load(name)
+    if arrays is None or not set(wanted) <= set(arrays):
+        arrays = dict(build())
+        store(name, arrays)
+    return arrays

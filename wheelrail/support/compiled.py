@@ -1,4 +1,4 @@
-"""Loops compiled by Numba, without the interpreter's lock; machine code is cached on disk for each state of sources."""
+"""Loops compiled by Numba, without the interpreter's lock; machine code is cached on disk by a hash of the sources."""
 
 from __future__ import annotations
 
@@ -47,23 +47,22 @@ class TolerantCache(FunctionCache):  # type: ignore[misc]
 def compiled(function: F) -> F:
     """The function as machine code, compiled at its first call for every type of arguments.
 
-    Arithmetic is that of IEEE 754 as written. Were sums reordered, functions that call others would differ in the last
-    bits between the process that compiles them and one that loads them, whose copies of the called ones are others.
+    Arithmetic is IEEE 754 in the order of the source. With reordered sums, functions that call others would differ in
+    the last bits between the process that compiles them and one that loads them from the cache.
     """
-    dispatcher, place = njit(nogil=True)(function), folder()
-    if place is not None:
-        with _cached_in(place):
+    dispatcher, path = njit(nogil=True)(function), folder()
+    if path is not None:
+        with _cached_in(path):
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
     return cast(F, dispatcher)
 
 
 @cache
 def folder() -> Path | None:
-    """Cache folder of machine code of these very sources, whose hash is part of its name; None where none can be
-    written.
+    """Cache folder of machine code, with a hash of the sources in its name; None if none can be written.
 
-    Numba checks the source file of a function alone, and would go on with old code of others that the function calls.
-    Files that were damaged are removed. Not noticed are flipped bits from before a process first finds the file.
+    Numba checks only the source file of a function itself, and would use old code of the functions that it calls.
+    Damaged files are removed; bits that flip before a file's checksum is first recorded are not detected.
     """
     name = f"compiled-{source_digest(*SOURCES)}"
     for parent in _parents():
@@ -78,7 +77,7 @@ def folder() -> Path | None:
 
 
 def _parents() -> Iterator[Path]:
-    """Folders to try in turn; the second one is asked for, at some cost, only where the first does not do."""
+    """Candidate folders in order; the second is determined, at some cost, only if the first cannot be written."""
     yield Path(config.CACHE_DIR or HERE / "__pycache__")
     yield cache_folder()
 
@@ -95,15 +94,15 @@ def _writable(place: Path) -> bool:
 def _remove_others(place: Path) -> None:
     """Remove machine code of older sources."""
     for old in place.parent.glob("compiled-*"):
-        if old != place:  # which another process may be filling by now
+        if old != place:  # another process may be writing to place
             shutil.rmtree(old, ignore_errors=True)
 
 
 def _remove_damaged(place: Path) -> None:
-    """Remove files whose content has changed since their checksum was recorded, while their time of writing has not;
+    """Remove files whose content has changed since their checksum was recorded while their modification time has not;
     record the checksums of new ones.
 
-    Other processes may write meanwhile: Numba replaces files as a whole, and does without those that are gone.
+    Other processes may write at the same time: Numba replaces files atomically and recompiles missing ones.
     """
     record = place / CHECKSUMS
     try:
@@ -127,9 +126,7 @@ def _remove_damaged(place: Path) -> None:
 
 @contextmanager
 def _cached_in(place: Path) -> Iterator[None]:
-    """Numba takes the folder of its cache from here when a function is decorated; others who use Numba are not
-    concerned.
-    """
+    """Set Numba's cache folder while a function is decorated, without effect on other users of Numba."""
     before, config.CACHE_DIR = config.CACHE_DIR, str(place)
     try:
         yield

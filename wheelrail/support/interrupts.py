@@ -1,7 +1,7 @@
-"""Ctrl-C where it does no harm.
+"""Deferred interrupts (Ctrl-C).
 
-An exception that comes up while compiled code builds its results leaves these broken, up to a crash, and one in the
-callback of a weak reference is lost: so work of that kind is done under `deferred_interrupts`, and looks now and then.
+An exception while compiled code builds its results leaves these corrupt, up to a crash, and one in the callback of a
+weak reference is lost. Such work is done under `deferred_interrupts`, with regular calls of `check_interrupt`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from threading import current_thread, main_thread
 from time import monotonic
 from types import FrameType
 
-PATIENCE = 1.0  # s: what follows sooner is the same Ctrl-C, which `timeout` sends twice and people hammer
+PATIENCE = 1.0  # s: signals within that time are one Ctrl-C, as `timeout` and users send several
 
 
 @dataclass
 class DeferredInterrupt:
-    """Keeps the first Ctrl-C, and passes one on that comes after some patience."""
+    """Signal handler that defers the first Ctrl-C and forwards one that follows later than PATIENCE."""
 
     before: Callable[[int, FrameType | None], object]
     came: float | None = None
@@ -37,10 +37,9 @@ _waiting: DeferredInterrupt | None = None
 
 @contextmanager
 def deferred_interrupts() -> Iterator[None]:
-    """Ctrl-C waits until `check_interrupt` is called, or the block is done; another one, a second later, does not wait.
+    """Ctrl-C is deferred to the next `check_interrupt` or the end of the block; a second one, a second later, is not.
 
-    Within another such block this is part of it; outside of the main thread, where no Ctrl-C arrives, and where it is
-    ignored, it changes nothing.
+    No effect within another such block, outside of the main thread, and where Ctrl-C is ignored.
     """
     global _waiting
     if _waiting is not None or current_thread() is not main_thread():
@@ -50,26 +49,26 @@ def deferred_interrupts() -> Iterator[None]:
     if not callable(before):
         yield
         return
-    mine = _waiting = DeferredInterrupt(before)
-    signal.signal(signal.SIGINT, mine)
+    handler = _waiting = DeferredInterrupt(before)
+    signal.signal(signal.SIGINT, handler)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
         _waiting = None
-        if mine.came is not None:
+        if handler.came is not None:
             before(signal.SIGINT, None)
 
 
 def check_interrupt() -> None:
-    """Raises KeyboardInterrupt when Ctrl-C waits; to be called where nothing is half done."""
+    """Raise KeyboardInterrupt if a Ctrl-C is deferred; to be called where no state is incomplete."""
     if _waiting is not None and _waiting.came is not None and current_thread() is main_thread():
         _waiting.came = None
         raise KeyboardInterrupt
 
 
 def ignore() -> None:
-    """Ctrl-C is from now on the business of the process that started this one."""
+    """Ignore Ctrl-C from now on: it is handled by the parent process."""
     global _waiting
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _waiting = None

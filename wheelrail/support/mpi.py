@@ -1,7 +1,7 @@
-"""The processes that share a solve under `mpirun`: sums over their parts, values that are the same on all of them.
+"""Communicator of a solve under `mpirun`: all-reduce and broadcast.
 
-Meshes, matrices and displacements are split; contact points, their law and all results are known everywhere. What
-decides where the program goes next is a `total` or `shared`, so that no rank takes another way than the rest.
+Meshes, matrices and displacements are distributed; contact points, their law and all results are replicated. Branches
+of the program depend only on values of `total` or `shared`, so that all ranks take the same.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Ranks:
-    """Processes of a communicator; every method is called by all of them."""
+    """Processes of a communicator; all methods are collective."""
 
     comm: Any
 
@@ -36,7 +36,7 @@ class Ranks:
         return int(self.comm.rank) == 0
 
     def total(self, part: Array) -> Array:
-        """Sum of every rank's array, the same to the last bit on all."""
+        """Sum of the arrays of all ranks, bitwise the same on all (all-reduce)."""
         if self.size == 1:
             return part
         part, whole = np.asarray(part, dtype=float, order="C"), np.empty(part.shape)
@@ -45,11 +45,11 @@ class Ranks:
         return whole
 
     def norm(self, part: Array) -> float:
-        """Euclidean norm of a vector that is split over the ranks."""
+        """Euclidean norm of a vector that is distributed over the ranks."""
         return float(np.sqrt(self.total(np.array(part @ part))))
 
     def shared(self, make: Callable[[], T]) -> T:
-        """What the first rank makes, on all of them; an error there is raised on all of them."""
+        """Result of a function on the first rank, broadcast to all; an exception there is raised on all of them."""
         if self.size == 1:
             return make()
         value: T | None = None
@@ -57,19 +57,19 @@ class Ranks:
         if self.first:
             try:
                 value = make()
-            except Exception as raised:
-                error = raised
+            except Exception as exception:
+                error = exception
         value, error = self.comm.bcast((value, error))
         if error is not None:
             raise error
         return value  # type: ignore[return-value]
 
     def ahead(self, make: Callable[[], T]) -> T:
-        """What every rank makes for itself, the first before the others: they find its compiled forms on disk."""
+        """Result of a function on every rank, on the first before the others, which then load its compiled forms."""
         if self.first:
-            made = make()
+            value = make()
         self.comm.Barrier()
-        return made if self.first else make()
+        return value if self.first else make()
 
 
 ALONE = Ranks(MPI.COMM_SELF)
@@ -77,7 +77,7 @@ ALONE = Ranks(MPI.COMM_SELF)
 
 @cache
 def everyone() -> Ranks:
-    """All processes that `mpirun` started; from now on an error that nobody catches on one of them ends all."""
+    """All processes that `mpirun` started; from now on an uncaught exception on one of them aborts all."""
     ranks = Ranks(MPI.COMM_WORLD)
     if ranks.size > 1:
         before = sys.excepthook
@@ -85,7 +85,7 @@ def everyone() -> Ranks:
         def end_all(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
             before(kind, error, trace)
             sys.stderr.flush()
-            ranks.comm.Abort(1)  # the others wait for this one in the middle of a sum
+            ranks.comm.Abort(1)  # the others wait for this one in a collective call
 
         sys.excepthook = end_all
     return ranks

@@ -12,9 +12,9 @@ PERIOD = 10.0  # s between two messages of one computation
 
 @dataclass
 class ProgressTimer:
-    """Logs from time to time how many of a total are done, and the time left at the same pace.
+    """Logs periodically the number of completed items of a total, and the remaining time at the same rate.
 
-    The first one may include preparations, and is left out of the pace.
+    The first item may include preparations and is excluded from the rate.
     """
 
     log: logging.Logger

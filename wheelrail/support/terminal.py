@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 @cache
 def progress_console() -> Console:
-    """The console for progress and log messages: standard error, always the same one, so that a message does not break
-    a progress bar.
+    """The console for progress and log messages: standard error, a single one, so that messages do not break progress
+    bars.
     """
     from rich.console import Console
 
@@ -27,14 +27,14 @@ def progress_console() -> Console:
 
 
 def result_console() -> Console:
-    """The console for results: standard output, wide enough for a table when it is no terminal."""
+    """The console for results: standard output, 120 columns wide when it is no terminal."""
     from rich.console import Console
 
     return Console(width=None if sys.stdout.isatty() else 120, soft_wrap=True)
 
 
 class ConsoleHandler(logging.Handler):
-    """Prints log messages on a console, above the progress bar that is on it."""
+    """Prints log messages on a console, above its progress bar."""
 
     def __init__(self, console: Console) -> None:
         super().__init__(logging.INFO)
@@ -61,9 +61,7 @@ def messages_on(console: Console) -> Iterator[None]:
 
 
 def quieten_libraries() -> logging.Handler:
-    """From now on only errors of what libraries log, by a handler of the root logger: messages of form compilers run
-    into hundreds of lines.
-    """
+    """From now on log only errors of libraries, by a handler of the root logger: form compilers log too much."""
     handler = logging.StreamHandler()
     handler.setLevel(logging.ERROR)
     logging.getLogger().addHandler(handler)  # else FFCx adds one for all messages
@@ -77,24 +75,24 @@ def _is_error(record: logging.LogRecord) -> bool:
 
 @contextmanager
 def stdout_for_results() -> Iterator[None]:
-    """Nothing but results on standard output: what libraries in C print there goes to standard error meanwhile.
+    """Redirect standard output to standard error during the block, for what C libraries print.
 
     Log messages of this package go to the progress console, of libraries only errors.
     """
     errors = quieten_libraries()
     sys.stdout.flush()
     try:
-        kept = os.dup(1)
+        stdout_copy = os.dup(1)
     except OSError:  # no standard output at all
-        kept = -1
+        stdout_copy = -1
     try:
-        if kept >= 0:
+        if stdout_copy >= 0:
             os.dup2(2, 1)
         with messages_on(progress_console()):
             yield
     finally:
         logging.getLogger().removeHandler(errors)
         sys.stdout.flush()
-        if kept >= 0:
-            os.dup2(kept, 1)
-            os.close(kept)
+        if stdout_copy >= 0:
+            os.dup2(stdout_copy, 1)
+            os.close(stdout_copy)

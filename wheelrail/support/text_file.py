@@ -1,4 +1,4 @@
-"""Text files that come from elsewhere: regular files of a bounded size, in UTF-8."""
+"""Text files from outside the project: regular files of a bounded size, in UTF-8."""
 
 from __future__ import annotations
 
@@ -11,14 +11,18 @@ KINDS = {stat.S_ISDIR: "a folder", stat.S_ISFIFO: "a pipe", stat.S_ISCHR: "a dev
 
 
 class FileRefused(ValueError):
-    """A file that is not read: which, where, why, and what is allowed."""
+    """A rejected file: path, line, reason, and what is allowed."""
 
 
 def read_text(path: str | Path, most: float, *, foreign: bool = False) -> str:
-    """The text of a file of at most so many MB.
+    """Text of a file.
 
-    foreign: bytes of another encoding are replaced, as they stand in comments where all else is numbers. Raises
-    FileRefused for what is no regular file (and might never end), too large, in UTF-16, or no text.
+    Parameters:
+        path: of the file.
+        most: largest size, MB.
+        foreign: replace bytes of other encodings, for files of numbers, where they are in comments.
+
+    Raises FileRefused for anything but a regular file, a file that is too large, UTF-16, and binary files.
     """
     content = _content(path, most)
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
@@ -35,12 +39,12 @@ def read_text(path: str | Path, most: float, *, foreign: bool = False) -> str:
 def _content(path: str | Path, most: float) -> bytes:
     allowed = f"allowed: a text file of at most {most:g} MB"
     try:
-        found = os.stat(path)
-        if not stat.S_ISREG(found.st_mode):
-            kind = next((name for test, name in KINDS.items() if test(found.st_mode)), "no regular file")
+        status = os.stat(path)
+        if not stat.S_ISREG(status.st_mode):
+            kind = next((name for test, name in KINDS.items() if test(status.st_mode)), "no regular file")
             raise FileRefused(f"{path}: cannot be read: {kind}; {allowed}")
-        if found.st_size > most * MB:
-            raise FileRefused(f"{path}: cannot be read: {found.st_size / MB:.3g} MB; {allowed}")
+        if status.st_size > most * MB:
+            raise FileRefused(f"{path}: cannot be read: {status.st_size / MB:.3g} MB; {allowed}")
         with open(path, "rb") as file:
             return file.read(int(most * MB))
     except OSError as error:
