@@ -27,11 +27,11 @@ class ForceLaw:
     def __post_init__(self) -> None:
         table = np.array(self.points, dtype=float) if all(len(p) == 2 for p in self.points) else np.empty(0)
         if table.shape[:1] < (2,) or not np.isfinite(table).all():
-            raise ValueError("points: must be two or more pairs of finite numbers")
+            raise ValueError("two or more points, each a pair of finite numbers")
         if (np.diff(table[:, 0]) <= 0.0).any() or (np.diff(table[:, 1]) < 0.0).any():
-            raise ValueError("points: deflections must increase strictly and forces must not decrease")
+            raise ValueError("points with strictly increasing first numbers and forces that do not decrease")
         if not (table == 0.0).all(axis=1).any():
-            raise ValueError("points: one must be (0, 0)")
+            raise ValueError("points that include (0, 0)")
 
     @property
     def odd(self) -> bool:
