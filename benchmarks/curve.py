@@ -1,4 +1,4 @@
-"""10 s of the paper's curve with exact laws: wall time beside the error of motion and forces, table and figure."""
+"""Accuracy and wall time of 10 s of the paper's curve with exact laws: table and figure."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from wheelrail.vehicle.simulation.simulate import Recording, simulate
 
 SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
 EVERY = 0.01  # s, between the rows that are compared
-SETTLED = 0.1  # s, after which a run has left its start
+SETTLED = 0.1  # s, end of the initial transient
 
 
 @dataclass(frozen=True)
 class CurveVariant:
-    """Cells of the contact, tolerance of the stepper, whether solves start from earlier ones, processes."""
+    """Cells of the contact, tolerance of the integrator, warm starts of contact solves, number of processes."""
 
     name: str
     fineness: tuple[int, int]
@@ -58,20 +58,20 @@ FINE = CurveVariant("finer cells", (8, 14), 3e-4)
 
 @dataclass(frozen=True)
 class TimedRun:
-    """A variant that was run: its history and the seconds that it took."""
+    """A variant with its history and wall time s."""
 
     variant: CurveVariant
     history: History
     seconds: float
 
     def channels(self) -> tuple[Array, Array]:
-        """Wheelset's lateral displacement (n,) mm and forces (n, 6) N of both wheels, from when it has settled."""
+        """Lateral displacement of the wheelset (n,) mm and forces (n, 6) N of both wheels, after the initial transient."""
         own = self.history.time > SETTLED
         return 1e3 * self.history.state[own, 6], self.history.outputs.force[own].reshape(-1, 6)
 
 
 def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, seconds: float) -> TimedRun:
-    """The scene's first seconds, on prepared bodies."""
+    """Runs the first seconds of the scene with prepared bodies."""
     assert isinstance(contact.model, FittedContact)
     model = replace(contact.model, resolution=Resolution(*variant.fineness), warm=variant.warm)
     own = replace(contact, model=model)
@@ -87,7 +87,7 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
 
 
 def differences(one: TimedRun, other: TimedRun) -> tuple[float, float, float, float]:
-    """RMS and worst difference of the lateral displacement, mm, and of the forces, % of the mean wheel load."""
+    """RMS and largest difference of the lateral displacement, mm, and of the forces, % of the mean wheel load."""
     (y, forces), (y0, forces0) = one.channels(), other.channels()
     n = min(len(y), len(y0))
     apart, off = y[:n] - y0[:n], forces[:n] - forces0[:n]
@@ -140,7 +140,7 @@ def row(one: TimedRun, tight: TimedRun, fine: TimedRun) -> list[str]:
 
 
 def draw(runs: list[TimedRun], tight: TimedRun, fine: TimedRun, path: Path) -> None:
-    """Lateral displacement and vertical forces of the first run and of the fine one; error against time of all."""
+    """Lateral displacement and vertical forces of the first and the reference run; error over time of all runs."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -170,8 +170,8 @@ def draw(runs: list[TimedRun], tight: TimedRun, fine: TimedRun, path: Path) -> N
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=10.0, help="of the run, 10 for all of the scene")
-    parser.add_argument("--quick", action="store_true", help="the scene as it is and the tight run alone")
+    parser.add_argument("--seconds", type=float, default=10.0, help="length of the run; 10 is the whole scene")
+    parser.add_argument("--quick", action="store_true", help="only the unchanged scene and the run at tight tolerance")
     parser.add_argument("--picture", type=Path, help="file for the figure")
     parser.add_argument("--json", type=Path, help="file for the table's rows")
     given = parser.parse_args()
@@ -179,7 +179,7 @@ def main() -> None:
     assert isinstance(scene, RunScene)
     console = Console(stderr=True)
     contact = wheelset_contact(scene)
-    run(scene, contact, VARIANTS[0], 0.02)  # compiled, and compliance made ready
+    run(scene, contact, VARIANTS[0], 0.02)  # compilation and compliance
     runs: list[TimedRun] = []
     for variant in (TIGHT, VARIANTS[0]) if given.quick else (FINE, TIGHT, *VARIANTS):
         with console.status(f"{variant.name}, {variant.fineness[0]} x {variant.fineness[1]} cells"):
@@ -188,7 +188,7 @@ def main() -> None:
     fine, tight = runs[0], runs[0 if given.quick else 1]
     rows = [row(one, tight, fine) for one in runs]
     print(
-        f"{stated()}\n\n{given.seconds:g} s of scenes/curve.toml; bodies prepared beforehand; forces in % of the load\n"
+        f"{stated()}\n\n{given.seconds:g} s of scenes/curve.toml; without preparation of the bodies; forces in % of the load\n"
     )
     print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
     for cells in rows:

@@ -1,4 +1,4 @@
-"""Error beside time of the contact models on Hertz pairs, as Markdown tables."""
+"""Errors and computing times of the contact models on Hertz pairs, as Markdown tables."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from wheelrail.contact.models.discretisation import Bodies, Model
 
 PENALTY, EXACT = 1e15, np.inf  # N/m3
 CREEPAGE, FRICTION = 1e-3, 0.3
-SLOPE_SIZES = (4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0)  # a staircase has its lucky sizes: a slope needs many
+SLOPE_SIZES = (4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0)  # errors scatter with the size: a fit needs many
 FULL_SIZE = 5.0
 MODELS: tuple[Model, Model] = ("condensed", "full")
 BODIES: tuple[Bodies, Bodies] = ("solid", "waveguide")
@@ -44,7 +44,7 @@ def law_name(stiffness: float) -> str:
 
 
 def normal_table(sizes: Sequence[float]) -> None:
-    """Normal contact with and without penalty, and what the penalty itself leaves."""
+    """Normal contact with and without penalty, and the error of the penalty itself."""
     heading(
         "Normal contact at the given load, errors in % of Hertz",
         "pair | bodies | K N/m3 | across | points | p0 | axis x | axis y | approach | cold s | cached s | solve ms",
@@ -55,7 +55,7 @@ def normal_table(sizes: Sequence[float]) -> None:
             found = timed(pair, across, ContactLaws(stiffness, friction=0.0), rolling(0.0), bodies)
             row = f"{across:g} | {found.points} | {percent(errors(pair, found))} | {seconds(found)}"
             print(f"| {pair.name} | {bodies} | {law_name(stiffness)} | {row} |", flush=True)
-    heading("What the penalty itself leaves", "pair | p0 MPa | p0/K um | of the approach %")
+    heading("Penetration due to the penalty", "pair | p0 MPa | p0/K um | of the approach %")
     for pair in (CIRCULAR, ELLIPTIC, HEAVY):
         left = pair.exact.peak / PENALTY
         row = f"{pair.exact.peak / 1e6:.0f} | {1e6 * left:.2f} | {100 * left / pair.exact.approach:.1f}"
@@ -80,7 +80,7 @@ def slopes() -> None:
 
 
 def rolling_table(sizes: Sequence[float]) -> None:
-    """Creep force of the circular pair, the paper's laws and the exact ones."""
+    """Creep force of the circular pair with the paper's and with exact laws."""
     reference = creep_force(CIRCULAR, CREEPAGE, FRICTION)
     heading(
         f"Rolling ({CIRCULAR.name}), creepage {CREEPAGE:g}, friction {FRICTION:g}: CONTACT gives {reference:.0f} N",
@@ -95,9 +95,9 @@ def rolling_table(sizes: Sequence[float]) -> None:
 
 
 def full_table() -> None:
-    """All displacements beside condensed on the same mesh and law."""
+    """`full` compared with `condensed` for the same mesh and laws."""
     heading(
-        f"Full beside condensed ({CIRCULAR.name}, {FULL_SIZE:g} across, the paper's laws, Hertz's approach)",
+        f"Full compared with condensed ({CIRCULAR.name}, {FULL_SIZE:g} across, the paper's laws, Hertz's approach)",
         "friction | model | normal N | creep force N | peak MPa | Newton | linear | cold s | solve s",
     )
     pose, motion = hertz_pose(CIRCULAR.exact.approach), rolling(CREEPAGE)
@@ -118,15 +118,15 @@ def full_table() -> None:
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measures and prints."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.hertz", description=__doc__)
     parser.add_argument("--sizes", type=float, nargs="+", default=[5.0, 8.0, 12.0], help="points across the short axis")
     sizes = parser.parse_args().sizes
-    logging.disable(logging.WARNING)  # UFL's and FFCx's notes on quadrature would fall into the tables
+    logging.disable(logging.WARNING)  # notes of UFL and FFCx on quadrature would disturb the tables
     print(stated(), flush=True)
     began = perf_counter()
     with tempfile.TemporaryDirectory() as cache:
-        os.environ["WHEELRAIL_CACHE"] = cache  # empty, so that cold is cold
+        os.environ["WHEELRAIL_CACHE"] = cache  # empty cache for the cold times
         first, _ = clocked(lambda: CIRCULAR.model(3.0, ContactLaws(friction=0.0))(hertz_pose(2e-5), rolling(0.0), None))
         print(f"First solve of all, with imports and the compilation of forms: {first:.1f} s", flush=True)
         normal_table(sizes)

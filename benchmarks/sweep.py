@@ -1,11 +1,12 @@
-"""A wheel swept across its rail at constant load: do forces jump when patches merge, split or change their cells?
+"""Lateral sweep of a wheel across its rail at constant load: smoothness of forces as patches merge, split or change
+cells.
 
 python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--size MM] [--points fitted|grid]
                            [--picture FILE] [--json FILE]
 
-One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Reported for
-every force and moment: the largest change from one position to the next, and the scatter, the RMS of the second
-difference, both relative to the load (moments to the load on one nominal radius).
+One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Output for
+every force and moment: the largest change between positions, and the scatter, the RMS of the second difference, both
+relative to the load (moments: to the load on one nominal radius).
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ RTOL = 1e-7  # of the load
 
 
 def under_load(contact: WheelsetContact, y: float, depth: float, slope: float) -> tuple[float, float, ContactResult]:
-    """Depth m at which the left wheel carries the load, slope N/m there, and the contact: secant steps."""
+    """Depth m at which the left wheel carries the load, slope N/m there, and the contact result, by secant steps."""
     last: tuple[float, float] | None = None
     for _ in range(30):
         state = WheelsetState(y=y, z=-depth, speed=SPEED, pitch_rate=SPEED / contact.mounting.radius)
@@ -50,7 +51,7 @@ def under_load(contact: WheelsetContact, y: float, depth: float, slope: float) -
 
 
 def sweep(contact: WheelsetContact, positions: Array, say: bool = True) -> tuple[Array, list[int], Array, Array]:
-    """Forces and moments (m, 6) on the wheel, number of patches, largest error of the load, seconds by position."""
+    """Forces and moments (m, 6) on the wheel, number of patches, error of the load, seconds, for each position."""
     found, patches, seconds, missed = [], [], [], []
     depth, slope = 0.0, 1e9
     depths: list[float] = []
@@ -124,8 +125,8 @@ def main() -> None:
     print(
         f"\npatches from {min(patches)} to {max(patches)}, {np.count_nonzero(np.diff(patches))} changes of their number"
     )
-    print(f"{np.count_nonzero(np.isnan(forces[:, 0]))} positions without an answer")
-    print(f"load missed by {100 * np.nanmax(missed):.1e} % at most")
+    print(f"{np.count_nonzero(np.isnan(forces[:, 0]))} positions without a solution")
+    print(f"largest error of the load {100 * np.nanmax(missed):.1e} %")
     print(f"{1e3 * np.median(seconds):.0f} ms a position, {seconds.sum():.0f} s in all")
     if args.json:
         rows = np.column_stack([positions, forces, patches]).tolist()

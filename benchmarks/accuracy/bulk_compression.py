@@ -1,4 +1,4 @@
-"""What finite bodies add to a half-space: the creepage that their bulk compression makes under the patch."""
+"""Creepage under the patch due to bulk compression of finite bodies, which half-spaces do not have."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
 Say = Callable[[str], None]
-SLIPPERY = 1e-6  # friction that asks for all displacements and leaves no traction
+SLIPPERY = 1e-6  # friction coefficient: displacements are computed, tractions negligible
 
 
 def bulk_creepage(result: ContactResult) -> Array:
-    """Creepages (longitudinal, lateral) and spin [rad/m] that the normal pressure makes elastically: the slope along x
-    of the tangential displacement, wheel minus rail, upstream, weighted by the pressure.
+    """Elastic creepages (longitudinal, lateral) and spin [rad/m] due to the normal pressure: slope along x of the
+    tangential displacement, wheel minus rail, against the rolling direction, weighted by the pressure.
 
-    Exactly zero for half-spaces of the same material, which move alike: what is left is the bodies' shape.
+    Exactly zero for half-spaces of the same material, whose displacements agree: it measures the shape of the bodies.
     """
     fields = result.fields
     assert fields is not None
@@ -40,7 +40,9 @@ def bulk_creepage(result: ContactResult) -> Array:
 
 
 def lateral_shift(result: ContactResult) -> float:
-    """How far the pressure moves the wheel's surface to the left over the rail's, um; zero for half-spaces."""
+    """Mean lateral displacement of the wheel's surface to the left relative to the rail's due to the pressure, um; zero
+    for half-spaces.
+    """
     fields = result.fields
     assert fields is not None
     weight = fields.pressure * fields.area
@@ -48,7 +50,7 @@ def lateral_shift(result: ContactResult) -> float:
 
 
 def bulk_section(quick: bool, say: Say) -> TableSection:
-    """Of wheel and rail, frictionless otherwise, and of the blocks of the Hertz pairs."""
+    """Bulk creepage of wheel and rail, frictionless otherwise, and of the blocks of the Hertz pairs."""
     data = reference("wheelset")
     given = data["input"]
     track = track_of(given)

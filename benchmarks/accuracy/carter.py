@@ -1,4 +1,4 @@
-"""Carter's rolling cylinder, as the strips of a long ellipse that roll side by side."""
+"""Carter's rolling cylinder, approximated by the strips of a long ellipse."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
 Say = Callable[[str], None]
-RATIO = 0.2  # a / b: what is left of the third dimension, see `carter_section`
+RATIO = 0.2  # a / b: remaining three-dimensional effect, see `carter_section`
 ACROSS = 16.0  # points along the rolling direction
-BAND = 0.3  # share of b on either side of the centre line that is compared
+BAND = 0.3  # fraction of b on either side of the centre line that is compared
 
 
 def strips(pair: Ellipse, friction: float, stick: float) -> tuple[float, Callable[[Array, Array], tuple[Array, Array]]]:
-    """Creepage for a stick length (share of a) on the centre line, and Carter's traction [Pa] and stick mask at x, y
-    [m], every strip a cylinder of its own length and pressure.
+    """Creepage for a stick length (fraction of a) on the centre line, and Carter's traction [Pa] and stick mask at x, y
+    [m], with every strip as a cylinder of its own length and pressure.
 
     The relative radius of a strip is that of a cylinder with the same pressure, R = a E* / (2 p0), the same for all.
     """
@@ -116,7 +116,7 @@ def carter_section(quick: bool, say: Say) -> TableSection:
 def _mean_over_band(
     pair: Ellipse, exact: Callable[[Array, Array], tuple[Array, Array]], friction: float
 ) -> tuple[float, float]:
-    """Carter's force over mu N, and share of the area that sticks, of the whole band."""
+    """Carter's force over mu N, and stick area as a fraction of the area of the band."""
     a, b = pair.exact.semi_axes
     y = BAND * b * (np.arange(40) + 0.5) / 40
     t = (np.arange(2000) + 0.5) / 1000 - 1

@@ -1,4 +1,4 @@
-"""Cattaneo's sphere: pressed, then pushed sideways in one step."""
+"""Cattaneo's sphere: normal load, then a tangential displacement in one step."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ FINENESS = Resolution(24, 24)
 
 
 def push(distance: float) -> RigidMotion:
-    """The upper body goes so far [m] along x."""
+    """Tangential displacement [m] of the upper body along x."""
     origin = np.zeros(3)
     return RigidMotion(Twist(np.array([distance, 0.0, 0.0]), origin, origin), Twist(origin, origin, origin))
 
 
 def pushed(model: ContactModel, depth: float, force: float, start: float) -> tuple[float, ContactResult]:
-    """Shift [m] and result at which the force [N] holds the upper body back: secant from a first guess [m]."""
+    """Tangential displacement [m] and result for a tangential force [N], by secant steps from an initial guess [m]."""
     known = [(0.0, 0.0)]
     distance = start
     for _ in range(12):
@@ -47,7 +47,7 @@ def cattaneo_section(quick: bool, say: Say) -> TableSection:
     """The reference's spheres of steel under its forces, and the polyethylene one."""
     section = TableSection(
         "cattaneo",
-        "Cattaneo and Mindlin: a sphere pushed by a force, errors beside the closed form",
+        "Cattaneo and Mindlin: a sphere pushed by a force, errors relative to the closed form",
         (
             "case",
             "points",

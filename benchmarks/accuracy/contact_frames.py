@@ -1,4 +1,4 @@
-"""Between CONTACT's track frame (x forward, y right, z down; forces on the rail; mm, N, MPa) and ours."""
+"""Conversion between CONTACT's track frame (x forward, y right, z down; forces on the rail; mm, N, MPa) and ours."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def rail_place(y: float, side: Side) -> float:
 
 @dataclass(frozen=True)
 class FrameDifference:
-    """Ours less theirs: place m (of the patch that differs most, each of theirs beside the nearest of ours), patches
-    (ours, theirs), area and peak as ratios - 1, forces (longitudinal, lateral in the track's axes) N, share of the
-    normal force in their heaviest patch.
+    """Ours minus CONTACT's: place m (of the patch that differs most, each of CONTACT's compared with the nearest of
+    ours), patches (ours, CONTACT's), area and peak as ratios - 1, forces (longitudinal, lateral in the track's axes) N,
+    fraction of the normal force in the most heavily loaded patch.
     """
 
     place: float
@@ -56,7 +56,7 @@ class FrameDifference:
 
 
 def difference(result: ContactResult, theirs: dict[str, Any], side: Side) -> FrameDifference:
-    """A result in the track's axes beside one side of a case."""
+    """Difference of a result, in the track's axes, from one side of a case."""
     islands = theirs["islands"]
     ours = np.array([patch.rail_y for patch in result.patches])
     places = np.array([rail_place(island["y_rail"], side) for island in islands])

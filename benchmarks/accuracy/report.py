@@ -1,4 +1,4 @@
-"""Accuracy of the contact models beside closed forms, Kalker's table and CONTACT, as Markdown tables and JSON."""
+"""Accuracy of the contact models compared with closed forms, Kalker's table and CONTACT, as Markdown tables and JSON."""
 
 from __future__ import annotations
 
@@ -42,22 +42,22 @@ def run(name: str, *, quick: bool = False, say: Say = lambda _: None) -> TableSe
 
 
 def progress(line: str) -> None:
-    """One line that is overwritten, on terminals only."""
+    """Overwrites one line, on terminals only."""
     if sys.stderr.isatty():
         print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measures and prints."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy.report", description=__doc__)
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=f"of {', '.join(SECTIONS)} (all)")
     parser.add_argument("--quick", action="store_true", help="few cases of every section")
-    parser.add_argument("--json", type=Path, metavar="PATH", help="write everything to a file, too")
+    parser.add_argument("--json", type=Path, metavar="PATH", help="write all data to a file")
     given = parser.parse_args()
     unknown = set(given.sections) - set(SECTIONS)
     if unknown:
         parser.error(f"no section {', '.join(sorted(unknown))}; there are {', '.join(SECTIONS)}")
-    logging.disable(logging.WARNING)  # UFL's and FFCx's notes on quadrature would fall into the tables
+    logging.disable(logging.WARNING)  # notes of UFL and FFCx on quadrature would disturb the tables
     machine = stated()
     print(machine, flush=True)
     began, done = perf_counter(), []

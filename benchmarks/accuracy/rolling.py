@@ -1,4 +1,4 @@
-"""Rolling ellipses: Kalker's coefficients, creep curves, and how the error falls with the number of points."""
+"""Rolling ellipses: Kalker's coefficients, creep curves, and convergence with the number of points."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ FINENESS = Resolution()
 ROUGHER = tuple(Resolution(*n) for n in ((4, 6), (6, 8), (8, 10), (10, 13)))  # for the slope of the error
 RATIOS = (0.3, 0.5, 0.7, 1.0, 1 / 0.7, 2.0, 1 / 0.3)
 NAMES: tuple[Name, ...] = ("C11", "C22", "C23", "C33")
-STICKING = 1e3  # friction at which everything sticks
+STICKING = 1e3  # friction coefficient for full stick
 
 
 def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
-    """C11, C22, C23 by spin and by lateral creepage, C33, and the number of points: everything sticks, so that the
-    law is linear and the size of the creepage does not matter.
+    """C11, C22, C23 by spin and by lateral creepage, C33, and the number of points, at full stick, where the law is
+    linear and independent of the magnitude of the creepage.
     """
     depth, _ = pressed(pair, size)
     a, b = pair.exact.semi_axes
@@ -96,7 +96,7 @@ def kalker_section(quick: bool, say: Say) -> TableSection:
 
 
 def curve_errors(curve: dict[str, Any], fineness: Resolution, every: int = 1) -> tuple[Array, int]:
-    """Errors (cases, 3) of Fx, Fy in mu F_n and Mz in mu F_n sqrt(a b); how many points carried pressure."""
+    """Errors (cases, 3) of Fx, Fy in mu F_n and Mz in mu F_n sqrt(a b), and the number of points under pressure."""
     pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
     size = pair.size(points=POINTS)
     depth, _ = pressed(pair, size)
@@ -111,7 +111,7 @@ def curve_errors(curve: dict[str, Any], fineness: Resolution, every: int = 1) ->
 
 
 def creep_section(quick: bool, say: Say) -> TableSection:
-    """All curves at fewer than 300 points, and a slope from fewer ones."""
+    """All curves at fewer than 300 points, and the order of convergence from coarser ones."""
     curves, every = reference("creep_curves")["curves"], 6 if quick else 1
     section = TableSection(
         "creep",
@@ -179,7 +179,7 @@ def creep_section(quick: bool, say: Say) -> TableSection:
 
 
 def _magnitude(curves: list[dict[str, Any]], every: int, e: Array) -> float:
-    """Mean error along the reference's own force."""
+    """Mean error in the direction of the reference force."""
     known = np.array([case[4:6] for curve in curves for case in curve["cases"][::every]])
     return float(((e * known).sum(axis=1) / np.maximum(np.hypot(*known.T), 1e-9)).mean())
 

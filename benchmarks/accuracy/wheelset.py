@@ -1,4 +1,4 @@
-"""S1002 on UIC60 beside CONTACT: 57 kN on each wheel without yaw, and the Manchester benchmark's case A-2.2."""
+"""S1002 on UIC60 compared with CONTACT: 57 kN on each wheel without yaw, and case A-2.2 of the Manchester benchmark."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ FORCES = ("Fx N", "Fx % of mu F", "Fy N", "Fy % of mu F")
 
 @dataclass(frozen=True)
 class Compared:
-    """One wheel: displacement mm, side, its own result, the difference, friction bound mu F N (0 frictionless), and the
-    forces (variants, 2) N on the wheel that CONTACT's own variants give.
+    """One wheel: displacement mm, side, result, difference, friction bound mu F N (0 frictionless), and the forces
+    (variants, 2) N on the wheel by CONTACT's variants.
     """
 
     y: float
@@ -51,7 +51,7 @@ class Compared:
 
     @property
     def outside(self) -> Array:
-        """Distance from what CONTACT's variants span, and that span itself (2, 2), in % of the bound."""
+        """Distance from the range of CONTACT's variants, and that range (2, 2), in % of the bound."""
         assert self.variants is not None
         low, high, force = self.variants.min(axis=0), self.variants.max(axis=0), self.result.force[:2]
         apart = np.maximum(low - force, 0) + np.maximum(force - high, 0)
@@ -61,7 +61,7 @@ class Compared:
 def seated(
     track: PairTrack, friction: float, at: WheelsetState, side: Side, load: float, size: float, **options: Any
 ) -> ContactResult:
-    """One wheel under its load, the roll given; with friction from the height of the frictionless one."""
+    """One wheel under its load at a given roll; with friction at the height of the frictionless solution."""
     free = wheelset_model(track, frictionless(), size, **options)
     seat = wheel_under_load(free, at, side, load, expected=EXPECTED, rtol=RTOL if friction == 0 else 1e-3)
     if friction == 0:
@@ -114,7 +114,7 @@ def measures(kind: str, cases: Iterable[Compared], *, targets: bool) -> list[Mea
 
 
 def half_space_section(quick: bool, say: Say) -> TableSection:
-    """The same on half-spaces: what is left of the differences is not due to finite bodies."""
+    """The same on half-spaces, whose differences are not due to finite bodies."""
     return wheelset_section(quick, say, bodies="half-space")
 
 
@@ -165,7 +165,7 @@ def wheelset_section(quick: bool, say: Say, size: float = SIZE, bodies: str = "w
 
 
 def manchester_section(quick: bool, say: Say, size: float = SMALL) -> TableSection:
-    """Case A-2.2 up to y = 6 mm; beyond it one wheel climbs the flange."""
+    """Case A-2.2 up to y = 6 mm; beyond it one wheel is in flange contact."""
     data = reference("manchester")
     given = data["input"]
     track = track_of(given)

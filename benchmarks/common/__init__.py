@@ -1,1 +1,1 @@
-"""What several benchmarks share: machine, models, reference tables, measurements."""
+"""Common parts of the benchmarks: machine, models, reference tables, measurements."""

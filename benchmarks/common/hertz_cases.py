@@ -26,9 +26,9 @@ def lacking(nu: float, direction: int = 2) -> tuple[float, float]:
     """kappa: a block of half width and depth D, clamped at its bottom, moves kappa F / (E D) less than a half-space
     along a direction (0 along x, 2 normal); and the relative difference between two pairs of widths.
 
-    A load's own field is the half-space's; what the far faces take away is smooth under it and goes with 1 / D. Two
-    blocks meshed alike at the surface differ by kappa / E (1 / D1 - 1 / D2), taken on a ring around a loaded cell where
-    the mesh at the cell does not count; a third block shows that the law holds. No Hertz contact enters.
+    The near field of a load is that of the half-space; the effect of the far faces is smooth and proportional to 1 / D.
+    Two blocks with the same surface mesh differ by kappa / E (1 / D1 - 1 / D2), evaluated on a ring around a loaded
+    cell, where the mesh of the cell has no influence; a third block verifies the law. No Hertz contact is used.
     """
 
     def moved(width: float) -> float:

@@ -1,4 +1,4 @@
-"""Hertz pairs to measure on, what is known of them, and one timed solve of a pair under its load."""
+"""Hertz pairs of the benchmarks, their reference solutions, and one timed solve of a pair under its load."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ class Pair:
         return hertz(A, B, modulus((STEEL.E, STEEL.nu), (STEEL.E, STEEL.nu)), force=self.load)
 
     def size(self, across: float) -> float:
-        """Surface size [m] that puts so many points across the short axis."""
+        """Surface size [m] for a number of points across the short axis."""
         return 2 * min(self.exact.semi_axes) / across
 
     def model(
         self, across: float, laws: ContactLaws, *, model: Model = "condensed", bodies: Bodies = "solid"
     ) -> ContactModel:
-        """The pair, meshed."""
+        """Contact model of the meshed pair."""
         how = Discretisation(self.size(across), model=model, bodies=bodies, points="grid")
         return hertz_pair((self.upper, self.lower), (STEEL, STEEL), laws, how, load=self.load)
 
@@ -68,7 +68,7 @@ HEAVY = Pair("elliptic, 60 kN", (0.46, 0.3), (np.inf, 0.3), 60e3)
 
 
 def rolling(creepage: float, speed: float = 10.0) -> RigidMotion:
-    """Both materials flow backwards at the speed [m/s], the upper one slower by the longitudinal creepage."""
+    """Both materials move backwards at the speed [m/s], the upper one slower by the longitudinal creepage."""
     forward, zero = np.array([speed, 0.0, 0.0]), np.zeros(3)
     upper, lower = (Twist((-1 + part) * forward, zero, zero) for part in (0.5 * creepage, -0.5 * creepage))
     return RigidMotion(upper, lower)
@@ -91,8 +91,8 @@ def creep_force(pair: Pair, creepage: float, friction: float) -> float:
 
 @dataclass(frozen=True)
 class Timed:
-    """A pair under its load: result, approach m, seconds cold (None when an earlier pair left nothing to compute), from
-    the cache, and per solve without a guess.
+    """A pair under its load: result, approach m, seconds cold (None when everything was in the cache already), from the
+    cache, and per solve without initial guess.
     """
 
     result: ContactResult
@@ -107,13 +107,13 @@ class Timed:
 
     @property
     def points(self) -> int:
-        """Number of points that carry pressure."""
+        """Number of points under pressure."""
         fields = self.result.fields
         return 0 if fields is None else int((fields.pressure > 0).sum())
 
 
 def timed(pair: Pair, across: float, laws: ContactLaws, motion: RigidMotion, bodies: Bodies = "solid") -> Timed:
-    """The pair under its load on the condensed model."""
+    """The condensed model of a pair, solved under its load."""
 
     def start() -> ContactModel:
         model = pair.model(across, laws, bodies=bodies)
@@ -136,14 +136,14 @@ def stored() -> int:
 
 
 def clocked(call: Callable[[], T]) -> tuple[float, T]:
-    """Seconds that a call takes, and what it gives."""
+    """Seconds of a call, and its result."""
     start = perf_counter()
     value = call()
     return perf_counter() - start, value
 
 
 def errors(pair: Pair, found: Timed) -> Array:
-    """Relative errors of peak pressure, semi-axes along x and y, and approach, against Hertz."""
+    """Relative errors of peak pressure, semi-axes along x and y, and approach, relative to Hertz."""
     exact, patch = pair.exact, found.patch
     measured = np.array([patch.max_pressure, *patch.semi_axes, found.approach])
     return np.asarray(measured / np.array([exact.peak, *exact.semi_axes, exact.approach]) - 1)

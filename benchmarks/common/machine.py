@@ -1,4 +1,4 @@
-"""The machine, the versions and the date of a measurement."""
+"""Machine, versions and date of a measurement."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def processor() -> str:
 
 
 def stated() -> str:
-    """Everything that a figure of time depends on, and which libraries gave the figures of error."""
+    """Machine and versions, on which computing times depend, and versions of the libraries behind the errors."""
     import dolfinx
     import numpy as np
     import scipy

@@ -12,7 +12,7 @@ Column = tuple[str, Callable[[Row], Any]]
 
 
 def table(title: str, columns: Sequence[Column], rows: Sequence[Row]) -> str:
-    """Rows under a title; a failed one with its reason."""
+    """Rows under a title; failed ones with their reason."""
     names = [name for name, _ in columns]
     lines = [f"\n## {title}\n", f"| {' | '.join(names)} |", "|---" * len(names) + "|"]
     for row in rows:
@@ -34,7 +34,7 @@ def _of(name: str, factor: float = 1.0) -> Callable[[Row], Any]:
 
 
 def phase(*names: str) -> Callable[[Row], Any]:
-    """Milliseconds of phases of a solve, None where it has none of them."""
+    """Milliseconds of phases of a solve; None without them."""
 
     def of(row: Row) -> Any:
         found = [1e3 * row["phases"][name] for name in names if name in row.get("phases", {})]
@@ -98,7 +98,7 @@ def grouped(rows: Sequence[Row], *keys: str) -> dict[str, list[Row]]:
 
 
 def exponents(title: str, groups: dict[str, list[Row]], size: str, costs: Sequence[Column]) -> str:
-    """Fitted exponents of some costs, with the sizes that they are fitted over."""
+    """Fitted exponents of costs, with the range of sizes."""
     lines = [f"\n## {title}\n", f"| | {' | '.join(name for name, _ in costs)} |", "|---" * (len(costs) + 1) + "|"]
     for name, rows in groups.items():
         cells = []

@@ -1,4 +1,4 @@
-"""The one place where the accuracy benchmark makes its contact models: change bodies and discretisation here."""
+"""Contact models of the accuracy benchmark; bodies and discretisation are set here."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def frictional(friction: float) -> ContactLaws:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """Two alike bodies, the upper one with principal radii (x, y) [m] on a plane, under a load [N]."""
+    """Two bodies of the same material, the upper one with principal radii (x, y) [m] on a plane, under a load [N]."""
 
     radii: tuple[float, float]
     load: float
@@ -55,12 +55,12 @@ class Ellipse:
         return self.steel.E / (2 + 2 * self.steel.nu)
 
     def size(self, *, points: int | None = None, across: float | None = None) -> float:
-        """Surface size [m] that gives so many points in all, or across the short axis."""
+        """Surface size [m] for a total number of points, or a number across the short axis."""
         a, b = self.exact.semi_axes
         return float(np.sqrt(np.pi * a * b / points)) if points else 2 * min(a, b) / (across or 20.0)
 
     def half_width(self, size: float) -> float:
-        """Half width and depth [m] of the blocks that `hertz_pair` makes: at least 40 semi-axes, in coarse steps."""
+        """Half width and depth [m] of the blocks of `hertz_pair`: at least 40 semi-axes, in coarse steps."""
         return float(size * 2.0 ** np.ceil(np.log2(40 * max(self.exact.semi_axes) / size)))
 
     @classmethod
@@ -80,7 +80,7 @@ def hertz_model(pair: Ellipse, laws: ContactLaws, size: float, **choices: Any) -
 
 @dataclass(frozen=True)
 class PairTrack:
-    """What a wheelset runs on and is made of: gauge m 14 mm below the rail's top, wheel_y m, radius m."""
+    """Track and materials of a wheelset: gauge m, 14 mm below the top of the rail, wheel_y m, radius m."""
 
     steel: Material
     gauge: float = 1.435
@@ -101,7 +101,7 @@ def wheelset_model(track: PairTrack, laws: ContactLaws, size: float, **choices: 
 
 
 def rolling(xi: float, eta: float = 0.0, phi: float = 0.0) -> RigidMotion:
-    """Both materials flow backwards at 1 m/s; the upper one is faster by the creepages xi, eta and phi [rad/m]."""
+    """Both materials move backwards at 1 m/s; the upper one is faster by the creepages xi, eta and phi [rad/m]."""
     flow, slip, origin = np.array([-1.0, 0.0, 0.0]), np.array([xi, eta, 0.0]), np.zeros(3)
     spin = np.array([0.0, 0.0, phi])
     return RigidMotion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
@@ -124,10 +124,10 @@ def solved(model: ContactModel, depth: float, motion: RigidMotion) -> ContactRes
 
 
 def carrying(result: ContactResult) -> int:
-    """Number of points that carry pressure."""
+    """Number of points under pressure."""
     return 0 if result.fields is None else int((result.fields.pressure > 0).sum())
 
 
 def loads(result: ContactResult) -> Array:
-    """(Fx, Fy, Mz, Fz) on the upper body, moment about the point of first touch."""
+    """(Fx, Fy, Mz, Fz) on the upper body, moment about the point of first contact."""
     return np.array([*result.force[:2], result.moment[2], result.force[2]])

@@ -1,4 +1,4 @@
-"""Power laws through measured costs, and where one cost falls below another."""
+"""Power laws fitted to measured costs, and their crossovers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ FEWEST = 3  # sizes that a fit needs
 
 @dataclass(frozen=True)
 class Power:
-    """cost = factor size^exponent, fitted over so many sizes from low to high; worst: largest deviation in logs."""
+    """cost = factor size^exponent, fitted over a number of sizes from low to high; worst: largest deviation of the
+    logarithm.
+    """
 
     exponent: float
     factor: float
@@ -26,9 +28,10 @@ class Power:
 
 
 def power(sizes: Sequence[float], costs: Sequence[float]) -> Power | None:
-    """Least squares in logs over the asymptotic part: the sizes above the geometric middle of all, at least three.
+    """Least squares of logarithms over the asymptotic part: the sizes above the geometric middle of all, at least
+    three.
 
-    None for fewer sizes than that. Raises ValueError for what has no logarithm.
+    None for fewer sizes. Raises ValueError for values that are not positive.
     """
     n, t = np.array(sizes, dtype=float), np.array(costs, dtype=float)
     if len(n) and not (np.isfinite(n * t).all() and n.min() > 0 and t.min() > 0):
@@ -45,7 +48,7 @@ def power(sizes: Sequence[float], costs: Sequence[float]) -> Power | None:
 
 
 def crossover(sizes: Sequence[float], costs: Sequence[float], others: Sequence[float]) -> str:
-    """From which size on the others cost less, by straight lines in logs between sizes, in words."""
+    """Size from which the second cost is lower, by linear interpolation of logarithms, in words."""
     x, ratio = np.log(np.array(sizes, dtype=float)), np.log(np.array(others, dtype=float) / np.array(costs))
     if not len(x):
         return "not measured"

@@ -1,4 +1,6 @@
-"""Tables of the accuracy benchmark: rows beside a reference, errors as RMS and worst, targets, points and seconds."""
+"""Tables of the accuracy benchmark: values compared with a reference, errors as RMS and maximum, targets, points and
+seconds.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,7 @@ class Measure:
 def measure(
     name: str, unit: str, errors: Iterable[float], *, rms: float | None = None, worst: float | None = None
 ) -> Measure:
-    """Errors in the unit, put together; rms and worst are the targets."""
+    """Measure of the concatenated errors in the unit; rms and worst are the targets."""
     e = np.abs(np.fromiter(errors, dtype=float))
     if not len(e):
         raise ValueError(f"no errors of {name}")
@@ -49,7 +51,7 @@ def measure(
 
 @dataclass
 class TableSection:
-    """One part of the benchmark; points is the smallest and largest number that carried pressure."""
+    """One part of the benchmark; points: smallest and largest number of points under pressure."""
 
     name: str
     title: str
@@ -61,7 +63,7 @@ class TableSection:
     seconds: float = 0.0
 
     def count(self, points: int) -> None:
-        """Take note of a solve's points."""
+        """Records the number of points of a solve."""
         low, high = self.points
         self.points = (min(low or points, points), max(high, points))
 
@@ -73,7 +75,7 @@ class TableSection:
         return found[0]
 
     def data(self) -> dict[str, Any]:
-        """Everything, for a file."""
+        """All data, for a file."""
         return {**asdict(self), "measures": [{**asdict(one), "met": one.met} for one in self.measures]}
 
 

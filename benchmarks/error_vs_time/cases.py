@@ -1,4 +1,4 @@
-"""Contact models to set beside each other, and the rolling contacts to try them on."""
+"""Contact models to compare, and their rolling contact cases."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ LINES = 285  # points of a grid as fine as the lines that carry fitted cells
 
 @dataclass(frozen=True)
 class TimedCase:
-    """A pair rolling with friction mu, creepages xi, eta and spin phi [rad/m]; known: (Fx, Fy) over mu F_n by CONTACT,
-    extrapolated.
+    """A pair rolling with friction mu, creepages xi, eta and spin phi [rad/m]; known: extrapolated (Fx, Fy) over mu F_n
+    by CONTACT.
     """
 
     pair: Ellipse
@@ -51,7 +51,7 @@ class TimedCase:
 
 @cache
 def yardstick() -> TimedCase:
-    """The ellipse that CONTACT's times are known for; its forces from the two finest grids, first order in dx."""
+    """The ellipse for which CONTACT's times are known; its forces from the two finest grids, first order in dx."""
     given = reference("timing")
     case, rows = given["case"], sorted(given["rows"], key=lambda row: float(row["dx"]))
     near, far = [row for row in rows if row["case"].endswith("rolling")][:2]
@@ -64,7 +64,7 @@ def yardstick() -> TimedCase:
 
 @cache
 def creep_cases(every: int) -> tuple[TimedCase, ...]:
-    """One in so many of the 132 cases, from linear to saturated, at three ratios of the semi-axes."""
+    """Every n-th of the 132 cases, from linear to saturated, at three ratios of the semi-axes."""
     found = []
     for curve in reference("creep_curves")["curves"]:
         pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
@@ -75,10 +75,10 @@ def creep_cases(every: int) -> tuple[TimedCase, ...]:
 
 @dataclass(frozen=True)
 class ModelVariant:
-    """A contact model: cells of a fineness, or a regular grid of so many points in the ellipse, on bodies.
+    """A contact model: cells of a resolution, or a regular grid with a number of points in the ellipse, on bodies.
 
-    order of the slip formula; stiffness K [N/m3] and regularisation eps of the laws; warm: from the result of a pose
-    that is a step away.
+    order of the slip formula; stiffness K [N/m3] and regularisation eps of the laws; warm: initial guess from a pose
+    one step away.
     """
 
     family: str
@@ -93,17 +93,17 @@ class ModelVariant:
 
     @property
     def division(self) -> str:
-        """How the patch is divided."""
+        """Discretisation of the patch."""
         return f"{self.fineness.strips} x {self.fineness.cells}" if self.fineness else f"grid of {self.points}"
 
     @property
     def laws(self) -> str:
-        """The laws in short."""
+        """Short name of the laws."""
         normal = "exact" if np.isinf(self.stiffness) else f"K {self.stiffness:.0e}"
         return normal + (f", eps {self.regularisation:.0e}" if self.regularisation else "")
 
     def of(self, pair: Ellipse, friction: float) -> ContactModel:
-        """The model of a pair."""
+        """Contact model of a pair."""
         laws = ContactLaws(self.stiffness, friction, self.regularisation if friction else 0.0)
         if self.fineness is None:
             return _made(pair, laws, replace(self, family="", regularisation=0.0))
@@ -112,7 +112,7 @@ class ModelVariant:
         return replace(model, laws=laws, resolution=self.fineness, warm=self.warm)
 
     def hertz_depth(self, pair: Ellipse) -> float:
-        """Hertz's approach [m] on these bodies, that is, less what finite blocks lack to a half-space."""
+        """Hertz's approach [m] on these bodies, corrected for finite blocks."""
         if self.bodies == "half-space":
             return pair.exact.approach
         width = pair.half_width(pair.size(points=self.points))
@@ -131,7 +131,7 @@ def _loaded(variant: ModelVariant, pair: Ellipse) -> float:
 
 @lru_cache(maxsize=8)  # with friction and without, of all pairs: finenesses share them, and grids are large
 def _made(pair: Ellipse, laws: ContactLaws, variant: ModelVariant) -> ContactModel:
-    """Meshes, spectra and tables are shared by all finenesses."""
+    """Model of a pair; resolutions share meshes, spectra and tables."""
     choices: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
     return hertz_model(
         pair,

@@ -1,4 +1,4 @@
-"""The figure of error over time: normal contact alone, and rolling."""
+"""Figure of error over time: normal contact, and rolling."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from benchmarks.common.measurement import Row
 from benchmarks.common.measurement_tables import grouped
 
-# Okabe and Ito's colours: told apart with any colour vision, and markers besides
+# Okabe and Ito's colours, distinct for all colour vision; markers in addition
 STYLES: dict[str, tuple[str, str]] = {
     "fitted, half-space": ("#0072B2", "o"),
     "fitted, half-space, warm": ("#56B4E9", "o"),
@@ -37,7 +37,7 @@ NAMES = {
 
 
 def draw(path: Path, rows: Sequence[Row]) -> None:
-    """Whatever was measured."""
+    """Draws all measured rows."""
     import matplotlib
 
     matplotlib.use("Agg")

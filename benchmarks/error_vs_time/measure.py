@@ -1,4 +1,4 @@
-"""One contact model's error beside the time of a solve: normal contact alone, and rolling with xi, eta and spin."""
+"""Error and solution time of one contact model: normal contact, and rolling with xi, eta and spin."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def normal_row(variant: ModelVariant) -> Row:
 def rolling_row(
     variant: ModelVariant, against: Reference, cases: tuple[TimedCase, ...], *, patience: float = np.inf
 ) -> Row:
-    """Creep forces under the load, in % of mu F_n: of the timed case the larger error; of the other cases RMS and
-    worst, unless a solve takes longer than the patience [s]; seconds.
+    """Creep forces under the load, in % of mu F_n: the larger error of the timed case; RMS and maximum of the other
+    cases, unless a solve takes longer than the patience [s]; seconds.
     """
     row, result = _timed(variant, _solve(variant, yardstick()))
     row["task"] = "rolling"
@@ -69,10 +69,10 @@ def _solve(variant: ModelVariant, case: TimedCase) -> Solve:
 
 
 def _timed(variant: ModelVariant, solve: Solve) -> tuple[Row, ContactResult]:
-    """Least and median seconds, phases of the median solve, and the result at the pose in question.
+    """Smallest and median seconds, phases of the median solve, and the result at the final pose.
 
-    Warm solves are the steps of a walk that ends there, each from the one before, so that none starts from what an
-    equal one has left. What all solves of a model share is made by a first solve.
+    Warm solves are the steps of a path that ends at this pose, each with the previous result as initial guess, never an
+    identical one. A first solve computes everything that the solves of a model share.
     """
     guess = _ok(solve(-REPEATS - 2.0, None)) if variant.warm else None
     result = _ok(solve(-REPEATS - 1.0 if variant.warm else 0.0, guess))

@@ -1,4 +1,4 @@
-"""Which contact models are set beside each other, in parts, each with the cases that its creep forces are tried on."""
+"""Contact models to compare, in groups, each with its rolling cases."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PATIENCE = 1.0  # s that a solve may take to be tried on all cases
 
 
 def fitted(quick: bool) -> Iterator[ModelVariant]:
-    """Cells fitted to the patch, cold and warm."""
+    """Fitted cells, cold and warm."""
     for bodies in BODIES:
         for warm in (False, True):
             for n in QUICK_FINENESSES if quick else FINENESSES:
@@ -35,14 +35,14 @@ def fitted(quick: bool) -> Iterator[ModelVariant]:
 
 
 def grids(quick: bool) -> Iterator[ModelVariant]:
-    """Exact laws by size of the surface and order of the slip formula."""
+    """Grids with exact laws, by surface size and order of the slip formula."""
     for order in (1, 2):
         for points in QUICK_SIZES if quick else SIZES:
             yield ModelVariant(f"grid, order {order}", "waveguide", points=points, order=order)
 
 
 def laws(quick: bool) -> Iterator[ModelVariant]:
-    """The exact laws softened, one and then both."""
+    """Regularised laws: normal, tangential and both."""
     exact = ModelVariant("grid, soft laws", "waveguide", points=SOFT)
     pairs = [(K, 0.0) for K in STIFFNESSES] + [(EXACT, eps) for eps in REGULARISATIONS] + [PAPER]
     for K, eps in pairs[1::2] if quick else pairs:
@@ -50,14 +50,14 @@ def laws(quick: bool) -> Iterator[ModelVariant]:
 
 
 def solids() -> Iterator[ModelVariant]:
-    """All displacements beside what is condensed to the surface: the same mesh of tetrahedra, the paper's laws."""
+    """`full` compared with `condensed` on the same tetrahedral mesh with the paper's laws."""
     for model in MODELS:
         K, eps = PAPER
         yield ModelVariant(f"{model}, solid", "solid", points=FULL, stiffness=K, regularisation=eps, model=model)
 
 
 def measured(quick: bool, against: Reference, say: Say) -> Iterator[Row]:
-    """Rows of all models; one that fails holds `failed` with the reason."""
+    """Rows of all models; a row that fails holds `failed` with the reason."""
     every = against.cases[1:]
     plan = [(fitted(quick), every), (grids(quick), every), (laws(quick), every)]
     if not quick:

@@ -1,4 +1,6 @@
-"""Creep forces of our own finest solution, extrapolated, and how far CONTACT's extrapolated ones are from them."""
+"""Reference creep forces, extrapolated from the finest solutions, and their difference from CONTACT's extrapolated
+forces.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Reference:
-    """Forces (cases, 2) over mu F_n, extrapolated at an order from the two finest; left: RMS of what that added."""
+    """Forces (cases, 2) over mu F_n, extrapolated with an order from the two finest solutions; left: RMS of the
+    extrapolation.
+    """
 
     finest: Resolution
     cases: tuple[TimedCase, ...]
@@ -32,11 +36,11 @@ class Reference:
 
     @property
     def beside(self) -> Array:
-        """CONTACT's forces less ours (cases, 2), over mu F_n."""
+        """CONTACT's forces minus ours (cases, 2), over mu F_n."""
         return np.array([case.known for case in self.cases]) - self.forces
 
     def stated(self) -> str:
-        """Where it comes from, and what it agrees with."""
+        """Origin and agreement of the reference, in words."""
         beside, own = 100 * self.beside, self.cases.index(yardstick())
         others = np.delete(beside, own, axis=0)
         cells = f"{self.finest.strips} x {self.finest.cells}"
@@ -50,7 +54,7 @@ class Reference:
 
 
 def extrapolated(finest: Resolution, cases: Sequence[TimedCase], say: Say) -> Reference:
-    """The order is that by which the RMS of differences falls as cells are halved, of three solutions."""
+    """Reference whose order is that of the RMS of differences of three solutions as cells are halved."""
     every = (yardstick(), *cases)
     levels = [finest.coarsened().coarsened(), finest.coarsened(), finest]
     found = []
@@ -71,10 +75,10 @@ def extrapolated(finest: Resolution, cases: Sequence[TimedCase], say: Say) -> Re
 
 
 def contact_rows(forces: Array) -> list[Row]:
-    """CONTACT's own times and errors; forces (2,) over mu F_n that its own are measured by.
+    """Times and errors of CONTACT; forces (2,) over mu F_n are the reference of its errors.
 
-    Its load is given and its approach found: an error of the approach is 1.5 times one of the force, which goes with
-    its power 1.5. Its area is that of its elements.
+    Its load is prescribed and its approach computed: an error of the approach is 1.5 times one of the force, which is
+    proportional to its power 1.5. Its area is that of its elements.
     """
     case, found = yardstick(), []
     a, b = case.pair.exact.semi_axes

@@ -1,4 +1,4 @@
-"""Error beside time of a contact solve: fitted cells and grids, cold and warm, soft laws and exact ones, `full` beside
+"""Error over time of a contact solve: fitted cells and grids, cold and warm, regularised and exact laws, `full` and
 `condensed`, and CONTACT.
 
 python -m benchmarks.error_vs_time.report [--quick] [--picture FILE] [--json FILE]
@@ -62,7 +62,7 @@ ROLLING: list[Column] = [
 
 
 def full_beside_condensed(rows: list[Row]) -> str:
-    """Relative difference of the forces of both, nothing where they were not measured."""
+    """Relative difference of the forces of `full` and `condensed`; empty where they were not measured."""
     told = []
     for task in TITLES:
         both = [row["force"] for row in rows if row["task"] == task and row.get("bodies") == "solid"]
@@ -72,7 +72,7 @@ def full_beside_condensed(rows: list[Row]) -> str:
 
 
 def notes() -> str:
-    """What the tables do not say themselves."""
+    """Notes on the tables."""
     case = yardstick()
     xi, eta, phi = case.creep
     a, b = case.pair.exact.semi_axes
@@ -95,19 +95,19 @@ its approach times 1.5, and its area that of its elements.
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measures and prints."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.error_vs_time.report",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help="few models, few cases, no `full`")
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw a figure, too")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write everything to a file, too")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="file for the figure")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all data to a file")
     given = parser.parse_args()
     if "OMP_NUM_THREADS" not in os.environ:
         print("OMP_NUM_THREADS is not set: times may be those of several cores", file=sys.stderr)
-    logging.disable(logging.WARNING)  # UFL's and FFCx's notes on quadrature would fall into the tables
+    logging.disable(logging.WARNING)  # notes of UFL and FFCx on quadrature would disturb the tables
     machine, began = stated(), perf_counter()
     print(machine, flush=True)
     finest, every = (QUICK_FINEST, QUICK_EVERY) if given.quick else (FINEST, EVERY)

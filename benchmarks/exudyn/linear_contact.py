@@ -1,4 +1,4 @@
-"""A wheelset on linear springs, one below each wheel: a contact whose mechanics any multibody code can repeat."""
+"""A wheelset on linear springs, one below each wheel: a contact that can be modelled in any multibody code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class LinearContact(VehicleContact):
     """Spring and damper between the ground and the wheel's lowest point, both in the ground's axes.
 
     across m from the wheelset's centre to the wheels, radius m; lateral, vertical (stiffness N/m, damping N s/m); load
-    N of a wheel at its nominal height. The force acts on the point of the wheelset, which turns with its roll.
+    N of a wheel at its nominal height. The force acts on the material point of the wheelset, which moves with its roll.
     """
 
     load: float

@@ -2,8 +2,8 @@
 10.1007/s11044-023-09937-1).
 
 Exudyn's x and y are y and z here, its rotation is the roll. Its bodies, markers, contact springs, roll spring, gravity
-and integrator are used as they are. A suspension element has a law of its own: Exudyn's spring in the axes of a body
-takes the difference of velocities instead of the rate of the deflection, and leaves out the moment of the gap.
+and integrator are used unchanged. Suspension elements are user functions: Exudyn's spring in the axes of a body uses
+the difference of velocities instead of the rate of the deflection, and omits the moment of the gap.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ Law = Callable[[float, float, float, float], tuple[float, float]]  # deflection 
 def trajectory(
     wagon: Wagon, contact: LinearContact, initial: Array, *, end: float, every: float, step: float, order: str = "RK67"
 ) -> Array:
-    """Positions (n, 9) every so many s: y, z m from the nominal position and roll rad of the three bodies.
+    """Positions (n, 9) at intervals s: y, z m from the nominal position and roll rad of the three bodies.
 
-    initial (18,): positions, then rates; step s of the explicit Runge-Kutta method with Exudyn's name for its order.
+    initial (18,): positions, then rates; step s of the explicit Runge-Kutta method, named as in Exudyn.
     """
     container = exu.SystemContainer()
     mbs = container.AddSystem()
@@ -52,7 +52,7 @@ def trajectory(
         return int(mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=objects[body], localPosition=place)))
 
     def element(upper: int, lower: int, y: float, height: float, law: Law) -> None:
-        """Pull of the upper towards the lower body in the axes of the lower one, at the point of the upper one."""
+        """Tensile force between upper and lower body in the axes of the lower one, at the point of the upper one."""
 
         def pulled(gap: Array, velocity: Array) -> tuple[float, float]:
             turning = mbs.GetNodeOutput(nodes[lower], exu.OutputVariableType.AngularVelocity)[2]
@@ -87,7 +87,7 @@ def trajectory(
             element(upper, lower, side * stage.spring_y, stage.spring_height, spring)
             element(upper, lower, side * stage.damper_y, stage.damper_height, damper)
     table = np.array(w.bumpstop.points).T
-    slope = (table[1][-1] - table[1][-2]) / (table[0][-1] - table[0][-2])  # goes on beyond the table
+    slope = (table[1][-1] - table[1][-2]) / (table[0][-1] - table[0][-2])  # extrapolation beyond the table
     table = np.append(table[0], 1.0), np.append(table[1], table[1][-1] + slope * (1.0 - table[0][-1]))
     element(0, 1, 0.0, w.bumpstop_height, lambda y, z, vy, vz: (float(np.sign(y) * np.interp(abs(y), *table)), 0.0))
 

@@ -1,8 +1,9 @@
-"""The plane wagon on linear contact springs beside Exudyn: 5 s from a large displacement, differences by channel.
+"""The plane wagon on linear contact springs compared with Exudyn: 5 s from a large displacement, differences by
+channel.
 
     pip install exudyn; python -m benchmarks.exudyn.report --keep
 
---keep writes the samples with which tests/test_other_codes.py compares.
+--keep writes the samples that tests/test_other_codes.py compares with.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "exudyn.json"
 END, EVERY = 5.0, 0.1  # s
-# m and rad, m/s and rad/s: so far aside that the car body strikes the bumpstop on both sides while it comes to rest.
+# m and rad, m/s and rad/s: large enough that the car body hits the bumpstop on both sides during its decay.
 POSITION = (0.055, -0.01, 0.01, 0.01, 0.003, -0.01, 0.002, 1e-4, 1e-3)
 RATE = (-0.4, 0.1, -0.1, 0.1, -0.05, 0.1, 0.02, 0.01, 0.02)
 
 
 def initial() -> np.ndarray:
-    """State (20,) at the start; no spin beside rolling."""
+    """Initial state (20,), with nominal spin."""
     return np.array([*POSITION, 0.0, *RATE, 0.0])
 
 
@@ -58,7 +59,7 @@ def theirs(step: float, *, end: float = END) -> np.ndarray:
 
 
 def relative(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Largest difference of each channel (9,) over its largest value."""
+    """Largest difference of each channel (9,) relative to its largest value."""
     return np.abs(one - other).max(axis=0) / np.abs(other).max(axis=0)
 
 

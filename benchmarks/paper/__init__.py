@@ -1,1 +1,1 @@
-"""Tables 5 to 7 and Fig. 9 of the paper, measured again."""
+"""Tables 5 to 7 and Fig. 9 of the paper, reproduced."""

@@ -1,4 +1,4 @@
-"""What a run cost and how far off it is."""
+"""Cost and error of a run."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from wheelrail.vehicle.simulation.history import History, RunCost
 
 @dataclass(frozen=True)
 class Ran:
-    """A run: its cost and, against the reference, RMS error of the wheelset's lateral position m and of the contact
-    forces on both wheels, relative to the static wheel load; the reason where it failed, and why there is no error.
+    """A run: its cost and, relative to the reference, RMS error of the wheelset's lateral position m and of the contact
+    forces on both wheels over the static wheel load; the reason of a failure, and of a missing error.
     """
 
     cost: RunCost
@@ -38,8 +38,8 @@ class Ran:
 
 
 def difference(found: History, other: History) -> tuple[float, float]:
-    """RMS difference of the wheelset's lateral position m and of the six components of contact force N, at 400 times
-    common to both; forces linear between steps.
+    """RMS difference of the wheelset's lateral position m and of the six components of contact force N, at 400 common
+    times; forces are interpolated linearly.
     """
     times = np.linspace(max(found.time[0], other.time[0]), min(found.time[-1], other.time[-1]), 400)
     y = [np.interp(times, run.time, run.wheelset[:, 0]) for run in (found, other)]

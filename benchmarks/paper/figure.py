@@ -1,4 +1,4 @@
-"""Fig. 9 again, and time against error of all variants."""
+"""Fig. 9 of the paper reproduced, and time over error of all variants."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from benchmarks.paper.error import Ran
 from benchmarks.paper.variants import SOLID, PaperVariant
 
-# Okabe and Ito's colours, told apart by all kinds of sight; shapes say the stepper
+# Okabe and Ito's colours, distinct for all colour vision; markers by integrator
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = {"ode23": "o", "ode45": "s"}
 
 
 def picture(path: Path, done: list[tuple[PaperVariant, Ran, float]]) -> None:
-    """Draw what was run: variant, outcome, and length s of its part. Variants on the short part are left out."""
+    """Draws the runs: variant, outcome, and length s of its part. Variants on the short part are omitted."""
     import matplotlib
 
     matplotlib.use("Agg")

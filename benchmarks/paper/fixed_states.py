@@ -1,7 +1,7 @@
-"""Error of the contact force against the tolerance of Newton's method, at fixed states of a run.
+"""Error of the contact force over the tolerance of Newton's method, at fixed states of a run.
 
-Every state is solved from nothing and from the tight answer one step earlier, as a run does: a loose tolerance then
-takes the old answer for the new one.
+Every state is solved without initial guess and from the converged solution one step earlier, as in a run, where a loose
+tolerance accepts the old solution for the new state.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.vehicle.simulation.history import History
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
-PAPER_TOL = 1e-8  # m, Tol of Eq. (15) as the scan lets one guess
+PAPER_TOL = 1e-8  # m, Tol of Eq. (15) as read from the scan
 
 
 @dataclass(frozen=True)
 class Accuracy:
     """At one tolerance, cold or warm: RMS and largest error of the tangential force over its bound mu F_n and of the
-    whole force over the load, Newton steps and seconds per solve, solves that failed.
+    total force over the load, Newton steps and seconds per solve, failed solves.
     """
 
     tolerance: float
@@ -40,7 +40,7 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class State:
-    """A state, the side, the tight answer there and one step earlier."""
+    """A state, the side, and the tightly converged solutions there and one step earlier."""
 
     state: WheelsetState
     side: Side
@@ -49,7 +49,7 @@ class State:
 
 
 def states(part: TrackSegment, run: History, count: int) -> list[State]:
-    """States at accepted steps all along a run, with the step before each. Raises RuntimeError where no contact is."""
+    """States at accepted steps along a run, with the step before each. Raises RuntimeError without contact."""
     contact = part.tuned({"tolerance": TIGHT_NEWTON})
     dynamics = part.dynamics(contact)
     found = []

@@ -1,7 +1,7 @@
-"""What the paper prints in its Tables 5, 6 and 7 and its Fig. 9, to be set beside our own figures.
+"""Published values of the paper's Tables 5, 6 and 7 and Fig. 9, for comparison.
 
 Magheri, Malvezzi, Meli, Rindi, "An innovative wheel-rail contact model for multibody applications", section 6.1: on an
-Intel Xeon at 2.66 GHz with 8 GB, Matlab R2007b. Read from a scan; what cannot be read is None or said in a note.
+Intel Xeon at 2.66 GHz with 8 GB, Matlab R2007b. Read from a scan; illegible values are None or mentioned in a note.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ SOURCE = "Magheri, Malvezzi, Meli, Rindi, section 6.1 (Xeon 2.66 GHz, Matlab R20
 
 @dataclass(frozen=True)
 class Printed:
-    """One half of a printed table: contact problems, Newton iterations in all, linear iterations per Newton iteration,
-    each (right, left), None where nothing is printed; time s of the whole run.
+    """One half of a printed table: contact problems, total Newton iterations, linear iterations per Newton iteration,
+    each (right, left), None where not printed; time s of the whole run.
     """
 
     name: str

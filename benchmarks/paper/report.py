@@ -1,11 +1,11 @@
-"""Tables 5, 6 and 7 and Fig. 9 of the paper again, on our model, with rows and errors that the paper lacks.
+"""Tables 5, 6 and 7 and Fig. 9 of the paper reproduced with our model, with further rows and errors.
 
 python -m benchmarks.paper.report [--seconds T] [--short T] [--start T] [--quick] [--only 5,6,7,9,new]
                                   [--picture FILE] [--json FILE]
 
 All variants run the same part of scenes/paper_curve.toml, within its transition, from the same state: the equilibrium
-at its start, as near as the contact model allows. Eq. (12) costs seconds a contact problem: it and the row of Eq. (15)
-beside it run a much shorter part on a coarser mesh. Nothing is scaled from one part to the other.
+at its start, within the accuracy of the contact model. Eq. (12) takes seconds per contact problem: it and the
+corresponding row of Eq. (15) run a much shorter part on a coarser mesh. Values of the two parts are not scaled.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ALL = ("5", "6", "7", "9", "new")
 
 
 def tolerances(runs: Runs, count: int) -> tuple[str, dict[str, list[Accuracy]]]:
-    """Force error against Newton's tolerance at states of the runs."""
+    """Force error over Newton's tolerance at states of the runs."""
     lines, data = [], {}
     for body in (SOLID, WAVES_EXACT):
         lines.append(f"\n### {body.name}\n")
@@ -65,7 +65,7 @@ def tolerances(runs: Runs, count: int) -> tuple[str, dict[str, list[Accuracy]]]:
 
 
 def main() -> None:
-    """Run and print."""
+    """Runs and prints."""
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     given.add_argument("--seconds", type=float, help="length of the part (0.05)")
     given.add_argument("--short", type=float, help="length of the part for Eq. (12) (0.0004)")

@@ -1,4 +1,4 @@
-"""Runs variants, each once, on the long and the short part of the paper's curve; what fails is kept as such."""
+"""Runs of the variants, each once, on the long and the short part of the paper's curve; failures are recorded."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FAILURES = (RuntimeError, ValueError, ArithmeticError, np.linalg.LinAlgError)
 
 @dataclass(frozen=True)
 class BySide(VehicleContact):
-    """A model of its own for each wheel: that of Eq. (12) starts from its own last displacements."""
+    """Separate models for both wheels: that of Eq. (12) uses its own last displacements as initial guess."""
 
     contacts: dict[Side, WheelsetContact]
 
@@ -50,7 +50,7 @@ class Runs:
         return self.short if variant.full or variant.short else self.seconds
 
     def part(self, body: PaperBody, seconds: float) -> TrackSegment:
-        """The part of a contact model; raises as `TrackSegment` does when its reference cannot be had."""
+        """The part of a contact model; raises as `TrackSegment` does when its reference fails."""
         return self._parts.setdefault((body, seconds), TrackSegment(body, self.start, seconds))
 
     def of(self, variant: PaperVariant) -> Ran:
@@ -83,8 +83,9 @@ class Runs:
         return BySide({side: replace(contact, model=replace(model, options=tuned)) for side in SIDES})
 
     def models(self) -> list[list[Any]]:
-        """Every contact model's reference beside that of fitted points: name, force left at the
-        start in % of the axle load, differences mm and % of load."""
+        """Reference of every contact model compared with that of fitted points: name, residual at the start in % of the
+        axle load, differences mm and % of load.
+        """
         fitted = self._parts.get((FITTED, self.seconds))
         rows: list[list[Any]] = []
         for (body, seconds), part in self._parts.items():

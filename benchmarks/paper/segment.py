@@ -1,7 +1,8 @@
-"""The part of the paper's curve that every variant runs: contact models, initial states, cost, and error.
+"""The part of the paper's curve that all variants run: contact models, initial states, cost, and error.
 
-Each contact model has its own reference, a run at tight tolerances from the same initial state, which also fills the
-bodies' compliances, so that no run pays for them. Errors are RMS differences at the times of the reference's steps.
+Each contact model has its own reference, a run at tight tolerances from the same initial state, which also computes the
+compliance of the bodies, so that no timed run includes it. Errors are RMS differences at the times of the reference's
+steps.
 """
 
 from __future__ import annotations
@@ -35,13 +36,13 @@ ACCEPTABLE = 0.05  # of the axle load, left at the start: all variants of a mode
 
 @dataclass(frozen=True)
 class PaperBody:
-    """A contact model: its name in tables, and what it changes in the scene."""
+    """A contact model: its name in tables, and its changes of the scene."""
 
     name: str
     changes: tuple[tuple[str, Any], ...] = ()
 
     def scene(self) -> RunScene:
-        """The paper's scene with the changes."""
+        """The paper's scene with these changes."""
         scene = load_scene(SCENE)
         if not isinstance(scene, RunScene):
             raise TypeError(f"{SCENE.name} is not a run")
@@ -54,9 +55,9 @@ class PaperBody:
 
 @dataclass
 class TrackSegment:
-    """A stretch of the scene's run from start s over so many seconds, on one contact model.
+    """A time interval of the scene's run from start s, with one contact model.
 
-    patience: s that its reference may take.
+    patience: time limit s of its reference.
     """
 
     body: PaperBody
@@ -82,7 +83,7 @@ class TrackSegment:
 
     @cached_property
     def steady(self) -> Equilibrium:
-        """The steady state at the start, as near as the contact model allows. Raises EquilibriumError."""
+        """Steady state at the start, within the accuracy of the contact model. Raises EquilibriumError."""
         return equilibrium(self.dynamics(self.contact), time=self.start, acceptable=ACCEPTABLE)
 
     @property
@@ -101,14 +102,14 @@ class TrackSegment:
 
     @cached_property
     def missing(self) -> str:
-        """Why there is no reference; empty when there is one. Tried once."""
+        """Reason of a missing reference; empty if there is one. Tried once."""
         try:
             return "" if len(self.reference) else "empty"
         except RuntimeError as error:
             return str(error)
 
     def run(self, method: str, options: dict[str, Any], *, contact: VehicleContact | None = None) -> History:
-        """One run at the scene's own tolerances; contact other than this part's, for Eq. (12)."""
+        """One run at the tolerances of the scene; contact: replaces that of this part, for Eq. (12)."""
         solver = self.scene.solver
         return self._run(contact or self.tuned(options), method, solver.rtol, solver.atol)
 

@@ -1,4 +1,4 @@
-"""Tables 5 to 7 as Markdown: a run of ours to a row, and the paper's own rows."""
+"""Tables 5 to 7 as Markdown: our runs, one per row, and the paper's rows."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def line(cells: list[Any]) -> str:
 
 
 def markdown(head: str, rows: list[list[Any]]) -> str:
-    """A table; columns of the head are parted by |."""
+    """A table; columns of the head are separated by |."""
     titles = head.split("|")
     return "\n".join(line(cells) for cells in (titles, ["---"] * len(titles), *rows))
 

@@ -1,4 +1,4 @@
-"""Which variants stand in which table: contact model, stepper and options of Newton's method."""
+"""Variants of each table: contact model, integrator and options of Newton's method."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PaperVariant:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What makes it the same run as another one."""
+        """Key of a run: equal for identical runs."""
         return self.body, self.method, self.options, self.full, self.short
 
 
@@ -47,7 +47,7 @@ def sparse(jacobian: str = "exact") -> tuple[tuple[str, Any], ...]:
 
 
 def implicit() -> list[str]:
-    """Steppers of the vehicle that are neither ODE23 nor ODE45."""
+    """Integrators other than ODE23 and ODE45."""
     return [name for name in METHODS if name not in ("ode23", "ode45")]
 
 
@@ -62,7 +62,7 @@ def both_forms(method: str) -> list[PaperVariant]:
 
 
 def lacking() -> list[PaperVariant]:
-    """Rows that the paper has not."""
+    """Rows that the paper does not have."""
     return [
         *(
             PaperVariant("Eq. (15), ODE23, LU", body, "ode23", LU)

@@ -1,1 +1,1 @@
-"""Vehicle runs at the edge of what the models can do."""
+"""Vehicle runs at the limits of the models."""

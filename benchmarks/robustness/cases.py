@@ -1,4 +1,4 @@
-"""Runs that a simulation of a wagon must survive, or end with a word on why it cannot go on."""
+"""Runs that must complete, or end with a reason."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ OF_ELEMENTS = ("laws", "surface_size", "strips", "cells")  # keys that the stand
 @dataclass(frozen=True)
 class RobustnessCase:
     """A run: radius m and cant m of the curve after `tangent` and `transition` m, seed of irregularities of the class
-    high or None, rates m/s or rad/s by coordinate that the wagon starts with beside its equilibrium; whether a run at a
-    tenth of the tolerances is set beside it; s of wall time that it gets, if more than others.
+    high or None, initial rates m/s or rad/s by coordinate, added to the equilibrium; whether it is compared with a run
+    at a tenth of the tolerances; time limit s if different from the default.
     """
 
     name: str
@@ -50,7 +50,7 @@ class RobustnessCase:
 
     @property
     def span(self) -> tuple[float, float]:
-        """s; without other word up to 120 m into the curve."""
+        """s; by default up to 120 m into the curve."""
         return 0.0, self.seconds or (self.tangent + self.transition + 120.0) / self.speed
 
     def track(self) -> Track:
@@ -67,7 +67,7 @@ class RobustnessCase:
         return Track(smooth.curvature, smooth.lift, smooth.gradient, smooth.base, uneven)
 
     def start(self, wagon: Wagon, contact: VehicleContact) -> Array | None:
-        """The state after the kick, if there is one."""
+        """Initial state with the additional rates, if any."""
         if not self.kick:
             return None
         state = equilibrium(Dynamics(wagon, self.track(), contact, self.speed)).state
@@ -94,7 +94,7 @@ def contact_of(model: str, friction: float) -> WheelsetContact:
 
 
 def cases() -> list[RobustnessCase]:
-    """All of them, cheap ones first."""
+    """All cases, in ascending order of cost."""
     found: list[RobustnessCase] = []
     for model in (STANDARD, ELASTIC):
         cheap = model == STANDARD

@@ -1,4 +1,4 @@
-"""What a run came to: extremes, time in the air, energy, and whether anything of it went astray unnoticed."""
+"""Diagnostics of a run: extremes, time without contact, energy, undetected errors."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ APART = {"y": 2e-4, "roll": 1e-3, "end": 0.01}
 
 @dataclass(frozen=True)
 class Findings:
-    """Of one run: metres, smallest wheel load N, largest Y/Q, seconds with a wheel off its rail, largest |y| of the
-    wheelset m and roll of the car body rad, mean of the vertical forces over what the track asks for, error of the
-    energy balance; sane: nothing, or what is wrong.
+    """Of one run: metres, smallest wheel load N, largest Y/Q, seconds with an unloaded wheel, largest |y| of the
+    wheelset m and roll of the car body rad, mean of the vertical forces over the expected one, error of the energy
+    balance; sane: nothing, or what is wrong.
     """
 
     metres: float
@@ -78,7 +78,7 @@ def _integral(values: Array | list[float], time: Array) -> float:
 
 
 def said(status: str) -> bool:
-    """Whether a run that stopped tells what happened to the wagon."""
+    """Whether the status of a run that ended early names what happened to the wagon."""
     return "overturns" in status or "left the rails" in status
 
 
@@ -94,8 +94,8 @@ def _mean_load(history: History, wagon: Wagon, track: Track) -> float:
 
 
 def apart(one: History, other: History) -> dict[str, float]:
-    """RMS difference of the wheelset's y m and the car body's roll rad over the time that both have come through, and
-    of their ends as a share.
+    """RMS difference of the wheelset's y m and the car body's roll rad over the common time, and relative difference of
+    the ends.
     """
     end = min(one.time[-1], other.time[-1])
     even: Array = np.linspace(one.time[0], end, 2001)

@@ -1,4 +1,6 @@
-"""Runs at the edge and beyond: fast, slippery, rough, a wheel in the air, overturning. None may go astray unseen."""
+"""Runs at the limits and beyond: high speed, low friction, irregular track, wheel lift, overturning. No error may
+remain undetected.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ PATIENCE = 25.0  # s of wall time that a run gets
 
 @dataclass(frozen=True)
 class Done:
-    """A case that was run: history, findings, wall time s, and how far a run at tighter tolerances is from it."""
+    """A case with its history, findings, wall time s, and difference from a run at tighter tolerances."""
 
     case: RobustnessCase
     history: History
@@ -42,8 +44,8 @@ class Done:
 
 
 def run(case: RobustnessCase, rtol: float = RTOL) -> History:
-    """Rows at accepted steps; the right-hand contact of elastic bodies in a process of its own. A run that takes too
-    long is interrupted.
+    """Run with rows at accepted steps; the right-hand contact of elastic bodies is solved in a separate process.
+    Interrupted at the time limit.
     """
     patience = case.patience or PATIENCE * RTOL / rtol
     until = perf_counter() + patience
@@ -64,7 +66,7 @@ def run(case: RobustnessCase, rtol: float = RTOL) -> History:
 
 
 def examined(case: RobustnessCase) -> Done:
-    """Run, and run again where that is asked for."""
+    """Runs a case, and repeats it at tighter tolerances if required."""
     began = perf_counter()
     history = run(case)
     seconds = perf_counter() - began
@@ -99,7 +101,9 @@ def row(done: Done) -> dict[str, str]:
 
 
 def draw(runs: list[Done], path: Path) -> None:
-    """Wheel loads of a run through a lift, one that overturns and one on rough rails, of each contact."""
+    """Wheel loads of a run with wheel lift, of an overturning one and of one on irregular track, for each contact
+    model.
+    """
     import matplotlib
 
     matplotlib.use("Agg")

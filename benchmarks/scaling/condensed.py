@@ -33,11 +33,11 @@ TASKS: dict[str, LinearSolver | None] = {"normal": None, "rolling, LU": "lu", "r
 
 
 def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> Iterator[Row]:
-    """Rows of one number of points, task by task: median seconds, by phase, MB of one solve, errors in % of the load
-    and of mu F_n.
+    """Rows for one number of points, by task: median seconds, by phase, MB of one solve, errors in % of the load and of
+    mu F_n.
 
-    At the approach that Hertz's load needs on these bodies. A solve of less than AGAIN seconds is repeated, and memory
-    is then traced apart from time.
+    Computed at the approach for Hertz's load on these bodies. Solves of less than AGAIN seconds are repeated; memory is
+    traced separately from time.
     """
     curve = reference("creep_curves")["curves"][CURVE]
     _, xi, eta, phi, *known = [case for case in curve["cases"] if case[0] == "mixed"][CASE]
@@ -86,7 +86,7 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
 def timed(
     model: Callable[..., ContactResult], depth: float, motion: RigidMotion
 ) -> tuple[ContactResult, float, dict[str, float], float]:
-    """Result, median seconds, those by phase, and MB allocated at most during one solve."""
+    """Result, median seconds, those by phase, and peak MB allocated during one solve."""
     pose = hertz_pose(depth)
     found: list[tuple[float, dict[str, float]]] = []
 

@@ -1,4 +1,4 @@
-"""From how many contact points on BiCGStab would beat LU, and products by FFT the dense ones."""
+"""Number of contact points from which BiCGStab would be faster than LU, and FFT products than dense ones."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from benchmarks.common.power_law import crossover
 
 
 def crossovers(points: Sequence[Row], floors: Sequence[Row]) -> str:
-    """From how many points on another way is the cheaper one.
+    """Number of points from which each alternative is cheaper.
 
-    LU by the steps of the tangential Newton alone, which are what friction adds to those of the normal problem. By FFT
-    only where the cells of a patch are equal.
+    LU: steps of the tangential Newton iteration only, the additional cost of friction. FFT: only for patches with equal
+    cells.
     """
     lines = ["\n## Crossovers, in contact points\n"]
     by = grouped(points, "family", "task")

@@ -33,7 +33,7 @@ METHODS: dict[str, tuple[str, str, str]] = {  # Krylov method, preconditioner, p
 
 def elastic(*, method: str, across: int) -> Iterator[Row]:
     """One solve: seconds of assembly, set-up and solution, iterations, MB of all ranks, relative residual, and error of
-    the work against a half-space in %.
+    the work relative to a half-space in %.
     """
     world = MPI.COMM_WORLD
     domain = _spread(across)
@@ -70,7 +70,7 @@ def elastic(*, method: str, across: int) -> Iterator[Row]:
 
 
 def _spread(across: int) -> Any:
-    """The mesh over all ranks, read on the first."""
+    """The mesh distributed over all ranks, read on the first."""
     world, cells, points = MPI.COMM_WORLD, np.empty((0, 4), dtype=np.int64), np.empty((0, 3))
     if world.rank == 0:
         solid = body(across)
@@ -96,7 +96,7 @@ def _assembled(domain: Any, space: Any) -> tuple[Any, Any]:
 
 
 def _solver(method: str, matrix: Any) -> Any:
-    """Solver of PETSc, set up; what is incomplete works on every rank's own block."""
+    """Solver of PETSc, set up; incomplete factorisations are local to each rank."""
     krylov, kind, package = METHODS[method]
     solver = PETSc.KSP().create(matrix.comm)
     solver.setOperators(matrix)

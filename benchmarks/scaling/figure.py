@@ -1,4 +1,4 @@
-"""The figure of the scaling benchmark: time over contact points, memory and error beside it, and over unknowns."""
+"""Figure of the scaling benchmark: time, memory and error over contact points, and time over unknowns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from benchmarks.common.measurement import Row
 from benchmarks.common.measurement_tables import grouped
 
-# Okabe and Ito's colours: told apart with any colour vision, and markers besides
+# Okabe and Ito's colours, distinct for all colour vision; markers in addition
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 STROKES = ("o-", "s--", "^:")
 
@@ -17,7 +17,7 @@ STROKES = ("o-", "s--", "^:")
 def draw(
     path: Path, points: Sequence[Row], floors: Sequence[Row], elastic: Sequence[Row], newton: Sequence[Row]
 ) -> None:
-    """Whatever was measured."""
+    """Draws all measured rows."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,4 +1,6 @@
-"""Contact of all displacements, eq. (12), by number of unknowns: Newton and BiCGStab with several preconditioners."""
+"""Contact with all nodal displacements, eq. (12), by number of unknowns: Newton and BiCGStab with several
+preconditioners.
+"""
 
 from __future__ import annotations
 
@@ -28,10 +30,10 @@ METHODS: dict[str, tuple[Preconditioner, str]] = {
 
 
 def newton(*, method: str, across: int, friction: bool) -> Iterator[Row]:
-    """One contact: seconds of assembly, set-up of the preconditioner and solution, Newton and BiCGStab iterations,
-    MB, errors of the load and of the creep force in % of Hertz and of CONTACT.
+    """One contact: seconds of assembly, set-up of the preconditioner and solution, Newton and BiCGStab iterations, MB,
+    errors of the load and of the creep force in % of Hertz and of CONTACT.
 
-    Without friction under a nearly exact law, with friction under the paper's.
+    Frictionless with a nearly exact law, with friction with the paper's laws.
     """
     known, package = METHODS[method]
     laws = ContactLaws.penalty(FRICTION) if friction else ContactLaws(STIFF, 0.0)
@@ -67,7 +69,7 @@ def newton(*, method: str, across: int, friction: bool) -> Iterator[Row]:
 
 
 def _prepared(model: FullContact, package: str) -> None:
-    """Preconditioner set up before the solve, by another package if one is named."""
+    """Preconditioner set up before the solve, by another package if named."""
     pc = model.solver.krylov_solver.getPC()
     if package == "mumps":
         pc.setFactorSolverType(package)

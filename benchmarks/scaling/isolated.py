@@ -1,4 +1,4 @@
-"""One measurement in a process of its own, with a limit on time and memory: what fails there is a row, not the end.
+"""One measurement in a separate process with limits on time and memory; a failure becomes a row of the table.
 
 python -m benchmarks.scaling.isolated KIND JSON, under mpirun for several ranks; prints a line of JSON per row.
 """
@@ -29,7 +29,7 @@ MPI = {  # Open MPI as root, two ranks on whatever cores there are
 
 
 def rows(kind: str, given: Row, *, seconds: float, ranks: int = 1) -> list[Row]:
-    """Rows of a case, each with what was given; the last one holds `failed` with the reason should it not end well."""
+    """Rows of a case with their input; the last one holds `failed` with the reason if the case failed."""
     command = [sys.executable, "-m", "benchmarks.scaling.isolated", kind, json.dumps(given)]
     if ranks > 1:
         command = ["mpirun", "-n", str(ranks), *command]
@@ -61,7 +61,7 @@ def rows(kind: str, given: Row, *, seconds: float, ranks: int = 1) -> list[Row]:
 
 
 def _end(process: subprocess.Popen[str]) -> None:
-    """End a case and, under mpirun, its ranks."""
+    """Ends a case and, under mpirun, its ranks."""
     for sent in (signal.SIGTERM, signal.SIGKILL):
         try:
             os.killpg(process.pid, sent)
@@ -74,7 +74,7 @@ def _end(process: subprocess.Popen[str]) -> None:
 
 
 def _reason(errors: str, code: int) -> str:
-    """Why a case ended, in few words."""
+    """Short reason why a case ended."""
     told = [line for line in errors.splitlines() if "Error" in line or "error" in line]
     if "MemoryError" in errors or "Out of memory" in errors or "bad_alloc" in errors or "allocate" in errors:
         return f"out of memory ({GIGABYTES:g} GB)"
@@ -82,7 +82,7 @@ def _reason(errors: str, code: int) -> str:
 
 
 def cases(kind: str, given: Row) -> Iterator[Row]:
-    """What a case measures, row by row."""
+    """Rows of a case, as they are measured."""
     if kind == "points":
         from benchmarks.scaling.condensed import solves
 
@@ -103,7 +103,7 @@ def cases(kind: str, given: Row) -> Iterator[Row]:
 
 
 def main() -> None:
-    """Measure one case."""
+    """Measures one case."""
     kind, given = sys.argv[1], json.loads(sys.argv[2])
     ranks = int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1")))
     limit = int(GIGABYTES / ranks * 2**30)

@@ -1,4 +1,4 @@
-"""What a condensed solve cannot do without, or could: dgesv, the gather of a matrix, products dense and by FFT."""
+"""Lower bounds of the cost of a condensed solve: dgesv, assembly of a matrix, dense and FFT products."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def floor(n: int) -> Row:
 
 
 def _dense(random: np.random.Generator, n: int) -> dict[str, float]:
-    """LU of two components and of one, the gather of n^2 numbers from a table, and the product with two components."""
+    """LU of two components and of one, assembly of n^2 numbers from a table, and the product with two components."""
     matrix, vector = random.standard_normal((2 * n, 2 * n)), random.standard_normal(2 * n)
     matrix[np.arange(2 * n), np.arange(2 * n)] += 4 * n
     table, place = matrix[:n, :n].ravel(), np.arange(n * n).reshape(n, n)
@@ -50,7 +50,7 @@ def _dense(random: np.random.Generator, n: int) -> dict[str, float]:
 
 
 def best(call: Callable[[], object]) -> float:
-    """Smallest seconds of some calls."""
+    """Smallest seconds of repeated calls."""
     found: list[float] = []
     began = perf_counter()
     while not found or (len(found) < MOST and perf_counter() - began < ENOUGH):

@@ -1,4 +1,4 @@
-"""What is measured: sizes by family, task, method and ranks; a series ends where a case fails."""
+"""Measurements: sizes by family, task, method and ranks; a series ends at the first failure."""
 
 from __future__ import annotations
 
@@ -63,13 +63,13 @@ def point_rows(quick: bool, say: Say) -> Iterator[Row]:
 
 
 def floor_rows(quick: bool, say: Say) -> Iterator[Row]:
-    """Floors of the same run."""
+    """Lower bounds for the same numbers of points."""
     say("floors")
     yield from rows("floor", {"sizes": QUICK_SIZES if quick else SIZES}, seconds=POINTS_LIMIT)
 
 
 def full_rows(kind: str, quick: bool, say: Say) -> Iterator[Row]:
-    """Elastic solves ("elastic") or contact solves ("newton") of all displacements."""
+    """Elastic solves ("elastic") or contact solves ("newton") with all nodal displacements."""
     series: list[tuple[Row, int, tuple[int, ...]]] = [
         ({"method": method}, ranks, all_across) for (method, ranks), all_across in ELASTIC.items()
     ]

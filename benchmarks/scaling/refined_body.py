@@ -1,4 +1,4 @@
-"""The Hertz pair and the family of meshes, refined alike everywhere, on which all displacements are unknowns."""
+"""The Hertz pair and its family of uniformly refined meshes for solves with all nodal displacements."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def depth() -> float:
 
 
 def body(across: int) -> Solid:
-    """Block with so many elements across the patch; elements grow from the surface with a slope that falls alike."""
+    """Block with a number of elements across the patch; the element growth from the surface is refined alike."""
     size = PAIR.size(across)
     half = int(np.ceil(np.sqrt(1.5 * PAIR.exact.approach * 2 * PAIR.upper[0]) / size)) + 1
     units, _ = block((half + 2, half), half_width=HALF_WIDTH * across / 2, grading=Grading(0.5, 1.0 / across))
@@ -33,7 +33,7 @@ def body(across: int) -> Solid:
 
 
 def pair(across: int, laws: ContactLaws, options: FullOptions) -> FullContact:
-    """Contact of all displacements of two such blocks."""
+    """Contact of two such blocks with all nodal displacements."""
     solid = body(across)
     geometry = QuadricPair(ContactGrid.on(solid, 1), PAIR.upper, PAIR.lower)
     return FullContact(geometry, ElasticBody(solid, STEEL), ElasticBody(solid, STEEL), laws, options=options)

@@ -1,8 +1,8 @@
-"""Time and memory beside error as contacts grow: `condensed` by contact points, `full` by unknowns.
+"""Time, memory and error by size: `condensed` by contact points, `full` by unknowns.
 
 python -m benchmarks.scaling.report [--quick] [--only points,elastic,newton] [--picture FILE] [--json FILE]
 
-Every case runs in a process of its own, with a limit on time and memory. A series ends where a case fails.
+Every case runs in a separate process with limits on time and memory. A series ends at the first failure.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ PARTS = ("points", "elastic", "newton")
 
 
 def progress(line: str) -> None:
-    """One line that is overwritten, on terminals only."""
+    """Overwrites one line, on terminals only."""
     if sys.stderr.isatty():
         print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
 
 
 def measured(parts: list[str], *, quick: bool) -> dict[str, list[Row]]:
-    """Rows of all kinds, each table printed as soon as it is there."""
+    """Rows of all kinds; each table is printed when complete."""
     found: dict[str, list[Row]] = {"points": [], "floor": [], "elastic": [], "newton": []}
     if "points" in parts:
         found["floor"] = list(floor_rows(quick, progress))
@@ -63,7 +63,7 @@ def measured(parts: list[str], *, quick: bool) -> dict[str, list[Row]]:
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measures and prints."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.scaling.report",
         description=__doc__,
@@ -71,13 +71,13 @@ def main() -> None:
     )
     parser.add_argument("--quick", action="store_true", help="small sizes only")
     parser.add_argument("--only", default=",".join(PARTS), metavar="PARTS", help="of points,elastic,newton (all)")
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw a figure, too")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write everything to a file, too")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="file for the figure")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all data to a file")
     given = parser.parse_args()
     parts = given.only.split(",")
     if unknown := set(parts) - set(PARTS):
         parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended"))  # takes the running case with it
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended"))  # ends the running case, too
     machine, began = stated(), perf_counter()
     print(machine, flush=True)
     found = measured(parts, quick=given.quick)

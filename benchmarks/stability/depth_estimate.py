@@ -1,8 +1,8 @@
-"""Depth at which a wheel carries about a load: virtual penetration, Piotrowski and Kik 2008,
-doi:10.1080/00423110701586444. A stress test needs a spread of loads, not the exact ones.
+"""Depth at which a wheel carries approximately a load: virtual penetration, Piotrowski and Kik 2008,
+doi:10.1080/00423110701586444. A stress test needs a range of loads, not exact ones.
 
-Half-spaces carry about that load there, 0.8 to 1.5 times as much. Wheel and rail give way sideways, so that the same
-pose on a flange loads them less, down to a twentieth.
+The load of half-spaces at this depth is 0.8 to 1.5 times the given one. Lateral compliance of wheel and rail reduces it
+for the same pose on a flange, down to a twentieth.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from wheelrail.contact.models.fitted.surfaces import ProfileStrips
 from wheelrail.meshes.bodies.solids import wheel_touches
 from wheelrail.meshes.profiles.named import named_profile
 
-PENETRATION = 0.55  # of the overlap
+PENETRATION = 0.55  # of the maximum penetration
 FIRST, LAST = wheel_touches(named_profile("S1002"))
 LINES = np.linspace(FIRST, LAST, 400)  # m of the wheel's arc
 LOWEST, HIGHEST = -0.05, 0.02  # m, of the depth
-DEEPEST = 1e-3  # m of overlap
+DEEPEST = 1e-3  # m of penetration
 
 
 class NoDepth(ValueError):
-    """The load has no depth within the profiles."""
+    """No depth within the profiles carries the load."""
 
 
 def depth_for(case: SampledCase) -> float:
@@ -52,7 +52,7 @@ def depth_for(case: SampledCase) -> float:
 
 
 def overlap_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, float]]) -> float:
-    """Largest undeformed overlap outside lateral bands [m] of the wheel's profile over that inside, or a line aside."""
+    """Largest penetration outside lateral bands [m] of the wheel's profile over that inside, or a line next to them."""
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
     overlap = surfaces.ridge(pose, LINES).overlap
     y = surfaces.wheel.point(LINES)[:, 0]

@@ -1,4 +1,4 @@
-"""What must hold of any converged contact: laws, balance, dissipation, each as a figure that should be tiny."""
+"""Invariants of every converged contact: laws, equilibrium, dissipation, each as a value that must be small."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ G = Material().E / (2 + 2 * Material().nu)  # Pa
 
 
 def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, float]:
-    """Figures by name, see LIMITS.
+    """Values by name, see LIMITS.
 
-    residual of the solve; force and moment (about the wheel's own origin) of the result less those of the tractions
-    on the rail, turned round, over load and load times a metre; the patches' forces less the result's; pull, the
-    largest tension over the peak pressure; friction, traction beyond mu p over mu times the peak; law, the largest
-    q max(|s|, eps) + mu p s, and work, the largest q . s > 0, over mu times the peak times the largest slip, or the
-    strain that mu times the peak makes; penetration at loaded and open points over the approach, exact law only;
-    missed, the largest undeformed overlap outside all patches over that inside: pressure lowers a surface nowhere more
-    than where it acts. All infinite without any pressure: where these bodies overlap, some of it must carry.
+    residual of the solve; force and moment (about the wheel's origin) of the result minus the opposite of those of the
+    tractions on the rail, over load and load times a metre; the patches' forces minus the result's; pull, the largest
+    tension over the peak pressure; friction, traction beyond mu p over mu times the peak; law, the largest q max(|s|,
+    eps) + mu p s, and work, the largest q . s > 0, over mu times the peak times the largest slip, or the strain due to
+    mu times the peak; penetration at loaded and open points over the approach, exact law only; missed, the largest
+    undeformed penetration outside all patches over that inside: pressure lowers a surface most where it acts. All
+    infinite without any pressure: penetrating bodies must carry some.
     """
     fields = result.fields
     if fields is None or not fields.pressure.any():
@@ -75,5 +75,5 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def broken(found: dict[str, float]) -> list[str]:
-    """Names of the figures that are beyond their limits."""
+    """Names of the values beyond their limits."""
     return [name for name, limit in LIMITS.items() if not found[name] <= limit]

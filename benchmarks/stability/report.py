@@ -1,4 +1,4 @@
-"""Random stress test of the contact models: which cases converge, how fast, and whether the results hold together."""
+"""Random stress test of the contact models: convergence, speed and consistency of results."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ OUTLIERS = {"force": 0.02, "area": 0.1}
 
 
 def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -> list[SolveOutcome]:
-    """Solve so many cases, or only some of them by number; those of one model together, so that few are in memory."""
+    """Solves a number of cases, or only those of some numbers, grouped by model to limit memory."""
     chosen = [case for case in cases(count, seed) if not only or case.number in only]
     chosen.sort(key=lambda case: (case.rail, case.size, np.isfinite(case.stiffness_per_area), case.number))
     found = []
@@ -42,7 +42,7 @@ def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -
 
 
 def attempt(case: SampledCase, *, twin: bool) -> SolveOutcome:
-    """The case; what no model should ever raise is a failure of that case, not the end of the test."""
+    """Solves a case; an unexpected exception is a failure of that case."""
     try:
         return solve(case, twin=twin)
     except Exception as error:
@@ -94,7 +94,7 @@ def kind(outcome: SolveOutcome) -> str:
 
 
 def trouble(outcome: SolveOutcome) -> str:
-    """What is wrong with an outcome, in a few words; nothing if nothing is."""
+    """Short description of what is wrong with an outcome; empty if nothing is."""
     if outcome.kind == "failed":
         return outcome.reason if outcome.settled else f"{outcome.reason} (cells did not settle)"
     parts = [f"{name} {outcome.figures[name]:.1e}" for name in outcome.broken]
@@ -116,13 +116,13 @@ def _spread(values: Array) -> str:
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measures and prints."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.stability.report", description=__doc__)
     parser.add_argument("--cases", type=int, default=2000, metavar="N", help="in all (2000)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the hypercube (0)")
     parser.add_argument("--only", type=int, nargs="*", default=[], metavar="NUMBER", help="these cases of all")
     parser.add_argument("--twin", type=int, default=TWIN, metavar="N", help="compare every so many cases (20; 0: none)")
-    parser.add_argument("--json", type=Path, metavar="PATH", help="write everything to a file, too")
+    parser.add_argument("--json", type=Path, metavar="PATH", help="write all data to a file")
     given = parser.parse_args()
     logging.disable(logging.WARNING)
     machine = stated()

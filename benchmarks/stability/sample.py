@@ -1,4 +1,4 @@
-"""Random poses, loads, creepages, laws and sizes of an S1002 wheel on a rail: a Latin hypercube of cases."""
+"""Randomly sampled poses, loads, creepages, laws and sizes of an S1002 wheel on a rail: a Latin hypercube."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from wheelrail.meshes.profiles.named import named_profile
 RADIUS, SPEED, WHEEL_Y = 0.46, 20.0, 0.75
 RAILS = ("60E1", "UIC60-benchmark")
 SIZES = (0.5e-3, 1e-3, 2e-3, 3e-3)
-EXACT_K = 0.6  # share of cases with the exact normal law
-EXACT_EPS = 0.4  # share of cases with Coulomb's own law
-NO_MU = 0.05  # share of cases without friction
+EXACT_K = 0.6  # fraction of cases with the exact normal law
+EXACT_EPS = 0.4  # fraction of cases with Coulomb's own law
+NO_MU = 0.05  # fraction of cases without friction
 MOST_POINTS = 700  # of a grid: heavy loads get the smallest size that needs no more
-AREA = 1.9e-7  # m2 of overlap by N^(2/3), about
+AREA = 1.9e-7  # m2 N^(-2/3), approximate area of penetration
 
 
 @dataclass(frozen=True)
@@ -73,16 +73,16 @@ class SampledCase:
 
 
 def cases(count: int, seed: int) -> list[SampledCase]:
-    """A Latin hypercube of so many cases; logarithmic in the load, stiffness and regularisation."""
+    """Latin hypercube of a number of cases; logarithmic in load, stiffness and regularisation."""
     names = ("rail", "y", "roll", "yaw", "load", "xi", "eta", "spin", "mu", "K", "eps", "size")
     unit = qmc.LatinHypercube(len(names), seed=seed).random(count)
 
     def symmetric(u: float) -> float:
-        """Creepages of all magnitudes from 1e-5 of the largest on, of both signs."""
+        """Creepages of both signs, logarithmic from 1e-5 of the largest."""
         return float(np.sign(u - 0.5) * 10 ** (5 * abs(2 * u - 1) - 5))
 
     def above(u: float, share: float) -> float:
-        """The part of u beyond a share, from 0 to 1; negative within the share."""
+        """Part of u beyond a fraction, scaled to 0 to 1; negative within the fraction."""
         return (u - share) / (1 - share)
 
     found = []
@@ -110,6 +110,6 @@ def cases(count: int, seed: int) -> list[SampledCase]:
 
 
 def _finest(load: float) -> float:
-    """The smallest size m whose grid is not too many points, load as in the unit cube."""
+    """Smallest size m whose grid has at most MOST_POINTS points, load as in the unit cube."""
     area = AREA * (100.0 * 2000.0**load) ** (2 / 3)
     return next(size for size in SIZES if area / size**2 <= MOST_POINTS)

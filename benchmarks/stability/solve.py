@@ -1,4 +1,4 @@
-"""Solves the cases of a stress test, each on its own, and keeps what came of it."""
+"""Solution of the cases of a stress test, and their outcomes."""
 
 from __future__ import annotations
 
@@ -22,17 +22,16 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
 
 TWIN_FINENESS = Resolution(16, 24)
-LEAVES = "beyond the part of its surface"  # said by models when the contact leaves what is meshed
+LEAVES = "beyond the part of its surface"  # status of models when the contact leaves the meshed surface
 LONG = "longer than what fitted cells"
 BETWEEN = "separated: the contact lies between the grid's points"
 
 
 @dataclass(frozen=True)
 class SolveOutcome:
-    """A case and what came of it: kind "converged", "no answer" (with the reason) or "failed"; seconds of the solve;
-    settled, whether the cells' ends did; load N, the vertical part of the pressure; figures of `stability_check` and
-    those beyond their limits; status of its twin, if it has one, and differences from it of force and area over
-    their size.
+    """Outcome of a case: kind "converged", "no answer" (with the reason) or "failed"; seconds of the solve; settled:
+    convergence of the patch-edge iteration; load N, the vertical part of the pressure; values of `stability_check` and
+    those beyond their limits; status of its twin, if any, and relative differences of force and area from it.
     """
 
     case: SampledCase
@@ -58,8 +57,8 @@ class SolveOutcome:
 
 
 def solve(case: SampledCase, *, twin: bool = False) -> SolveOutcome:
-    """One case, and if asked, or if its cells did not settle, an independent solution of the same: finer cells on finer
-    lines, or half the size.
+    """Solves one case and, if requested or if the patch-edge iteration did not converge, an independent twin: finer
+    cells on finer lines, or half the size.
     """
     try:
         depth = depth_for(case)
@@ -91,12 +90,12 @@ def solve(case: SampledCase, *, twin: bool = False) -> SolveOutcome:
 
 
 def legitimate(status: str) -> bool:
-    """Whether a model says that a contact is beyond what it can see, and not that it failed to solve it."""
+    """Whether a status means that the contact is beyond the range of the model, not a failed solve."""
     return LEAVES in status or LONG in status
 
 
 def carried(result: ContactResult) -> float:
-    """Vertical part N of the pressure: on a steep flange friction may carry all of the rest."""
+    """Vertical part N of the pressure; on a steep flange friction may carry the remainder."""
     fields = result.fields
     if fields is None:
         return 0.0
@@ -104,7 +103,7 @@ def carried(result: ContactResult) -> float:
 
 
 def area(result: ContactResult) -> float:
-    """Of all patches, m2."""
+    """Total area of all patches, m2."""
     return float(sum(patch.area for patch in result.patches))
 
 
@@ -123,7 +122,7 @@ def twin_of(case: SampledCase) -> ContactModel:
 
 @lru_cache(maxsize=4)
 def _pair(rail: str, size: float, grid: bool) -> Any:
-    """Model without friction, whose laws are replaced case by case."""
+    """Frictionless model, whose laws are replaced for each case."""
     laws = ContactLaws(1e15 if grid else np.inf, 0.0, 0.0)
     profiles = named_profile("S1002"), named_profile(rail)
     return wheel_rail_pair(profiles, RADIUS, (Material(), Material()), laws, Discretisation(size, bodies="waveguide"))
