@@ -65,7 +65,7 @@ class TimedRun:
     seconds: float
 
     def channels(self) -> tuple[Array, Array]:
-        """Lateral displacement of the wheelset (n,) mm and forces (n, 6) N of both wheels, after the initial transient."""
+        """Lateral displacement (n,) mm and forces (n, 6) N of both wheels, after the initial transient."""
         own = self.history.time > SETTLED
         return 1e3 * self.history.state[own, 6], self.history.outputs.force[own].reshape(-1, 6)
 
@@ -187,9 +187,7 @@ def main() -> None:
         console.print(f"{variant.name}: {runs[-1].seconds:.1f} s, {runs[-1].history.status}")
     fine, tight = runs[0], runs[0 if given.quick else 1]
     rows = [row(one, tight, fine) for one in runs]
-    print(
-        f"{stated()}\n\n{given.seconds:g} s of scenes/curve.toml; without preparation of the bodies; forces in % of the load\n"
-    )
+    print(f"{stated()}\n\n{given.seconds:g} s of scenes/curve.toml; preparation excluded; forces in % of the load\n")
     print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
     for cells in rows:
         print(f"| {' | '.join(cells)} |")

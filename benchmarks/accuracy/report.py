@@ -1,4 +1,4 @@
-"""Accuracy of the contact models compared with closed forms, Kalker's table and CONTACT, as Markdown tables and JSON."""
+"""Accuracy of the contact models: closed forms, Kalker's table and CONTACT; Markdown tables and JSON."""
 
 from __future__ import annotations
 
