@@ -84,9 +84,9 @@ def _solve(body: ElasticBody, coupling: ContactOperators, loads: Array) -> Array
     """Displacements of all unknowns by loads at the contact points."""
     from petsc4py import PETSc
 
-    from wheelrail.contact.models.full.discrete_problem import spread
+    from wheelrail.contact.models.full.discrete_problem import extended
 
-    force = np.asarray(spread(coupling, body)[0].T @ loads)
+    force = np.asarray(extended(coupling, body)[0].T @ loads)
     right = PETSc.Vec().createWithArray(force, comm=PETSc.COMM_SELF)
     left = right.duplicate()
     body.factor.solve(right, left)

@@ -128,8 +128,8 @@ def simpack(path: Path, kind: Kind) -> RawProfile:
         return _floats(path, at, [text.strip("'\"")], 1)[0]
 
     for key, allowed in (("header.type", float(kind == "wheel")), ("spline.rotate", 0.0)):
-        if (value := number_of(key, allowed)) != allowed:
-            raise ProfileError(path, header[key][0], f"{key} is {value:g}", f"{allowed:g} for a {kind}")
+        if (given := number_of(key, allowed)) != allowed:
+            raise ProfileError(path, header[key][0], f"{key} is {given:g}", f"{allowed:g} for a {kind}")
     if number_of("spline.approx.smooth", 0.0) > 0.0:
         warnings.warn(f"{path}: approx.smooth is not applied, give noise instead", stacklevel=4)
     raw = _raw(path, rows)

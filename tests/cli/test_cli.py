@@ -300,7 +300,7 @@ def test_track_is_shown_and_drawn(tmp_path: Path) -> None:
     assert "bloss" in outcome.output
     assert file.stat().st_size > 20_000
     for arguments, says in (
-        (["hertz.toml"], "this is one contact solve"),
+        (["hertz.toml"], "for a single contact use wheelrail contact"),
         (["curve.toml", "--picture", "x.gif"], "must end"),
     ):
         refused = CliRunner().invoke(app, ["track", str(SCENES / arguments[0]), *arguments[1:]])

@@ -221,11 +221,11 @@ def wheelset_scenes(t: Table) -> None:
         ("wheel load in mN", "wheel_load = 57e3", "wheel_load = 57e6", "wheelset.wheel_load = 57000000", "N"),
         ("back in mm", "1.360 ", "1360 ", "flange_back_distance = 1360", "1.360"),
         ("turns per minute", "97.82608695652173", "934", "pitch_rate = 934", "pure rolling"),
-        ("curve radius as curvature", "curvature = 0.0", "curvature = 300.0", "track.curvature = 300", "one over"),
+        ("curve radius as curvature", "curvature = 0.0", "curvature = 300.0", "track.curvature = 300", "1/radius"),
         ("wheels wider than the track", "1.360 ", "1.9 ", "wheelset.flange_back_distance = 1.9", "gauge"),
-        ("profile that is nowhere", '"S1002"', '"S1003.prw"', 'profiles.wheel = "S1003.prw"', "S1002", "exists"),
+        ("profile that is nowhere", '"S1002"', '"S1003.prw"', 'profiles.wheel = "S1003.prw"', "S1002", "existing file"),
         ("rail for a wheel", '"S1002"', '"60E1"', 'profiles.wheel = "60E1"', "S1002"),
-        ("profile as number", '"S1002"', "1002", "profiles.wheel = 1002", "a text"),
+        ("profile as number", '"S1002"', "1002", "profiles.wheel = 1002", "a string"),
     ):
         t.scene(f"wheelset: {name}", WHEELSET, old, new, *says)
 
@@ -240,7 +240,7 @@ def run_scenes(t: Table) -> None:
         ("speeds NaN", "speed = 45.0", "speed = [[0.0, 45.0], [nan, 45.0]]", "vehicle.speed[1][0] = NaN"),
         ("curve to the moon", "curve = 200.0", "curve = 1e12", "track.curve = 1000000000000", "100000 m"),
         ("length NaN", "curve = 200.0", "curve = nan", "track.curve = NaN", "m"),
-        ("cant in mm", "cant = 0.06 ", "cant = 60 ", "track.cant = 60", "60 mm are 0.06"),
+        ("cant in mm", "cant = 0.06 ", "cant = 60 ", "track.cant = 60", "60 mm is 0.06"),
         ("tolerance of nothing", "rtol = 1e-3", "rtol = 0", "solver.rtol = 0", "1e-12"),
         ("workers", "rtol = 1e-3", "rtol = 1e-3\nworkers = 200", "solver.workers = 200", "1 or 2"),
         ("wagon mass in t", "speed = 45.0", "speed = 45.0\ncar_body.mass = 32", "vehicle.car_body.mass = 32", "kg"),
@@ -313,16 +313,16 @@ def profiles(t: Table) -> None:
     for name, content, says in places():
         if name != "link to nowhere":
             t.profile(f"rail: {name}", "rail.txt", content, "cannot be read", says)
-    t.profile("rail: link to nowhere", "rail.txt", nowhere, "a file that exists")
+    t.profile("rail: link to nowhere", "rail.txt", nowhere, "an existing file")
 
 
 def irregularities(t: Table) -> None:
     good = "s, level [mm]\n" + "".join(f"{s}, 1.0\n" for s in range(200))
-    t.uneven("uneven: empty", "", "0 rows", "two at least")
+    t.uneven("uneven: empty", "", "0 rows", "at least 2")
     t.uneven("uneven: header alone", "s, level\n", "0 rows")
     t.uneven("uneven: truncated", good[:-5], "row 201", "level = ''")
     t.uneven("uneven: NaN", good.replace("7, 1.0", "7, nan", 1), "row 9", "level = 'nan'", "finite")
-    t.uneven("uneven: mm as m", good.replace(" [mm]", ""), "row 2", "level = 1.0", "2 mm are 0.002")
+    t.uneven("uneven: mm as m", good.replace(" [mm]", ""), "row 2", "level = 1.0", "2 mm is 0.002")
     t.uneven("uneven: unit", good.replace("mm", "inch"), "row 1", "inch", "m or mm")
     t.uneven("uneven: column", good.replace("level", "height"), "row 1", "height", "cross_level")
     t.uneven("uneven: backwards", good.replace("\n7,", "\n3,", 1), "row 9", "s = 3", "greater than 6")
@@ -375,21 +375,21 @@ def studies(t: Table) -> None:
     t.study("mesh in mm", "[[together]]\nsurface_size = [1e-3, 0.5]\n", "together[0].surface_size[1] = 0.5", "0.5e-3")
     t.study("unknown key", "[grid]\nlaod = [1e4, 2e4]\n", "grid.laod: unknown key; did you mean load?")
     t.study("unknown inner key", "[grid]\nupper.radi = [[1, 1]]\n", "grid.upper.radi: unknown key", "upper.radii")
-    t.study("key below a number", "[grid]\nload.x = [1]\n", "grid.load.x: unknown key", "no table")
+    t.study("key below a number", "[grid]\nload.x = [1]\n", "grid.load.x: unknown key", "tables and arrays")
     t.study("place beyond an array", '[grid]\n"creepage.7" = [1e-3]\n', "grid.creepage.7: unknown key")
-    t.study("key of nothing", '[grid]\n"" = [1e4]\n', 'grid: "" is no key')
-    t.study("value twice", "[grid]\nload = [1e4, 2e4, 1e4]\n", "grid", "load: 10000.0 is listed twice")
+    t.study("key of nothing", '[grid]\n"" = [1e4]\n', 'grid: "": must be a dotted key')
+    t.study("value twice", "[grid]\nload = [1e4, 2e4, 1e4]\n", "grid", "load: 10000.0 must be listed once")
     grid = "".join(
         f"{name} = [{', '.join(str(k * i) for i in range(1, 201))}]\n" for name, k in (("load", 1), ("speed", 0.1))
     )
-    t.study("too many cases", "[grid]\n" + grid, "40000 cases (200 load x 200 speed)", "10000 at most")
+    t.study("too many cases", "[grid]\n" + grid, "40000 cases (200 load x 200 speed)", "at most 10000")
     values = ", ".join(f"{1e-5 * i:.5f}" for i in range(9999))
     late = f"[grid]\nfriction = [{values}, 3.0]\n"
     t.study("the last of 10 000 values", late, "grid.friction[9999] = 3.0", "0 to 2", scene=CURVE)
-    t.study("kind", "[grid]\nkind = ['hertz', 'run']\n", "grid: kind cannot be varied")
+    t.study("kind", "[grid]\nkind = ['hertz', 'run']\n", "grid: kind: must not be varied")
     t.study("set in per cent", "[set]\nfriction = 30\n" + loads, "set.friction = 30", "0 to 2")
     t.study("set unknown", "[set]\nfrictoin = 0.3\n" + loads, "set.frictoin: unknown key; did you mean friction?")
-    t.study("without what is not there", 'without = ["strips"]\n' + loads, "without: strips", "the scene has")
+    t.study("without what is not there", 'without = ["strips"]\n' + loads, "without: strips", "of the scene")
     t.study(
         "together of unequal lengths", "[[together]]\nload = [1e4, 2e4]\nspeed = [1.0]\n", "load has 2, speed has 1"
     )
@@ -408,14 +408,14 @@ def studies(t: Table) -> None:
     t.study("scale of no name", cube + 'load = {low = 1, high = 2, scale = "sq"}\n', f'{between}scale = "sq"', '"log"')
     t.study("range as array", cube + "load = [1, 2]\n", "latin_hypercube.ranges.load = [1, 2]", "low, high")
     t.study("range in GN", cube + "load = {low = 1e9, high = 2e9}\n", "latin_hypercube.ranges.load = 1", "1e+08 N")
-    t.study("twice", loads + cube + "load = {low = 1, high = 2}\n", "grid", "load is named twice")
+    t.study("twice", loads + cube + "load = {low = 1, high = 2}\n", "grid", "load: must be named once")
     errors = loads + "[convergence]\n"
     t.study("convergence of nothing", errors + 'over = "strips"\nreference = "hertz"\n', 'over = "strips"', "load")
     t.study("convergence without reference", errors, "convergence.reference: missing", '"hertz"')
     t.study("reference of no name", errors + 'reference = "exact"\n', 'reference = "exact"', '"hertz"')
-    t.study("reference of another key", errors + "reference = {speed = 1}\n", "must have values for load")
+    t.study("reference of another key", errors + "reference = {speed = 1}\n", "must have exactly the keys load")
     t.study("reference of a wrong type", errors + 'reference = {load = "x"}\n', 'convergence.reference.load = "x"', "N")
-    t.study("reference among the values", errors + "reference = {load = 1e4}\n", "must not be among the values")
+    t.study("reference among the values", errors + "reference = {load = 1e4}\n", "must not be one of the values")
     for workers in ("0", "2000", "1.5", '"2"'):
         text = f"workers = {workers}\n" + loads
         t.study(f"workers = {workers}", text, f"workers = {workers}", "a whole number from 1 to 1024")
@@ -426,8 +426,8 @@ def studies(t: Table) -> None:
         "speed 1000 times", "[grid]\nvehicle.speed = [45, 45e3]\n", "grid.vehicle.speed[1] = 45000", "m/s", scene=run
     )
     t.study("scene missing", 'kind = "study"\n' + loads, "scene: missing")
-    t.study("scene nowhere", 'kind = "study"\nscene = "none.toml"\n' + loads, 'scene = "none.toml"', "exists")
-    t.study("scene as folder", 'kind = "study"\nscene = "."\n' + loads, 'scene = "."', "must be the file")
+    t.study("scene nowhere", 'kind = "study"\nscene = "none.toml"\n' + loads, 'scene = "none.toml"', "existing")
+    t.study("scene as folder", 'kind = "study"\nscene = "."\n' + loads, 'scene = "."', "existing scene file")
     t.study("scene as number", 'kind = "study"\nscene = 3\n' + loads, "scene = 3")
     t.study("scene is the study", 'kind = "study"\nscene = "study.toml"\n' + loads, "kind = 'study'", "'hertz'")
     t.study("scene of no TOML", loads, "not valid TOML", scene="hertz\n", where="scene.toml")
@@ -485,7 +485,7 @@ def views(t: Table) -> None:
     t.option("view: side", (*view, "a.png", "--side", "up"), ("--side up", "left or right"), **{"scene.toml": WHEELSET})
     t.option("view: standard", (*view, "a.png"), ("standard", '"condensed"'), **{"scene.toml": standard(WHEELSET)})
     t.option("view: a run", (*view, "a.png"), ('kind = "run"', "wheelrail animate"))
-    t.option("film: no run", (*film, "a.mp4"), ("run.nc: no such file",))
+    t.option("film: no run", (*film, "a.mp4"), ("run.nc: file does not exist",))
     t.option("film: suffix", (*film, "a.avi"), ("--out a.avi", ".mp4, .gif"))
     t.option("film: no folder", (*film, "none/a.mp4"), ("--out none/a.mp4", "folder"))
     t.option("film: no frames", (*film, "a.mp4", "--frames", "0"), ("--frames", "1"))

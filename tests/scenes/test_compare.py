@@ -154,7 +154,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert first.exit_code == 0, first.output
     assert models == ["condensed", "standard"]
     assert "wheelset y" in first.stdout
-    assert first.stdout.count("energy balances within") == 2
+    assert first.stdout.count("error of the energy balance") == 2
     report = json.loads((out / "differences.json").read_text())
     assert (report["first"], report["second"]) == ("condensed", "standard")
     assert all(0.0 < error < 1e-2 for error in report["energy_balance_error"])
@@ -170,8 +170,8 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_cannot_be_compared(tmp_path: Path) -> None:
     for arguments, says in (
-        ([str(FOLDER / "hertz.toml")], "no vehicle run"),
-        ([str(FOLDER / "curve.toml"), "--with", "condensed"], "nothing to compare it with"),
+        ([str(FOLDER / "hertz.toml")], 'must be "run"'),
+        ([str(FOLDER / "curve.toml"), "--with", "condensed"], "must differ"),
         ([str(FOLDER / "curve.toml"), "--with", "simple"], "model"),
         ([str(FOLDER / "curve.toml"), "--with", "full"], "only with points"),
     ):

@@ -406,7 +406,7 @@ def test_ctrl_c_in_a_comparison(tmp_path: Path) -> None:
     third = stopped(tmp_path, "", *line)
     assert [status for status, _ in (first, second, third)] == [130, 130, 0], (first, second, third)
     assert not any("Traceback" in said for _, said in (first, second, third))
-    assert third[1].count("holds this run already") == 2
+    assert third[1].count("already contains this run") == 2
     assert not list((tmp_path / "out").rglob(f"{PART}*"))
 
 

@@ -249,8 +249,8 @@ def test_picture_of_patches(tmp_path: Path) -> None:
     panels = [ax for ax in figure.axes if ax.get_title(loc="left") or ax.get_title()]
     assert [ax.get_title(loc="left") or ax.get_title() for ax in panels] == ["left wheel: 10 kN", "right wheel: 10 kN"]
     for ax in panels:
-        assert ax.get_xlabel().splitlines()[0] == "along, forward [mm]"
-        assert ax.get_ylabel() == "across, to the left [mm]"
+        assert ax.get_xlabel().splitlines()[0] == "longitudinal, positive forward [mm]"
+        assert ax.get_ylabel() == "lateral, positive to the left [mm]"
         assert "30 MPa" in ax.get_xlabel() or "60 MPa" in ax.get_xlabel()
-    with pytest.raises(ValueError, match="nothing touches"):
+    with pytest.raises(ValueError, match="not in contact"):
         draw_patches(contact_dataset({"left": ContactResult.separated()}, ContactLaws()), tmp_path / "none.png")

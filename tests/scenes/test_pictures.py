@@ -68,13 +68,13 @@ def test_slip_arrows_are_in_the_slip_region_and_against_the_traction(data: Datas
     alone = [a for a in traction_map(data, "left", slip=False).collections if isinstance(a, Quiver)]
     assert len(alone) == 1
     regions = {text.get_text().split(",")[0] for text in traction_map(data, "left").get_legend().get_texts()}
-    assert regions == {"sticks", "slips"}
+    assert regions == {"stick", "slip"}
 
 
 def test_the_section_goes_through_the_middle_beside_hertz(data: Dataset) -> None:
     ax = section(data, "x", side="right")
     lines = {str(line.get_label()).split(",")[0]: line for line in ax.lines}
-    assert set(lines) == {"pressure", "traction", "friction times pressure", "Hertz"}
+    assert set(lines) == {"pressure", "traction", "friction bound", "Hertz"}
     peak = 1e-6 * data["patch_max_pressure"].sel(side="right").values[0]
     assert lines["pressure"].get_ydata().max() == pytest.approx(peak, rel=0.05)
     assert (np.diff(lines["pressure"].get_xdata()) > 0.0).all()
@@ -100,7 +100,7 @@ def test_contact_points_lie_on_wheel_and_rail(data: Dataset, side: str) -> None:
 
 
 def test_a_side_or_a_patch_that_is_not_there_is_named(data: Dataset) -> None:
-    with pytest.raises(ValueError, match="side = 'inner', patch = 0: no such patch; there is side = 'left'"):
+    with pytest.raises(ValueError, match="side = 'inner', patch = 0: must be side = 'left'"):
         pressure_map(data, "inner")
     with pytest.raises(ValueError, match="must be 'left' or 'right'"):
         profiles_in_contact(data, "inner")
@@ -113,7 +113,7 @@ def test_slopes_are_fitted_and_named() -> None:
     points, line = ax.lines[:2]
     np.testing.assert_allclose(points.get_ydata(), 3.0 * np.square(size))
     np.testing.assert_allclose(line.get_ydata(), 3.0 * np.square([size[0], size[-1]]))
-    with pytest.raises(ValueError, match="2 errors for 3 places"):
+    with pytest.raises(ValueError, match="2 errors for 3 sizes"):
         convergence(size, {"short": [1.0, 2.0]})
 
 

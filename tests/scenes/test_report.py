@@ -199,14 +199,14 @@ def test_a_run_says_what_it_was(run_page: str) -> None:
     assert machine() in page.text
     assert "completed at 90.0 m" in page.text
     assert "numpy 1." in page.text or "numpy 2." in page.text
-    assert page.text.count("10 s of the paper's curve with the exact laws") == 2  # the lead, and the scene
+    assert page.text.count("10 s of the curve of the paper with the exact laws") == 2  # the lead, and the scene
     assert "wheelrail run scenes/curve.toml" in page.text  # the scene as it was written
     assert "curve <1>" in page.text  # its name, harmless
     rows = {row[0]: row[1:] for row in page.rows}
     assert rows["steps rejected"] == ["2"]
     assert rows["contact problems solved"] == ["300", "301"]
-    assert rows["lateral force Y, largest either way [kN]"] == ["0", "0.0", "-20", "90.0"]
-    assert rows["vertical force Q, least [kN]"][:2] == ["37", "90.0"]
+    assert rows["lateral force Y, largest magnitude [kN]"] == ["0", "0.0", "-20", "90.0"]
+    assert rows["vertical force Q, minimum [kN]"][:2] == ["37", "90.0"]
 
 
 def test_a_page_is_one_file_and_can_be_read_by_ear(run_page: str) -> None:
@@ -230,7 +230,7 @@ def test_extremes_are_those_of_the_data() -> None:
     one = data.sel(side="right")
     quotient = np.abs(one["lateral_force"].values / one["vertical_force"].values)
     cells = dict(zip([row[0] for row in wheel_table(data).rows], wheel_table(data).rows, strict=True))
-    assert float(cells["|Y| / Q, greatest [1]"][3]) == pytest.approx(quotient.max(), rel=1e-3)
+    assert float(cells["|Y| / Q, maximum [1]"][3]) == pytest.approx(quotient.max(), rel=1e-3)
     assert float(cells["samples without contact [%]"][1]) == pytest.approx(100 / 40)
     unknown = data.assign(lateral_force=np.nan * data["lateral_force"])
     row = ("", "lateral_force", lambda d: d["lateral_force"].values, "largest")
@@ -257,16 +257,16 @@ def test_without_a_view(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 
     data = run_data()
     without = said(data, view=False)
-    assert "three dimensions" not in without
-    assert "Fewer than two samples" in without
+    assert "3D view" not in without
+    assert "fewer than two samples" in without
     worn = said(data.assign_attrs(scene=SCENE.replace('"S1002"', '"worn.prw"')))
-    assert re.search(r"No three-dimensional view: .*worn\.prw", worn)
+    assert re.search(r"No 3D view: .*worn\.prw", worn)
 
     def missing() -> None:
-        raise ImportError("pictures in three dimensions need pyvista")
+        raise ImportError("3D views need pyvista")
 
     monkeypatch.setattr(off_screen, "_imported", missing)
-    assert "No three-dimensional view: pictures in three dimensions need pyvista." in said(data)
+    assert "No 3D view: 3D views need pyvista." in said(data)
 
 
 def test_a_comparison(tmp_path: Path) -> None:
@@ -310,7 +310,7 @@ def test_a_study(study_folder: Path) -> None:
     assert len(page.of("img")) == 1
     kept = json.loads(read(study_folder / "study.nc").attrs["study"])
     assert kept["grid"]["upper.radii"] == [[0.46, float("inf")]]
-    assert 'No three-dimensional view: model = "standard" knows no bodies that deform' in page.text
+    assert 'No 3D view: model = "standard" has no elastic bodies' in page.text
 
 
 def test_a_study_of_runs_shows_the_hardest_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -326,7 +326,7 @@ def test_a_study_of_runs_shows_the_hardest_one(tmp_path: Path, monkeypatch: pyte
     assert len([one for one in page.of("figure") if one.get("class") == "view"]) == 1
     assert "Largest lateral force, run with the largest peak pressure, friction = 0.4, at 90.0 m" in page.text
     kept.unlink()
-    assert "No three-dimensional view: " in Reader(write_report(tmp_path).read_text(encoding="utf-8")).text
+    assert "No 3D view: " in Reader(write_report(tmp_path).read_text(encoding="utf-8")).text
 
 
 def cases_data(count: int) -> Dataset:
@@ -368,15 +368,15 @@ def test_of_very_many_cases_the_first_are_shown(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("files", "complaint"),
     [
-        ({}, f"DIR: holds no results; {ALLOWED}"),
-        (None, f"DIR: no such folder; {ALLOWED}"),
-        ({"run.nc": b"CDF\x01 and no more"}, "DIR/run.nc: cannot be read as NetCDF, it may be damaged"),
-        ({"run.nc": b""}, "DIR/run.nc: cannot be read as NetCDF, it may be damaged"),
-        ({"run.nc": "half"}, "DIR/run.nc: cannot be read as NetCDF, it may be damaged"),
-        ({"study.nc": "whole"}, "DIR/study.nc: holds no results of a study"),
-        ({"run.nc": "other"}, "DIR/run.nc: holds no results of a run, which wheelrail run keeps in run.nc"),
-        ({"differences.json": b"{"}, "DIR/differences.json: cannot be read as the table of a comparison"),
-        ({"differences.json": b'{"first": "a", "second": "b"}'}, "DIR/a/run.nc: no such file"),
+        ({}, f"DIR: contains no results; {ALLOWED}"),
+        (None, f"DIR: folder does not exist; {ALLOWED}"),
+        ({"run.nc": b"CDF\x01 and no more"}, "DIR/run.nc: not a readable NetCDF file, it may be damaged"),
+        ({"run.nc": b""}, "DIR/run.nc: not a readable NetCDF file, it may be damaged"),
+        ({"run.nc": "half"}, "DIR/run.nc: not a readable NetCDF file, it may be damaged"),
+        ({"study.nc": "whole"}, "DIR/study.nc: contains no results of a study"),
+        ({"run.nc": "other"}, "DIR/run.nc: must contain results of a run"),
+        ({"differences.json": b"{"}, "DIR/differences.json: is no valid table of a comparison"),
+        ({"differences.json": b'{"first": "a", "second": "b"}'}, "DIR/a/run.nc: file does not exist"),
     ],
 )
 def test_other_folders_are_refused(files: dict[str, Any] | None, complaint: str, tmp_path: Path) -> None:

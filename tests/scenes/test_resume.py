@@ -267,8 +267,8 @@ def test_a_checkpoint_file_runs_no_code_and_has_one_writer(tmp_path: Path) -> No
 def test_what_differs_is_named() -> None:
     then = {"friction": 0.3, "solver": {"rtol": 1e-3, "workers": 1}, "output": {"figures": True}}
     now = {"friction": 0.3, "solver": {"rtol": 1e-4, "workers": 2}, "output": {"figures": False}, "falling": None}
-    assert list(differences(then, now)) == ["solver.rtol: 0.001 then, 0.0001 now"]
-    assert list(differences(now, {**now, "falling": {"rate": 2.0}})) == ['falling: null then, {"rate": 2.0} now']
+    assert list(differences(then, now)) == ["solver.rtol: 0.001 before, 0.0001 now"]
+    assert list(differences(now, {**now, "falling": {"rate": 2.0}})) == ['falling: null before, {"rate": 2.0} now']
 
 
 @dataclass
@@ -332,7 +332,7 @@ def test_killed_again_and_again_it_ends_where_the_undisturbed_run_ends(tmp_path:
     assert "with --resume the run goes on" in stopped.stdout
     assert (broken / "run.nc").exists()
     refused = command(broken, "--resume", rtol="2e-3")
-    assert (refused.exit_code, "solver.rtol: 0.001 then, 0.002 now" in refused.stderr) == (2, True)
+    assert (refused.exit_code, "solver.rtol: 0.001 before, 0.002 now" in refused.stderr) == (2, True)
     assert (broken / "run.checkpoints").exists()
     done = command(broken, "--resume")
     assert done.exit_code == 0, done.stderr
@@ -343,7 +343,7 @@ def test_killed_again_and_again_it_ends_where_the_undisturbed_run_ends(tmp_path:
     again = command(broken, "--resume")
     assert (again.exit_code, "is complete" in again.stdout) == (0, True)
     other = command(broken, "--resume", friction="0.2")
-    assert (other.exit_code, "friction: 0.3 then, 0.2 now" in other.stderr) == (2, True)
+    assert (other.exit_code, "friction: 0.3 before, 0.2 now" in other.stderr) == (2, True)
 
 
 def test_without_resume_a_run_starts_anew(tmp_path: Path) -> None:

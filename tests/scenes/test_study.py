@@ -215,9 +215,9 @@ BAD = {
     "nothing varied": ({}, "nothing is varied"),
     "empty": ({"grid": {"load": []}}, "grid.load = []: must be an array of values, at least one"),
     "one value": ({"grid": {"load": 1e4}}, "grid.load = 10000.0: must be an array of values"),
-    "duplicate": ({"grid": {"load": [1e4, 2e4, 1e4]}}, "grid: load: 10000.0 is listed twice"),
-    "twice": ({"grid": {"load": [1e4]}, "set": {"load": 2e4}}, "load is named twice"),
-    "inside another": ({"grid": {"upper.radii": [[1.0, 1.0]], "upper.radii.0": [1.0]}}, "named twice, also by"),
+    "duplicate": ({"grid": {"load": [1e4, 2e4, 1e4]}}, "grid: load: 10000.0 must be listed once"),
+    "twice": ({"grid": {"load": [1e4]}, "set": {"load": 2e4}}, "load: must be named once"),
+    "inside another": ({"grid": {"upper.radii": [[1.0, 1.0]], "upper.radii.0": [1.0]}}, "named once, is also set by"),
     "unknown key": ({"grid": {"frictoin": [0.1]}}, "study: grid.frictoin: unknown key; did you mean friction?"),
     "unknown in a table": ({"grid": {"upper.radius": [0.1]}}, "did you mean upper.radii?"),
     "no table": ({"grid": {"load.x": [0.1]}}, "grid.load.x: unknown key"),
@@ -228,7 +228,7 @@ BAD = {
         {"grid": {"friction": [0.0, 0.3]}},
         "with friction = 0.3: speed: missing: must be given when friction is not 0",
     ),
-    "kind": ({"grid": {"kind": ["run"]}}, "a study is of one kind of scene"),
+    "kind": ({"grid": {"kind": ["run"]}}, "a study has one kind of scene"),
     "other kind": ({"kind": "run", "grid": {"load": [1e4]}}, 'must be "study"'),
     "unequal": ({"together": [{"load": [1.0, 2.0], "friction": [0.0]}]}, "load has 2, friction has 1"),
     "range": (
@@ -253,9 +253,9 @@ BAD = {
     ),
     "workers": ({"workers": 0, "grid": {"load": [1e4]}}, "workers = 0: must be a whole number from 1 to 1024"),
     "key": ({"gird": {"load": [1e4]}}, "gird: unknown key; did you mean grid?"),
-    "histories": ({"histories": True, "grid": {"load": [1e4]}}, 'only for scenes of kind = "run"'),
+    "histories": ({"histories": True, "grid": {"load": [1e4]}}, 'allowed only for kind = "run"'),
     "left out": ({"without": ["speed"], "grid": {"load": [1e4]}}, "without: speed: must be a key that the scene has"),
-    "reference": ({"grid": {"load": [1e4, 2e4]}, "convergence": {"reference": {"load": 2e4}}}, "must not be among"),
+    "reference": ({"grid": {"load": [1e4, 2e4]}, "convergence": {"reference": {"load": 2e4}}}, "must not be one of"),
     "over": (
         {"grid": {"load": [1e4]}, "convergence": {"over": "cells", "reference": "hertz"}},
         "must be a dimension of numbers: load",
@@ -275,7 +275,7 @@ def test_a_study_that_cannot_be_used_says_why(name: str) -> None:
 
 def test_huge_studies_are_refused_with_their_number() -> None:
     many = [1e4 + i for i in range(200)]
-    with pytest.raises(SceneError, match=rf"40000 cases \(200 load x 200 friction\): must be {MOST} at most"):
+    with pytest.raises(SceneError, match=rf"40000 cases \(200 load x 200 friction\): must be at most {MOST}"):
         planned(grid={"load": many, "friction": [1e-3 * i for i in range(200)]})
 
 
@@ -283,7 +283,7 @@ def test_of_many_bad_values_the_first_are_told() -> None:
     with pytest.raises(SceneError) as caught:
         planned(grid={"load": [-1.0 - i for i in range(50)]})
     assert str(caught.value).count("\n") == 5
-    assert str(caught.value).endswith("and more of that kind")
+    assert str(caught.value).endswith("more errors of this kind")
 
 
 RUN = {"scene": str(SCENES / "curve.toml")}
@@ -312,7 +312,7 @@ def test_a_wrong_value_is_found_before_most_cases_are_looked_at(name: str, monke
 
 
 def test_a_combination_is_looked_at_even_if_it_is_the_last() -> None:
-    says = r"wheelset\.flange_back_distance\[1\] = 1\.5: must be less than the track's gauge of 1\.435 m"
+    says = r"wheelset\.flange_back_distance\[1\] = 1\.5: must be less than the gauge of 1\.435 m"
     with pytest.raises(SceneError, match=says):
         plan(check_study({**RUN, "grid": {"track.gauge": [1.6, 1.435], "wheelset.flange_back_distance": [1.36, 1.5]}}))
 

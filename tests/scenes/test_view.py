@@ -123,7 +123,7 @@ def test_the_patch_lies_where_the_contact_is() -> None:
     assert pressure_surface(result(), mirrored=True).bounds[2:4] == pytest.approx((-8.0, 2.0))
     lowered = riding(patch, bodies_mesh(box(False)), 100.0)
     assert lowered.points[:, 2].max() < -0.5
-    with pytest.raises(ValueError, match="nothing touches"):
+    with pytest.raises(ValueError, match="not in contact"):
         pressure_surface(ContactResult.separated())
 
 
@@ -195,7 +195,7 @@ def test_a_film_of_a_run(tmp_path: Path) -> None:
         (["view", "scenes/wheelset.toml", "--out", "a.png", "--side", "top"], "--side top: must be left or right"),
         (["view", "scenes/curve.toml", "--out", "a.png"], "use wheelrail animate"),
         (["animate", "nowhere", "--out", "a.png"], "--out a.png: must end in .mp4, .gif"),
-        (["animate", "nowhere", "--out", "a.gif"], "nowhere: no such file"),
+        (["animate", "nowhere", "--out", "a.gif"], "nowhere: file does not exist"),
     ],
 )
 def test_bad_wishes_are_refused(command: list[str], complaint: str) -> None:

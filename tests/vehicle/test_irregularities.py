@@ -201,7 +201,7 @@ def test_files_with_and_without_names(tmp_path: Path) -> None:
         ("s, level\n0, 1e-3\n", "1 rows"),
         ("s, height\n0, 0\n1, 0\n", "row 1, 'height'"),
         ("s, level [km]\n0, 0\n1, 0\n", "row 1, 'level [km]'"),
-        ("level\n0\n1\n", "a column s"),
+        ("level\n0\n1\n", "column s"),
         ("s, level\n0, 0\n1, x\n", "row 3, level = 'x'"),
         ("s, level\n0, 0\n1, nan\n", "row 3, level = 'nan'"),
         ("s, level\n0, 0\n1\n", "row 3: 1 values, must be 2"),

@@ -101,7 +101,8 @@ class StudyTable(SceneTable):
             others = [other for other, _ in named if other == name or other.startswith(name + ".")]
             if len(others) > 1:
                 raise q.reject(
-                    f"{name}: must be named once" + (f", also by {others[1]}" if others[1] != name else ""), place
+                    f"{name}: must be named once" + (f", is also set by {others[1]}" if others[1] != name else ""),
+                    place,
                 )
         for name, values in self.grid.items():
             _differ(name, "grid", values)
