@@ -107,7 +107,7 @@ def _positions(y: ArrayLike | None) -> Array:
     """Lateral positions (n,) m of the wheelset, -6 to 6 mm unless given. Raises ValueError for others than numbers."""
     places = np.atleast_1d(np.asarray(np.linspace(-6e-3, 6e-3, 121) if y is None else y, dtype=np.float64))
     if places.ndim != 1 or not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 0.1:
-        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm are 0.002), got {y!r}")
+        raise ValueError(f"y must be numbers from -0.1 to 0.1 m (2 mm is 0.002), got {y!r}")
     return places
 
 
