@@ -205,9 +205,9 @@ for ax, code in zip(axes, ("half-spaces", "finite bodies"), strict=True):
 # %% [markdown]
 # ## Differences
 #
-# Maximum differences from CONTACT for single tread contact ($y$ from 2 to 4.5 mm): positions in mm, peaks and areas in %,
-# forces in % of $\mu N$. The uncertainty of the reference is 0.3 % of the pressure and 1.3 % of the area (elements
-# of 0.2 mm against 0.1 mm).
+# Maximum differences from CONTACT for single tread contact ($y$ from 2 to 4.5 mm): positions in mm, peaks and areas
+# in %, forces in % of $\mu N$. The uncertainty of the reference is 0.3 % of the pressure and 1.3 % of the area
+# (elements of 0.2 mm against 0.1 mm).
 
 # %%
 bound = FRICTION * LOAD
