@@ -125,7 +125,7 @@ def _chapter(title: str, modules: tuple[str, ...]) -> Iterator[str]:
 def _entry(path: str, thing: Any) -> Iterator[str]:
     if inspect.isclass(thing):
         # what results have in common is theirs; pydantic's methods are not those of scenes
-        whole = ("   :inherited-members: BaseException",) if path.startswith("wheelrail.") else ()
+        whole = ("   :inherited-members: BaseException",) if path.count(".") == 1 else ()
         yield from (f".. autoclass:: {path}", "   :members:", *whole, "")
     elif callable(thing):
         yield from (f".. autofunction:: {path}", "")

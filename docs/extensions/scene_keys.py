@@ -176,9 +176,9 @@ def study_keys() -> str:
 
 def study_models() -> tuple[type[BaseModel], ...]:
     """What checks studies, in versions that have them."""
-    if find_spec("scenes.studies") is None:
+    if find_spec("wheelrail.scenes.studies") is None:
         return ()
-    return (import_module("wheelrail.scenes.studies.schema").Study,)
+    return (import_module("wheelrail.scenes.studies.schema").StudyTable,)
 
 
 def _tables_of(*roots: type[BaseModel]) -> str:

@@ -172,7 +172,7 @@ def test_every_key_of_a_scene_has_its_row(site: Path) -> None:
     assert every == {key for table in tables for key in table.model_fields}
 
 
-STUDIES = {"Study", "LatinHypercube", "Between", "Convergence"}  # tables of studies
+STUDIES = {"StudyTable", "LatinHypercube", "Between", "Convergence"}  # tables of studies
 
 
 def test_every_key_has_a_sentence_and_every_sentence_a_key() -> None:
