@@ -210,7 +210,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
         "exact, waveguide bodies, fitted points",
         "contact points",
         "error estimate: force",
-        "von Mises, lower",
+        "von Mises stress, lower",
     ):
         assert line in text
 
@@ -454,7 +454,7 @@ def test_run_keeps_everything_computed(tmp_path: Path, stop_after: int, code: in
     assert done.returncode == code, done.stderr
     with xarray.open_dataset(tmp_path / "out" / "run.nc") as data:
         assert data.attrs["status"] == status
-        assert data.attrs["scene"].startswith("# The paper's curve")
+        assert data.attrs["scene"].startswith("# The curve of the paper")
         end = float(data["distance"][-1])
         assert end == pytest.approx(25.0) if status == "completed" else 1.0 < end < 25.0
         solves = data["contact_solves"].values

@@ -40,7 +40,7 @@ from wheelrail.scenes.views.run_snapshot import hardest, moment_view
 from wheelrail.scenes.views.view import bodies_of_run
 
 SCENE = (Path(__file__).parents[2] / "scenes" / "curve.toml").read_text(encoding="utf-8")
-ALLOWED = "allowed: the folder of a run (run.nc, by wheelrail run), of a study (study.nc, by wheelrail study)"
+ALLOWED = "must be the folder of a run (run.nc, by wheelrail run), of a study (study.nc, by wheelrail study)"
 
 
 def run_data(scale: float = 1e-3) -> Dataset:
@@ -244,7 +244,7 @@ def test_the_moment_is_that_of_the_largest_lateral_force() -> None:
     force = data["lateral_force"].copy()
     force[7, 0] = 9e5
     assert hardest(data.assign(lateral_force=force)) == 7
-    with pytest.raises(IndexError, match="sample 40: the run has 40"):
+    with pytest.raises(IndexError, match="index = 40: the run has 40 samples"):
         moment_view(data, 40, **bodies_of_run(data, Path("run.nc")))
 
 

@@ -226,7 +226,7 @@ BAD = {
     "not a number": ({"grid": {"load": ["much"]}}, 'grid.load[0] = "much": must be a number'),
     "combination": (
         {"grid": {"friction": [0.0, 0.3]}},
-        "with friction = 0.3: speed: missing: must be given when friction is not 0",
+        "with friction = 0.3: speed: missing: required if friction is not 0",
     ),
     "kind": ({"grid": {"kind": ["run"]}}, "a study has one kind of scene"),
     "other kind": ({"kind": "run", "grid": {"load": [1e4]}}, 'must be "study"'),
@@ -249,16 +249,16 @@ BAD = {
     ),
     "scene": (
         {"scene": "nowhere.toml", "grid": {"load": [1e4]}},
-        'scene = "nowhere.toml": must be the file of a scene',
+        'scene = "nowhere.toml": must be an existing scene file',
     ),
     "workers": ({"workers": 0, "grid": {"load": [1e4]}}, "workers = 0: must be a whole number from 1 to 1024"),
     "key": ({"gird": {"load": [1e4]}}, "gird: unknown key; did you mean grid?"),
     "histories": ({"histories": True, "grid": {"load": [1e4]}}, 'allowed only for kind = "run"'),
-    "left out": ({"without": ["speed"], "grid": {"load": [1e4]}}, "without: speed: must be a key that the scene has"),
+    "left out": ({"without": ["speed"], "grid": {"load": [1e4]}}, "without: speed: must be a key of the scene"),
     "reference": ({"grid": {"load": [1e4, 2e4]}, "convergence": {"reference": {"load": 2e4}}}, "must not be one of"),
     "over": (
         {"grid": {"load": [1e4]}, "convergence": {"over": "cells", "reference": "hertz"}},
-        "must be a dimension of numbers: load",
+        "must be a numeric dimension: load",
     ),
     "other reference": ({"grid": {"load": [1e4]}, "convergence": {"reference": "herz"}}, 'must be "hertz", or a table'),
 }

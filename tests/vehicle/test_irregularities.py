@@ -206,7 +206,7 @@ def test_files_with_and_without_names(tmp_path: Path) -> None:
         ("s, level\n0, 0\n1, nan\n", "row 3, level = 'nan'"),
         ("s, level\n0, 0\n1\n", "row 3: 1 values, must be 2"),
         ("s, level\n0, 0\n2, 0\n2, 0\n", "row 4, s = 2: must be greater than 2"),
-        ("s, level\n0, 0\n1, 3.5\n", "row 3, level = 3.5: must be at most 0.1 m"),
+        ("s, level\n0, 0\n1, 3.5\n", "row 3, level = 3.5: must be from -0.1 to 0.1 m"),
     ],
 )
 def test_files_that_cannot_be_used(text: str, says: str, tmp_path: Path) -> None:
