@@ -73,7 +73,8 @@ def test_tables_hold_what_their_names_say() -> None:
 def test_scenes_of_bodies_are_valid() -> None:
     assert SOLID.scene().surface_size == 2e-3
     exact = WAVES_EXACT.scene()
-    assert (exact.laws, exact.meshes, exact.placing) == ("exact", "waveguide", "grid")
+    how = exact.discretisation
+    assert (exact.laws, how.bodies, how.points) == ("exact", "waveguide", "grid")
 
 
 def test_loose_tolerances_have_larger_errors(part: TrackSegment) -> None:

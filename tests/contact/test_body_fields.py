@@ -159,7 +159,7 @@ def test_what_does_not_fit_is_refused() -> None:
     flat, tensors = np.zeros((4, 3)), np.zeros((4, 3, 3))
     with pytest.raises(ValueError, match="must be"):
         BodyFields(flat, np.zeros((1, 3), dtype=int), "tetrahedron", flat, tensors)
-    with pytest.raises(ValueError, match="point at"):
+    with pytest.raises(ValueError, match="point numbers from 0 to 3"):
         BodyFields(flat, np.full((1, 4), 4), "tetrahedron", flat, tensors)
     with pytest.raises(ValueError, match="nothing touches"):
         look_inside(LoadedBody.block(True, STEEL), ContactResult.separated())

@@ -206,7 +206,7 @@ def test_a_solve_that_fails_says_so_and_gives_no_force() -> None:
     results = {
         "Newton steps": hurried(pose(3.2), CREEP),
         "rolls forward": model(pose(3.2), AT_REST),
-        "beyond the meshed strip": model(pose(4.2), CREEP),
+        "exceeds the meshed strip": model(pose(4.2), CREEP),
     }
     for reason, result in results.items():
         assert result.status.startswith("failed: ")

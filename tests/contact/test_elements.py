@@ -285,5 +285,5 @@ def test_a_run_with_tables_and_springs_in_series(method: str) -> None:
     assert found.wheelset_rate.shape == (4, 4)
     kept = dataset(found)["series_deflection"]
     assert (kept.dims, kept.shape) == (("time", "series"), (4, 8))
-    with pytest.raises(ValueError, match="28 numbers"):
+    with pytest.raises(ValueError, match=r"must be \(28,\)"):
         simulate(dynamics, initial=np.zeros(20))

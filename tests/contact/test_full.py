@@ -155,7 +155,7 @@ def test_a_solve_that_fails_says_so_and_gives_no_force() -> None:
     results = {
         "relative residual": full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING, options=lazy)(pose(3.2), CREEP),
         "rolls forward": full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(3.2), AT_REST),
-        "beyond the meshed strip": full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(4.2), CREEP),
+        "exceeds the meshed strip": full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(4.2), CREEP),
     }
     for reason, result in results.items():
         assert result.status.startswith("failed: ")

@@ -349,7 +349,7 @@ def wagons(t: Table) -> None:
     t.wagon("wagon: beyond floats", "roll_bar = 1" + "0" * 400, "roll_bar = 1000", "a number")
     t.wagon("wagon: text", '[bogie]\nmass = "2.6 t"\n', 'bogie.mass = "2.6 t"', "a number")
     t.wagon("wagon: number for a table", "bogie = 2615.0\n", "bogie = 2615", "table")
-    t.wagon("wagon: bumpstop that falls", "bumpstop = [[0, 0], [0.1, 5], [0.2, 3]]\n", "bumpstop", "not fall")
+    t.wagon("wagon: bumpstop that falls", "bumpstop = [[0, 0], [0.1, 5], [0.2, 3]]\n", "bumpstop", "do not decrease")
     t.wagon("wagon: bumpstop in mm", "bumpstop = [[0, 0], [25, 0], [65, 230e3]]\n", "bumpstop", "m")
     t.wagon("wagon: bumpstop NaN", "bumpstop = [[0, 0], [nan, 5]]\n", "bumpstop", "finite")
     t.wagon("wagon: gravity of another unit", "gravity = 981.0\n", "gravity = 981", "m/s2")

@@ -445,7 +445,7 @@ def test_a_worker_that_dies_takes_one_case_with_it() -> None:
 
 
 def test_messages_of_workers_are_logged_here(caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.INFO, "contact"), processes(2, talkative) as workers:
+    with caplog.at_level(logging.INFO, "wheelrail"), processes(2, talkative) as workers:
         assert all(one.ok for _, one in finished(workers, cases(1e4, 2e4, 3e4)))
     heard = [(record.name, record.levelname, record.getMessage()) for record in caplog.records]
     assert sorted(heard) == [("wheelrail.contact.work", "INFO", f"{load:g} N, 5 %") for load in (1e4, 2e4, 3e4)]

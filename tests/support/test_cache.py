@@ -192,7 +192,7 @@ def test_long_work_logs_its_memory_and_the_time_left(
     found = solid_compliance(solid, key, Material(), 1)
     clock = count(0, 10)  # s, ten for each group of nodes
     monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
-    with caplog.at_level(logging.INFO, "contact"):
+    with caplog.at_level(logging.INFO, "wheelrail"):
         found.block(np.arange(found.shape[0] * found.shape[1]), (2,))
     heard = [record.getMessage() for record in caplog.records]
     assert [record.name for record in caplog.records] == ["wheelrail.contact.elasticity.solid_body"] + [
@@ -213,7 +213,7 @@ def test_sampling_a_spectrum_logs_the_time_left(
     clock = count(0, 10)  # s, ten for each wavenumber
     monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
     body, _ = block_waveguide((2, 2), Material(), size=1.0, half_width=50.0)
-    with caplog.at_level(logging.INFO, "contact"):
+    with caplog.at_level(logging.INFO, "wheelrail"):
         body.block(np.arange(4))
     first, *heard = [record.getMessage() for record in caplog.records]
     assert re.fullmatch(r"compliance of a prismatic body by wavenumbers: \d+ unknowns in its section", first)
