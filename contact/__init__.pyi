@@ -3,9 +3,11 @@ from .kinematics.frames import RigidMotion as RigidMotion
 from .kinematics.frames import Twist as Twist
 from .kinematics.wheelset_state import Mounting as Mounting
 from .kinematics.wheelset_state import WheelsetState as WheelsetState
+from .laws.friction import FallingFriction as FallingFriction
+from .laws.friction import Stribeck as Stribeck
 from .laws.material import Material as Material
+from .laws.normal import PowerPenalty as PowerPenalty
 from .laws.parameters import ContactLaws as ContactLaws
-from .laws.parameters import FallingFriction as FallingFriction
 from .loading.load_search import find_depth_for_load as find_depth_for_load
 from .models.builders import hertz_pair as hertz_pair
 from .models.builders import wheel_rail_pair as wheel_rail_pair

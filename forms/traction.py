@@ -1,49 +1,78 @@
-"""The contact law at a point and its virtual work, eqs. (4) and (6).
+"""The contact law at a point and its virtual work, eqs. (3), (4) and (6).
 
-z = (d, s): penetration d [m] of the deformed bodies and slip s [-] over the rolling speed; the traction has the same
-components, along the wheel's outward normal and along the two tangents.
+z = (d, s): penetration d [m] of the deformed bodies and slip s [-] over the rolling speed V; the traction has the same
+components, along the wheel's outward normal and along the two tangents. The laws of `wheelrail.contact.laws` define
+the pressure p(d) and the friction coefficient μ(w, p) of the slip velocity w = |s| V; the friction bound is b = μ p.
 """
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import ufl
 from ufl.core.expr import Expr
 
-
-def penalty_pressure(d: Expr, K: float | Expr) -> Expr:
-    """pₙ = K max(d, 0), K in N/m³, eq. (4)."""
-    return K * ufl.max_value(d, 0)
+LEAST = 1e-300  # of squared lengths: the square root has no derivative at zero
 
 
-def regularised_coulomb(s: Expr, p: Expr, μ: float | Expr, ε: float | Expr) -> Expr:
-    """pₜ = -μ pₙ s / max(|s|, ε): viscous below the creepage ε, Coulomb above, eq. (6)."""
-    return -μ * p * s / ufl.sqrt(ufl.max_value(ufl.dot(s, s), ε * ε))
+class Pressure(Protocol):
+    """Normal law: pressure Pa from the penetration d m."""
+
+    def pressure(self, d: Expr, /) -> Expr: ...
 
 
-def falling_friction(s: Expr, μ: float | Expr, A: float | Expr, B: float | Expr, ε: float | Expr) -> Expr:
-    """μ(s) = μ ((1 - A) exp(-B s) + A) of the slip s = max(|s| - ε, 0), Polach 2005, doi:10.1016/j.wear.2004.03.046.
+class Friction(Protocol):
+    """Friction law: coefficient from the slip velocity w m/s and the pressure p Pa."""
 
-    B is the rate of falling times the rolling speed; ε the slip added by a multiplier, else 0.
+    def coefficient(self, w: Expr, p: Expr, /) -> Expr: ...
+
+
+def larger(f: Expr | float, g: Expr | float) -> Expr:
+    """max(f, g); unlike that of ufl.max_value, its derivative is finite where the smaller one has none."""
+    return ufl.conditional(ufl.gt(f, g), f, g)
+
+
+def length(v: Expr) -> Expr:
+    """|v| with a finite derivative at zero."""
+    return ufl.sqrt(larger(ufl.dot(v, v), LEAST))
+
+
+def projected(q: Expr, s: Expr, b: Expr, ρ: Expr, ε: Expr | float) -> Expr:
+    """F = q - b y / max(|y|, b ρ + ε), y = ρ q - s: zero where q is the friction traction, for any ρ > 0 [1/Pa].
+
+    The projection on the disc of radius b; ε = 0 is Coulomb's law, ε > 0 eq. (6).
     """
-    length = ufl.sqrt(ufl.max_value(ufl.dot(s, s), 1e-30))
-    return μ * ((1 - A) * ufl.exp(-B * ufl.max_value(length - ε, 0)) + A)
+    y = ρ * q - s
+    return q - b * y / larger(length(y), larger(b * ρ + ε, LEAST))
 
 
-def traction(z: Expr, K: float | Expr, μ: float | Expr, ε: float | Expr) -> Expr:
-    """Traction on the wheel (-pₙ, pₜ) from z = (d, s₁, s₂)."""
-    p = penalty_pressure(z[0], K)
-    pt = regularised_coulomb(slip(z), p, μ, ε)
+def regularised(s: Expr, b: Expr, ε: Expr | float) -> Expr:
+    """pₜ = -b s / max(|s|, ε): viscous below the creepage ε > 0, Coulomb above, eq. (6)."""
+    return -b * s / larger(length(s), ε)
+
+
+def traction(
+    z: Expr, normal: Pressure, friction: Friction, *, speed: Expr, ε: Expr | float, gained: Expr | float = 0.0
+) -> Expr:
+    """Traction on the wheel (-pₙ, pₜ) from z = (d, s₁, s₂).
+
+    Parameters:
+        z: penetration m and slip.
+        normal, friction: laws.
+        speed: rolling speed m/s.
+        ε: regularising creepage.
+        gained: slip added by a multiplier at sliding points, which the slip velocity omits.
+    """
+    d, s = z[0], ufl.as_vector([z[1], z[2]])
+    p = normal.pressure(d)
+    w = larger(length(s) - gained, 0.0) * speed
+    pt = regularised(s, friction.coefficient(w, p) * p, ε)
     return ufl.as_vector([-p, pt[0], pt[1]])
 
 
-def slip(z: Expr) -> Expr:
-    """(s₁, s₂) of z = (d, s₁, s₂)."""
-    return ufl.as_vector([z[1], z[2]])
-
-
-def frictionless_traction(d: Expr, K: float | Expr) -> Expr:
+def frictionless_traction(d: Expr, normal: Pressure) -> Expr:
     """Traction -pₙ on the wheel along its normal from the penetration d, without tangential components."""
-    return -penalty_pressure(d, K)
+    return -normal.pressure(d)
 
 
 def virtual_work(t: Expr, v: Expr, measure: ufl.Measure) -> ufl.Form:

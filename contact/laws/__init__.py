@@ -1,7 +1,8 @@
-"""Constitutive laws of the interface and materials, as data and pointwise functions.
+"""Contact laws of the interface, written once in UFL, and materials.
 
 Normal: unilateral contact or a penalty pressure. Tangential: Coulomb friction, exact or regularised, constant or
-falling with the slip velocity.
+depending on slip velocity and pressure. A law is a frozen dataclass with one method in UFL; all contact models use its
+expression: `full` in its forms, the others as compiled functions generated from it and its derivatives (`pointwise`).
 """
 
 import lazy_loader

@@ -1,3 +1,9 @@
+from .friction import Coulomb as Coulomb
+from .friction import FallingFriction as FallingFriction
+from .friction import FrictionLaw as FrictionLaw
+from .friction import Stribeck as Stribeck
 from .material import Material as Material
+from .normal import NormalLaw as NormalLaw
+from .normal import Penalty as Penalty
+from .normal import PowerPenalty as PowerPenalty
 from .parameters import ContactLaws as ContactLaws
-from .parameters import FallingFriction as FallingFriction

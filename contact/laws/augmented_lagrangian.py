@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from wheelrail.contact.laws.normal import Penalty
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.support.arrays import Array
 
@@ -28,7 +29,7 @@ def softened(laws: ContactLaws, *, modulus: float, size: float) -> ContactLaws:
         size: surface size, m.
     """
     regularised = replace(laws, regularisation=laws.regularisation or REGULARISATION)
-    return regularised if laws.normal_compliance else replace(regularised, stiffness_per_area=PENALTY * modulus / size)
+    return replace(regularised, normal=Penalty(PENALTY * modulus / size)) if laws.exact_normal else regularised
 
 
 def offset(laws: ContactLaws, regularised: ContactLaws, traction: Array, slip: Array, speed: float) -> Array:
@@ -41,10 +42,11 @@ def offset(laws: ContactLaws, regularised: ContactLaws, traction: Array, slip: A
         speed: m/s.
     """
     offsets = np.zeros(traction.shape)
-    if not laws.normal_compliance:
+    if laws.exact_normal:
+        assert regularised.normal_compliance is not None
         offsets[:, 0] = -traction[:, 0] * regularised.normal_compliance
     if traction.shape[1] == 3 and not laws.regularisation:
-        bound = -traction[:, 0] * laws.friction_at(np.hypot(*slip.T), speed)[0]
+        bound = laws.friction_bound(-traction[:, 0], np.hypot(*slip.T), speed)
         ratio = traction[:, 1:] / np.maximum(bound, 1e-300)[:, None]
         # before convergence the bound may be smaller than the traction
         offsets[:, 1:] = -regularised.regularisation * ratio / np.maximum(np.hypot(*ratio.T), 1.0)[:, None]

@@ -83,7 +83,7 @@ def contact_model(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> Any
 
     Returns `FittedContact`, `CondensedContact` or `FullContact`. Raises IncompatibleChoice.
     """
-    how = how.for_laws(exact=laws.normal_compliance == 0)
+    how = how.for_laws(exact=laws.exact_normal)
     return BUILDERS[how.model, how.bodies, how.points](pair, laws, how)
 
 

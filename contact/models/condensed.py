@@ -51,7 +51,7 @@ class CondensedContact:
     tangential: Literal["rolling", "shift"] = "rolling"
 
     def __post_init__(self) -> None:
-        if self.tangential == "shift" and (self.laws.regularisation > 0 or self.laws.falling is not None):
+        if self.tangential == "shift" and self.laws.depend_on_slip:
             raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
@@ -94,7 +94,7 @@ class CondensedContact:
     @property
     def _slip_order(self) -> int:
         """Order of the upstream difference formula; 0 without friction."""
-        return 0 if not self.laws.friction else 1 if self._shifts else self.order
+        return 0 if not self.laws.frictional else 1 if self._shifts else self.order
 
     def _rigid(self, points: GridPoints, motion: RigidMotion) -> tuple[float, Array | None]:
         """Rolling speed m/s and rigid creepage, or the tangential displacement m; None without friction.
@@ -162,7 +162,7 @@ class CondensedContact:
         loads = np.concatenate([*q.T, -p]) if self._slip_order else -p
         deformation = np.zeros((n, 3))
         deformation[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
-        bound = self.laws.friction_at(np.hypot(*solution.found.slip.T), solution.speed)[0] * p
+        bound = self.laws.friction_bound(p, np.hypot(*solution.found.slip.T), solution.speed)
         result = assemble_result(
             FrictionalWork.below(bound, points, q, solution.motion, solution.speed),
             node=points.node,

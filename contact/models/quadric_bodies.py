@@ -61,12 +61,12 @@ class QuadricBodies:
         upper, lower = self.materials
         E_star = modulus((upper.E, upper.nu), (lower.E, lower.nu))
         exact = hertz(*self._curvatures, E_star, force=self.load, approach=self.approach)
-        return ROOM * (exact.approach + exact.peak * self.laws.normal_compliance), max(exact.semi_axes)
+        return ROOM * (exact.approach + self.laws.penetration_at(exact.peak)), max(exact.semi_axes)
 
     def _half_cells(self, how: Discretisation) -> tuple[int, int]:
         """Cells of the surface on either side of the middle, along and across."""
         depth, _ = self._expected
-        steps = how.slip_order if self.laws.friction > 0 else 0
+        steps = how.slip_order if self.laws.frictional else 0
         half = [int(np.ceil(np.sqrt(depth / c) / how.surface_size)) + 1 for c in self._curvatures]
         return half[0] + steps, half[1]
 

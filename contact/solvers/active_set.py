@@ -5,12 +5,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.solvers.options import IterationCount, NotConverged
+from wheelrail.contact.solvers.options import TINY, IterationCount, NotConverged
 from wheelrail.support.arrays import Array, Mask
 
 ROUND_OFF = 1e-12
@@ -18,9 +18,16 @@ PATIENCE = 5  # steps without progress before single points are exchanged
 
 
 class CachedFactors:
-    """LU factors of a compliance matrix (n, n) m/Pa on sets of active points; the last `STORED` sets are cached."""
+    """Response of the pressure to the penetration by exact contact or a linear penalty.
+
+    Parameters:
+        compliance: N (n, n) m/Pa with 1/K on the diagonal.
+
+    LU factors on the last `STORED` sets of active points are cached.
+    """
 
     STORED = 4
+    piecewise_linear = True
 
     def __init__(self, compliance: Array) -> None:
         self.compliance = compliance
@@ -40,6 +47,15 @@ class CachedFactors:
             # columns are scaled by the points' areas: positive definite up to that scaling, but not symmetric
             self._factors_of[key] = la.lu_factor(matrix, check_finite=False)
         return self._factors_of[key]
+
+    def pressures(self, penetration: Array, active: Mask, count: IterationCount) -> tuple[Array, Mask]:
+        """Pressures (n,) Pa and active points of penetrations (n,) m, see `normal_contact`."""
+        return normal_contact(self, penetration, active, count)
+
+    def residual(self, penetration: Array, pressure: Array) -> float:
+        """Norm of min(p, g / N_ii) over that of the pressure, with the gap g = N p - d."""
+        gap = (self.compliance @ pressure - penetration) / np.diag(self.compliance)
+        return float(np.linalg.norm(np.minimum(pressure, gap))) / max(float(np.linalg.norm(pressure)), TINY)
 
 
 def normal_contact(
@@ -85,8 +101,23 @@ def normal_contact(
     raise NotConverged("the active set of contact points did not converge")
 
 
+class NormalResponse(Protocol):
+    """Pressures by penetrations: `CachedFactors`, or `wheelrail.contact.solvers.nonlinear_penalty.PenaltyResponse`."""
+
+    compliance: Array
+    piecewise_linear: bool  # whether the factors depend on the active points only
+
+    def of(self, active: Mask, count: IterationCount, /) -> Any: ...
+
+    def pressures(self, penetration: Array, active: Mask, count: IterationCount, /) -> tuple[Array, Mask]: ...
+
+    def residual(self, penetration: Array, pressure: Array, /) -> float: ...
+
+
 class PrescribedPressure:
     """Pressures independent of the tangential tractions: equal bodies, flat surfaces, or given pressures (n,) Pa."""
+
+    piecewise_linear = True
 
     def __init__(self, pressure: Array) -> None:
         self._pressure, self._active = pressure, pressure > 0
@@ -101,19 +132,23 @@ class PrescribedPressure:
 class CoupledPressure:
     """Pressures as a function of the tangential tractions q (2 n,) by solving the normal problem.
 
-    Piecewise linear: N p = d0 + D q on the active points. normal: N (n, n) m/Pa; coupling: D (n, 2 n) m/Pa.
+    Parameters:
+        normal: response to the penetration; for a linear law N p = d0 + D q on the active points.
+        penetration: d0 (n,) m.
+        coupling: D (n, 2 n) m/Pa.
     """
 
-    def __init__(self, normal: CachedFactors, penetration: Array, coupling: Array) -> None:
-        self._factors, self._penetration, self._coupling = normal, penetration, coupling
+    def __init__(self, normal: NormalResponse, penetration: Array, coupling: Array) -> None:
+        self._normal, self._penetration, self._coupling = normal, penetration, coupling
+        self.piecewise_linear = normal.piecewise_linear
 
     def at(self, q: Array, active: Mask, count: IterationCount) -> tuple[Array, Mask]:
         """Pressures (n,) and active points (n,) at q (2 n,), with active as the initial guess."""
-        return normal_contact(self._factors, self._penetration + self._coupling @ q, active, count)
+        return self._normal.pressures(self._penetration + self._coupling @ q, active, count)
 
     def slope(self, active: Mask, count: IterationCount) -> Array:
         """dp/dq (a, 2 n) of the a active points; a may be zero after a Newton step."""
         if not active.any():
             return np.zeros((0, self._coupling.shape[1]))
-        factor = self._factors.of(active, count)
+        factor = self._normal.of(active, count)
         return np.asarray(la.lu_solve(factor, self._coupling[active], check_finite=False))

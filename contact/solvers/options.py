@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+TINY = 1e-300  # keeps divisors positive
 LinearSolver = Literal["lu", "bicgstab"]
 
 

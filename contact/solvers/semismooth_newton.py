@@ -6,8 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from wheelrail.contact.laws.coulomb import TINY
-from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.options import TINY, IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tangential import (
     FrictionProblem,
     FrictionState,
@@ -45,11 +44,11 @@ def tangential_contact(
     try:
         return newton(friction, friction.at(q, active, count), options, count)
     except NotConverged:
-        if not friction.falls:  # full steps could converge to another of several solutions
+        if not friction.depends_on_speed:  # full steps could converge to another of several solutions
             with suppress(NotConverged):
                 return undamped(friction, friction.at(q, active, count), options, count)
         t = friction.at(np.zeros_like(q), active, count)
-        bound = t.pressure * t.mu.max()
+        bound = friction.bound_at_rest(t.pressure)
         for k in range(BOUND_ITERATIONS):
             t = newton(friction, friction.at(t.q, t.active, count, bound), options, count)
             t = friction.at(t.q, t.active, count)

@@ -19,7 +19,7 @@ import scipy.linalg as la
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import MIRROR, RigidMotion
 from wheelrail.contact.kinematics.sensitivity import SHIFT, TURN, carried, rigid_slip, skew
-from wheelrail.contact.laws.coulomb import LinearisedFriction
+from wheelrail.contact.laws.linearised_friction import LinearisedFriction
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
@@ -105,7 +105,7 @@ class TangentProblem:
         # slip and pressure as functions of the tractions, cached by the last Newton step of
         # `wheelrail.contact.solvers.tangential`
         stored = body.cache.linearised_for(active, active)
-        if body.coupling is None or stored is None:
+        if body.coupling is None or stored is None or not body.normal.piecewise_linear:
             slip, slope = body.slip if a == n else body.slip[np.ix_(rows, rows)], None
             if body.coupling is not None:
                 slope = la.lu_solve(factor, body.coupling[np.ix_(index, rows)], check_finite=False)

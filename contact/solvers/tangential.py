@@ -4,8 +4,9 @@ The law q = -b s / max(|s|, eps), |q| <= b, which for eps = 0 leaves q undetermi
 
     q = b y / max(|y|, b rho + eps),   y = rho q - s,
 
-for any rho > 0 [1/Pa]: a projection on the disc of radius b = mu(|s| V) p, smooth away from the switch. The pressure is
-a function of the tractions, p = P(q), so Newton runs on q alone: F(q) = q - b y / max(|y|, b rho + eps).
+for any rho > 0 [1/Pa]: a projection on the disc of radius b = mu(|s| V, p) p, smooth away from the switch. The pressure
+is a function of the tractions, p = P(q), so Newton runs on q alone: F(q) = q - b y / max(|y|, b rho + eps), whose
+pointwise slopes are those of the law in UFL (`wheelrail.contact.laws.pointwise`).
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ from typing import Protocol
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.laws.coulomb import derivative, residual
+from wheelrail.contact.laws.linearised_friction import assembled
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.linear import factorised, iterated
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
 from wheelrail.support.arrays import Array, Mask, Nodes
 
-NONE, NOTHING = np.empty((0, 0)), np.empty(0)
+NONE = np.empty((0, 0))
 
 
 # indices (k,) of k points, total derivative ds/dq (2 k, 2 k), and dp/dq (k, 2 k), None without coupling
@@ -57,6 +58,8 @@ class PressureResponse(Protocol):
 
     def slope(self, active: Mask, count: IterationCount, /) -> Array | None: ...
 
+    piecewise_linear: bool  # whether the slope depends on the active points only
+
 
 @dataclass(frozen=True)
 class FrictionState:
@@ -67,11 +70,7 @@ class FrictionState:
         pressure: (n,) Pa.
         active: (n,) mask.
         s: (2, n), slip over the rolling speed.
-        y: (2, n), rho q - s.
-        mu, fall: (n,), friction coefficient and its derivative by |s|.
         bound: b (n,) Pa.
-        longest: (n,), max(|y|, b rho + eps).
-        slides: (n,) mask, where |y| is the larger.
         F, norm: residual (2, n) Pa and its norm.
         held: whether the bound is fixed.
     """
@@ -80,12 +79,7 @@ class FrictionState:
     pressure: Array
     active: Mask
     s: Array
-    y: Array
-    mu: Array
-    fall: Array
     bound: Array
-    longest: Array
-    slides: Mask
     F: Array
     norm: float
     held: bool
@@ -100,7 +94,7 @@ class FrictionProblem:
         shift: T (2 n, n) 1/Pa, slip by the pressure; None if contained in rigid.
         pressure: as a function of the tractions.
         laws: of the interface.
-        speed: m/s.
+        speed: m/s; slip velocities are zero without it.
         cache: shared by solves with the same compliance.
     """
 
@@ -118,13 +112,17 @@ class FrictionProblem:
         diagonal = 0.5 * (np.diag(slip)[:n] + np.diag(slip)[n:])
         self.rho = np.maximum(diagonal, 1e-3 * np.abs(diagonal).max())
         self._slip, self._rigid, self._shift, self._pressure = slip, rigid, shift, pressure
-        self._laws, self._speed = laws, speed
+        self._law, self._eps, self._speed = laws.pointwise_friction, laws.regularisation, speed
         self._cache = SolverCache() if cache is None else cache
 
     @property
-    def falls(self) -> bool:
-        """Whether friction falls with the slip velocity."""
-        return self._laws.falling is not None
+    def depends_on_speed(self) -> bool:
+        """Whether friction depends on the slip velocity."""
+        return self._law.depends_on_speed
+
+    def bound_at_rest(self, pressure: Array) -> Array:
+        """Friction bound (n,) Pa without slip, of pressures (n,) Pa."""
+        return self._law.coefficient(np.zeros(len(pressure)), pressure) * pressure
 
     def at(self, q: Array, active: Mask, count: IterationCount, bound: Array | None = None) -> FrictionState:
         """State at tractions q.
@@ -140,29 +138,21 @@ class FrictionProblem:
         if self._shift is not None:
             s = s + self._shift @ p
         s = s.reshape(2, -1)
-        mu, fall = self._laws.friction_at(np.hypot(s[0], s[1]), self._speed)
-        b = mu * p if bound is None else bound
-        y, longest, slides, F, norm = residual(q, s, b, self.rho, self._laws.regularisation)
-        return FrictionState(q, p, active, s, y, mu, fall, b, longest, slides, F, norm, bound is not None)
+        q = np.ascontiguousarray(q)
+        if bound is None:
+            b, F, norm = self._law.residual(q, s, p, self.rho, self._speed, self._eps)
+            return FrictionState(q, p, active, s, b, F, norm, held=False)
+        F, norm = self._law.bounded_residual(q, s, bound, self.rho, self._eps)
+        return FrictionState(q, p, active, s, bound, F, norm, held=True)
 
     def step(self, t: FrictionState, options: NewtonOptions, count: IterationCount) -> Array:
         """Newton step (2, n) Pa from a state."""
         index, slip, slope = self._linearised(t, count)
-        falls = bool(t.fall.any()) and not t.held
-        jacobian = derivative(
-            index,
-            slip,
-            NONE if slope is None or t.held else slope,
-            t.y,
-            t.s,
-            t.bound,
-            t.longest,
-            t.slides,
-            self.rho,
-            t.mu,
-            t.pressure * t.fall if falls else NOTHING,
-            self._laws.regularisation,
-        )
+        if t.held:
+            slopes = self._law.bounded_slopes(index, t.q, t.s, t.bound, self.rho, self._eps)
+        else:
+            slopes = self._law.slopes(index, t.q, t.s, t.pressure, self.rho, self._speed, self._eps)
+        jacobian = assembled(slopes, slip, NONE if slope is None or t.held else slope)
         right = -t.F[:, index].ravel()
         if options.linear == "bicgstab" and (solution := iterated(jacobian, right, options, count)) is not None:
             return _scatter(solution, index, t.q.shape)
@@ -172,7 +162,7 @@ class FrictionProblem:
     def chord(self, t: FrictionState, count: IterationCount) -> Array | None:
         """Step (2, n) Pa with the factors of an earlier Jacobian; None if there are none for the same points."""
         cache = self._cache
-        if cache.factors is None or t.held:
+        if cache.factors is None or t.held or not self._pressure.piecewise_linear:
             return None
         index, _, _ = self._linearised(t, count)
         if cache.factors is None:  # they belonged to other points
@@ -184,7 +174,7 @@ class FrictionProblem:
         active = t.active
         loaded = active | (t.q[0] != 0) | (t.q[1] != 0) | (t.bound > 0)
         stored = self._cache.linearised_for(active, loaded)
-        if stored is not None:
+        if stored is not None and self._pressure.piecewise_linear:
             return stored
         index = np.flatnonzero(loaded)
         rows = np.concatenate([index, len(active) + index])

@@ -3,7 +3,8 @@
 Unknowns are the pressures p and tangential tractions q. Penetration d and slip s are linear in them by the relative
 compliance:  d = d0 + D q - N p,  s = c + S q + T p.
 Normal:      0 <= p, d <= p / K, p (d - p / K) = 0.  The penalty is a compliance on the diagonal; 1/K may be zero.
-Tangential:  |q| <= b, q = -b s / max(|s|, eps), b = mu(|s| V) p.  eps may be zero.
+             Nonlinear penalties p = P(d): `wheelrail.contact.solvers.nonlinear_penalty`.
+Tangential:  |q| <= b, q = -b s / max(|s|, eps), b = mu(|s| V, p) p.  eps may be zero.
 The pressure is solved exactly for any q (`wheelrail.contact.solvers.active_set`), and Newton runs on q alone
 (`wheelrail.contact.solvers.tangential`).
 """
@@ -14,29 +15,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.laws.coulomb import TINY
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.active_set import (
     ROUND_OFF,
     CachedFactors,
     CoupledPressure,
+    NormalResponse,
     PrescribedPressure,
-    normal_contact,
 )
-from wheelrail.contact.solvers.options import IterationCount, LinearSolver, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.nonlinear_penalty import PenaltyResponse
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
 from wheelrail.contact.solvers.semismooth_newton import tangential_contact
 from wheelrail.contact.solvers.tangential import FrictionProblem, SolverCache
 from wheelrail.support.arrays import Array, Mask
-
-__all__ = [
-    "IterationCount",
-    "LinearSolver",
-    "NewtonOptions",
-    "NotConverged",
-    "Tractions",
-    "normal_contact",
-    "solve_tractions",
-]
 
 
 @dataclass(frozen=True)
@@ -62,14 +53,19 @@ class ContactCompliance:
     Parameters:
         operator: (n, n) or (3 n, 3 n), see `solve_tractions`.
         points: n.
-        laws: of the interface; the penalty's compliance is added to the diagonal.
+        laws: of the interface; the compliance of a linear penalty is added to the diagonal.
     """
+
+    normal: NormalResponse
 
     def __init__(self, operator: Array, points: int, laws: ContactLaws) -> None:
         n = points
         normal = operator[-n:, -n:].copy()
-        normal[np.arange(n), np.arange(n)] += laws.normal_compliance
-        self.normal = CachedFactors(normal)
+        if laws.normal_compliance is None:
+            self.normal = PenaltyResponse(normal, laws.pointwise_pressure)
+        else:
+            normal[np.arange(n), np.arange(n)] += laws.normal_compliance
+            self.normal = CachedFactors(normal)
         # the operator's last columns act on -p
         self.slip, self.shift = operator[: 2 * n, : 2 * n], -operator[: 2 * n, 2 * n :]
         coupling = operator[-n:, :-n]  # penetration by tangential tractions
@@ -98,7 +94,7 @@ def solve_tractions(
         penetration: (n,) m, undeformed.
         rigid: (2 n,), creepage, longitudinal then lateral; None without friction.
         laws: of the interface.
-        speed: m/s, needed for falling friction only.
+        speed: m/s, needed for friction that depends on the slip velocity.
         guess: pressure (n,) and tangential traction (2 n,) Pa.
         options: of Newton's method.
         count: of iterations, updated.
@@ -110,9 +106,9 @@ def solve_tractions(
     body = operator if isinstance(operator, ContactCompliance) else ContactCompliance(operator, n, laws)
     q: Array = np.zeros((2, n)) if guess is None else guess[1].reshape(2, n)
     active = penetration > 0.4 * penetration.max() if guess is None or not (guess[0] > 0).any() else guess[0] > 0
-    if rigid is None or not laws.friction:
-        pressure, active = normal_contact(body.normal, penetration, active, count)
-        count.residual = normal_residual(body.normal.compliance, penetration, pressure)
+    if rigid is None or not laws.frictional:
+        pressure, active = body.normal.pressures(penetration, active, count)
+        count.residual = body.normal.residual(penetration, pressure)
         return Tractions(pressure, np.zeros((n, 2)), np.zeros((n, 2)), active)
 
     total_penetration = penetration
@@ -123,7 +119,7 @@ def solve_tractions(
         q, pressure, active = state.q, state.pressure, state.active
         total_penetration = penetration + body.coupling @ q.ravel()
     else:  # the pressure does not depend on friction: only points that carry it remain
-        pressure, active = normal_contact(body.normal, penetration, active, count)
+        pressure, active = body.normal.pressures(penetration, active, count)
         creep = rigid + body.shift @ pressure
         if active.all():
             friction = FrictionProblem(body.slip, creep, None, PrescribedPressure(pressure), laws, speed, body.cache)
@@ -138,11 +134,5 @@ def solve_tractions(
             q = np.zeros((2, n))
             q[:, index] = state.q
     s = (rigid + body.slip @ q.ravel() + body.shift @ pressure).reshape(2, n)
-    count.residual = max(count.residual, normal_residual(body.normal.compliance, total_penetration, pressure))
+    count.residual = max(count.residual, body.normal.residual(total_penetration, pressure))
     return Tractions(pressure, q.T, s.T, active)
-
-
-def normal_residual(compliance: Array, penetration: Array, pressure: Array) -> float:
-    """Residual of the normal problem: norm of min(p, g / N_ii) over that of the pressure, with the gap g = N p - d."""
-    gap = (compliance @ pressure - penetration) / np.diag(compliance)
-    return float(np.linalg.norm(np.minimum(pressure, gap))) / max(float(np.linalg.norm(pressure)), TINY)

@@ -53,7 +53,7 @@ def solid_fields(
             _fields(model.wheel, u[:split], 1.0, model.wheel.steel.E).seen_from(frames[0]),
             _fields(model.rail, u[split:], 1.0, model.rail.steel.E).seen_from(frames[1]),
         )
-    points, _ = model.geometry.contact_points(pose, order := model.order if model.laws.friction > 0 else 0)
+    points, _ = model.geometry.contact_points(pose, order := model.order if model.laws.frictional else 0)
     if points is None or len(points.node) != len(result.fields.node):
         raise ValueError("the result does not belong to this model and pose")
     local = np.column_stack([result.fields.traction, -result.fields.pressure]) * points.area[:, None]

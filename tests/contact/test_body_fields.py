@@ -146,7 +146,7 @@ def test_stress_in_solids_is_that_of_hertz() -> None:
     """On a mesh of moderate size: largest von Mises stress within 12 %, below the surface."""
     mesh, radii = Block((9, 9), 40.0, growth=0.3), (0.3, 0.3)
     exact = hertzian(radii, FORCE)
-    model = full(mesh, radii, size=exact.semi_axes[0] / 6, laws=ContactLaws(friction=0.0, stiffness_per_area=1e15))
+    model = full(mesh, radii, size=exact.semi_axes[0] / 6, laws=ContactLaws(1e15, friction=0.0))
     pose = hertz_pose(exact.approach)
     _, rail = solid_fields(model, pose, model(pose, AT_REST, None))
     depth, mises = worst(radius=exact.semi_axes[0], peak=exact.peak, nu=0.3)

@@ -143,7 +143,7 @@ def test_result_fulfils_the_equations(laws: ContactLaws, steels: tuple[Material,
     creep = np.concatenate([1e-3 - 0.3 * points.point[:, 1], -5e-4 + 0.3 * points.point[:, 0]])
     np.testing.assert_allclose(fields.slip.T.ravel(), creep + slip @ forces, atol=1e-9)
     # Coulomb
-    bound, length, speed = laws.friction * p, np.hypot(*q.T), np.hypot(*fields.slip.T)
+    bound, length, speed = laws.friction_bound(p, np.zeros(len(p)), 0.0), np.hypot(*q.T), np.hypot(*fields.slip.T)
     assert (length <= bound * (1 + 1e-7) + 1e-7 * bound.max()).all()
     slides = (p > 0) & (speed > laws.regularisation + 1e-7)
     assert slides.any()

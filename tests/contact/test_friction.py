@@ -10,8 +10,9 @@ from half_space import Cells, HalfSpaces, creepage, forces
 
 from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
@@ -28,7 +29,7 @@ E_STAR = modulus((210e9, 0.3), (210e9, 0.3))
 RADIUS, SPEED = 0.3, 20.0
 PATCH = hertz(0.5 / RADIUS, 0.5 / RADIUS, E_STAR, force=10e3)
 COULOMB = ContactLaws()
-FALLING = ContactLaws(falling=FallingFriction(0.4, 0.6))
+FALLING = ContactLaws(friction=FallingFriction(0.3, 0.4, 0.6))
 
 
 def sphere(across: float, *, shift: float = 0.0) -> tuple[Cells, Array]:
@@ -57,7 +58,7 @@ def solve(operator: Array, creepages: tuple[float, float, float], laws: ContactL
 def test_friction_that_falls_to_all_of_itself_is_coulomb(operator: Array) -> None:
     for eps in (0.0, 1e-4):
         falling, plain = (
-            ContactLaws(falling=FallingFriction(1.0, 5.0), regularisation=eps),
+            ContactLaws(friction=FallingFriction(0.3, 1.0, 5.0), regularisation=eps),
             ContactLaws(regularisation=eps),
         )
         first, second = (solve(operator, (1e-3, -5e-4, 0.3), laws) for laws in (falling, plain))
@@ -79,7 +80,7 @@ def test_creep_force_has_a_maximum_and_falls_beyond_it() -> None:
 @pytest.mark.parametrize("eps", [0.0, 1e-5, 1e-3])
 @pytest.mark.parametrize("operator", [ALIKE, UNLIKE], ids=["alike", "unlike"])
 def test_falling_friction_holds_at_every_point(operator: Array, eps: float) -> None:
-    laws = ContactLaws(1e15, 0.4, eps, FallingFriction(0.3, 2.0))
+    laws = ContactLaws(1e15, FallingFriction(0.4, 0.3, 2.0), eps)
     found = solve(operator, (2e-3, -1e-3, 0.4), laws)
     slip, length = np.hypot(*found.slip.T), np.hypot(*found.tangential.T)
     mu = 0.4 * (0.7 * np.exp(-2.0 * slip * SPEED) + 0.3)
@@ -100,14 +101,16 @@ def test_newton_step_is_that_of_the_derivative(eps: float) -> None:
         creepage(CELLS, 1e-3, -5e-4, 0.3),
         -UNLIKE[: 2 * n, 2 * n :],
         CoupledPressure(CachedFactors(UNLIKE[2 * n :, 2 * n :]), OVERLAP, UNLIKE[2 * n :, : 2 * n]),
-        ContactLaws(np.inf, 0.3, eps, FallingFriction(0.4, 1.0)),
+        ContactLaws(np.inf, FallingFriction(0.3, 0.4, 1.0), eps),
         SPEED,
     )
     q = np.random.default_rng(3).normal(size=(2, n)) * 3e7
     start, options = friction.at(q, OVERLAP > 0, IterationCount()), NewtonOptions(tolerance=1e-12)
     step = friction.step(start, options, IterationCount())
-    assert start.slides.any()
-    assert not start.slides[start.active].all()
+    y = friction.rho * start.q - start.s
+    slides = np.hypot(*y) > start.bound * friction.rho + eps
+    assert slides.any()
+    assert not slides[start.active].all()
     sizes, errors = np.array([1e-3, 3e-4, 1e-4]), []
     for size in sizes:
         moved = friction.at(q + size * step, start.active, IterationCount())
@@ -184,9 +187,10 @@ def test_random_laws_never_fail() -> None:
     for _ in range(800):
         operator = operators[rng.integers(len(operators))]
         xi, eta, spin = 10 ** rng.uniform(-5, -1, 3) * rng.choice([-1, 0, 1], 3) * [1, 1, 1 / a]
-        falling = FallingFriction(rng.uniform(), 10 ** rng.uniform(-2, 1)) if rng.random() < 0.4 else None
+        falling = (rng.uniform(), 10 ** rng.uniform(-2, 1)) if rng.random() < 0.4 else None
         K = np.inf if rng.random() < 0.4 else 10 ** rng.uniform(12, 16)
-        laws = ContactLaws(K, rng.uniform(0, 0.8), rng.choice([0.0, 10 ** rng.uniform(-7, -1)]), falling)
+        mu, eps = rng.uniform(0, 0.8), rng.choice([0.0, 10 ** rng.uniform(-7, -1)])
+        laws = ContactLaws(K, FallingFriction(mu, *falling) if falling else mu, eps)
         speed, count = 10 ** rng.uniform(0, 2), IterationCount()
         found = solve_tractions(operator, overlap, creepage(cells, xi, eta, spin), laws=laws, speed=speed, count=count)
         p, q, s = found.pressure, found.tangential, found.slip
@@ -195,7 +199,7 @@ def test_random_laws_never_fail() -> None:
         assert gap.min() > -1e-9 * overlap.max()
         assert np.abs(gap[p > 0]).max() < 1e-9 * overlap.max()
         slip = np.hypot(*s.T)
-        bound = laws.friction_at(slip, speed)[0] * p
+        bound = laws.friction_bound(p, slip, speed)
         assert (np.hypot(*q.T) <= bound + 1e-8 * max(bound.max(), 1e-300)).all()
         # q max(|s|, eps) = -b s: sticks, creeps or slides
         scale = max(slip.max(), laws.regularisation, 1e-6) * max(bound.max(), 1e-300)

@@ -8,8 +8,9 @@ from small_pairs import AT_REST, BRICKS, CREEP, QUADRATIC, STEEL, TETRAHEDRA, co
 
 from wheelrail.contact.kinematics.creepage import creepage
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.contact.models.full.model import FullContact
@@ -19,7 +20,7 @@ from wheelrail.support.arrays import Array
 
 SIZE, RADIUS = 1e-3, 0.3
 FRICTIONLESS, ROLLING = ContactLaws(1e15, friction=0.0), ContactLaws(1e15, friction=0.3, regularisation=1e-5)
-FALLING = ContactLaws(1e15, 0.3, 1e-5, FallingFriction(0.4, 10.0))
+FALLING = ContactLaws(1e15, FallingFriction(0.3, 0.4, 10.0), 1e-5)
 DISSIMILAR = (Material(210e9, 0.1), Material(180e9, 0.3))
 
 
@@ -60,7 +61,7 @@ CASES = {
     "tetrahedra, exact, all slides": (TETRAHEDRA, ContactLaws(), rolling(0.0, 0.1, 0.0), (STEEL, STEEL), 2, 3.2),
     "tetrahedra, exact pressure alone": (TETRAHEDRA, ContactLaws(np.inf, 0.3, 1e-5), CREEP, (STEEL, STEEL), 2, 3.2),
     "tetrahedra, exact friction alone": (TETRAHEDRA, ContactLaws(1e15, 0.3, 0.0), CREEP, (STEEL, STEEL), 2, 3.2),
-    "tetrahedra, exact, falling": (TETRAHEDRA, ContactLaws(falling=FALLING.falling), CREEP, DISSIMILAR, 2, 3.2),
+    "tetrahedra, exact, falling": (TETRAHEDRA, ContactLaws(friction=FALLING.friction), CREEP, DISSIMILAR, 2, 3.2),
     "hexahedra, rolling": (BRICKS, ROLLING, CREEP, (STEEL, STEEL), 2, 3.2),
     "quadratic, rolling": (QUADRATIC, ROLLING, CREEP, (STEEL, STEEL), 2, 1.4),
 }
@@ -75,7 +76,7 @@ def test_full_and_condensed_agree(case: str) -> None:
     assert_agree(first, second, 1e-6)
     assert first.fields is not None
     assert (first.fields.pressure > 0).sum() >= 16
-    if laws.friction:
+    if laws.frictional:
         ratio = np.hypot(first.force[0], first.force[1]) / first.force[2]
         assert (0.29 if "slides" in case else 1e-3) < ratio < 0.3001
 
@@ -92,7 +93,7 @@ def test_full_and_condensed_agree(case: str) -> None:
 )
 @pytest.mark.parametrize("laws", [FRICTIONLESS, ROLLING], ids=["frictionless", "rolling"])
 def test_every_way_to_the_solution_ends_in_the_same_place(laws: ContactLaws, options: FullOptions) -> None:
-    motion = CREEP if laws.friction else AT_REST
+    motion = CREEP if laws.frictional else AT_REST
     sphere = (RADIUS, RADIUS)
     usual = full(TETRAHEDRA, sphere, size=SIZE, laws=laws)(pose(3.2), motion)
     other = full(TETRAHEDRA, sphere, size=SIZE, laws=laws, options=options)(pose(3.2), motion)

@@ -14,8 +14,9 @@ from wheelrail.contact.analytical.kalker import kalker
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
@@ -190,7 +191,7 @@ def test_polach_by_hand() -> None:
 def test_falling_friction() -> None:
     for way in ("fastsim", "polach"):
         plain = pair((0.46, 0.3), tangential=way)
-        falling = replace(plain, laws=ContactLaws(friction=0.3, falling=FallingFriction(0.4, 0.6)))
+        falling = replace(plain, laws=ContactLaws(friction=FallingFriction(0.3, 0.4, 0.6)))
         fast, slow = (model(hertz_pose(6e-5), rolling(0.3, 0.0, 0.0)) for model in (plain, falling))
         left = 0.6 * np.exp(-0.6 * 0.3 * V) + 0.4
         assert slow.force[0] / fast.force[0] == pytest.approx(left, rel=5e-3)

@@ -15,8 +15,9 @@ from small_wheelset import MOUNTING, STATE, model
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.geometry.contact_operators import ContactOperators
 from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side, Twist
+from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models import condensed as condensed_module
 from wheelrail.contact.models.condensed import CondensedContact
@@ -91,9 +92,9 @@ def assert_close(found: Array, expected: Array, rtol: float, *, group: int = 3) 
         pytest.param(ContactLaws.penalty(), CREEP, id="paper"),
         pytest.param(ContactLaws(friction=50.0), CREEP, id="stick"),
         pytest.param(ContactLaws(), rolling(2e-2, 1e-2, 3.0), id="sliding"),
-        pytest.param(ContactLaws(falling=FallingFriction(0.4, 2.0)), FAST, id="falling"),
+        pytest.param(ContactLaws(friction=FallingFriction(0.3, 0.4, 2.0)), FAST, id="falling"),
         pytest.param(
-            ContactLaws(regularisation=3e-3, falling=FallingFriction(0.4, 20.0)), FAST, id="falling, regularised"
+            ContactLaws(regularisation=3e-3, friction=FallingFriction(0.3, 0.4, 20.0)), FAST, id="falling, regularised"
         ),
     ],
 )
@@ -139,7 +140,7 @@ WHEEL_LAWS = {
     "frictionless": ContactLaws(friction=0.0),
     "exact": ContactLaws(),
     "paper": ContactLaws.penalty(),
-    "falling": ContactLaws(regularisation=1e-3, falling=FallingFriction(0.4, 2.0)),
+    "falling": ContactLaws(regularisation=1e-3, friction=FallingFriction(0.3, 0.4, 2.0)),
 }
 
 

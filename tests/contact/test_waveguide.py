@@ -478,7 +478,7 @@ def test_hertz_with_exact_laws() -> None:
     step, size = (2 * a / 20 for a in exact.semi_axes)
     compliance, grid = block_waveguide((17, 17), steel, size=size, step=step, half_width=4096.0, grading=GRADING)
     geometry = QuadricPair(grid, radii, (np.inf, np.inf))
-    model = CondensedContact(geometry, compliance, compliance, ContactLaws(stiffness_per_area=np.inf, friction=0.0))
+    model = CondensedContact(geometry, compliance, compliance, ContactLaws(np.inf, friction=0.0))
     still = Twist(np.zeros(3), np.zeros(3), np.zeros(3))
 
     def at(depth: float, guess: tuple | None) -> tuple:

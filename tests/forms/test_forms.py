@@ -11,10 +11,12 @@ import ufl
 from dolfinx import fem
 from small_pairs import BRICKS, QUADRATIC, QUADRATIC_BRICKS, STEEL, TETRAHEDRA, elastic
 
+from wheelrail.contact.laws.friction import Coulomb
+from wheelrail.contact.laws.normal import Penalty, PowerPenalty
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.forms.elasticity import lame, strain, stress
-from wheelrail.forms.traction import frictionless_traction, penalty_pressure, regularised_coulomb, traction
+from wheelrail.forms.traction import frictionless_traction, regularised, traction
 from wheelrail.support.arrays import Array, Nodes
 
 MESHES = {
@@ -94,18 +96,20 @@ def test_clamped_nodes_are_those_at_the_bottom(name: str) -> None:
 @pytest.mark.parametrize("d", [-1e-6, 0.0, 2e-6])
 def test_penalty_pressure(d: float) -> None:
     K = 1e15
-    assert number(penalty_pressure(ufl.as_ufl(d), K)) == pytest.approx(K * max(d, 0.0))
-    assert number(frictionless_traction(ufl.as_ufl(d), K)) == pytest.approx(-K * max(d, 0.0))
+    assert number(Penalty(K).pressure(ufl.as_ufl(d))) == pytest.approx(K * max(d, 0.0))
+    assert number(frictionless_traction(ufl.as_ufl(d), Penalty(K))) == pytest.approx(-K * max(d, 0.0))
+    assert number(PowerPenalty(K, 1.5).pressure(ufl.as_ufl(d))) == pytest.approx(K * max(d, 0.0) ** 1.5)
 
 
 @pytest.mark.parametrize("s", [(0.0, 0.0), (3e-6, -4e-6), (1e-3, 0.0), (-3e-3, 4e-3)])
 def test_regularised_coulomb(s: tuple[float, float]) -> None:
     p, μ, ε = 8e8, 0.3, 1e-5
-    q = regularised_coulomb(ufl.as_vector(s), ufl.as_ufl(p), μ, ε)
+    q = regularised(ufl.as_vector(s), ufl.as_ufl(μ * p), ε)
     found = np.array([number(q[0]), number(q[1])])
     np.testing.assert_allclose(found, -μ * p * np.array(s) / max(np.hypot(*s), ε), rtol=1e-12)
     assert np.hypot(*found) <= μ * p * (1 + 1e-12)
-    whole = traction(ufl.as_vector((8e-7, *s)), 1e15, μ, ε)
+    z = ufl.as_vector((8e-7, *s))
+    whole = traction(z, Penalty(1e15), Coulomb(μ), speed=ufl.as_ufl(1.0), ε=ε)
     np.testing.assert_allclose([number(whole[i]) for i in range(3)], [-p, *found], rtol=1e-12)
 
 

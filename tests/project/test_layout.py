@@ -26,7 +26,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     | {"contact.models.full", "contact.models.standard", "contact.results", "contact.solvers"},
     "contact.analytical": {"support"},
     "contact.kinematics": {"meshes.curves", "support"},
-    "contact.laws": {"support"},
+    "contact.laws": {"forms", "support"},  # laws in UFL, imported where a law is first compiled
     "contact.geometry": {"contact.kinematics", "meshes.bodies", "meshes.curves", "meshes.profiles", "support"},
     "contact.results": {"contact.kinematics", "support"},
     "contact.solvers": {"contact.kinematics", "contact.laws", "support"},

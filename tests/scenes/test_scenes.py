@@ -13,7 +13,8 @@ import pytest
 from malformed_inputs import WHEEL, lines
 from rich.console import Console
 
-from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
+from wheelrail.contact.laws.friction import FallingFriction
+from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.builders.hertz import hertz_motion, hertz_scale
@@ -127,10 +128,10 @@ def test_either_law_may_be_exact_alone() -> None:
     assert (
         laws(parse_scene(changed(HERTZ, 'laws = "paper"', "")))
         == ContactLaws()
-        == ContactLaws(math.inf, 0.3, 0.0, None)
+        == ContactLaws(math.inf, 0.3, 0.0)
     )
     falling = changed(HERTZ, "[upper]", "[falling]\nshare = 0.4\nrate = 0.6\n[upper]")
-    assert laws(parse_scene(falling)) == ContactLaws(1e15, 0.3, 1e-5, FallingFriction(0.4, 0.6))
+    assert laws(parse_scene(falling)) == ContactLaws(1e15, FallingFriction(0.3, 0.4, 0.6), 1e-5)
 
 
 def test_a_run_keeps_the_laws_of_the_paper() -> None:

@@ -57,10 +57,13 @@ def digest(**parts: Any) -> str:
 
 @cache
 def source_digest(*folders: Path) -> str:
-    """Hash of all Python files in folders, at any depth, by name and content, as they are at the first call."""
+    """Hash of all Python files in folders, at any depth, by name and content, as they are at the first call.
+
+    Generated sources, which are stored in a folder `__pycache__`, do not count.
+    """
     checksum = hashlib.sha256()
     for folder in folders:
-        for file in sorted(folder.rglob("*.py")):
+        for file in sorted(path for path in folder.rglob("*.py") if "__pycache__" not in path.parts):
             checksum.update(file.name.encode())
             checksum.update(file.read_bytes())
     return checksum.hexdigest()[:12]

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any, TypeVar, cast
+from typing import Any, Literal, TypeVar, cast
 
 from numba import config, njit
 from numba.core.caching import FunctionCache
@@ -22,7 +22,7 @@ from wheelrail.support.cache import cache_folder, source_digest
 F = TypeVar("F", bound=Callable[..., Any])
 
 HERE = Path(__file__).parent
-SOURCES = tuple(HERE.parent / name for name in ("support", "meshes", "contact"))  # packages with compiled functions
+SOURCES = tuple(HERE.parent / name for name in ("support", "forms", "meshes", "contact"))  # of compiled functions
 
 CHECKSUMS = "checksums.json"
 
@@ -44,15 +44,19 @@ class TolerantCache(FunctionCache):  # type: ignore[misc]
                 self.flush()
 
 
-def compiled(function: F) -> F:
+def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python") -> F:
     """The function as machine code, compiled at its first call for every type of arguments.
+
+    Parameters:
+        function: in Python.
+        error_model: Numba's; "numpy": a division by zero gives inf or NaN, as in C, instead of an exception.
 
     Arithmetic is IEEE 754 in the order of the source. With reordered sums, functions that call others would differ in
     the last bits between the process that compiles them and one that loads them from the cache.
     """
-    dispatcher, path = njit(nogil=True)(function), folder()
+    dispatcher, path = njit(nogil=True, error_model=error_model)(function), folder()
     if path is not None:
-        with _cached_in(path):
+        with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
     return cast(F, dispatcher)
 

@@ -91,9 +91,9 @@ class FittedContact:
     warm: bool = False
 
     def __post_init__(self) -> None:
-        if self.laws.normal_compliance > 0:
+        if not self.laws.exact_normal:
             raise ValueError(f"fitted cells need the exact normal law, got {self.laws}")
-        if self.tangential == "shift" and (self.laws.regularisation > 0 or self.laws.falling is not None):
+        if self.tangential == "shift" and self.laws.depend_on_slip:
             raise ValueError(f"a shift has no slip velocity for friction to depend on, got {self.laws}")
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
@@ -159,7 +159,7 @@ class FittedContact:
             displacement[:, 2] = -scale * (cells.gathered.normal.compliance @ p)
         else:
             displacement[:] = scale * (cells.gathered.displacement @ np.concatenate([*q.T, -p])).reshape(3, n).T
-        bound = self.laws.friction_at(np.hypot(*tractions.slip.T), solution.speed)[0] * p
+        bound = self.laws.friction_bound(p, np.hypot(*tractions.slip.T), solution.speed)
         strip = connected(layout, p.reshape(len(layout.sides), -1))
         result = assemble_result(
             FrictionalWork.below(bound, places, q, solution.motion, solution.speed),
@@ -323,7 +323,7 @@ class LayoutIteration:
 
     def _rigid(self, places: SurfacePoints) -> tuple[float, Array | None]:
         """Rolling speed m/s and rigid creepage, or the tangential displacement m; None without friction."""
-        if not self.model.laws.friction:
+        if not self.model.laws.frictional:
             return 0.0, None
         shifts = self.model.tangential == "shift"
         return (0.0, shift(places, self.motion)) if shifts else creepage(places, self.motion)
@@ -347,7 +347,7 @@ class LayoutIteration:
             start, pressures = follow(self._overlap, start, self._gathered, tolerance=tolerance, count=self.count)
             if pressures is not None:
                 return start, pressures, True
-        rolls = model.laws.friction > 0 and model.tangential == "rolling"
+        rolls = model.laws.frictional and model.tangential == "rolling"
         full = marks(model.resolution.cells, rolling=rolls)
         fitted = self._fit_initial(full) if start is None else self._fit(start.layout, full, model.tolerance)
         if fitted is None:

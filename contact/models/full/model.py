@@ -76,7 +76,7 @@ class FullContact:
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         start = perf_counter()
-        order, ranks = self.order if self.laws.friction > 0 else 0, self.wheel.ranks
+        order, ranks = self.order if self.laws.frictional else 0, self.wheel.ranks
         try:
             points, approach = ranks.shared(lambda: self.geometry.contact_points(pose, order))
         except OutsideSurface as error:
@@ -100,7 +100,7 @@ class FullContact:
         local = ranks.total(problem.displacement @ u).reshape(-1, n).T
         displacement[:, 3 - local.shape[1] :] = local
         tangential = traction[:, 1:] if order else np.zeros((n, 2))
-        bound = -traction[:, 0] * self.laws.friction_at(np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)[0]
+        bound = self.laws.friction_bound(-traction[:, 0], np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)
         result = assemble_result(
             FrictionalWork.below(bound, points, tangential, motion, speed),
             node=points.node,
@@ -134,7 +134,7 @@ class FullContact:
         constant = problem.constant
         multiplier_offset: Array = np.zeros((len(area), self.law.components))
         z, forces = problem.state(u)
-        if self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance):
+        if self.soft == self.laws or (self.law.components == 1 and not self.laws.exact_normal):
             return u, z, forces, status, count
         for _ in range(LOOPS):
             if status != "converged":

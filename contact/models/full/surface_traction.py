@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import ufl
@@ -13,11 +13,15 @@ from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from wheelrail.contact.geometry.surface_grid import RULES, ContactGrid
+from wheelrail.contact.laws.friction import parameters
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.forms import compat
-from wheelrail.forms.traction import falling_friction, frictionless_traction, slip, traction, virtual_work
+from wheelrail.forms.pointwise import with_parameters
+from wheelrail.forms.traction import frictionless_traction, traction, virtual_work
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Nodes
+
+Law = TypeVar("Law")
 
 # Corners of the reference faces, and their areas
 REFERENCE: dict[int, tuple[list[list[float]], float]] = {
@@ -37,7 +41,8 @@ class SurfaceLaw:
         laws: of the interface.
         gained: slip added by multipliers at sliding points.
 
-    Between calls, `regularisation` sets the regularising creepage, `at_speed` the rolling speed for falling friction.
+    Parameters of the laws are constants of the forms, which are compiled once for all their values. Between calls,
+    `regularisation` sets the regularising creepage, `at_speed` the rolling speed.
     """
 
     def __init__(self, solid: Solid, grid: ContactGrid, degree: int, laws: ContactLaws, *, gained: float = 0.0) -> None:
@@ -45,15 +50,17 @@ class SurfaceLaw:
         used, faces = np.unique(solid.faces, return_inverse=True)
         mesh = compat.mesh_from_arrays(MPI.COMM_SELF, cell, faces.reshape(solid.faces.shape), solid.points[used])
         self.laws = laws
-        self.components = 3 if laws.friction > 0 else 1
+        self.components = 3 if laws.frictional else 1
         space = compat.space(mesh, degree, self.components)
         self.z = fem.Function(space)
-        constant = {
-            name: fem.Constant(mesh, PETSc.ScalarType(value))
-            for name, value in (("K", laws.stiffness_per_area), ("mu", laws.friction), ("eps", laws.regularisation))
-        }
-        self._eps = constant["eps"]
-        self._rate = fem.Constant(mesh, PETSc.ScalarType(0.0))  # of falling friction, per creepage
+
+        def constant(value: float) -> Any:
+            return fem.Constant(mesh, PETSc.ScalarType(value))
+
+        def in_form(law: Law) -> Law:
+            return with_parameters(law, {name: constant(value) for name, value in parameters(law).items()})
+
+        self._eps, self._speed = constant(laws.regularisation), constant(0.0)
         # quadrature points are the nodes with weights: exact for the shape functions, and the law is nodal
         corners, area = REFERENCE[solid.faces.shape[1]]
         rule = RULES[solid.faces.shape[1], degree]
@@ -68,12 +75,10 @@ class SurfaceLaw:
             },
         )
         if self.components == 3:
-            mu = constant["mu"]
-            if laws.falling is not None:
-                mu = falling_friction(slip(self.z), mu, laws.falling.share, self._rate, gained)
-            t = traction(self.z, constant["K"], mu, constant["eps"])
+            normal, friction = in_form(laws.normal), in_form(laws.friction)
+            t = traction(self.z, normal, friction, speed=self._speed, ε=self._eps, gained=gained)
         else:
-            t = frictionless_traction(self.z, constant["K"])
+            t = frictionless_traction(self.z, in_form(laws.normal))
         work = virtual_work(t, ufl.TestFunction(space), measure)
         with compat.quiet():
             self._force, self._tangent = fem.form(work), fem.form(ufl.derivative(work, self.z))
@@ -94,7 +99,7 @@ class SurfaceLaw:
 
     def at_speed(self, speed: float) -> None:
         """Set the rolling speed m/s."""
-        self._rate.value = 0.0 if self.laws.falling is None else self.laws.falling.rate * speed
+        self._speed.value = speed
 
     def _set(self, nodes: Nodes, z: Array) -> None:
         values = self.z.x.array.reshape(-1, self.components)

@@ -16,20 +16,19 @@ from wheelrail.support.compiled import compiled
 NO_FRICTION, FASTSIM, POLACH = 0, 1, 2
 
 
-class FrictionParameters(NamedTuple):
-    """Friction law and tangential method for compiled code.
+class StripFriction(NamedTuple):
+    """Tangential method and friction coefficients for compiled code.
 
     Parameters:
-        mu: friction coefficient at zero slip velocity.
-        share, rate: of `wheelrail.contact.laws.parameters.FallingFriction`, rate in s/m; 1 and 0: constant friction.
         method: NO_FRICTION, FASTSIM or POLACH.
+        of_cells: (n m,), for FASTSIM.
+        of_contacts: (k,), for Polach's formula.
         reduction: factors k_A and k_S of Polach's formula.
     """
 
-    mu: float
-    share: float
-    rate: float
     method: int
+    of_cells: Array
+    of_contacts: Array
     reduction: tuple[float, float]
 
 
@@ -132,12 +131,6 @@ def relative_rotation(v: RigidVelocities, axis: Array) -> float:
 
 
 @compiled
-def friction_at(law: FrictionParameters, velocity: float) -> float:
-    """Friction coefficient at a slip velocity m/s."""
-    return float(law.mu * ((1.0 - law.share) * np.exp(-law.rate * velocity) + law.share))
-
-
-@compiled
 def rolling_speed(v: RigidVelocities, point: Array, forward: Array) -> float:
     """Rolling speed m/s: mean backward velocity of both bodies' material at a point."""
     return -0.5 * (
@@ -227,7 +220,7 @@ def fastsim_strip(
     patch: RollingPatch,
     half: float,
     creepage: tuple[float, float, float],
-    law: FrictionParameters,
+    friction: Array,
     dome: Array,
     traction: Array,
     slip: Array,
@@ -238,7 +231,7 @@ def fastsim_strip(
         patch: of the strip.
         half: half length, m.
         creepage: longitudinal, lateral, and spin 1/m, in the middle of the strip.
-        law: of friction.
+        friction: (m,), coefficients.
         dome: (m,), means of 1 - t^2 over the cells.
         traction, slip: filled.
     """
@@ -246,18 +239,37 @@ def fastsim_strip(
     (xi, eta, _), (wx, wy, spin) = patch.creepages, creepage
     bounds = np.empty(m)
     for j in range(m):
-        x = half * ((2.0 * j + 1.0) / m - 1.0)
-        mu = friction_at(law, patch.speed * np.hypot(wx, wy + spin * x)) if law.rate > 0.0 else law.mu
-        bounds[j] = mu * patch.paraboloid * half * half * dome[j]
+        bounds[j] = friction[j] * patch.paraboloid * half * half * dome[j]
     strip_tractions(half, (xi, eta), (wx - xi, wy - eta, spin), patch.flexibility, bounds, traction, slip)
 
 
 @compiled
-def polach_force(patch: RollingPatch, G: float, law: FrictionParameters) -> tuple[float, float]:
-    """Longitudinal and lateral force N on a patch by Polach's formula."""
-    xi, eta, phi = patch.creepages
-    mu = friction_at(law, patch.speed * np.hypot(xi, effective(eta, phi, patch.semi_axes[0])))
-    return polach(patch.creepages, patch.semi_axes, mu * patch.load, G, patch.kalker, law.reduction)
+def slip_velocities(
+    strips: StripPressures, contacts: int, middles: StripFrames, peaks: StripFrames, v: RigidVelocities, m: int
+) -> tuple[Array, Array]:
+    """Rigid slip velocities on the m cells of n strips (n m,), and of the contacts as a whole (contacts,), m/s."""
+    n = len(strips.s)
+    cells, whole = np.zeros(n * m), np.zeros(contacts)
+    for c in range(contacts):
+        speed = rolling_speed(v, peaks.point[c], peaks.axes[c])
+        if not speed > 0.0:
+            continue
+        xi, eta, phi = creepages(v, peaks.point[c], peaks.axes[c], speed)
+        whole[c] = speed * np.hypot(xi, effective(eta, phi, strips.along[c]))
+        for i in range(n):
+            if strips.contact[i] != c:
+                continue
+            wx, wy, spin = creepages(v, middles.point[i], middles.axes[i], speed)
+            for j in range(m):
+                x = strips.half[i] * ((2.0 * j + 1.0) / m - 1.0)
+                cells[i * m + j] = speed * np.hypot(wx, wy + spin * x)
+    return cells, whole
+
+
+@compiled
+def polach_force(patch: RollingPatch, G: float, friction: float, reduction: tuple[float, float]) -> tuple[float, float]:
+    """Longitudinal and lateral force N on a patch by Polach's formula, for a friction coefficient."""
+    return polach(patch.creepages, patch.semi_axes, friction * patch.load, G, patch.kalker, reduction)
 
 
 @compiled
@@ -314,7 +326,7 @@ def strip_forces(
     peaks: StripFrames,
     v: RigidVelocities,
     elastic: PairElasticity,
-    law: FrictionParameters,
+    tangential: StripFriction,
     m: int,
 ) -> StripTractions:
     """Tractions of k contacts on the cells of n strips.
@@ -326,7 +338,7 @@ def strip_forces(
         peaks: frames at the k maxima of the penetration, where the contacts' creepages are taken.
         v: rigid motion of wheel and rail.
         elastic: constants of both bodies.
-        law: of friction.
+        tangential: method and friction coefficients.
         m: cells along each strip.
 
     Contacts with a rolling speed that is not positive have no tangential tractions.
@@ -352,8 +364,10 @@ def strip_forces(
             stop += 1
         patch = rolling_patch(strips, c, start, stop, peaks, v, elastic)
         cells.speed[c] = patch.speed
-        rolls = law.method != NO_FRICTION and patch.speed > 0.0
-        force = polach_force(patch, elastic.G, law) if rolls and law.method == POLACH else (0.0, 0.0)
+        rolls = tangential.method != NO_FRICTION and patch.speed > 0.0
+        force = (0.0, 0.0)
+        if rolls and tangential.method == POLACH:
+            force = polach_force(patch, elastic.G, tangential.of_contacts[c], tangential.reduction)
         for i in range(start, stop):
             fill_cells(strips, i, middles, share[c], arch, cells)
             if not rolls:
@@ -361,8 +375,8 @@ def strip_forces(
             own, half = slice(i * m, (i + 1) * m), strips.half[i]
             traction, slip = cells.traction[own], cells.slip[own]
             creepage = creepages(v, middles.point[i], middles.axes[i], patch.speed)
-            if law.method == FASTSIM:
-                fastsim_strip(patch, half, creepage, law, dome, traction, slip)
+            if tangential.method == FASTSIM:
+                fastsim_strip(patch, half, creepage, tangential.of_cells[own], dome, traction, slip)
             else:
                 polach_strip(force, patch.load, half, creepage, cells.pressure[own], traction, slip)
             for q in range(i * m, (i + 1) * m):

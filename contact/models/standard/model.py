@@ -20,12 +20,13 @@ from wheelrail.contact.models.standard.forces import (
     FASTSIM,
     NO_FRICTION,
     POLACH,
-    FrictionParameters,
     RigidVelocities,
     StripFrames,
+    StripFriction,
+    slip_velocities,
     strip_forces,
 )
-from wheelrail.contact.models.standard.normal import hertzian, virtual_penetration
+from wheelrail.contact.models.standard.normal import StripPressures, hertzian, virtual_penetration
 from wheelrail.contact.models.standard.patches import StripContacts
 from wheelrail.contact.results.result import ContactResult, LazyPatches, Statistics
 
@@ -40,7 +41,7 @@ class StandardContact:
 
     Parameters:
         surfaces: the rigid pair.
-        laws: of the interface; only friction and its decrease with the slip velocity are used.
+        laws: of the interface; only friction is used, as a function of the rigid slip velocity.
         upper, lower: materials of wheel and rail.
         normal: "hertz", the ellipse of the penetration's curvatures in the tangent plane; or "kik-piotrowski", strips
             on the curved surface.
@@ -49,7 +50,7 @@ class StandardContact:
         reduction: factors (k_A, k_S) of Polach's formula, 0 < k_S <= k_A <= 1.
         cells: along each of the 16 strips of a contact, at least 2.
 
-    Raises ValueError for other names and numbers out of range.
+    Raises ValueError for other names, numbers out of range, and friction that depends on the pressure.
     """
 
     surfaces: RigidPair
@@ -70,19 +71,33 @@ class StandardContact:
             raise ValueError(f"reduction factors must be 0 < k_S <= k_A <= 1, got k_A, k_S = {self.reduction}")
         if self.cells < 2:
             raise ValueError(f"cells must be at least 2, got {self.cells}")
+        if self.laws.frictional and self.laws.pointwise_friction.depends_on_pressure:
+            raise ValueError(
+                f"the standard contact needs friction independent of the pressure, got {self.laws.friction}"
+            )
 
     @cached_property
     def elasticity(self) -> PairElasticity:
         return PairElasticity.of(self.upper, self.lower)
 
     @cached_property
-    def law(self) -> FrictionParameters:
-        """Friction for compiled code."""
-        falling, method = self.laws.falling, FASTSIM if self.tangential == "fastsim" else POLACH
-        share, rate = (1.0, 0.0) if falling is None else (falling.share, falling.rate)
-        return FrictionParameters(
-            self.laws.friction, share, rate, method if self.laws.friction > 0.0 else NO_FRICTION, self.reduction
-        )
+    def method(self) -> int:
+        """Tangential method for compiled code."""
+        if not self.laws.frictional:
+            return NO_FRICTION
+        return FASTSIM if self.tangential == "fastsim" else POLACH
+
+    def friction(
+        self, strips: StripPressures, middles: StripFrames, peaks: StripFrames, velocities: RigidVelocities
+    ) -> StripFriction:
+        """Friction coefficients at the rigid slip of cells (FASTSIM) or contacts (Polach)."""
+        cells, contacts = np.zeros(self.cells * len(strips.s)), np.zeros(len(peaks.point))
+        if self.method != NO_FRICTION:
+            law = self.laws.pointwise_friction
+            if law.depends_on_speed:
+                cells, contacts = slip_velocities(strips, len(contacts), middles, peaks, velocities, self.cells)
+            cells, contacts = (law.coefficient(w, np.zeros(len(w))) for w in (cells, contacts))
+        return StripFriction(self.method, cells, contacts, self.reduction)
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         try:
@@ -107,8 +122,9 @@ class StandardContact:
             wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
         )
         middles, peaks = StripFrames(point, axes), StripFrames(peak, peak_axes)
-        cells = strip_forces(strips, zones.share, middles, peaks, velocities, self.elasticity, self.law, self.cells)
-        if self.law.method != NO_FRICTION and not cells.speed.min() > 0.0:
+        friction = self.friction(strips, middles, peaks, velocities)
+        cells = strip_forces(strips, zones.share, middles, peaks, velocities, self.elasticity, friction, self.cells)
+        if self.method != NO_FRICTION and not cells.speed.min() > 0.0:
             return ContactResult.failed(
                 f"friction needs a positive rolling speed, got {cells.speed.min():g} m/s; with mu = 0 any is allowed",
                 approach,

@@ -34,12 +34,18 @@ def laws(scene: HertzScene | WheelsetScene | RunScene) -> ContactLaws:
 
     The standard contact uses the friction of the exact laws.
     """
-    from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
+    from wheelrail.contact.laws.friction import Coulomb, FallingFriction
+    from wheelrail.contact.laws.parameters import ContactLaws
 
-    falling = None if scene.falling is None else FallingFriction(scene.falling.share, scene.falling.rate)
+    falls = scene.falling is not None and scene.friction > 0.0
+    friction = (
+        FallingFriction(scene.friction, scene.falling.share, scene.falling.rate)
+        if scene.falling is not None and falls
+        else Coulomb(scene.friction)
+    )
     if scene.laws == "exact" or scene.model == "standard":
-        return ContactLaws(friction=scene.friction, falling=falling)
-    return ContactLaws(scene.stiffness_per_area, scene.friction, scene.regularisation, falling)
+        return ContactLaws(friction=friction)
+    return ContactLaws(scene.stiffness_per_area, friction, scene.regularisation)
 
 
 def standard_contact(

@@ -98,7 +98,7 @@ def solve_contact(
         "friction": scene.friction,
         **model_choices(scene),
         "falling": None if scene.falling is None else scene.falling.model_dump(),
-        "stiffness_per_area": contact_laws.stiffness_per_area if contact_laws.normal_compliance else None,
+        "stiffness_per_area": 1 / contact_laws.normal_compliance if contact_laws.normal_compliance else None,
         "regularisation": contact_laws.regularisation,
         **sides,
     }

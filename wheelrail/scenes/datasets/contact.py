@@ -145,15 +145,15 @@ def sticks(fields: Fields | None, laws: ContactLaws) -> Mask:
 
     Parameters:
         fields: at the contact points, with the mask of the model if it provides one.
-        laws: the traction must be below the friction bound; with falling friction the slip must vanish.
+        laws: the traction must be below the friction bound; the slip must vanish if friction depends on its velocity.
     """
     assert fields is not None
     if fields.sticks is not None:
         return fields.sticks
     loaded = fields.pressure > 0.0
-    if laws.falling is None:
-        below = np.hypot(*fields.traction.T) < (1 - 1e-6) * laws.friction * fields.pressure
-        return np.asarray(loaded & below)
+    if not laws.pointwise_friction.depends_on_speed:
+        bound = laws.friction_bound(fields.pressure, np.zeros(len(loaded)), 0.0)
+        return np.asarray(loaded & (np.hypot(*fields.traction.T) < (1 - 1e-6) * bound))
     slip = np.hypot(*fields.slip.T)
     sticking = np.zeros(len(slip), dtype=bool)
     for patch in range(int(fields.patch.max(initial=-1)) + 1):
