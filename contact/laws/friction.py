@@ -109,9 +109,6 @@ class Stribeck:
         return self.kinetic + (self.static - self.kinetic) * ufl.exp(-((w / self.speed) ** 2))
 
 
-NAMED = {"coulomb": Coulomb, "falling": FallingFriction, "stribeck": Stribeck}
-
-
 def parameters(law: Any) -> dict[str, float]:
     """Fields of a law, which must be numbers. Raises TypeError for a law that is no dataclass or has other fields."""
     try:

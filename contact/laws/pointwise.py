@@ -91,7 +91,7 @@ def friction_functions(law: FrictionLaw) -> FrictionFunctions:
     values = np.array(list(parameters(law).values()))
     code = _code("friction", law, friction_source, FRICTION)
     functions = FrictionFunctions(code, values, code.DEPENDS_ON_SPEED, code.DEPENDS_ON_PRESSURE)
-    if not _shipped(law):
+    if not is_shipped(law):
         _check_friction(law, functions)
     return functions
 
@@ -101,7 +101,7 @@ def pressure_function(law: NormalLaw) -> PressureFunction:
     """Compiled functions of a normal law; raises as `friction_functions`."""
     values = np.array(list(parameters(law).values()))
     function = PressureFunction(_code("normal", law, pressure_source, ("pressure",)), values)
-    if not _shipped(law):
+    if not is_shipped(law):
         depth = np.array([-1e-3, -1e-9, 0.0, 1e-9, 1e-6, 1e-4])
         p, slope = function(depth)
         if not (np.isfinite(p).all() and np.isfinite(slope).all()):
@@ -130,7 +130,8 @@ def _check_friction(law: FrictionLaw, functions: FrictionFunctions) -> None:
         )
 
 
-def _shipped(law: object) -> bool:
+def is_shipped(law: object) -> bool:
+    """Whether a law belongs to this package, whose tests check it."""
     return type(law).__module__.startswith("wheelrail.contact.laws.")
 
 
@@ -154,7 +155,7 @@ def _code(kind: str, law: Any, source: Callable[[Any], str], functions: tuple[st
 def _source(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Path]:
     """Source of a law's class, from the cache if possible, and its file."""
     place = folder()
-    if _shipped(law):
+    if is_shipped(law):
         path = (place or Path()) / f"{kind}_{type(law).__name__}_{_ufl_stamp()}.py"
         text = _stored(path)
         if text is not None:

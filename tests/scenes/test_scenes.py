@@ -125,11 +125,7 @@ def test_either_law_may_be_exact_alone() -> None:
         1e14, 0.3, 0.0
     )
     assert laws(parse_scene(HERTZ)) == ContactLaws.penalty(0.3)
-    assert (
-        laws(parse_scene(changed(HERTZ, 'laws = "paper"', "")))
-        == ContactLaws()
-        == ContactLaws(math.inf, 0.3, 0.0)
-    )
+    assert laws(parse_scene(changed(HERTZ, 'laws = "paper"', ""))) == ContactLaws() == ContactLaws(math.inf, 0.3, 0.0)
     falling = changed(HERTZ, "[upper]", "[falling]\nshare = 0.4\nrate = 0.6\n[upper]")
     assert laws(parse_scene(falling)) == ContactLaws(1e15, FallingFriction(0.3, 0.4, 0.6), 1e-5)
 

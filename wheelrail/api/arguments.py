@@ -54,7 +54,11 @@ def scene_of(
 
 
 def plain(value: Any) -> Any:
-    """NumPy numbers and arrays as Python numbers and lists, tuples as lists."""
+    """NumPy numbers and arrays as Python numbers and lists, tuples as lists, laws as tables."""
+    if hasattr(value, "coefficient") or hasattr(value, "pressure"):
+        from wheelrail.contact.laws.registry import law_table
+
+        return law_table(value)
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Mapping):

@@ -15,6 +15,7 @@ from wheelrail.scenes.schema.tables import BodyTable
 
 if TYPE_CHECKING:
     from wheelrail.contact.analytical.hertz import Hertz as ClosedForm
+    from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import ContactModel
 
 GROUPS = (("load", "approach"), ("creepage", "shift"), ("speed", "shift"))
@@ -27,7 +28,8 @@ class Hertz:
     Parameters:
         upper, lower: principal radii (in x, in y), m, inf is straight, negative is concave; or a dict with radii, E
             and nu.
-        friction: coefficient of friction; 0 skips the tangential problem.
+        friction: coefficient of friction, 0 skips the tangential problem; or a law of `wheelrail.contact.laws` or of
+            your own.
         E: Young's modulus of both bodies, Pa.
         nu: Poisson's ratio of both bodies.
         surface_size: edge of the surface cells, m; cells fitted to the patch (the default) do not depend on it.
@@ -43,7 +45,7 @@ class Hertz:
         upper: Sequence[float] | Mapping[str, Any] = (0.46, float("inf")),
         lower: Sequence[float] | Mapping[str, Any] = (float("inf"), 0.30),
         *,
-        friction: float = 0.3,
+        friction: float | FrictionLaw = 0.3,
         E: float = 2.1e11,
         nu: float = 0.3,
         surface_size: float | None = None,

@@ -69,7 +69,7 @@ def html(data: Dataset) -> str:
 def heading(data: Dataset) -> str:
     """One line: kind of contact, model, and status."""
     attributes = data.attrs
-    words = [str(attributes["title"]), f"{attributes['model']} model", f"friction {attributes['friction']:g}"]
+    words = [str(attributes["title"]), f"{attributes['model']} model", f"friction {attributes['friction']}"]
     words += [f"{attributes[key]} {key}" for key in ("laws", "bodies", "points") if key in attributes]
     return f"{', '.join(words)}: {attributes['status']}"
 

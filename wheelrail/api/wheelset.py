@@ -20,6 +20,7 @@ from wheelrail.scenes.schema.tables import WheelsetTable as Position
 
 if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import Mounting
+    from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import WheelsetContact
 
 SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "wheelset": keys_of(Position)}
@@ -37,7 +38,8 @@ class Wheelset:
     Parameters:
         wheel, rail: name of a standard profile ("S1002"; "UIC60" or "60E1", "UIC60-benchmark"), a file, or a profile
             from `wheelrail.profile`.
-        friction: coefficient of friction; 0 skips the tangential problem.
+        friction: coefficient of friction, 0 skips the tangential problem; or a law of `wheelrail.contact.laws` or of
+            your own.
         E: Young's modulus of both bodies, Pa.
         nu: Poisson's ratio of both bodies.
         surface_size: spacing of the compliance of the bodies on the surface, m.
@@ -61,7 +63,7 @@ class Wheelset:
         wheel: str | Path | Profile = "S1002",
         rail: str | Path | Profile = "UIC60",
         *,
-        friction: float = 0.3,
+        friction: float | FrictionLaw = 0.3,
         E: float = 2.1e11,
         nu: float = 0.3,
         surface_size: float | None = None,

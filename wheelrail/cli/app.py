@@ -54,5 +54,17 @@ def options(
         bool,
         typer.Option("--version", callback=_print_version, is_eager=True, help="Print version and commit, and exit."),
     ] = False,
+    laws: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--laws",
+            metavar="MODULE",
+            help='Allow scenes to use laws "MODULE:Class" of your Python module; repeatable.',
+        ),
+    ] = None,
 ) -> None:
     """Detailed wheel-rail contact by finite elements, inside a vehicle simulation."""
+    if laws:
+        from wheelrail.contact.laws.registry import allow
+
+        allow(*laws)

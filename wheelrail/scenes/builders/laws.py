@@ -8,6 +8,7 @@ from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
 
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.rigid_surfaces import RigidPair
+    from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.laws.material import Material
     from wheelrail.contact.laws.parameters import ContactLaws
     from wheelrail.contact.models.standard.model import StandardContact
@@ -34,18 +35,24 @@ def laws(scene: HertzScene | WheelsetScene | RunScene) -> ContactLaws:
 
     The standard contact uses the friction of the exact laws.
     """
-    from wheelrail.contact.laws.friction import Coulomb, FallingFriction
     from wheelrail.contact.laws.parameters import ContactLaws
 
-    falls = scene.falling is not None and scene.friction > 0.0
-    friction = (
-        FallingFriction(scene.friction, scene.falling.share, scene.falling.rate)
-        if scene.falling is not None and falls
-        else Coulomb(scene.friction)
-    )
+    friction = friction_law(scene)
     if scene.laws == "exact" or scene.model == "standard":
         return ContactLaws(friction=friction)
-    return ContactLaws(scene.stiffness_per_area, friction, scene.regularisation)
+    normal = scene.stiffness_per_area if scene.normal_law is None else scene.normal_law.instance
+    return ContactLaws(normal, friction, scene.regularisation)
+
+
+def friction_law(scene: HertzScene | WheelsetScene | RunScene) -> FrictionLaw:
+    """Friction law of a scene: the law of a table, or Coulomb's, constant or decreasing with the slip velocity."""
+    from wheelrail.contact.laws.friction import Coulomb, FallingFriction
+
+    if not isinstance(scene.friction, float | int):
+        return scene.friction.instance
+    if scene.falling is None or not scene.friction:
+        return Coulomb(scene.friction)
+    return FallingFriction(scene.friction, scene.falling.share, scene.falling.rate)
 
 
 def standard_contact(

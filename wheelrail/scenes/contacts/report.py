@@ -123,7 +123,7 @@ def table(report: Mapping[str, Any]) -> RenderableType:
             )
     for index in range(max((len(report[name].get("patches", ())) for name in sides), default=0)):
         view.add_section()
-        for label, text in (*_PATCH_ROWS, *(_FRICTION_ROWS if report["friction"] > 0 else ())):
+        for label, text in (*_PATCH_ROWS, *(_FRICTION_ROWS if report["friction"] else ())):
             patches = [report[name].get("patches", []) for name in sides]
             view.add_row(
                 Text(f"patch {index + 1}: {label}"), *(text(p[index]) if index < len(p) else "" for p in patches)

@@ -95,7 +95,7 @@ def solve_contact(
         "status": overall(sides),
         "kind": scene.kind,
         "model": scene.model,
-        "friction": scene.friction,
+        "friction": scene.friction if isinstance(scene.friction, float | int) else scene.friction.model_dump(),
         **model_choices(scene),
         "falling": None if scene.falling is None else scene.falling.model_dump(),
         "stiffness_per_area": 1 / contact_laws.normal_compliance if contact_laws.normal_compliance else None,

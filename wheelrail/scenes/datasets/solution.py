@@ -60,7 +60,7 @@ def solution_dataset(
         status=overall(sides),
         kind=scene.kind,
         model=scene.model,
-        friction=scene.friction,
+        friction=scene.friction if isinstance(scene.friction, float | int) else scene.friction.model_dump_json(),
         contact_modulus=modulus(upper, lower),
         **({} if isinstance(scene, HertzScene) else {"nominal_radius": scene.wheelset.radius}),
         **choices,

@@ -56,7 +56,8 @@ def section(
     if cells.traction.any():
         traction = np.hypot(*cells.traction[row].T)
         ax.plot(1e3 * at, 1e-6 * traction, "s", ms=3, ls=(0, (5, 1.5)), color=TRACTION, label="traction")
-        bound = float(data.attrs.get("friction", 0.0)) * cells.pressure[row]
+        friction = data.attrs.get("friction", 0.0)
+        bound = (np.nan if isinstance(friction, str) else friction) * cells.pressure[row]  # a law: bound not constant
         ax.plot(1e3 * at, 1e-6 * bound, color="0.45", lw=0.9, ls=(0, (1, 1)), label="friction bound")
     solution = closed_form(data, side, patch) if hertz else None
     if solution is not None:

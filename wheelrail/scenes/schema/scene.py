@@ -18,6 +18,7 @@ from pydantic import (
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.laws import FrictionKey, FrictionTable, NormalTable
 from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.tables import (
     AxleTable,
@@ -52,7 +53,8 @@ class Contact(SceneTable):
     laws: "exact" (unilateral contact and Coulomb friction, without constants), or "paper" (penalty pressure and
         regularised Coulomb friction), the default of runs. With "paper", stiffness_per_area = inf or
         regularisation = 0 makes one of the two exact.
-    friction: coefficient of friction; falling: decrease with the slip velocity.
+    friction: coefficient of friction, or a table with a friction law and its constants, see `FrictionTable`; falling:
+        decrease of the coefficient with the slip velocity.
     surface_size: edge of the surface cells, m.
     bodies: "solid" (3D meshes, the default with laws = "paper" or model = "full"), "waveguide" (bodies invariant along
         the track or about the axle, the default with laws = "exact"), or "half-space", for comparison with other codes.
@@ -61,12 +63,13 @@ class Contact(SceneTable):
         solid), or "grid", not available for half-spaces.
     strips, cells: of fitted points, over the width of a patch and along a strip; 12 and 16 by default.
     slip_order: order of the upstream difference formula of the slip on a grid.
-    stiffness_per_area: penalty, N/m3; regularisation: creepage.
+    stiffness_per_area: penalty, N/m3; regularisation: creepage; normal_law: a table with a normal law in place of the
+        linear penalty, see `NormalTable`.
     """
 
     model: Literal["condensed", "full", "standard"] = "condensed"
     laws: Literal["paper", "exact"] = "exact"
-    friction: q.Friction
+    friction: FrictionKey
     falling: FallingTable | None = None
     surface_size: q.SurfaceSize | None = None
     normal: Literal["hertz", "kik-piotrowski"] | None = None
@@ -81,6 +84,7 @@ class Contact(SceneTable):
     slip_order: Literal[1, 2] = 2
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
+    normal_law: NormalTable | None = None
 
     @field_validator("*", mode="wrap")
     @classmethod
@@ -91,6 +95,12 @@ class Contact(SceneTable):
 
     @model_validator(mode="after")
     def _lawful(self) -> Contact:
+        if self.falling is not None and isinstance(self.friction, FrictionTable):
+            raise q.reject('must not be combined with a friction law; use law = "falling"', "falling")
+        if self.normal_law is not None and (self.laws == "exact" or self.model == "standard"):
+            raise q.reject('allowed only with laws = "paper" and model = "condensed" or "full"', "normal_law")
+        if self.normal_law is not None and "stiffness_per_area" in self.model_fields_set:
+            raise q.reject("must not be combined with normal_law", "stiffness_per_area")
         if self.model == "standard":
             for key in ELEMENTS:
                 if key in self.model_fields_set:
@@ -116,6 +126,11 @@ class Contact(SceneTable):
         return self
 
     @property
+    def frictional(self) -> bool:
+        """Whether there is a tangential problem."""
+        return isinstance(self.friction, FrictionTable) or self.friction > 0.0
+
+    @property
     def discretisation(self) -> Discretisation:
         """Model, bodies, points and elements with all defaults resolved; raises IncompatibleChoice."""
         from wheelrail.contact.models.discretisation import Discretisation
@@ -133,7 +148,8 @@ class Contact(SceneTable):
             strips=self.strips,
             cells=self.cells,
         )
-        return how.for_laws(exact=self.laws == "exact" or isinf(self.stiffness_per_area))
+        exact = self.laws == "exact" or (self.normal_law is None and isinf(self.stiffness_per_area))
+        return how.for_laws(exact=exact)
 
 
 def _between(wheelset: AxleTable, gauge: float) -> None:
@@ -181,7 +197,7 @@ class HertzScene(Solve):
         for key in ("speed", "creepage"):
             if self.shift is not None and getattr(self, key) is not None:
                 raise q.reject("must not be combined with shift", key)
-            if self.shift is None and self.friction > 0.0 and getattr(self, key) is None:
+            if self.shift is None and self.frictional and getattr(self, key) is None:
                 raise q.reject("required if friction is not 0", key)
         if self.model == "standard" and self.merge_distance is not None:
             raise q.reject("not allowed for a Hertz pair, which has one contact point", "merge_distance")
@@ -189,7 +205,8 @@ class HertzScene(Solve):
             raise q.reject(NO_STRESS, "stress")
         if self.shift is not None and self.model != "condensed":
             raise q.reject('allowed only with model = "condensed"', "shift")
-        if self.shift is not None and (self.falling or (self.laws == "paper" and self.regularisation > 0.0)):
+        regularised = self.laws == "paper" and self.regularisation > 0.0
+        if self.shift is not None and (self.falling or isinstance(self.friction, FrictionTable) or regularised):
             raise q.reject(
                 'allowed only with Coulomb friction: regularisation = 0 or laws = "exact", without falling', "shift"
             )
@@ -224,7 +241,7 @@ class WheelsetScene(Solve):
             raise q.reject(NO_STRESS, "stress")
         _between(self.wheelset, self.track.gauge)
         for key in ("speed", "pitch_rate"):
-            if self.friction > 0.0 and getattr(self.wheelset, key) is None:
+            if self.frictional and getattr(self.wheelset, key) is None:
                 raise q.reject("required if friction is not 0", f"wheelset.{key}")
         return self
 
