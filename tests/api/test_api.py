@@ -91,13 +91,12 @@ def test_a_wheelset_as_from_its_scene(tmp_path: Path) -> None:
     (tmp_path / "wheelset.toml").write_text(text)
     scene = load_scene(tmp_path / "wheelset.toml")
     assert isinstance(scene, WheelsetScene)
-    report = solve_contact(scene)
+    solution = solve_contact(scene)
     loaded = wr.load(tmp_path / "wheelset.toml")
     given = wr.Wheelset("S1002", "UIC60-benchmark", friction=0.3, model="standard")
     for found in (loaded.solve(), given.solve(y=-2e-3, wheel_load=57e3, speed=45.0)):
-        assert found.data["lateral_force"].sel(side="left").item() == report["left"]["force"][1]
-        assert found.data["spin_moment"].sel(side="right").item() == report["right"]["moment"][1]
-        assert found.data["z"].sel(side="right").item() == report["right"]["z"]
+        for name in ("lateral_force", "spin_moment", "z"):
+            np.testing.assert_array_equal(found.data[name], solution[name])
     assert isinstance(loaded, wr.Wheelset)
     again = loaded.solve(axle_load=100e3)  # instead of the wheel load
     assert float(again.data["vertical_force"].sum()) == pytest.approx(100e3, rel=1e-6)

@@ -47,7 +47,7 @@ def spring(monkeypatch: pytest.MonkeyPatch) -> SpringContact:
     monkeypatch.setitem(sys.modules, "wheelrail.contact.models.builders", pairs)
     mounting = Mounting(wheel_y=0.75, rail_y=0.76, radius=0.46)
 
-    def contact(scene: object) -> WheelsetContact:
+    def contact(scene: object, profiles: object) -> WheelsetContact:
         model.touch = 0.46 - 1.8e-4
         return WheelsetContact(model, mounting)
 

@@ -70,7 +70,7 @@ MAY_IMPORT |= {
     "vehicle.simulation": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
-_SCENES = ("schema", "builders", "contacts", "datasets", "plots", "runs", "views", "studies", "html_report")
+_SCENES = ("schema", "builders", "datasets", "contacts", "plots", "runs", "views", "studies", "html_report")
 MAY_IMPORT["scenes"] = {"scenes.schema"}
 MAY_IMPORT["scenes.schema"] = {"contact.models", "meshes.profiles", "vehicle.track", "vehicle.wagon", "support"}
 for _index, _name in enumerate(_SCENES[1:], 1):

@@ -64,12 +64,13 @@ def test_a_solve_from_the_cache_imports_no_mesher_and_no_finite_elements() -> No
 def test_the_standard_contact_needs_no_meshes_and_no_finite_elements() -> None:
     script = f"""
 from pathlib import Path
-from wheelrail.scenes.contacts.solve import solve_contact
+from wheelrail.scenes.contacts.solve import solve_contact, solve_sides
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import parse_scene
 text = (Path({str(ROOT)!r}) / "scenes" / "wheelset.toml").read_text()
-report = solve_contact(parse_scene(text.replace('model = "condensed"', 'model = "standard"')))
-assert report["status"] == "converged", report
+scene = parse_scene(text.replace('model = "condensed"', 'model = "standard"'))
+sides = {{name: side.result.status for name, side in solve_sides(scene)}}
+assert sides == {{"left": "converged", "right": "converged"}}
 run = (Path({str(ROOT)!r}) / "scenes" / "paper_curve.toml").read_text()
 wheelset_contact(parse_scene(run.replace('model = "condensed"', 'model = "standard"')))
 import sys
@@ -78,6 +79,8 @@ assert not [name for name in wrong if f"wheelrail.contact.{{name}}" in sys.modul
 """
     heavy_after(script)  # generates the code of the friction law from UFL, unless cached
     assert heavy_after(script + 'assert "wheelrail.forms" not in sys.modules') == set()
+    assert heavy_after(script + "solve_contact(scene)
+") == {"xarray"}  # the result is a Dataset
 
 
 def test_an_empty_cache_asks_for_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -375,8 +375,8 @@ def contact_with_picture(folder: Path, code: str) -> tuple[int, str]:
     "phase",
     [
         "from wheelrail.contact.models.standard.model import StandardContact as m; m.__call__ = after(m.__call__, 2)",
-        "import wheelrail.scenes.contacts.solve as m; m.side_report = stop",
-        "import wheelrail.scenes.contacts.report as m; m.table = stop",
+        "import wheelrail.scenes.contacts.solve as m; m.solution_dataset = stop",
+        "import wheelrail.scenes.contacts.table as m; m.table = stop",
         DRAWN,
     ],
 )

@@ -16,13 +16,12 @@ from rich.console import Console
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.standard.model import StandardContact
-from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.builders.hertz import hertz_motion, hertz_scale
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.builders.wheelset import wheelset_contact
-from wheelrail.scenes.contacts.report import table
+from wheelrail.scenes.contacts.report import contact_report
 from wheelrail.scenes.contacts.solve import solve_contact
-from wheelrail.scenes.datasets.contact import contact_dataset
+from wheelrail.scenes.contacts.table import table
 from wheelrail.scenes.plots.patches import draw_patches
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.override import overridden
@@ -447,15 +446,15 @@ def test_keys_of_one_model_are_refused_by_another(text: str, says: tuple[str, ..
 
 
 def test_the_standard_model_reports_and_draws(tmp_path: Path) -> None:
-    results: dict[str, ContactResult] = {}
     scene = parse_scene(standard(WHEELSET, 'tangential = "fastsim"'))
     assert isinstance(scene, WheelsetScene)
-    report = solve_contact(scene, on_result=results.__setitem__)
+    data = solve_contact(scene)
+    report = contact_report(data)
     assert (report["normal"], report["tangential"]) == ("kik-piotrowski", "fastsim")
     assert report["left"]["force"][2] == pytest.approx(57e3, rel=1e-6)
     assert "laws" not in report
     text = StringIO()
-    Console(file=text, width=120).print(table(report))
+    Console(file=text, width=120).print(table(data))
     assert "standard model, kik-piotrowski normal, fastsim tangential: converged" in text.getvalue()
-    draw_patches(contact_dataset(results, laws(scene)), tmp_path / "patches.png")
+    draw_patches(data, tmp_path / "patches.png")
     assert (tmp_path / "patches.png").stat().st_size > 10_000

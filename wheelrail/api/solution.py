@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from wheelrail.contact.results.result import ContactResult
     from wheelrail.meshes.profiles.profile import Profile
-    from wheelrail.scenes.contacts.solve import SideSolution
+    from wheelrail.scenes.contacts.side_solution import SideSolution
     from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 
 
@@ -127,7 +127,7 @@ def solved(
     arguments: Mapping[str, Any],
 ) -> Solution:
     """Solution from the solved sides of a scene."""
-    from wheelrail.scenes.datasets.solution import solution_dataset
+    from wheelrail.scenes.contacts.solution import solution_dataset
 
     data = solution_dataset(scene, sides, profiles, arguments)
     return Solution(data, {name: side.result for name, side in sides.items()}, Origin(scene, sides, profiles))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,7 +15,8 @@ from wheelrail.cli.mpi_launcher import first
 from wheelrail.support.terminal import progress_console, result_console, stdout_for_results
 
 if TYPE_CHECKING:
-    from wheelrail.contact.results.result import ContactResult
+    from xarray import Dataset
+
     from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 
 
@@ -35,47 +36,48 @@ def contact(
     if checked.model != "full":
         reject_mpi(f'{scene}: model = "{checked.model}"')
     check_picture(picture)
-    results: dict[str, ContactResult] = {}
-    report = {"scene": str(scene), **_solved(checked, scene, results)}
-    from wheelrail.scenes.contacts.report import json_text, table
-
+    status, data = _solved(checked, scene)
     if json:
-        print(json_text(report))
-    elif "model" in report:
-        result_console().print(table(report))
-    if picture is not None and results and first():
-        _draw(checked, results, picture)
-    if report["status"].startswith("failed"):
-        print(report["status"], file=sys.stderr)
+        from wheelrail.scenes.contacts.report import contact_report, json_text
+
+        report = {"status": status} if data is None else contact_report(data)
+        print(json_text({"scene": str(scene), **report}))
+    elif data is not None:
+        from wheelrail.scenes.contacts.table import table
+
+        result_console().print(table(data))
+    if picture is not None and data is not None and data["z"].notnull().any() and first():
+        _draw(data, picture)
+    if status.startswith("failed"):
+        print(status, file=sys.stderr)
         raise typer.Exit(FAILED)
 
 
-def _draw(scene: HertzScene | WheelsetScene, results: dict[str, ContactResult], file: Path) -> None:
+def _draw(data: Dataset, file: Path) -> None:
     """Save the figure; exits with the error on standard error."""
-    from wheelrail.scenes.builders.laws import laws
-    from wheelrail.scenes.datasets.contact import contact_dataset
     from wheelrail.scenes.plots.patches import draw_patches
 
     try:
-        draw_patches(contact_dataset(results, laws(scene)), file)
+        draw_patches(data, file)
     except (OSError, ValueError) as error:
         print(f"{file}: {error}", file=sys.stderr)
         raise typer.Exit(FAILED) from None
 
 
-def _solved(scene: HertzScene | WheelsetScene, name: Path, results: dict[str, ContactResult]) -> dict[str, Any]:
-    """Report of the contact; an exception gives status "failed: ...", with its traceback on standard error."""
+def _solved(scene: HertzScene | WheelsetScene, name: Path) -> tuple[str, Dataset | None]:
+    """Status and solution; an exception gives status "failed: ..." alone, with its traceback on standard error."""
     from wheelrail.scenes.contacts.solve import solve_contact
     from wheelrail.scenes.schema.errors import SceneError
 
     console = progress_console()
     try:
         with stdout_for_results(), console.status("reading the scene") as status:
-            return solve_contact(scene, lambda text: status.update(text), results.__setitem__)
+            data = solve_contact(scene, lambda text: status.update(text))
+        return str(data.attrs["status"]), data
     except SceneError as error:
         raise rejected(f"{name}: {error}") from None
     except Exception as error:
         import traceback
 
         traceback.print_exc()
-        return {"status": f"failed: {type(error).__name__}: {error}"}
+        return f"failed: {type(error).__name__}: {error}", None

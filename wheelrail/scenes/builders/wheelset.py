@@ -10,7 +10,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
 
 if TYPE_CHECKING:
-    from wheelrail.contact.kinematics.wheelset_state import Mounting
+    from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.meshes.profiles.profile import Profile
 
@@ -76,3 +76,22 @@ def wheel_scale(scene: WheelsetScene, load: float) -> float:
     from wheelrail.contact.loading.hertz import sphere_approach
 
     return sphere_approach(load, radius=0.3, modulus=0.5 * scene.E / (1.0 - scene.nu**2))
+
+
+def wheelset_state(scene: WheelsetScene) -> WheelsetState:
+    """Position and velocities of the wheelset; height and roll to be solved for are zero."""
+    from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+
+    position = scene.wheelset
+    return WheelsetState(
+        y=position.y,
+        z=position.z or 0.0,
+        roll=0.0 if position.roll == "solve" else position.roll,
+        yaw=position.yaw,
+        y_rate=position.y_rate,
+        z_rate=position.z_rate,
+        roll_rate=position.roll_rate,
+        pitch_rate=position.pitch_rate or 0.0,
+        speed=position.speed or 0.0,
+        frame_rate=(0.0, 0.0, (position.speed or 0.0) * scene.track.curvature),
+    )

@@ -1,1 +1,1 @@
-"""Single contact solves of a scene, and their report."""
+"""Single contact solves of a scene: the solution as a Dataset, its JSON and its table."""

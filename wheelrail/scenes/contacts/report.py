@@ -1,90 +1,144 @@
-"""Report of a contact solve, as JSON and as a table."""
+"""Report of a contact solution for JSON."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from wheelrail.scenes.contacts.side_values import SideValues
+from wheelrail.scenes.datasets.run import AXES, TURNS
+
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from xarray import Dataset
 
-    from wheelrail.contact.results.result import ContactResult
-    from wheelrail.contact.stress.subsurface import SubsurfaceStress
+# Choices of the contact model, by key of the scene.
+STANDARD, ELASTIC = ("normal", "tangential"), ("laws", "bodies", "points", "surface_size")
+FORCE = tuple(f"{axis}_force" for axis in AXES)
+MOMENT = tuple(f"{turn}_moment" for turn in TURNS)
+# Key of a patch: variable, or variables of the components of a vector.
+PATCH: dict[str, str | tuple[str, ...]] = {
+    "area": "patch_area",
+    "max_pressure": "patch_max_pressure",
+    "normal_force": "patch_normal_force",
+    "force": "patch_force",
+    "tangential_force": ("patch_longitudinal_force", "patch_lateral_force"),
+    "semi_axes": ("patch_semi_axis_x", "patch_semi_axis_y"),
+    "contact_angle": "patch_contact_angle",
+    "wheel_s": "wheel_s",
+    "rail_s": "rail_s",
+    "wheel_y": "wheel_y",
+    "rail_y": "rail_y",
+    "wheel_band": "wheel_band",
+    "rail_band": "rail_band",
+    "x": "patch_x",
+    "stick_area": "patch_stick_area",
+    "creepage": ("patch_longitudinal_creepage", "patch_lateral_creepage", "patch_spin"),
+    "frictional_power": "patch_frictional_power",
+}
 
 
-def side_report(
-    result: ContactResult,
-    *,
-    z: float,
-    roll: float,
-    solves: int,
-    seconds: float,
-    stress: Mapping[str, SubsurfaceStress] | None = None,
-) -> dict[str, Any]:
-    """Report of one side: resultants, patches, wheelset position, statistics, error estimate and subsurface stress.
+def contact_report(data: Dataset) -> dict[str, Any]:
+    """Status, choices of the model, constants of the laws, and every side, in SI units.
 
     Parameters:
-        result: of the last solve, whose statistics are reported.
-        z: height of the wheelset above its nominal height, m.
-        roll: of the wheelset, rad.
-        solves: contact solves for the load, in total.
-        seconds: their computing time.
-        stress: subsurface stress by body.
+        data: Dataset of `wheelrail.scenes.contacts.solution`.
 
-    A failed contact reports status and statistics only.
+    None stands for a choice or a constant that the model does not have.
     """
-    tangential = [sum(patch.tangential_force[i] for patch in result.patches) for i in (0, 1)]
-    statistics = asdict(result.statistics)
-    cost = {**statistics, "contact_solves": solves, "seconds": {**statistics["seconds"], "all_solves": seconds}}
-    if not result.ok:
-        return {"status": result.status, "statistics": cost}
-    extra: dict[str, Any] = {}
-    if result.error_estimate is not None:
-        extra["error_estimate"] = asdict(result.error_estimate)
-    if stress:
-        extra["stress"] = {name: stress_report(body_stress) for name, body_stress in stress.items()}
+    choices = data.attrs
+    falling = (
+        {"share": choices["falling_share"], "rate": choices["falling_rate"]} if "falling_rate" in choices else None
+    )
     return {
-        "status": result.status,
-        "force": result.force,
-        "moment": result.moment,
-        "normal_force": sum(patch.normal_force for patch in result.patches),
-        "tangential_force": tangential,
-        "approach": result.approach,
-        "z": z,
-        "roll": roll,
-        "patches": [asdict(patch) for patch in result.patches],
-        **extra,
-        "statistics": cost,
+        **{key: choices[key] for key in ("status", "kind", "model")},
+        "friction": _law(choices["friction"]),
+        **{key: choices.get(key) for key in (STANDARD if choices["model"] == "standard" else ELASTIC)},
+        "falling": falling if "falling_rate" in choices else None,
+        "stiffness_per_area": choices.get("stiffness_per_area"),
+        **({"normal_law": _law(choices["normal_law"])} if "normal_law" in choices else {}),
+        "regularisation": choices["regularisation"],
+        **{side: _side(SideValues(data, side)) for side in data["side"].values.tolist()},
     }
 
 
-def stress_report(stress: SubsurfaceStress) -> dict[str, Any]:
+def _law(value: float | str) -> Any:
+    """Coefficient of friction, or a law and its constants."""
+    return json.loads(value) if isinstance(value, str) else value
+
+
+def _side(own: SideValues) -> dict[str, Any]:
+    """Resultants, patches, wheelset position, statistics, error estimate and subsurface stress of one side.
+
+    A failed contact has status and statistics only, a load that cannot be carried the status.
+    """
+    if not own.placed:
+        return {"status": own["status"]}
+    if not own.ok:
+        return {"status": own["status"], "statistics": _statistics(own)}
+    extra: dict[str, Any] = {}
+    if own.error_estimate:
+        extra["error_estimate"] = own.error_estimate
+    if own.stressed_bodies:
+        extra["stress"] = {body: _stress(own, body) for body in own.stressed_bodies}
+    return {
+        "status": own["status"],
+        "force": own.vector(FORCE),
+        "moment": own.vector(MOMENT),
+        "normal_force": sum(own.by_patch("patch_normal_force")),
+        "tangential_force": [sum(own.by_patch(f"patch_{axis}_force")) for axis in AXES[:2]],
+        **{name: own[name] for name in ("approach", "z", "roll")},
+        "patches": _patches(own),
+        **extra,
+        "statistics": _statistics(own),
+    }
+
+
+def _patches(own: SideValues) -> list[dict[str, Any]]:
+    columns = {
+        key: own.by_patch(names) if isinstance(names, str) else list(zip(*map(own.by_patch, names), strict=True))
+        for key, names in PATCH.items()
+    }
+    return [{key: values[k] for key, values in columns.items()} for k in range(own.patches)]
+
+
+def _statistics(own: SideValues) -> dict[str, Any]:
+    """Statistics of the last solve, number of contact solves, and computing time of all of them."""
+    phases = own.data["phase"].values.tolist() if "phase" in own.data else []
+    seconds = dict(zip(phases, own["phase_seconds"] if phases else [], strict=True))
+    return {
+        **{name: own[f"{name}_count"] for name in ("newton", "linear", "points")},
+        "residual": own["residual"],
+        "seconds": {
+            **{phase: value for phase, value in seconds.items() if not math.isnan(value)},
+            "all_solves": own["contact_seconds"],
+        },
+        "settled": own["settled"],
+        "contact_solves": own["contact_solves"],
+    }
+
+
+def _stress(own: SideValues, body: str) -> dict[str, Any]:
     """By patch: depth, m, position, m, stress, Pa, von_mises, Pa, with its maximum; wavenumbers and computing time."""
     patches = []
-    for patch in stress.patches:
-        mises = patch.von_mises
-        maximum = int(mises.argmax())
+    for k in range(own.patches):
+        mises, depth = own.largest_von_mises(body, k)
         patches.append(
             {
-                "depth": patch.depth,
-                "position": patch.position,
-                "stress": patch.stress,
-                "von_mises": mises,
-                "largest": {"von_mises": mises[maximum], "depth": patch.depth[maximum]},
+                "depth": own.data["depth"].values.tolist(),
+                "position": own.below("stress_position", body, k),
+                "stress": own.below("stress", body, k),
+                "von_mises": own.below("von_mises", body, k),
+                "largest": {"von_mises": mises, "depth": depth},
             }
         )
-    return {"patches": patches, "wavenumbers": stress.wavenumbers, "seconds": stress.seconds}
-
-
-def overall(sides: Mapping[str, Mapping[str, Any]]) -> str:
-    """Status of all sides: the first failure, else "converged", or "separated" without contact."""
-    for side, report in sides.items():
-        if report["status"].startswith("failed"):
-            return f"failed: {side}: {report['status'].removeprefix('failed').lstrip(': ')}"
-    return "converged" if any(report["status"] == "converged" for report in sides.values()) else "separated"
+    row = own.data["body"].values.tolist().index(body)
+    return {
+        "patches": patches,
+        "wavenumbers": own["stress_wavenumbers"][row],
+        "seconds": own["stress_seconds"][row],
+    }
 
 
 def json_text(report: Mapping[str, Any]) -> str:
@@ -100,94 +154,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def table(report: Mapping[str, Any]) -> RenderableType:
-    """The report as a table with one column per side."""
-    from rich.table import Table
-    from rich.text import Text
-
-    sides = [name for name in ("left", "right", "contact") if name in report]
-    view = Table(title=f"{_heading(report)}: {report['status']}", title_justify="left")
-    view.add_column("")
-    for name in sides:
-        view.add_column(name, justify="right")
-    for label, text in _ROWS:
-        view.add_row(Text(label), *(text(report[name]) if "force" in report[name] else "-" for name in sides))
-    if any("error_estimate" in report[name] for name in sides):
-        view.add_section()
-        for label, key, scale in _ERROR_ROWS:
-            estimates = [report[name].get("error_estimate") for name in sides]
-            view.add_row(
-                Text(f"error estimate: {label}"), *("-" if e is None else _error(scale * e[key]) for e in estimates)
-            )
-    for index in range(max((len(report[name].get("patches", ())) for name in sides), default=0)):
-        view.add_section()
-        for label, text in (*_PATCH_ROWS, *(_FRICTION_ROWS if report["friction"] else ())):
-            patches = [report[name].get("patches", []) for name in sides]
-            view.add_row(
-                Text(f"patch {index + 1}: {label}"), *(text(p[index]) if index < len(p) else "" for p in patches)
-            )
-        for body in dict.fromkeys(body for name in sides for body in report[name].get("stress", ())):
-            below = [report[name].get("stress", {}).get(body, {"patches": []})["patches"] for name in sides]
-            label = f"patch {index + 1}: largest von Mises stress, {body} [MPa], at depth [mm]"
-            view.add_row(Text(label), *(_largest(p[index]) if index < len(p) else "" for p in below))
-    return view
-
-
-def _heading(report: Mapping[str, Any]) -> str:
-    parts = [f"{report['model']} model", *(f"laws {report[key]}" for key in ("laws",) if key in report)]
-    parts += [f"{report[key]} {key}" for key in ("bodies", "points", "normal", "tangential") if key in report]
-    return ", ".join(parts)
-
-
-def _error(value: float) -> str:
-    return "unknown" if math.isnan(value) else f"{value:.2g}"
-
-
-def _largest(patch: Mapping[str, Any]) -> str:
-    maximum = patch["largest"]
-    return f"{1e-6 * maximum['von_mises']:.1f}  {1e3 * maximum['depth']:.3f}"
-
-
-def _numbers(values: Any, scale: float, digits: int) -> str:
-    return "  ".join(f"{scale * value:.{digits}f}" for value in values)
-
-
-_ROWS = (
-    ("status", lambda s: s["status"]),
-    ("force x, y, z [kN]", lambda s: _numbers(s["force"], 1e-3, 3)),
-    ("moment x, y, z [N m]", lambda s: _numbers(s["moment"], 1.0, 2)),
-    ("normal force [kN]", lambda s: f"{1e-3 * s['normal_force']:.3f}"),
-    ("tangential force longitudinal, lateral [kN]", lambda s: _numbers(s["tangential_force"], 1e-3, 3)),
-    ("approach [µm]", lambda s: f"{1e6 * s['approach']:.2f}"),
-    ("z [mm]", lambda s: f"{1e3 * s['z']:.4f}"),
-    ("roll [mrad]", lambda s: f"{1e3 * s['roll']:.4f}"),
-    (
-        "contact points",
-        lambda s: f"{s['statistics']['points']}" + ("" if s["statistics"]["settled"] else ", edges not converged"),
-    ),
-    ("contact solves", lambda s: str(s["statistics"]["contact_solves"])),
-    ("Newton, linear iterations (last solve)", lambda s: f"{s['statistics']['newton']}, {s['statistics']['linear']}"),
-    ("computing time [s]", lambda s: f"{s['statistics']['seconds']['all_solves']:.2f}"),
-)
-_ERROR_ROWS = (
-    ("force [kN]", "force", 1e-3),
-    ("moment [N m]", "moment", 1.0),
-    ("peak pressure [MPa]", "max_pressure", 1e-6),
-    ("area [mm²]", "area", 1e6),
-)
-_PATCH_ROWS = (
-    ("normal force [kN]", lambda p: f"{1e-3 * p['normal_force']:.3f}"),
-    ("area [mm²]", lambda p: f"{1e6 * p['area']:.2f}"),
-    ("peak pressure [MPa]", lambda p: f"{1e-6 * p['max_pressure']:.1f}"),
-    ("semi-axes longitudinal, lateral [mm]", lambda p: _numbers(p["semi_axes"], 1e3, 3)),
-    ("contact angle [mrad]", lambda p: f"{1e3 * p['contact_angle']:.2f}"),
-    ("position on wheel, on rail (arc length) [mm]", lambda p: _numbers((p["wheel_s"], p["rail_s"]), 1e3, 3)),
-    ("stick area [mm²]", lambda p: f"{1e6 * p['stick_area']:.2f}"),
-)
-_FRICTION_ROWS = (
-    ("creepage longitudinal, lateral [1e-3]", lambda p: _numbers(p["creepage"][:2], 1e3, 4)),
-    ("spin creepage [1/m]", lambda p: f"{p['creepage'][2]:.4f}"),
-    ("frictional power [W]", lambda p: f"{p['frictional_power']:.2f}"),
-)

@@ -46,6 +46,7 @@ def contact_dataset(results: Mapping[str, ContactResult], laws: ContactLaws) -> 
         "status": ("side", [result.status for result in results.values()], means("1", "status of the solve")),
         **_totals(results),
         **patch_variables([result.patches for result in results.values()], ("side",), (len(sides),)),
+        "patch_force": (("side", "patch", "axis"), *_patch_forces(results)),
         **_points(results, laws),
     }
     coordinates = {
@@ -80,9 +81,26 @@ def _totals(results: Mapping[str, ContactResult]) -> dict[str, Any]:
     for name, text in (("newton", "Newton iterations"), ("linear", "linear iterations"), ("points", "contact points")):
         counts = [getattr(result.statistics, name) for result in listed]
         variables[f"{name}_count"] = ("side", counts, means("1", f"{text} of the last solve"))
+    residual = means("1", "relative residual of the last solve")
+    variables["residual"] = ("side", [result.statistics.residual for result in listed], residual)
     settled = means("1", "whether the patch-edge iteration converged")
     variables["settled"] = ("side", [result.statistics.settled for result in listed], settled)
+    phases = list(dict.fromkeys(phase for result in listed for phase in result.statistics.seconds))
+    if phases:
+        seconds = [[result.statistics.seconds.get(phase, np.nan) for phase in phases] for result in listed]
+        variables["phase"] = ("phase", phases)
+        variables["phase_seconds"] = (("side", "phase"), seconds, means("s", "time for a phase of the last solve"))
     return variables
+
+
+def _patch_forces(results: Mapping[str, ContactResult]) -> tuple[Array, dict[str, str]]:
+    """Resultants (side, patch, axis) of the patches, padded with NaN, and their attributes."""
+    lists = [result.patches for result in results.values()]
+    force = np.full((len(lists), max([1, *map(len, lists)]), 3), np.nan)
+    for row, patches in enumerate(lists):
+        for k, patch in enumerate(patches):
+            force[row, k] = patch.force
+    return force, means("N", "force of the patch on the wheel")
 
 
 def _points(results: Mapping[str, ContactResult], laws: ContactLaws) -> dict[str, Any]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+    from wheelrail.scenes.contacts.side_values import SideValues
 
 # Name: unit, meaning. One value for each side of a contact scene.
 CONTACT = {
@@ -122,31 +124,34 @@ SUMMED: dict[str, Callable[[Any], Any]] = {
 }
 
 
-def of_contact(report: Mapping[str, Any]) -> dict[str, float]:
-    """Quantities of one side of a report of `wheelrail.scenes.contacts.report`; none for a failed side."""
-    if "force" not in report:
+def of_contact(own: SideValues) -> dict[str, float]:
+    """Quantities of one side of a contact solution; none for a failed side."""
+    if not own.ok:
         return {}
-    patches, cost = report["patches"], report["statistics"]
-    main = max(patches, key=lambda patch: float(patch["normal_force"]), default=None)
-    found = {
-        "normal_force": report["normal_force"],
-        **dict(zip(("longitudinal_force", "lateral_force", "vertical_force"), report["force"], strict=True)),
-        **dict(zip(("roll_moment", "spin_moment", "yaw_moment"), report["moment"], strict=True)),
-        "max_pressure": max((patch["max_pressure"] for patch in patches), default=0.0),
-        **{name: sum(patch[name] for patch in patches) for name in ("area", "stick_area", "frictional_power")},
-        **{name: report[name] for name in ("approach", "z", "roll")},
-        **({"semi_axis_x": main["semi_axes"][0], "semi_axis_y": main["semi_axes"][1]} if main else {}),
-        **{f"{name}_error_estimate": value for name, value in report.get("error_estimate", {}).items()},
-        "patches": len(patches),
-        "points": cost["points"],
-        "contact_solves": cost["contact_solves"],
-        "newton_iterations": cost["newton"],
-        "solve_seconds": cost["seconds"]["all_solves"],
+    load = own.by_patch("patch_normal_force")
+    quantities = {
+        "normal_force": sum(load),
+        **{name: own[name] for name in ("longitudinal_force", "lateral_force", "vertical_force")},
+        **{name: own[name] for name in ("roll_moment", "spin_moment", "yaw_moment")},
+        "max_pressure": max(own.by_patch("patch_max_pressure"), default=0.0),
+        **{name: sum(own.by_patch(f"patch_{name}")) for name in ("area", "stick_area", "frictional_power")},
+        **{name: own[name] for name in ("approach", "z", "roll")},
     }
-    for body, stress in report.get("stress", {}).items():
-        largest = (patch["largest"]["von_mises"] for patch in stress["patches"])
-        found[f"largest_von_mises_{body}"] = max(largest, default=0.0)
-    return {name: float(value) for name, value in found.items()}
+    if load:
+        main = load.index(max(load))
+        quantities |= {name: own.by_patch(f"patch_{name}")[main] for name in ("semi_axis_x", "semi_axis_y")}
+    quantities |= {f"{name}_error_estimate": value for name, value in own.error_estimate.items()}
+    quantities |= {
+        "patches": own.patches,
+        "points": own["points_count"],
+        "contact_solves": own["contact_solves"],
+        "newton_iterations": own["newton_count"],
+        "solve_seconds": own["contact_seconds"],
+    }
+    for body in own.stressed_bodies:
+        largest = (own.largest_von_mises(body, patch)[0] for patch in range(own.patches))
+        quantities[f"largest_von_mises_{body}"] = max(largest, default=0.0)
+    return {name: float(value) for name, value in quantities.items()}
 
 
 def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]]:

@@ -85,12 +85,13 @@ def _solved(job: Job) -> dict[str, Any]:
 
 
 def _contact(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
+    from wheelrail.scenes.contacts.side_values import SideValues
     from wheelrail.scenes.contacts.solve import solve_contact
     from wheelrail.scenes.studies.quantities import of_contact
 
-    report = solve_contact(scene)
+    data = solve_contact(scene)
     names = ("contact",) if isinstance(scene, HertzScene) else scene.sides
-    return _ended(report["status"]) | {"sides": {name: of_contact(report[name]) for name in names}}
+    return _ended(data.attrs["status"]) | {"sides": {name: of_contact(SideValues(data, name)) for name in names}}
 
 
 def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.meshes.profiles.profile import Profile
-    from wheelrail.scenes.contacts.solve import SideSolution
+    from wheelrail.scenes.contacts.side_solution import SideSolution
 
 NO_BODIES = 'model = "standard": contains no elastic bodies; must be "condensed" or "full"'
 

@@ -1,0 +1,132 @@
+"""Contact solution of a scene as one Dataset: results, poses, shapes of the bodies, stress, computing time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.contact.analytical.hertz import modulus
+from wheelrail.scenes.builders.laws import laws
+from wheelrail.scenes.contacts.shapes import gap_curvatures, outlines
+from wheelrail.scenes.contacts.stress import stress_variables
+from wheelrail.scenes.datasets.contact import contact_dataset
+from wheelrail.scenes.datasets.patches import means
+from wheelrail.scenes.schema.laws import LawTable
+from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
+from wheelrail.support.version import commit, versions
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from wheelrail.meshes.profiles.profile import Profile
+    from wheelrail.scenes.contacts.side_solution import SideSolution
+
+
+def solution_dataset(
+    scene: HertzScene | WheelsetScene,
+    solved: Mapping[str, SideSolution],
+    profiles: Sequence[Profile] = (),
+    arguments: Mapping[str, Any] | None = None,
+) -> Dataset:
+    """Dataset of `contact_dataset` with poses, costs, stresses, profiles, and choices of the scene as attributes.
+
+    Parameters:
+        scene: that was solved.
+        solved: solution by side.
+        profiles: of wheel and inclined rail, for a wheelset.
+        arguments: of the call, stored as text.
+
+    A choice that the contact model does not have, such as the bodies of the standard model, has no attribute.
+    """
+    data = contact_dataset({side: solution.result for side, solution in solved.items()}, laws(scene))
+    data = data.assign(
+        **_poses(solved),
+        **_cost(solved),
+        **gap_curvatures(scene, solved, profiles),
+        **outlines(profiles),
+        **stress_variables(solved),
+    )
+    bodies = (scene.upper, scene.lower) if isinstance(scene, HertzScene) else (scene, scene)
+    upper, lower = ((body.E, body.nu) for body in bodies)
+    return data.assign_attrs(
+        title="Wheel-rail contact" if profiles else "Contact of a Hertz pair",
+        frame="rail frame of each side: x forward, y to the left, z upwards; forces act on the wheel",
+        status=_overall({side: solution.result.status for side, solution in solved.items()}),
+        kind=scene.kind,
+        model=scene.model,
+        friction=_law(scene.friction),
+        contact_modulus=modulus(upper, lower),
+        **({} if isinstance(scene, HertzScene) else {"nominal_radius": scene.wheelset.radius}),
+        **_model_choices(scene),
+        **_law_constants(scene),
+        arguments=json.dumps(dict(arguments or {}), default=str),
+        versions=", ".join(f"{name} {number}" for name, number in versions().items()),
+        commit=commit(),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+    )
+
+
+def _overall(statuses: Mapping[str, str]) -> str:
+    """Status of all sides: the first failure, else "converged", or "separated" without contact."""
+    for side, status in statuses.items():
+        if status.startswith("failed"):
+            return f"failed: {side}: {status.removeprefix('failed').lstrip(': ')}"
+    return "converged" if "converged" in statuses.values() else "separated"
+
+
+def _model_choices(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
+    """Choices of the contact model, by key of the scene."""
+    if scene.model == "standard":
+        return {"normal": scene.normal or "kik-piotrowski", "tangential": scene.tangential or "fastsim"}
+    how = scene.discretisation
+    choices = {"laws": scene.laws, "bodies": how.bodies, "points": how.points, "surface_size": scene.surface_size}
+    return {key: value for key, value in choices.items() if value is not None}
+
+
+def _law(table: float | LawTable) -> float | str:
+    """Coefficient of friction, or a law and its constants as JSON."""
+    return table if isinstance(table, float | int) else table.model_dump_json()
+
+
+def _law_constants(scene: HertzScene | WheelsetScene) -> dict[str, float | str]:
+    """Constants of the contact laws: penalty, N/m3, or normal law, regularisation, falling friction, 1 and s/m."""
+    contact_laws = laws(scene)
+    constants: dict[str, float | str] = {"regularisation": contact_laws.regularisation}
+    if contact_laws.normal_compliance:
+        constants["stiffness_per_area"] = scene.stiffness_per_area
+    if scene.normal_law is not None:
+        constants["normal_law"] = _law(scene.normal_law)
+    if scene.falling is not None:
+        constants |= {"falling_share": scene.falling.share, "falling_rate": scene.falling.rate}
+    return constants
+
+
+def _poses(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
+    """Position of the wheelset, and pose of each wheel in the frame of its rail."""
+    origin, rotation = np.full((len(solved), 3), np.nan), np.full((len(solved), 3, 3), np.nan)
+    for row, solution in enumerate(solved.values()):
+        if solution.pose is not None:
+            origin[row], rotation[row] = solution.pose.origin, solution.pose.rotation
+    axes = means("1", "axes of the wheel as columns")
+    return {
+        "z": ("side", [solution.z for solution in solved.values()], means("m", "height above the nominal one")),
+        "roll": ("side", [solution.roll for solution in solved.values()], means("rad", "roll of the wheelset")),
+        "wheel_origin": (
+            ("side", "axis"),
+            origin,
+            means("m", "centre of the wheel in the plane of the rolling circle"),
+        ),
+        "wheel_rotation": (("side", "axis", "wheel_axis"), rotation, axes),
+    }
+
+
+def _cost(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
+    solves, seconds = ([getattr(solution, name) for solution in solved.values()] for name in ("solves", "seconds"))
+    return {
+        "contact_solves": ("side", solves, means("1", "contact problems solved")),
+        "contact_seconds": ("side", seconds, means("s", "time for all contact solves")),
+    }

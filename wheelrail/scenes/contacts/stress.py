@@ -1,0 +1,85 @@
+"""Requested stress below the patches of a scene: computation, and variables with units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.builders.loaded_bodies import stressed_bodies
+from wheelrail.scenes.datasets.patches import means
+from wheelrail.scenes.schema.errors import SceneError
+
+if TYPE_CHECKING:
+    from wheelrail.contact.kinematics.frames import Pose
+    from wheelrail.contact.results.result import ContactResult
+    from wheelrail.contact.stress.subsurface import SubsurfaceStress
+    from wheelrail.meshes.profiles.profile import Profile
+    from wheelrail.scenes.contacts.side_solution import SideSolution
+    from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
+
+
+def subsurface_stress(
+    scene: HertzScene | WheelsetScene,
+    result: ContactResult,
+    pose: Pose,
+    profiles: tuple[Profile, Profile] | None,
+    report_progress: Callable[[str], None],
+) -> dict[str, SubsurfaceStress]:
+    """Subsurface stress by body, in the frame of the result's fields; none without contact or without a request.
+
+    Parameters:
+        scene: with the depths.
+        result: of the contact.
+        pose: of the upper body (of the left-hand pair).
+        profiles: of wheel and inclined rail; those of the scene by default.
+        report_progress: called with a text for every body.
+
+    Raises SceneError for depths outside a body.
+    """
+    if scene.stress is None or not result.patches:
+        return {}
+    stress = {}
+    for name, body in stressed_bodies(scene, pose, profiles).items():
+        report_progress(f"stress in the {name}")
+        try:
+            stress[name] = body.below(result, np.array(scene.stress.depths))
+        except ValueError as error:
+            raise SceneError(f"stress.depths: {name}: {error}") from None
+    return stress
+
+
+def stress_variables(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
+    """Requested stresses below the patches over side, body, patch and depth, and their cost; none without stress.
+
+    Parameters:
+        solved: solution by side.
+    """
+    bodies = list(dict.fromkeys(body for solution in solved.values() for body in solution.stress))
+    if not bodies:
+        return {}
+    computed = [
+        (row, bodies.index(body), stress)
+        for row, solution in enumerate(solved.values())
+        for body, stress in solution.stress.items()
+    ]
+    depth = computed[0][2].patches[0].depth
+    shape = (len(solved), len(bodies), max(len(stress.patches) for _, _, stress in computed), len(depth))
+    mises, tensor, position = (np.full(shape + more, np.nan) for more in ((), (3, 3), (3,)))
+    seconds, wavenumbers = np.full(shape[:2], np.nan), np.zeros(shape[:2], dtype=int)
+    for row, body, stress in computed:
+        seconds[row, body], wavenumbers[row, body] = stress.seconds, stress.wavenumbers
+        for k, patch in enumerate(stress.patches):
+            mises[row, body, k], tensor[row, body, k] = patch.von_mises, patch.stress
+            position[row, body, k] = patch.position
+    dims = ("side", "body", "patch", "depth")
+    return {
+        "body": ("body", bodies),
+        "depth": ("depth", depth, means("m", "depth below the surface")),
+        "von_mises": (dims, mises, means("Pa", "von Mises stress below the patch")),
+        "stress": ((*dims, "axis", "other_axis"), tensor, means("Pa", "stress below the patch")),
+        "stress_position": ((*dims, "axis"), position, means("m", "position of the stress")),
+        "stress_wavenumbers": (dims[:2], wavenumbers, means("1", "number of wavenumbers of the stress")),
+        "stress_seconds": (dims[:2], seconds, means("s", "computing time of the stress")),
+    }
