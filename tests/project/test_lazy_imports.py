@@ -78,9 +78,8 @@ wrong = ("models.builders", "elasticity.solid_compliance", "elasticity.waveguide
 assert not [name for name in wrong if f"wheelrail.contact.{{name}}" in sys.modules]
 """
     heavy_after(script)  # generates the code of the friction law from UFL, unless cached
-    assert heavy_after(script + 'assert "wheelrail.forms" not in sys.modules') == set()
-    assert heavy_after(script + "solve_contact(scene)
-") == {"xarray"}  # the result is a Dataset
+    assert heavy_after(script + '\nassert "wheelrail.forms" not in sys.modules') == set()
+    assert heavy_after(script + "\nsolve_contact(scene)\n") == {"xarray"}  # the result is a Dataset
 
 
 def test_an_empty_cache_asks_for_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
