@@ -6,12 +6,14 @@ import json
 import logging
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +39,7 @@ from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study, load_study
 from wheelrail.scenes.studies.solve import CaseResult, goes_on, solve
 from wheelrail.scenes.studies.store import Store
-from wheelrail.scenes.studies.workers import SchedulerGone, cluster, finished, processes
+from wheelrail.scenes.studies.workers import SchedulerGone, case_results, cluster, processes
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "scenes"
@@ -61,21 +63,25 @@ def planned(**what: Any) -> Plan:
     return plan(check_study(study(**what)))
 
 
-class Here:
+class Here(Executor):
     """Works in a thread of this process: quick."""
 
-    def __init__(self, work: Any = solve) -> None:
-        self.work, self.room, self.pool, self.jobs = work, 1, ThreadPoolExecutor(1), list[Job]()
+    def __init__(self, work: Callable[[Job], CaseResult] = solve) -> None:
+        self.work, self.jobs = work, list[Job]()
 
-    def submit(self, job: Job) -> Any:
+    def submit(self, _: Any, job: Job) -> Any:  # type: ignore[override]
+        return self.pool.submit(self._work, job)
+
+    def _work(self, job: Job) -> CaseResult:
         self.jobs.append(job)
-        return self.pool.submit(self.work, job)
+        return self.work(job)
 
     def __enter__(self) -> Here:
+        self.pool = ThreadPoolExecutor(1)
         return self
 
     def __exit__(self, *_: object) -> None:
-        pass
+        self.pool.shutdown(cancel_futures=True)
 
 
 @pytest.fixture
@@ -433,22 +439,42 @@ def cases(*loads: float) -> list[Job]:
 
 
 def test_a_worker_that_dies_takes_one_case_with_it() -> None:
-    with processes(2, fragile) as workers:
-        found = {job.table["load"]: one for job, one in finished(workers, cases(1e4, DEADLY, 3e4, RAISING, 5e4, 6e4))}
-        pids = [pid.result() for _, pid, _ in workers.pools.values()]
-    assert {load for load, one in found.items() if one.ok} == {1e4, 3e4, 5e4, 6e4}
-    assert "ended abruptly" in found[DEADLY].error
-    assert "ZeroDivisionError" in found[RAISING].error
-    assert found[DEADLY].lost
-    assert found[1e4].whole["threads"] == 1
-    assert not any(Path("/proc", str(pid)).exists() for pid in pids)
+    with processes(2) as executor:
+        jobs = cases(1e4, DEADLY, 3e4, RAISING, 5e4, 6e4)
+        results = {job.table["load"]: result for job, result in case_results(executor, jobs, fragile)}
+    assert {load for load, result in results.items() if result.ok} == {1e4, 3e4, 5e4, 6e4}
+    assert "ended abruptly" in results[DEADLY].error
+    assert "ZeroDivisionError" in results[RAISING].error
+    assert results[DEADLY].lost
+    assert results[1e4].whole["threads"] == 1
+    assert not any(Path("/proc", str(int(result.whole["pid"]))).exists() for result in results.values() if result.ok)
+
+
+def test_a_worker_that_dies_between_two_cases_is_replaced() -> None:
+    with processes(1) as executor:
+        pids = []
+        for load in (1e4, 3e4, 5e4):
+            ((_, result),) = case_results(executor, cases(load), fragile)
+            pids.append(int(result.whole["pid"]))
+            if load == 3e4:
+                os.kill(pids[-1], signal.SIGKILL)
+                assert waited_for(lambda: not Path("/proc", str(pids[-1])).exists())
+    assert pids[0] == pids[1] != pids[2]
+
+
+def test_workers_have_one_thread_before_numpy_is_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Libraries read the number of threads when they are loaded."""
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    with processes(1) as executor:
+        assert executor.submit(eval, "'numpy' in __import__('sys').modules").result() is False
+        assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"
 
 
 def test_messages_of_workers_are_logged_here(caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.INFO, "wheelrail"), processes(2, talkative) as workers:
-        assert all(one.ok for _, one in finished(workers, cases(1e4, 2e4, 3e4)))
-    heard = [(record.name, record.levelname, record.getMessage()) for record in caplog.records]
-    assert sorted(heard) == [("wheelrail.contact.work", "INFO", f"{load:g} N, 5 %") for load in (1e4, 2e4, 3e4)]
+    with caplog.at_level(logging.INFO, "wheelrail"), processes(2) as executor:
+        assert all(result.ok for _, result in case_results(executor, cases(1e4, 2e4, 3e4), talkative))
+    messages = [(record.name, record.levelname, record.getMessage()) for record in caplog.records]
+    assert sorted(messages) == [("wheelrail.contact.work", "INFO", f"{load:g} N, 5 %") for load in (1e4, 2e4, 3e4)]
 
 
 def test_a_lost_case_is_computed_the_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -637,14 +663,12 @@ def test_a_cluster_gives_the_same_and_survives_a_dead_worker(tmp_path: Path) -> 
         ) as local,
     ):
         data = run_study(table, tmp_path, pictures=False, scheduler=local.scheduler_address)
-        with cluster(local.scheduler_address) as workers:
-            for _, one in finished(workers, cases(1e4)):
-                assert one.ok
-            (pid,) = workers.client.run(os.getpid).values()
+        with cluster(local.scheduler_address) as executor:
+            assert all(result.ok for _, result in case_results(executor, cases(1e4)))
+            pid = executor.submit(os.getpid).result()
             os.kill(pid, signal.SIGKILL)  # its nanny starts another one
-            assert all(one.ok for _, one in finished(workers, cases(5e4, 6e4)))
-            (other,) = workers.client.run(os.getpid).values()
-            assert other != pid
+            assert all(result.ok for _, result in case_results(executor, cases(5e4, 6e4)))
+            assert executor.submit(os.getpid).result() != pid
     assert set(data["status"].values) == {"converged"}
     np.testing.assert_allclose(data["max_pressure"], [exact(load) for load in data["load"].values], rtol=1e-6)
 
@@ -653,19 +677,25 @@ def test_a_scheduler_that_dies_ends_the_study_and_keeps_what_is_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Dying(Here):
-        """Gives the third job back."""
+        """Cancels all jobs but two when the second one is done."""
 
-        def submit(self, job: Job) -> Any:
-            if len(self.jobs) < 2:
-                return super().submit(job)
-            future = Future[CaseResult]()
-            future.cancel()
-            future.set_running_or_notify_cancel()
-            return future
+        def __enter__(self) -> Here:
+            self.futures = list[Future[CaseResult]]()
+            return super().__enter__()
+
+        def submit(self, work: Any, job: Job) -> Any:  # type: ignore[override]
+            self.futures.append(Future() if len(self.futures) > 1 else super().submit(work, job))
+            if len(self.futures) > 2:
+                self.futures[1].add_done_callback(partial(cancel, self.futures[-1]))
+            return self.futures[-1]
+
+    def cancel(future: Future[CaseResult], _: object) -> None:
+        future.cancel()
+        future.set_running_or_notify_cancel()
 
     table = study(grid={"load": [1e4, 2e4, 3e4, 4e4, 5e4]})
     monkeypatch.setattr(run_module, "cluster", lambda address: Dying())
-    with pytest.raises(SchedulerGone, match="the same command goes on, with another --scheduler or without one"):
+    with pytest.raises(SchedulerGone, match="the same command continues, with another --scheduler or without one"):
         run_study(table, tmp_path, pictures=False, scheduler="tcp://127.0.0.1:8786")
     with open_dataset(tmp_path / "study.nc") as data:
         assert list(data["status"].values) == ["converged"] * 2 + ["not computed"] * 3
@@ -676,9 +706,35 @@ def test_a_scheduler_that_dies_ends_the_study_and_keeps_what_is_done(
     assert len(here.jobs) == 3
 
 
+def test_a_killed_scheduler_cancels_the_remaining_jobs() -> None:
+    pytest.importorskip("distributed")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    dask, environment = [sys.executable, "-m", "dask"], {**os.environ, "PYTHONPATH": str(ROOT)}
+    options = ["--no-dashboard", "--host", "127.0.0.1"]
+    commands = (
+        [*dask, "scheduler", *options, "--port", address.rpartition(":")[2]],
+        [*dask, "worker", address, *options, "--nthreads", "1", "--no-nanny"],
+    )
+    running = [subprocess.Popen(line, env=environment, stderr=subprocess.DEVNULL) for line in commands]
+    results = []
+    try:
+        with cluster(address) as executor, pytest.raises(SchedulerGone):  # noqa: PT012
+            for _, result in case_results(executor, cases(1e4, 2e4, 3e4, 4e4, 5e4, 6e4)):
+                results.append(result)
+                running[0].kill()
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+    assert 1 <= len(results) < 6
+    assert all(result.ok for result in results)
+
+
 def test_no_cluster_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("wheelrail.scenes.studies.workers.PATIENCE", "1s")
+    monkeypatch.setattr("wheelrail.scenes.studies.workers.TIMEOUT", "1s")
     with pytest.raises(RunFailed, match="no scheduler answers"):
         run_study(study(grid={"load": [1e4]}), tmp_path, scheduler="tcp://127.0.0.1:9")
     with pytest.raises(SceneError, match="must be an address"):

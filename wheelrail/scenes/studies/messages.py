@@ -1,4 +1,7 @@
-"""Log messages of worker processes, logged again by the process that started them."""
+"""Preparation of worker processes, and their log messages, logged again by the process that started them.
+
+NumPy is not imported here: it reads the number of threads at import, after `prepare_worker` sets it.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from threading import Thread
 
 from wheelrail.support.progress import LOGGER
 from wheelrail.support.terminal import quieten_libraries
+from wheelrail.support.worker_process import single_thread
 
 LONGEST = 1000  # characters of a message; writes of several processes to a pipe are atomic up to 4096 bytes
 
@@ -27,6 +31,12 @@ class PipeHandler(logging.Handler):
             self.pipe.send((record.name, record.levelno, self.format(record)[:LONGEST]))
 
 
+def prepare_worker(pipe: Connection) -> None:
+    """In a new worker process: use one thread and send log messages to the pipe."""
+    single_thread()
+    send_messages(pipe)
+
+
 def send_messages(pipe: Connection) -> None:
     """In a worker process: send messages of this package from level INFO to the pipe; libraries log only errors."""
     quieten_libraries()
@@ -38,13 +48,13 @@ def send_messages(pipe: Connection) -> None:
 @contextmanager
 def received_messages() -> Iterator[Connection]:
     """Pipe for worker processes, which must have ended at the end of the block."""
-    here, there = Pipe(duplex=False)
-    thread = Thread(target=_log, args=(here,), daemon=True)
+    receiver, sender = Pipe(duplex=False)
+    thread = Thread(target=_log, args=(receiver,), daemon=True)
     thread.start()
     try:
-        yield there
+        yield sender
     finally:
-        there.close()
+        sender.close()
         thread.join(timeout=1.0)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
@@ -14,7 +15,7 @@ from wheelrail.scenes.runs.progress import case_bar
 from wheelrail.scenes.studies.plan import Plan, plan
 from wheelrail.scenes.studies.schema import StudyTable, check_study, load_study
 from wheelrail.scenes.studies.solve import CaseResult
-from wheelrail.scenes.studies.workers import SchedulerGone, Workers, check_address, cluster, finished, processes
+from wheelrail.scenes.studies.workers import SchedulerGone, case_results, check_address, cluster, processes
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -113,37 +114,37 @@ def run_plan(
     if fresh:
         for key in jobs:
             store.forget(key)
-    known = {key: one for key in jobs if (one := store.load(key)) is not None}
-    if known:
-        tell(f"{len(known)} of {len(jobs)} cases are done already; --fresh would compute them anew")
-    missing, computed = [job for key, job in jobs.items() if key not in known], 0
-    interrupted, gone = False, None
+    results = {key: result for key in jobs if (result := store.load(key)) is not None}
+    if results:
+        tell(f"{len(results)} of {len(jobs)} cases are done already; --fresh would compute them anew")
+    missing, computed = [job for key, job in jobs.items() if key not in results], 0
+    interrupted, lost = False, None
     try:
         if missing:
             with contextlib.suppress(OSError):  # whoever cannot keep anything is told for every case
                 store.folder.mkdir(exist_ok=True)
-            with _workers(planned, scheduler, len(missing)) as workers, case_bar(console, len(missing)) as done:
-                for job, one in finished(workers, missing):
-                    known[job.key], computed = one, computed + 1
-                    if not one.lost:  # of a case whose worker was lost nothing is known: next time once more
-                        _keep(store, job.key, one, tell)
+            with _executor(planned, scheduler, len(missing)) as executor, case_bar(console, len(missing)) as done:
+                for job, result in case_results(executor, missing):
+                    results[job.key], computed = result, computed + 1
+                    if not result.lost:  # a case whose worker was lost is computed again in the next run of the study
+                        _keep(store, job.key, result, tell)
                         if job.folder:
-                            store.hardest_run(known)
-                    done(one.ok)
+                            store.hardest_run(results)
+                    done(result.ok)
     except KeyboardInterrupt:
         interrupted = True
         tell("interrupted; what is done is kept, the same command goes on from there")
     except SchedulerGone as error:
-        gone = error
+        lost = error
     from wheelrail.scenes.runs.run import undisturbed
 
     with undisturbed():
-        found = {place: one for key, one in known.items() for place in places[key]}
-        hardest = store.hardest_run(known)
+        by_place = {place: result for key, result in results.items() for place in places[key]}
+        hardest = store.hardest_run(results)
         kept = {"kept_run": f"{CASES}/{hardest}.nc", "kept_case": places[hardest][0]} if hardest else {}
-        data, files = _written(planned, found, folder, kept)
-    if gone is not None:
-        raise gone
+        data, files = _written(planned, by_place, folder, kept)
+    if lost is not None:
+        raise lost
     if pictures and not interrupted:
         from wheelrail.scenes.studies.plots import draw_study
 
@@ -151,25 +152,25 @@ def run_plan(
     return StudyOutcome(data, tuple(files), computed, interrupted)
 
 
-def _workers(planned: Plan, scheduler: str | None, jobs: int) -> AbstractContextManager[Workers]:
+def _executor(planned: Plan, scheduler: str | None, jobs: int) -> AbstractContextManager[Executor]:
     return cluster(scheduler) if scheduler is not None else processes(min(planned.study.processes, jobs))
 
 
-def _keep(store: Any, key: str, one: CaseResult, tell: Callable[[str], None]) -> None:
+def _keep(store: Any, key: str, result: CaseResult, tell: Callable[[str], None]) -> None:
     try:
-        store.keep(key, one)
+        store.keep(key, result)
     except OSError as error:
         tell(f"{store.folder}: a case was not kept: {error.strerror or error}; the study goes on")
 
 
 def _written(
-    planned: Plan, found: Mapping[tuple[int, ...], CaseResult], folder: Path, kept: Mapping[str, Any]
+    planned: Plan, results: Mapping[tuple[int, ...], CaseResult], folder: Path, kept: Mapping[str, Any]
 ) -> tuple[Dataset, list[Path]]:
     """kept: which run's data are in which file."""
     from wheelrail.scenes.datasets.netcdf import write
     from wheelrail.scenes.studies.convergence import with_errors
     from wheelrail.scenes.studies.dataset import dataset
 
-    data = with_errors(dataset(planned, found), planned).assign_attrs(kept)
+    data = with_errors(dataset(planned, results), planned).assign_attrs(kept)
     write(data, folder / RESULTS)
     return data, [folder / RESULTS]

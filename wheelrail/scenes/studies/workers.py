@@ -1,230 +1,174 @@
-"""Where cases are solved: processes on this machine, or a Dask cluster, both behind one way to ask."""
+"""Executors of `concurrent.futures` for the cases of a study: processes of this machine, or a Dask cluster."""
 
 from __future__ import annotations
 
 import contextlib
 import logging
-import os
-import signal
 import sys
 import threading
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from multiprocessing import get_context, parent_process
+from functools import partial
 from multiprocessing.connection import Connection
-from multiprocessing.connection import wait as wait_for
 from types import ModuleType
-from typing import TYPE_CHECKING, Protocol
+from typing import ParamSpec, TypeVar
 
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.studies.job import Job
-from wheelrail.scenes.studies.messages import received_messages, send_messages
+from wheelrail.scenes.studies.messages import prepare_worker, received_messages
 from wheelrail.scenes.studies.solve import CaseResult, solve
-from wheelrail.support.interrupts import ignore
+from wheelrail.support.worker_process import WorkerProcess
 
-if TYPE_CHECKING:
-    from distributed import Client
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-PATIENCE = "20s"  # for a scheduler to answer
+TIMEOUT = "20s"  # for the connection to a scheduler
 SCHEMES = ("", "tcp", "tls", "ws", "wss", "ucx")  # of its address
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 class SchedulerGone(RunFailed):
-    """The Dask scheduler ended, or cannot be reached any more."""
+    """The connection to the Dask scheduler is lost."""
 
     def __init__(self) -> None:
         super().__init__(
-            "the Dask scheduler is gone; finished cases are kept: the same command goes on, with another --scheduler "
-            "or without one"
+            "the connection to the Dask scheduler is lost; finished cases are stored: the same command continues, with "
+            "another --scheduler or without one"
         )
 
 
-class Workers(Protocol):
-    """Takes so many jobs at a time, `room`, and gives their results by futures."""
+def case_results(
+    executor: Executor, jobs: Iterable[Job], work: Callable[[Job], CaseResult] = solve
+) -> Iterator[tuple[Job, CaseResult]]:
+    """Each job with its result, in the order of completion; a job whose worker is lost has failed.
 
-    @property
-    def room(self) -> int: ...
-    def submit(self, job: Job) -> Future[CaseResult]: ...
-
-
-def finished(workers: Workers, jobs: Sequence[Job]) -> Iterator[tuple[Job, CaseResult]]:
-    """Every job with what came of it, in the order in which they end; a worker that ends is a failure of its job.
-
-    Raises SchedulerGone, after what has ended well.
+    Raises SchedulerGone when a job is cancelled, as it is when the connection to the scheduler is lost.
     """
-    waiting, running = deque(jobs), dict[Future[CaseResult], Job]()
-    while waiting or running:
-        while waiting and len(running) < workers.room:
-            job = waiting.popleft()
-            running[workers.submit(job)] = job
-        ended = {future: _outcome(future) for future in wait(running, return_when=FIRST_COMPLETED).done}
-        for future, found in ended.items():
-            if found is not None:
-                yield running.pop(future), found
-        if None in ended.values():
-            raise SchedulerGone
+    running = {executor.submit(work, job): job for job in jobs}
+    for future in as_completed(running):
+        yield running.pop(future), _result(future)
 
 
-def _outcome(future: Future[CaseResult]) -> CaseResult | None:
-    """None of a job that was given back unfinished."""
+def _result(future: Future[CaseResult]) -> CaseResult:
     try:
         return future.result()
+    except CancelledError:
+        raise SchedulerGone from None
     except BrokenProcessPool:
         return CaseResult(
             "failed", "the worker ended abruptly: out of memory, killed, or crashed in a library", lost=True
         )
-    except CancelledError:
-        return None
     except Exception as error:
         return CaseResult("failed", f"the worker was lost: {type(error).__name__}: {error}", lost=True)
 
 
-@dataclass
-class Processes:
-    """Processes on this machine, each a pool of one: when a process dies it is known which case it had."""
+class WorkerProcesses(Executor):
+    """An executor of several worker processes, one for each of its threads: one that dies fails its own call only.
 
-    room: int
-    messages: Connection
-    work: Callable[[Job], CaseResult] = solve
-    pools: dict[int, tuple[Executor, Future[int], Future[CaseResult]]] = field(default_factory=dict)
+    A pool of several processes fails all calls when one of them dies.
 
-    def submit(self, job: Job) -> Future[CaseResult]:
-        """Raises RuntimeError when all are at work."""
-        place = next((i for i in range(self.room) if i not in self.pools or self.pools[i][2].done()), None)
-        if place is None:
-            raise RuntimeError("all workers are at work")
-        if place in self.pools:
-            pool, pid, last = self.pools[place]
-            if not isinstance(last.exception(), BrokenProcessPool):
-                with contextlib.suppress(BrokenProcessPool):  # it died while it had nothing to do
-                    self.pools[place] = pool, pid, pool.submit(self.work, job)
-                    return self.pools[place][2]
-            pool.shutdown(wait=False)
-        with _quiet_start():
-            pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self.messages,))
-            pid = pool.submit(os.getpid)
-        self.pools[place] = pool, pid, pool.submit(self.work, job)
-        return self.pools[place][2]
+    Parameters:
+        count: largest number of processes; each starts with the first call of its thread.
+        messages: pipe for log messages, see `received_messages`.
+    """
 
-    def stop(self) -> None:
-        """At once, whatever they are at."""
-        for pool, pid, last in self.pools.values():
-            if not last.done():
-                with contextlib.suppress(Exception):
-                    os.kill(pid.result(timeout=10.0), signal.SIGKILL)
-            pool.shutdown(wait=True, cancel_futures=True)
-        self.pools.clear()
+    def __init__(self, count: int, messages: Connection) -> None:
+        self._messages = messages
+        self._threads = ThreadPoolExecutor(count)
+        self._own = threading.local()
+        self._lock = threading.Lock()
+        self._workers: list[WorkerProcess] = []
+        self._stopped = False
 
+    def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        return self._threads.submit(self._call, partial(function, *args, **kwargs))
 
-@contextmanager
-def processes(count: int, work: Callable[[Job], CaseResult] = solve) -> Iterator[Processes]:
-    """Workers on this machine; they end on leaving, and when this process dies."""
-    with received_messages() as messages:
-        workers = Processes(count, messages, work)
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """As of any executor; without waiting, running calls end with their processes, which are killed."""
+        self._threads.shutdown(wait=wait, cancel_futures=cancel_futures)
+        with self._lock:
+            self._stopped = True
+        for worker in self._workers:
+            worker.stop()
+        self._threads.shutdown()
+
+    def _call(self, function: Callable[[], T]) -> T:
+        worker: WorkerProcess | None = getattr(self._own, "worker", None)
+        if worker is None or worker.process is None:  # the first call of this thread, or the process died while idle
+            worker = self._own.worker = self._started()
         try:
-            yield workers
-        finally:
-            workers.stop()
+            return worker.submit(function).result()
+        except BrokenProcessPool:
+            self._own.worker = None
+            raise
 
-
-@dataclass(frozen=True)
-class Cluster:
-    """A Dask cluster: twice as many jobs as it has threads, so that none has to wait for the next."""
-
-    client: Client
-    executor: Executor
-
-    @property
-    def room(self) -> int:
-        with _reached():
-            threads: dict[str, int] = self.client.nthreads()
-        return max(2, 2 * sum(threads.values()))
-
-    def submit(self, job: Job) -> Future[CaseResult]:
-        with _reached():
-            return self.executor.submit(solve, job)
+    def _started(self) -> WorkerProcess:
+        with self._lock, _without_main():
+            if self._stopped:
+                raise CancelledError
+            worker = WorkerProcess("spawn", prepare_worker, self._messages)
+            self._workers.append(worker)
+            return worker
 
 
 @contextmanager
-def _reached() -> Iterator[None]:
+def _without_main() -> Iterator[None]:
+    """Spawned processes do not import the user's script, which would start the study once more without a guard
+    `if __name__ == "__main__"`.
+    """
+    main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     try:
         yield
-    except (OSError, RuntimeError, ValueError, CancelledError) as error:
-        raise SchedulerGone from error
-
-
-def check_address(address: str) -> None:
-    """Raises SceneError for what is no address of a Dask scheduler, or none of a host that is known."""
-    import socket
-
-    scheme, _, place = address.rpartition("://")
-    host, _, port = place.rpartition(":")
-    if scheme not in SCHEMES or not host or not port.isdecimal() or not 0 < int(port) < 2**16:
-        raise SceneError(f"--scheduler {address}: must be an address like tcp://host:8786")
-    try:
-        socket.getaddrinfo(host.strip("[]"), int(port))
-    except OSError as error:
-        raise SceneError(f"--scheduler {address}: {host} is no known host ({error.strerror})") from None
+    finally:
+        sys.modules["__main__"] = main
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Cluster]:
-    """Workers of the Dask scheduler at an address; jobs that have not begun are taken back on leaving.
+def processes(count: int) -> Iterator[Executor]:
+    """Worker processes on this machine; they are killed on exit, and end when this process ends."""
+    with received_messages() as messages:
+        executor = WorkerProcesses(count, messages)
+        try:
+            yield executor
+        finally:
+            executor.shutdown(wait=False, cancel_futures=True)
 
-    Raises RunFailed when nobody answers there or Dask is not installed.
+
+@contextmanager
+def cluster(address: str) -> Iterator[Executor]:
+    """Workers of the Dask scheduler at an address; jobs that have not started are cancelled on exit.
+
+    Raises RunFailed when no scheduler answers there or Dask is not installed.
     """
     try:
         from distributed import Client
     except ImportError:
         raise RunFailed("--scheduler needs Dask: pip install 'wheelrail[cluster]'") from None
     for name in ("distributed", "distributed.client"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is told in our words
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are reported by SchedulerGone
     try:
-        client = Client(address, timeout=PATIENCE, set_as_default=False, name="wheelrail-study")
+        client = Client(address, timeout=TIMEOUT, set_as_default=False, name="wheelrail-study")
     except OSError:
         raise RunFailed(f"--scheduler {address}: no scheduler answers there") from None
-    executor = client.get_executor(pure=False)
+    executor: Executor = client.get_executor(pure=False)
     try:
-        yield Cluster(client, executor)
+        yield executor
     finally:
-        with contextlib.suppress(Exception):  # a scheduler that is gone has nothing to take back
+        with contextlib.suppress(Exception):  # the scheduler may be lost
             executor.shutdown(wait=False)
         client.close(timeout=5)
 
 
-@contextmanager
-def _quiet_start() -> Iterator[None]:
-    """New processes get one thread for dense algebra, and do not run the user's script again as spawned ones would: a
-    script without `if __name__ == "__main__"` would start another study in every worker.
-    """
-    before, main = {name: os.environ.get(name) for name in THREADS}, sys.modules["__main__"]
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    sys.modules["__main__"] = ModuleType("__main__")
+def check_address(address: str) -> None:
+    """Raises SceneError for anything but an address of the form scheme://host:port, and for an unknown host."""
+    import socket
+
+    scheme, _, location = address.rpartition("://")
+    host, _, port = location.rpartition(":")
+    if scheme not in SCHEMES or not host or not port.isdecimal() or not 0 < int(port) < 2**16:
+        raise SceneError(f"--scheduler {address}: must be an address like tcp://host:8786")
     try:
-        yield
-    finally:
-        sys.modules["__main__"] = main
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-def _begin(messages: Connection) -> None:
-    """In a new worker: Ctrl-C is the parent's business, and when the parent is gone, so is the worker."""
-    ignore()
-    send_messages(messages)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = parent_process()
-    assert parent is not None
-    wait_for([parent.sentinel])
-    os._exit(1)
+        socket.getaddrinfo(host.strip("[]"), int(port))
+    except OSError as error:
+        raise SceneError(f"--scheduler {address}: {host} is not a known host ({error.strerror})") from None
