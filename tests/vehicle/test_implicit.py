@@ -335,7 +335,7 @@ class Remembering(VehicleContact):
 def test_two_processes_give_the_same_to_the_last_bit(plain: History) -> None:
     with in_parallel(Tangential()) as contact:
         history = run(contact)
-        assert not contact.forgotten or len(contact.forgotten) < 50
+        assert not contact.released or len(contact.released) < 50
     np.testing.assert_array_equal(history.time, plain.time)
     np.testing.assert_array_equal(history.state, plain.state)
     np.testing.assert_array_equal(history.outputs.force, plain.outputs.force)
@@ -346,7 +346,7 @@ def test_two_processes_give_the_same_to_the_last_bit(plain: History) -> None:
         np.testing.assert_array_equal(run(contact).state, run().state)
 
 
-def test_the_other_process_keeps_what_is_referred_to() -> None:
+def test_the_second_process_stores_referenced_results() -> None:
     state = WheelsetState(z=-6e-5, pitch_rate=V / 0.46, speed=V)
     with in_parallel(Remembering()) as contact:
         result = contact(state, "right", None)
@@ -356,8 +356,8 @@ def test_the_other_process_keeps_what_is_referred_to() -> None:
             result = contact(state, "right", result)
             assert result.approach == expected
         del result
-        assert contact.forgotten == [3, 4]  # the second went along with the fourth question
-        contact.ahead(state, first)  # what nobody asks for later on
+        assert contact.released == [3, 4]  # the second was sent with the fourth request
+        contact.ahead(state, first)  # not used
         contact.ahead(state, first)
         assert contact(state, "right", first).approach == 1.0
         assert contact(replace(state, y=1e-4), "right", None).approach == 0.0
@@ -367,7 +367,7 @@ def test_the_other_process_keeps_what_is_referred_to() -> None:
             contact.tangent(state, "right", first)
 
 
-def test_errors_and_the_end_of_the_other_process_are_noticed() -> None:
+def test_errors_and_the_end_of_the_second_process_are_detected() -> None:
     with in_parallel(Remembering()) as contact:
         with pytest.raises(ArithmeticError, match="too deep"):
             contact(WheelsetState(z=-2.0, speed=V), "right")
@@ -380,8 +380,31 @@ def test_errors_and_the_end_of_the_other_process_are_noticed() -> None:
             contact(WheelsetState(speed=V), "right")
 
 
-def test_the_other_process_ends_with_the_first() -> None:
-    """Also when that is killed and can say no word: its end of the pipe closes."""
+@dataclass
+class Killed(VehicleContact):
+    """The smooth contact; the process of the right-hand one is killed, as for lack of memory, at its 40th solve."""
+
+    solves: int = 0
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        self.solves += side == "right"
+        if self.solves == 40:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return CONTACT(state, side, guess)
+
+
+def test_a_run_whose_second_process_is_killed_keeps_its_rows() -> None:
+    complete = run()
+    with in_parallel(Killed()) as contact:
+        history = run(contact)
+    assert history.status.startswith("failed: ")
+    assert "the process of the right-hand contact has ended" in history.status
+    assert 1 < len(history) < len(complete)
+    np.testing.assert_array_equal(history.state, complete.state[: len(history)])
+
+
+def test_the_second_process_ends_with_the_first() -> None:
+    """Also when that is killed: its end of the pipe closes."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
