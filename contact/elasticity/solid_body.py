@@ -17,7 +17,7 @@ from wheelrail.forms import compat
 from wheelrail.forms.elasticity import lame, stiffness
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask, Nodes
-from wheelrail.support.mpi import ALONE, Ranks
+from wheelrail.support.mpi import SELF, Ranks
 
 log = logging.getLogger(__name__)
 
@@ -37,13 +37,13 @@ class ElasticBody:
     Raises ValueError for more ranks than the mesh can be divided into.
     """
 
-    def __init__(self, solid: Solid, steel: Material, *, degree: int = 1, ranks: Ranks = ALONE) -> None:
+    def __init__(self, solid: Solid, steel: Material, *, degree: int = 1, ranks: Ranks = SELF) -> None:
         self.solid, self.steel, self.degree, self.ranks = solid, steel, degree, ranks
         rows = slice(None) if ranks.first else slice(0)  # dolfinx distributes the mesh of the first rank
         self.mesh = compat.mesh_from_arrays(ranks.comm, solid.cell, solid.cells[rows], solid.points[rows])
         self.space = compat.space(self.mesh, degree)
         self.grid = ContactGrid.on(solid, degree)
-        empty_ranks = ranks.total(np.array(float(self.owned == 0)))
+        empty_ranks = ranks.all_reduce(np.array(float(self.owned == 0)))
         if empty_ranks > 0:
             raise ValueError(
                 f"a mesh of {len(solid.points)} points leaves {empty_ranks:.0f} of {ranks.size} processes without nodes"
@@ -64,7 +64,7 @@ class ElasticBody:
         """Displacement nodes (nx, ns) of the contact grid; -1 where another rank owns them."""
         distance, nodes = cKDTree(self.coordinates).query(self.grid.position.reshape(-1, 3))
         local = distance <= 1e-6 * np.linalg.norm(self.grid.position[1, 0] - self.grid.position[0, 0])
-        if not (self.ranks.total(local.astype(float)) == 1).all():
+        if not (self.ranks.all_reduce(local.astype(float)) == 1).all():
             raise RuntimeError("the contact grid does not lie on nodes of the displacement space")
         return np.where(local, nodes, -1).astype(np.int64).reshape(self.grid.shape)
 

@@ -137,6 +137,6 @@ def distributed_body(solid: Solid, material: Material, degree: int) -> ElasticBo
     Parameters as for `solid_compliance`.
     """
     from wheelrail.contact.elasticity.solid_body import ElasticBody
-    from wheelrail.support.mpi import everyone
+    from wheelrail.support.mpi import world
 
-    return ElasticBody(solid, material, degree=degree, ranks=everyone())
+    return ElasticBody(solid, material, degree=degree, ranks=world())

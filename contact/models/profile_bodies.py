@@ -87,9 +87,9 @@ class ProfileBodies:
         return surfaces, above, below
 
     def solid_bodies(self, how: Discretisation) -> tuple[ProfilePair, ElasticBody, ElasticBody]:
-        from wheelrail.support.mpi import everyone
+        from wheelrail.support.mpi import world
 
-        surfaces, solids = self._solids(how, everyone().shared)
+        surfaces, solids = self._solids(how, world().broadcast)
         above, below = (
             distributed_body(solid, material, how.degree)
             for (solid, _), material in zip(solids, self.materials, strict=True)

@@ -120,9 +120,9 @@ class QuadricBodies:
         return surfaces, *self._equal_or_not(compliance)
 
     def solid_bodies(self, how: Discretisation) -> tuple[QuadricPair, ElasticBody, ElasticBody]:
-        from wheelrail.support.mpi import everyone
+        from wheelrail.support.mpi import world
 
-        surfaces, solid, _ = self._solid(how, everyone().shared)
+        surfaces, solid, _ = self._solid(how, world().broadcast)
         scaled = partial(np.multiply, how.surface_size)
         above, below = (distributed_body(solid.mapped(scaled), material, how.degree) for material in self.materials)
         return surfaces, above, below

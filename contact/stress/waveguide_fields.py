@@ -108,7 +108,7 @@ class InternalFields:
         return BodyFields(coordinates.places, cells, shape, displacement, stress).seen_from(self.body.frame)
 
 
-def look_inside(
+def internal_fields(
     body: LoadedBody,
     result: ContactResult,
     *,

@@ -19,7 +19,7 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.contact.stress.solid_fields import solid_fields
 from wheelrail.contact.stress.subsurface import LoadedBody
-from wheelrail.contact.stress.waveguide_fields import InternalFields, look_inside
+from wheelrail.contact.stress.waveguide_fields import InternalFields, internal_fields
 from wheelrail.support.arrays import Array
 
 BALL, FORCE = (0.3, 0.3), 10e3
@@ -36,7 +36,7 @@ def pressed() -> tuple[ContactResult, Hertz]:
 
 @cache
 def seen(upper: bool) -> InternalFields:
-    return look_inside(LoadedBody.block(upper, STEEL), pressed()[0], across=12)
+    return internal_fields(LoadedBody.block(upper, STEEL), pressed()[0], across=12)
 
 
 @pytest.mark.parametrize("upper", [True, False])
@@ -162,4 +162,4 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(ValueError, match="point numbers from 0 to 3"):
         BodyFields(flat, np.full((1, 4), 4), "tetrahedron", flat, tensors)
     with pytest.raises(ValueError, match="nothing touches"):
-        look_inside(LoadedBody.block(True, STEEL), ContactResult.separated())
+        internal_fields(LoadedBody.block(True, STEEL), ContactResult.separated())

@@ -21,7 +21,7 @@ from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.library import load_profile
-from wheelrail.support.mpi import everyone
+from wheelrail.support.mpi import world
 
 SIZE, RADIUS = 1e-3, 0.3
 PAPER, FRICTIONLESS = ContactLaws(1e15, friction=0.3, regularisation=1e-5), ContactLaws(1e15, friction=0.0)
@@ -30,7 +30,7 @@ PAPER, FRICTIONLESS = ContactLaws(1e15, friction=0.3, regularisation=1e-5), Cont
 def pair(laws: ContactLaws, **options: Any) -> FullContact:
     """A sphere on a plane of another material, split over all ranks."""
     upper, lower = (
-        ElasticBody(solid(TETRAHEDRA)[0].mapped(partial(np.multiply, SIZE)), steel, ranks=everyone())
+        ElasticBody(solid(TETRAHEDRA)[0].mapped(partial(np.multiply, SIZE)), steel, ranks=world())
         for steel in (STEEL, Material(180e9, 0.2))
     )
     geometry = quadrics(TETRAHEDRA, (RADIUS, RADIUS), (np.inf, np.inf), SIZE)
@@ -96,7 +96,7 @@ def solved() -> dict[str, dict[str, Any]]:
 def stumble() -> None:
     """The second rank has an error of its own while the first solves."""
     model = pair(PAPER)
-    if not everyone().first:
+    if not world().first:
         raise MemoryError("out of memory on one rank")
     model(overlapping(3.2), CREEP)
 
@@ -104,6 +104,6 @@ def stumble() -> None:
 if __name__ == "__main__":
     if sys.argv[1:] == ["stumble"]:
         stumble()
-    found = everyone().comm.gather(solved())
-    if everyone().first:
+    found = world().comm.gather(solved())
+    if world().first:
         print(json.dumps(found))

@@ -21,7 +21,7 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models import condensed as condensed_module
 from wheelrail.contact.models.full import model as full_module
 from wheelrail.contact.solvers import tractions as tractions_module
-from wheelrail.support.mpi import ALONE
+from wheelrail.support.mpi import SELF
 
 ROOT = Path(__file__).parents[2]
 HEAVY = ("dolfinx", "ufl", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib")
@@ -184,7 +184,7 @@ def test_full_without_friction_solves_for_overlaps_alone(counter: Counter) -> No
 class Untouchable:
     """Raises at any use but the question which ranks it is spread over."""
 
-    ranks = ALONE
+    ranks = SELF
 
     def __getattr__(self, name: str) -> Any:
         raise AssertionError(f"{name} was asked for")

@@ -459,10 +459,10 @@ def test_study_on_a_full_disk(tmp_path: Path, size: int) -> None:
     status, said = study_of_four(tmp_path, LITTLE.format(size=size))
     assert status == 1, said
     assert "Traceback" not in said
-    assert ("a case was not kept" in said) == (size == 100)
+    assert ("a case not stored" in said) == (size == 100)
     assert len(list((tmp_path / "out" / "cases").glob("*.json"))) == (0 if size == 100 else 4)
     assert not (tmp_path / "out" / "study.nc").exists()
     assert not list(tmp_path.rglob(f"{PART}*"))
     status, said = study_of_four(tmp_path, "")
     assert status == 0, said
-    assert ("4 of 4 cases are done already" in said) == (size != 100)
+    assert ("4 of 4 cases are already computed" in said) == (size != 100)

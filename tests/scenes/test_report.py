@@ -36,7 +36,7 @@ from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study
 from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.scenes.views import plotter as off_screen
-from wheelrail.scenes.views.run_snapshot import hardest, moment_view
+from wheelrail.scenes.views.run_snapshot import largest_force_sample, sample_view
 from wheelrail.scenes.views.view import bodies_of_run
 
 SCENE = (Path(__file__).parents[2] / "scenes" / "curve.toml").read_text(encoding="utf-8")
@@ -240,12 +240,12 @@ def test_extremes_are_those_of_the_data() -> None:
 
 def test_the_moment_is_that_of_the_largest_lateral_force() -> None:
     data = run_data()
-    assert hardest(data) == data.sizes["time"] - 1
+    assert largest_force_sample(data) == data.sizes["time"] - 1
     force = data["lateral_force"].copy()
     force[7, 0] = 9e5
-    assert hardest(data.assign(lateral_force=force)) == 7
+    assert largest_force_sample(data.assign(lateral_force=force)) == 7
     with pytest.raises(IndexError, match="index = 40: the run has 40 samples"):
-        moment_view(data, 40, **bodies_of_run(data, Path("run.nc")))
+        sample_view(data, 40, bodies_of_run(data, Path("run.nc")))
 
 
 def test_without_a_view(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

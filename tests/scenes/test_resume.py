@@ -329,7 +329,7 @@ def test_killed_again_and_again_it_ends_where_the_undisturbed_run_ends(tmp_path:
         killed(broken, "--resume", at=at)
     stopped = command(broken, "--resume", contact=Stopping(150, signal.SIGINT))
     assert stopped.exit_code == 130
-    assert "with --resume the run goes on" in stopped.stdout
+    assert "--resume continues the run" in stopped.stdout
     assert (broken / "run.nc").exists()
     refused = command(broken, "--resume", rtol="2e-3")
     assert (refused.exit_code, "solver.rtol: 0.001 before, 0.002 now" in refused.stderr) == (2, True)
@@ -350,7 +350,7 @@ def test_without_resume_a_run_starts_anew(tmp_path: Path) -> None:
     killed(tmp_path, at=400)
     before = (tmp_path / "run.checkpoints").read_bytes()
     done = command(tmp_path, contact=Stopping(5, signal.SIGINT), rtol="2e-3")
-    assert "--resume would go on with it" in done.stderr.replace("\n", " ")
+    assert "--resume continues it" in done.stderr.replace("\n", " ")
     assert (tmp_path / "run.checkpoints").read_bytes() == before  # as long as the new run has none
     other = command(tmp_path / "new", "--resume", rtol="2e-3", curve="0.5")
     assert "starts from the beginning" in other.stderr.replace("\n", " ")

@@ -34,10 +34,10 @@ from wheelrail.scenes.schema.scene import checked
 from wheelrail.scenes.studies import plan as plan_module
 from wheelrail.scenes.studies import run as run_module
 from wheelrail.scenes.studies.job import Job
-from wheelrail.scenes.studies.plan import MOST, Plan, plan
+from wheelrail.scenes.studies.plan import MAX_CASES, Plan, plan
 from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study, load_study
-from wheelrail.scenes.studies.solve import CaseResult, goes_on, solve
+from wheelrail.scenes.studies.solve import CaseResult, can_resume, solve
 from wheelrail.scenes.studies.store import Store
 from wheelrail.scenes.studies.workers import SchedulerGone, case_results, cluster, processes
 
@@ -281,7 +281,7 @@ def test_a_study_that_cannot_be_used_says_why(name: str) -> None:
 
 def test_huge_studies_are_refused_with_their_number() -> None:
     many = [1e4 + i for i in range(200)]
-    with pytest.raises(SceneError, match=rf"40000 cases \(200 load x 200 friction\): must be at most {MOST}"):
+    with pytest.raises(SceneError, match=rf"40000 cases \(200 load x 200 friction\): must be at most {MAX_CASES}"):
         planned(grid={"load": many, "friction": [1e-3 * i for i in range(200)]})
 
 
@@ -412,7 +412,7 @@ def test_a_case_that_cannot_be_kept_is_told_and_used(
 ) -> None:
     (tmp_path / "cases").write_text("in the way")
     data = run_study(study(grid={"load": [1e4, 2e4]}), tmp_path, pictures=False)
-    assert "a case was not kept" in capsys.readouterr().err
+    assert "a case not stored" in capsys.readouterr().err
     assert set(data["status"].values.flat) == {"converged"}
 
 
@@ -630,11 +630,11 @@ def test_a_run_that_was_killed_goes_on_from_its_checkpoint(
     assert left.suffix == ".checkpoints"
     content = left.read_bytes()
     with Job.of(plan(load_study(file), file).cases[0]).scene() as (scene, _):
-        assert goes_on(scene, left)
-        assert not goes_on(scene.model_copy(update={"friction": 0.31}), left)
+        assert can_resume(scene, left)
+        assert not can_resume(scene.model_copy(update={"friction": 0.31}), left)
         for spoiled in (b"", content[:900], content.replace(b"S1002", b"S1003"), bytes(range(256))):
             left.write_bytes(spoiled)
-            assert not goes_on(scene, left)
+            assert not can_resume(scene, left)
 
     left.write_bytes(content)
     again = run_study(file, tmp_path / "killed", pictures=False)

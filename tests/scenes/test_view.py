@@ -17,9 +17,17 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.scenes.views.animation import animate_run
-from wheelrail.scenes.views.body_meshes import MISES, MOVED, PRESSURE, bodies_mesh, moved, pressure_surface, riding
-from wheelrail.scenes.views.contact_view import SeenBody, contact_scene, round_scale
+from wheelrail.scenes.views.animation import RunBodies, animate_run
+from wheelrail.scenes.views.body_meshes import (
+    DISPLACEMENT,
+    MISES,
+    PRESSURE,
+    bodies_mesh,
+    displaced,
+    displaced_with,
+    pressure_surface,
+)
+from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene, round_scale
 from wheelrail.scenes.views.html import save_view, view_html
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
 
@@ -63,7 +71,7 @@ def box(upper: bool) -> BodyFields:
 @cache
 def drawn() -> str:
     """The page of a scene; its picture is looked at in `test_a_contact_scene`."""
-    bodies = tuple(SeenBody(name, name == "wheel", box(name == "wheel"), (box(name == "wheel"),)) for name in NAMES)
+    bodies = tuple(DrawnBody(name, name == "wheel", box(name == "wheel"), (box(name == "wheel"),)) for name in NAMES)
     view = contact_scene(result(), bodies, title="a <contact>", off_screen=True)
     picture = np.asarray(view.screenshot(None))
     PICTURES.append(picture)
@@ -86,7 +94,7 @@ def test_a_contact_scene() -> None:
         dark = (pane.min(axis=-1) < 200).mean()
         assert 0.05 < dark < 0.9
         assert len(np.unique(pane.reshape(-1, 3), axis=0)) > 200
-    assert RANGES[MOVED] == pytest.approx((0.0, 20.0))
+    assert RANGES[DISPLACEMENT] == pytest.approx((0.0, 20.0))
     assert RANGES[MISES] == pytest.approx((0.0, 800.0))
 
 
@@ -105,8 +113,8 @@ def test_fields_on_a_mesh() -> None:
     mesh = bodies_mesh(box(False))
     assert mesh.bounds[4:] == pytest.approx((-40.0, 0.0))
     assert mesh[MISES].max() == pytest.approx(800.0)
-    assert mesh[MOVED].max() == pytest.approx(20.0)
-    assert moved(mesh, 100.0).points[:, 2].max() == pytest.approx(-2.0)
+    assert mesh[DISPLACEMENT].max() == pytest.approx(20.0)
+    assert displaced(mesh, 100.0).points[:, 2].max() == pytest.approx(-2.0)
     assert mesh.volume == pytest.approx(40.0**3)
 
 
@@ -121,7 +129,7 @@ def test_the_patch_lies_where_the_contact_is() -> None:
     assert patch.bounds[2:4] == pytest.approx((-2.0, 8.0))
     assert 0 < patch.bounds[4] < 0.2
     assert pressure_surface(result(), mirrored=True).bounds[2:4] == pytest.approx((-8.0, 2.0))
-    lowered = riding(patch, bodies_mesh(box(False)), 100.0)
+    lowered = displaced_with(patch, bodies_mesh(box(False)), 100.0)
     assert lowered.points[:, 2].max() < -0.5
     with pytest.raises(ValueError, match="not in contact"):
         pressure_surface(ContactResult.separated())
@@ -170,7 +178,7 @@ def test_a_film_of_a_run(tmp_path: Path) -> None:
     import imageio.v3 as imageio
 
     told: list[tuple[int, int]] = []
-    options = {"wheel": WHEEL, "rail": RAIL, "mounting": MOUNTING, "frames": 3, "fps": 5.0}
+    options = {"bodies": RunBodies(WHEEL, RAIL, MOUNTING), "frames": 3, "fps": 5.0}
     file = tmp_path / "run.gif"
     animate_run(run_data(), file, progress=lambda *done: told.append(done), **options)  # type: ignore[arg-type]
     assert told == [(1, 3), (2, 3), (3, 3)]

@@ -46,14 +46,18 @@ class Run(StoredDataset):
         OSError.
         """
         from wheelrail.scenes.schema.errors import SceneError
-        from wheelrail.scenes.views.run_snapshot import hardest, moment_view
+        from wheelrail.scenes.views.run_snapshot import largest_force_sample, sample_view
         from wheelrail.scenes.views.view import bodies_of_run
 
         if file is not None and Path(file).suffix.lower() not in (".png", ".html"):
             raise SceneError(f"file = {str(file)!r}: must end in .png or .html")
-        at = hardest(self.data) if distance is None else int(np.argmin(np.abs(self.data["distance"].values - distance)))
+        at = (
+            largest_force_sample(self.data)
+            if distance is None
+            else int(np.argmin(np.abs(self.data["distance"].values - distance)))
+        )
         where = f"{float(self.data['distance'][at]):.1f} m, {float(self.data['time'][at]):.2f} s"
-        plotter = moment_view(self.data, at, **bodies_of_run(self.data, Path("run.nc")), title=where, scale=scale)
+        plotter = sample_view(self.data, at, bodies_of_run(self.data, Path("run.nc")), title=where, scale=scale)
         if file is not None:
             from wheelrail.scenes.views.html import save_view
 
@@ -89,7 +93,7 @@ class Run(StoredDataset):
                     status.update(f"frame {done} of {count}")
 
             bodies = bodies_of_run(self.data, Path("run.nc"))
-            animate_run(self.data, Path(file), **bodies, frames=frames, fps=fps, scale=scale, progress=report_progress)
+            animate_run(self.data, Path(file), bodies, frames=frames, fps=fps, scale=scale, progress=report_progress)
         return Path(file)
 
     def __repr__(self) -> str:

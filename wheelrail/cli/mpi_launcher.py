@@ -20,18 +20,18 @@ def several() -> bool:
     """Whether `mpirun` started several processes; MPI is loaded only if the environment shows so."""
     if all(os.environ.get(size, "1") == "1" for size in SIZES):
         return False
-    from wheelrail.support.mpi import everyone
+    from wheelrail.support.mpi import world
 
-    return everyone().size > 1
+    return world().size > 1
 
 
 def first() -> bool:
     """Whether this process writes the results of all."""
     if not several():
         return True
-    from wheelrail.support.mpi import everyone
+    from wheelrail.support.mpi import world
 
-    return everyone().first
+    return world().first
 
 
 @contextmanager
@@ -44,9 +44,9 @@ def as_one() -> Iterator[None]:
     if not several():
         yield
         return
-    from wheelrail.support.mpi import everyone
+    from wheelrail.support.mpi import world
 
-    ranks, errors, status = everyone(), io.StringIO(), 0
+    ranks, errors, status = world(), io.StringIO(), 0
     if not ranks.first:
         sys.stdout, sys.stderr = io.StringIO(), errors
     try:

@@ -1,7 +1,7 @@
 """Communicator of a solve under `mpirun`: all-reduce and broadcast.
 
 Meshes, matrices and displacements are distributed; contact points, their law and all results are replicated. Branches
-of the program depend only on values of `total` or `shared`, so that all ranks take the same.
+of the program depend only on values of `all_reduce` or `broadcast`, so that all ranks take the same.
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ class Ranks:
     def first(self) -> bool:
         return int(self.comm.rank) == 0
 
-    def total(self, part: Array) -> Array:
+    def all_reduce(self, part: Array) -> Array:
         """Sum of the arrays of all ranks, bitwise the same on all (all-reduce)."""
         if self.size == 1:
             return part
-        part, whole = np.asarray(part, dtype=float, order="C"), np.empty(part.shape)
-        self.comm.Reduce(part, whole)
-        self.comm.Bcast(whole)
-        return whole
+        part, total = np.asarray(part, dtype=float, order="C"), np.empty(part.shape)
+        self.comm.Reduce(part, total)
+        self.comm.Bcast(total)
+        return total
 
     def norm(self, part: Array) -> float:
         """Euclidean norm of a vector that is distributed over the ranks."""
-        return float(np.sqrt(self.total(np.array(part @ part))))
+        return float(np.sqrt(self.all_reduce(np.array(part @ part))))
 
-    def shared(self, make: Callable[[], T]) -> T:
+    def broadcast(self, make: Callable[[], T]) -> T:
         """Result of a function on the first rank, broadcast to all; an exception there is raised on all of them."""
         if self.size == 1:
             return make()
@@ -64,7 +64,7 @@ class Ranks:
             raise error
         return value  # type: ignore[return-value]
 
-    def ahead(self, make: Callable[[], T]) -> T:
+    def first_then_all(self, make: Callable[[], T]) -> T:
         """Result of a function on every rank, on the first before the others, which then load its compiled forms."""
         if self.first:
             value = make()
@@ -72,18 +72,18 @@ class Ranks:
         return value if self.first else make()
 
 
-ALONE = Ranks(MPI.COMM_SELF)
+SELF = Ranks(MPI.COMM_SELF)
 
 
 @cache
-def everyone() -> Ranks:
-    """All processes that `mpirun` started; from now on an uncaught exception on one of them aborts all."""
+def world() -> Ranks:
+    """All processes started by `mpirun`; after the first call an uncaught exception on one of them aborts all."""
     ranks = Ranks(MPI.COMM_WORLD)
     if ranks.size > 1:
-        before = sys.excepthook
+        hook = sys.excepthook
 
         def end_all(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-            before(kind, error, trace)
+            hook(kind, error, trace)
             sys.stderr.flush()
             ranks.comm.Abort(1)  # the others wait for this one in a collective call
 

@@ -86,7 +86,7 @@ class DiscreteProblem:
     def state(self, u: Array) -> tuple[Array, Array]:
         """z (n, c) and nodal forces T (n, c) N at displacements u m of this rank."""
         z = self._at(u)
-        return z, self.ranks.shared(lambda: self.law.force(self.nodes, z))
+        return z, self.ranks.broadcast(lambda: self.law.force(self.nodes, z))
 
     def contact_forces(self, u: Array) -> Array:
         """B^T T: contact forces N on the unknowns of this rank."""
@@ -95,11 +95,11 @@ class DiscreteProblem:
     def tangent(self, u: Array) -> sp.csr_array:
         """D G: derivative of the nodal contact forces by the displacements."""
         z = self._at(u)
-        blocks = self.ranks.shared(lambda: self.law.tangent(self.nodes, z))
+        blocks = self.ranks.broadcast(lambda: self.law.tangent(self.nodes, z))
         c = self.law.components
         rows = [sp.hstack([sp.diags(blocks[:, i, j]) for j in range(c)]) for i in range(c)]
         return sp.csr_array(sp.vstack(rows, format="csr") @ self.gradient)
 
     def _at(self, u: Array) -> Array:
         """z (n, c)."""
-        return (self.constant + self.ranks.total(self.gradient @ u)).reshape(self.law.components, -1).T
+        return (self.constant + self.ranks.all_reduce(self.gradient @ u)).reshape(self.law.components, -1).T

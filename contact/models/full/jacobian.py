@@ -36,7 +36,7 @@ class JacobianOperator:
         self._stiffness.mult(v, y)
         direction, ranks = v.array_r, self._problem.ranks
         if self._tangent is not None:
-            y.array[:] -= self._problem.forces @ ranks.total(self._tangent @ direction)
+            y.array[:] -= self._problem.forces @ ranks.all_reduce(self._tangent @ direction)
             return
         length = ranks.norm(direction)
         if length > 0:

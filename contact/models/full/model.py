@@ -64,7 +64,9 @@ class FullContact:
     def law(self) -> SurfaceLaw:
         gained = 0.0 if self.laws.regularisation else self.soft.regularisation
         wheel = self.wheel
-        return wheel.ranks.ahead(lambda: SurfaceLaw(wheel.solid, wheel.grid, wheel.degree, self.soft, gained=gained))
+        return wheel.ranks.first_then_all(
+            lambda: SurfaceLaw(wheel.solid, wheel.grid, wheel.degree, self.soft, gained=gained)
+        )
 
     @cached_property
     def solver(self) -> Newton:
@@ -78,7 +80,7 @@ class FullContact:
         start = perf_counter()
         order, ranks = self.order if self.laws.frictional else 0, self.wheel.ranks
         try:
-            points, approach = ranks.shared(lambda: self.geometry.contact_points(pose, order))
+            points, approach = ranks.broadcast(lambda: self.geometry.contact_points(pose, order))
         except OutsideSurface as error:
             return ContactResult.failed(str(error))
         if points is None:
@@ -97,7 +99,7 @@ class FullContact:
         traction = forces / points.area[:, None]
         n = len(points.node)
         displacement = np.zeros((n, 3))
-        local = ranks.total(problem.displacement @ u).reshape(-1, n).T
+        local = ranks.all_reduce(problem.displacement @ u).reshape(-1, n).T
         displacement[:, 3 - local.shape[1] :] = local
         tangential = traction[:, 1:] if order else np.zeros((n, 2))
         bound = self.laws.friction_bound(-traction[:, 0], np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)
@@ -123,7 +125,7 @@ class FullContact:
         """Displacements of an earlier result; None if they belong to other meshes or another distribution."""
         displacement = guess.warm_start if guess is not None and isinstance(guess.warm_start, np.ndarray) else None
         owned = 3 * (self.wheel.owned + self.rail.owned)
-        mismatches = self.wheel.ranks.total(np.array(float(displacement is None or len(displacement) != owned)))
+        mismatches = self.wheel.ranks.all_reduce(np.array(float(displacement is None or len(displacement) != owned)))
         return None if mismatches else displacement
 
     def _solve(

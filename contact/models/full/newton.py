@@ -15,7 +15,7 @@ from wheelrail.contact.models.full.preconditioner import ContactPreconditioner, 
 from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
-from wheelrail.support.mpi import ALONE, Ranks
+from wheelrail.support.mpi import SELF, Ranks
 
 LEVELS = (300.0, 10.0)  # multiples of the regularisation in the continuation
 ROUGH = 1e-2  # tolerance of the relative residual at these
@@ -68,7 +68,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
     solve.
     """
 
-    def __init__(self, stiffness: Any, options: FullOptions, ranks: Ranks = ALONE) -> None:
+    def __init__(self, stiffness: Any, options: FullOptions, ranks: Ranks = SELF) -> None:
         super().__init__(ranks.comm)
         self.options, self.stiffness, self.ranks = options, stiffness, ranks
         self.problem: DiscreteProblem | None = None

@@ -92,10 +92,10 @@ class ContactPreconditioner:
         """Set the tangent T = D G of a Newton step."""
         if self._response is not None:
             self._tangent = tangent
-            self._small = la.lu_factor(np.eye(tangent.shape[0]) - self._ranks.total(tangent @ self._response))
+            self._small = la.lu_factor(np.eye(tangent.shape[0]) - self._ranks.all_reduce(tangent @ self._response))
 
     def apply(self, _: Any, x: Any, y: Any) -> None:
         """y = P^-1 x, called by PETSc."""
         self._pc.apply(x, y)
         if self._tangent is not None and self._response is not None:
-            y.array[:] += self._response @ la.lu_solve(self._small, self._ranks.total(self._tangent @ y.array_r))
+            y.array[:] += self._response @ la.lu_solve(self._small, self._ranks.all_reduce(self._tangent @ y.array_r))

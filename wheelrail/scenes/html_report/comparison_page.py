@@ -12,7 +12,7 @@ from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import opening, origin, pictures, seconds
 from wheelrail.scenes.html_report.run_page import SIGNS, key_tables
-from wheelrail.scenes.html_report.views import moment
+from wheelrail.scenes.html_report.views import largest_force_view
 from wheelrail.scenes.plots.comparison import PICTURES
 
 if TYPE_CHECKING:
@@ -61,7 +61,9 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
         PageSection("Figures", _pictures(runs, names, both)),
     ]
     if view:
-        sections.insert(2, PageSection("Interactive 3D view", [moment(first, folder / names[0] / "run.nc", names[0])]))
+        sections.insert(
+            2, PageSection("Interactive 3D view", [largest_force_view(first, folder / names[0] / "run.nc", names[0])])
+        )
     statuses = [str(data.attrs["status"]) for data in runs]
     facts = {
         **origin(second.attrs),

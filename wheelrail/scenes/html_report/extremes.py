@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def lateral_over_vertical(one: Dataset) -> Array:
+def lateral_over_vertical(wheel_data: Dataset) -> Array:
     """Derailment quotient |Y| / Q (n,) of one wheel, NaN without contact."""
-    y, q = one["lateral_force"].values, one["vertical_force"].values
+    y, q = wheel_data["lateral_force"].values, wheel_data["vertical_force"].values
     return np.asarray(np.divide(np.abs(y), q, out=np.full(len(y), np.nan), where=q > 0.0))
 
 
 def _of(name: str, scale: float = 1.0) -> Callable[[Dataset], Array]:
     """Scaled values (n,) of a variable; the maximum over patches at each time."""
 
-    def values(one: Dataset) -> Array:
-        scaled = scale * one[name]
+    def values(data: Dataset) -> Array:
+        scaled = scale * data[name]
         return np.asarray(scaled.max("patch").values if "patch" in scaled.dims else scaled.values, dtype=float)
 
     return values
@@ -88,13 +88,13 @@ def vehicle_table(data: Dataset) -> PageTable:
 
 def extreme(data: Dataset, row: Row) -> tuple[str, str]:
     """Extreme value and its distance, m, as text."""
-    _, _, of, which = row
+    _, _, of, kind = row
     values = of(data)
     finite = np.isfinite(values)
     if not finite.any():
         return number(np.nan), number(np.nan)
-    size = {"largest": np.abs(values), "greatest": values, "least": -values}[which]
-    at = int(np.argmax(np.where(finite, size, -np.inf)))
+    key = {"largest": np.abs(values), "greatest": values, "least": -values}[kind]
+    at = int(np.argmax(np.where(finite, key, -np.inf)))
     return number(values[at]), f"{float(data['distance'].values[at]):.1f}"
 
 

@@ -11,7 +11,7 @@ from wheelrail.scenes.html_report.elements import Page, PagePicture, PageSection
 from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import opening, origin, pictures, seconds
-from wheelrail.scenes.html_report.views import moment
+from wheelrail.scenes.html_report.views import largest_force_view
 from wheelrail.scenes.plots.runs import PICTURES, t_gamma
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def run_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
         PageSection("Figures", pictures(list(figures(data)), "No figures: fewer than two samples.")),
     ]
     if view:
-        sections.insert(2, PageSection("Interactive 3D view", [moment(data, file)]))
+        sections.insert(2, PageSection("Interactive 3D view", [largest_force_view(data, file)]))
     return Page(
         title=file.parent.resolve().name,
         what="Vehicle run",
@@ -63,13 +63,13 @@ SIGNS = "Forces act on the wheels, in the track frame; positive directions: Y to
 
 def key_tables(runs: dict[str, Dataset]) -> list[PageTable]:
     """Statistics of every run, and of the contact solves of every side; runs: Datasets by name."""
-    whole = {name or "value": dict(_steps(data)) for name, data in runs.items()}
+    run_values = {name or "value": dict(_steps(data)) for name, data in runs.items()}
     sides = {
         " ".join([name, str(side)]).strip(): dict(_solves(data.sel(side=side)))
         for name, data in runs.items()
         for side in data["side"].values
     }
-    return [_columns("Run", whole), _columns("Statistics of the solver", sides)]
+    return [_columns("Run", run_values), _columns("Statistics of the solver", sides)]
 
 
 def _columns(caption: str, columns: dict[str, dict[str, str]]) -> PageTable:

@@ -68,9 +68,9 @@ def parameter_table(data: Dataset) -> PageTable:
         values, unit = data[name].values, data[name].attrs.get("units", "1")
         texts = [shown(value.item() if hasattr(value, "item") else value) for value in values]
         numbers = values.dtype.kind in "if" and len(values)
-        drawn = numbers and SAMPLE in data[name].dims
+        sampled = numbers and SAMPLE in data[name].dims
         summary = (
-            f"{len(values)} values from {shown(values.min())} to {shown(values.max())}" if drawn else ", ".join(texts)
+            f"{len(values)} values from {shown(values.min())} to {shown(values.max())}" if sampled else ", ".join(texts)
         )
         dims = " x ".join(map(str, data[name].dims))
         rows.append([str(data[name].attrs.get("long_name", name)), unit if unit != "1" else "–", dims, summary])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,12 +19,13 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.scenes.studies.plan import StudyCase
+    from wheelrail.scenes.views.animation import RunBodies
 
 CHEAP = 30.0  # s, longest solve of a study case that is repeated for its view
 NO_VIEW = "No 3D view"
 
 
-def moment(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
+def largest_force_view(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
     """View of the sample with the largest lateral force.
 
     Parameters:
@@ -34,15 +35,15 @@ def moment(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
     """
     from wheelrail.scenes.views.view import bodies_of_run
 
-    return _view_or_reason(lambda: _moment(data, bodies_of_run(data, file), name))
+    return _view_or_reason(lambda: _sample_view(data, bodies_of_run(data, file), name))
 
 
-def _moment(data: Dataset, bodies: dict[str, Any], name: str) -> PageView:
-    from wheelrail.scenes.views.run_snapshot import hardest, moment_view
+def _sample_view(data: Dataset, bodies: RunBodies, name: str) -> PageView:
+    from wheelrail.scenes.views.run_snapshot import largest_force_sample, sample_view
 
-    index = hardest(data)
+    index = largest_force_sample(data)
     description = _description(data, index, name)
-    plotter = moment_view(data, index, **bodies, title=description.split(":")[0])
+    plotter = sample_view(data, index, bodies, title=description.split(":")[0])
     caption = (
         f"{description}. Above: the wheelset on its rails from behind; arrows: vertical and lateral force on the "
         "left wheel (blue) and on the right wheel (orange). Below: both contacts, patches as ellipses coloured by "
@@ -74,7 +75,7 @@ def _run(data: Dataset, file: Path) -> PageView:
     chosen = _cases(data)[tuple(map(int, np.atleast_1d(data.attrs["kept_case"])))]
     assert isinstance(chosen.scene, RunScene)
     run = read(file.parent / str(data.attrs["kept_run"]))
-    return _moment(run, bodies_of_scene(chosen.scene), f"run with the largest peak pressure, {chosen}")
+    return _sample_view(run, bodies_of_scene(chosen.scene), f"run with the largest peak pressure, {chosen}")
 
 
 def _contact(data: Dataset) -> PageView:
@@ -82,13 +83,13 @@ def _contact(data: Dataset) -> PageView:
     from wheelrail.scenes.views.view import view_scene
 
     dims = dimensions(data)
-    taken = data["seconds"].transpose(*dims).values
-    candidates = (data["status"].transpose(*dims).values == "converged") & (taken <= CHEAP)
+    case_seconds = data["seconds"].transpose(*dims).values
+    candidates = (data["status"].transpose(*dims).values == "converged") & (case_seconds <= CHEAP)
     if not candidates.any():
         raise SceneError(f"no case converged within {CHEAP:g} s")
     cases = _cases(data)
-    places = sorted(zip(*np.nonzero(candidates), strict=True), key=lambda place: (taken[place], place))
-    elastic = [place for place in places if cases[place].scene.model != "standard"]
+    indices = sorted(zip(*np.nonzero(candidates), strict=True), key=lambda index: (case_seconds[index], index))
+    elastic = [index for index in indices if cases[index].scene.model != "standard"]
     if not elastic:
         raise SceneError('model = "standard" has no elastic bodies')
     chosen = cases[elastic[len(elastic) // 2]]
@@ -112,20 +113,20 @@ def _cases(data: Dataset) -> dict[tuple[int, ...], StudyCase]:
         study["scene"] if isinstance(study["scene"], str) else "study"
     )  # paths in the scene are relative to its folder
     planned = plan(check_study({**tables, "scene": json.loads(data.attrs["scene"])}, path), path)
-    return {case.place: case for case in planned.cases}
+    return {case.index: case for case in planned.cases}
 
 
 def _description(data: Dataset, index: int, name: str) -> str:
     """Distance, displacements and forces of a sample."""
-    now = data.isel(time=index)
-    y, roll = (1e3 * float(now[f"wheelset_{axis}"]) for axis in ("y", "roll"))
+    sample = data.isel(time=index)
+    y, roll = (1e3 * float(sample[f"wheelset_{axis}"]) for axis in ("y", "roll"))
     forces = "; ".join(
-        f"{named(str(side), data)} wheel Y = {number(1e-3 * now['lateral_force'].sel(side=side), 3)} kN, "
-        f"Q = {number(1e-3 * now['vertical_force'].sel(side=side), 3)} kN"
+        f"{named(str(side), data)} wheel Y = {number(1e-3 * sample['lateral_force'].sel(side=side), 3)} kN, "
+        f"Q = {number(1e-3 * sample['vertical_force'].sel(side=side), 3)} kN"
         for side in data["side"].values
     )
     return (
-        f"Largest lateral force{f', {name}' if name else ''}, at {float(now['distance']):.1f} m: wheelset y = "
+        f"Largest lateral force{f', {name}' if name else ''}, at {float(sample['distance']):.1f} m: wheelset y = "
         f"{y:+.2f} mm ({'to the left' if y >= 0.0 else 'to the right'}), roll {roll:+.3f} mrad; {forces}"
     )
 

@@ -103,16 +103,16 @@ def shakedown_map(runs: Runs, names: Names) -> Figure:
 
     figure = Figure(figsize=(8.2, 4.2), layout="constrained")
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
-    most = 0.1
+    largest = 0.1
     for ax, side in zip(axes, runs[0]["side"].values, strict=True):
         for data, label, look, marker in zip(runs, names, LOOKS, ("o", "x"), strict=False):
-            used = data["patch_utilisation"].sel(side=side).values.ravel()
-            loaded = data["patch_load_factor"].sel(side=side).values.ravel()
-            most = max(most, float(np.nanmax(used, initial=0.0)))
-            ax.plot(used, loaded, marker, ms=3, color=look["color"], alpha=0.5, mfc="none", label=label)
+            utilisation = data["patch_utilisation"].sel(side=side).values.ravel()
+            load_factor = data["patch_load_factor"].sel(side=side).values.ravel()
+            largest = max(largest, float(np.nanmax(utilisation, initial=0.0)))
+            ax.plot(utilisation, load_factor, marker, ms=3, color=look["color"], alpha=0.5, mfc="none", label=label)
         ax.set_title(f"{named(str(side), runs[0])} wheel")
         ax.set_xlabel("utilisation T / N")
-    friction = np.linspace(0.0, 1.3 * most, 60)
+    friction = np.linspace(0.0, 1.3 * largest, 60)
     for ax in axes:
         ax.plot(
             friction, [shakedown_limit(float(f)) for f in friction], color="0.2", label="shakedown limit, line contact"

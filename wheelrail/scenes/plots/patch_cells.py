@@ -51,9 +51,9 @@ class PatchCells:
             only: (n,) mask of admissible cells.
         """
         box = float(np.ptp(self.middle, axis=0).max()) / count or 1.0
-        among = np.arange(len(self.pressure)) if only is None else np.flatnonzero(only)
-        _, first = np.unique(np.floor(self.middle[among] / box), axis=0, return_index=True)
-        return np.asarray(among[first])
+        candidates = np.arange(len(self.pressure)) if only is None else np.flatnonzero(only)
+        _, first = np.unique(np.floor(self.middle[candidates] / box), axis=0, return_index=True)
+        return np.asarray(candidates[first])
 
     def stick_edge(self) -> Array:
         """Segments (k, 2, 2), m, of the boundary between sticking and slipping cells."""
@@ -64,12 +64,12 @@ class PatchCells:
             a, b = np.flatnonzero(first), np.flatnonzero(second)
             for axis in (0, 1):  # common edge normal to this axis
                 across = 1 - axis
-                apart = np.abs(high[a, None, axis] - low[b, axis])
+                distance = np.abs(high[a, None, axis] - low[b, axis])
                 start = np.maximum(low[a, None, across], low[b, across])
                 stop = np.minimum(high[a, None, across], high[b, across])
-                near = apart < 0.2 * np.minimum(size[a, None, axis], size[b, axis])
+                adjacent = distance < 0.2 * np.minimum(size[a, None, axis], size[b, axis])
                 least = np.minimum(size[a, None, across], size[b, across])
-                i, j = np.nonzero(near & (stop - start > 1e-2 * least))
+                i, j = np.nonzero(adjacent & (stop - start > 1e-2 * least))
                 side = 0.5 * (high[a[i], axis] + low[b[j], axis])
                 ends = np.empty((len(i), 2, 2))
                 ends[..., axis] = side[:, None]
@@ -80,9 +80,9 @@ class PatchCells:
     @classmethod
     def of(cls, data: Dataset, side: str, patch: int) -> PatchCells:
         """Cells of a Dataset of `wheelrail.scenes.datasets.contact`, with true lengths in the contact plane."""
-        own = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
+        of_patch = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
         point, axes, pressure, area, step = (
-            data[name].values[own] for name in ("position", "axes", "pressure", "area", "step")
+            data[name].values[of_patch] for name in ("position", "axes", "pressure", "area", "step")
         )
         weight = pressure * area
         up = -(weight @ axes[:, 2])
@@ -95,9 +95,9 @@ class PatchCells:
         middle = point - weight @ point / weight.sum()
         corners = (middle[:, None] + np.einsum("ks,nsc->nkc", signs, half)) @ plane
         traction, slip = (
-            np.einsum("ns,nsc->nc", data[name].values[own], axes[:, :2]) @ plane for name in ("traction", "slip")
+            np.einsum("ns,nsc->nc", data[name].values[of_patch], axes[:, :2]) @ plane for name in ("traction", "slip")
         )
-        return cls(corners, pressure, traction, slip, data["sticks"].values[own].astype(bool), upper_body(side))
+        return cls(corners, pressure, traction, slip, data["sticks"].values[of_patch].astype(bool), upper_body(side))
 
 
 def upper_body(side: str) -> str:

@@ -51,7 +51,7 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
     rows = 1 + max(patch for _, patch in patches)
     cells = {key: PatchCells.of(data, *key) for key in patches}
     heights = [
-        1.3 + 3.4 * min(max(_aspect(own) for (_, patch), own in cells.items() if patch == row), 1.6)
+        1.3 + 3.4 * min(max(_aspect(patch_cells) for (_, patch), patch_cells in cells.items() if patch == row), 1.6)
         for row in range(rows)
     ]
     figure = Figure() if figure is None else figure
@@ -65,9 +65,13 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
                 ax.set_axis_off()
                 continue
             ax.set_title(title(data, side, patch))
-            own = cells[side, patch]
-            _shaded(ax, own, shade)
-            _finish(ax, own, [*_arrows(ax, own, own.traction, "white"), *_stick_line(ax, own)])
+            patch_cells = cells[side, patch]
+            _shaded(ax, patch_cells, shade)
+            _finish(
+                ax,
+                patch_cells,
+                [*_arrows(ax, patch_cells, patch_cells.traction, "white"), *_stick_line(ax, patch_cells)],
+            )
     figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), ax=axes[0], aspect=25, label="pressure [MPa]")
     return figure
 

@@ -35,16 +35,16 @@ def profiles_in_contact(data: Dataset, side: str | None = None, ax: Axes | None 
         side = next((name for name, _ in touching(data)), sides[0])
     if side not in sides:
         raise ValueError(f"side = {side!r}: must be {' or '.join(map(repr, sides))}")
-    own = data.sel(side=side)
-    hand = -1.0 if side == "right" else 1.0  # profile coordinates are positive to the field side
-    wheel = np.column_stack([hand * data["wheel_profile"].values[:, 0], data["wheel_profile"].values[:, 1]])
-    rotation, origin = own["wheel_rotation"].values, own["wheel_origin"].values
+    side_data = data.sel(side=side)
+    sign = -1.0 if side == "right" else 1.0  # profile coordinates are positive to the field side
+    wheel = np.column_stack([sign * data["wheel_profile"].values[:, 0], data["wheel_profile"].values[:, 1]])
+    rotation, origin = side_data["wheel_rotation"].values, side_data["wheel_origin"].values
     wheel_outline = _placed(wheel, origin, rotation, float(data.attrs["nominal_radius"]))
-    rail = data["rail_profile"].values * (hand, 1.0)
-    at = [_resultant(data, side, k) for k in range(int(own["patches"]))]
-    force = [1e-3 * float(own["patch_normal_force"][k]) for k in range(len(at))]
+    rail = data["rail_profile"].values * (sign, 1.0)
+    points = [_resultant(data, side, k) for k in range(int(side_data["patches"]))]
+    force = [1e-3 * float(side_data["patch_normal_force"][k]) for k in range(len(points))]
     labels = [f"contact, {value:.3g} kN" for value in force]
-    return draw_profiles(wheel_outline, rail, at, labels, title=f"{side} wheel and rail", ax=ax)
+    return draw_profiles(wheel_outline, rail, points, labels, title=f"{side} wheel and rail", ax=ax)
 
 
 def draw_profiles(
@@ -82,6 +82,6 @@ def _placed(wheel: Array, origin: Array, rotation: Array, radius: float) -> Arra
 
 def _resultant(data: Dataset, side: str, patch: int) -> Array:
     """Point of application of the pressure (2,), m, in the frame of the rail."""
-    own = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
-    weight = data["pressure"].values[own] * data["area"].values[own]
-    return np.asarray(weight @ data["position"].values[own][:, 1:] / weight.sum())
+    of_patch = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
+    weight = data["pressure"].values[of_patch] * data["area"].values[of_patch]
+    return np.asarray(weight @ data["position"].values[of_patch][:, 1:] / weight.sum())

@@ -108,10 +108,14 @@ def along_track(
     for ax in axes:
         _shade(ax, distance, curvature)
         ax.set_xlim(distance[0], distance[-1])
-    most = np.abs(curvature).max()
-    if most > 0.0:
-        hands = [hand for hand, extreme in (("left", curvature.max()), ("right", -curvature.min())) if extreme > 0.0]
-        text = f"grey: {' and '.join(hands)}-hand curve, darkest at R = {1.0 / most:.0f} m"
+    largest = np.abs(curvature).max()
+    if largest > 0.0:
+        directions = [
+            direction
+            for direction, extreme in (("left", curvature.max()), ("right", -curvature.min()))
+            if extreme > 0.0
+        ]
+        text = f"grey: {' and '.join(directions)}-hand curve, darkest at R = {1.0 / largest:.0f} m"
         axes[0].set_title(text, loc="right", color="0.45", fontsize=8)
     axes[-1].set_xlabel("distance along the track [m]")
     return figure, axes
@@ -119,10 +123,10 @@ def along_track(
 
 def _shade(ax: Axes, distance: Array, curvature: Array) -> None:
     """Grey background in curves, darker at the full curvature."""
-    most = np.abs(curvature).max()
-    if most == 0.0:
+    largest = np.abs(curvature).max()
+    if largest == 0.0:
         return
-    fraction = np.abs(curvature) / most
+    fraction = np.abs(curvature) / largest
     for level, grey in ((1e-9, "0.965"), (1.0 - 1e-6, "0.92")):
         ax.fill_between(
             distance,

@@ -81,16 +81,19 @@ def through(cells: PatchCells, axis: int) -> tuple[Array, NDArray[np.int64]]:
     Of each line of cells across the axis the nearest cell is taken, if the line reaches the axis.
     """
     low, high = cells.corners.min(axis=1), cells.corners.max(axis=1)
-    across = 1 - axis
+    normal_axis = 1 - axis
     middle = cells.middle
     if axis == 0:  # the strip of cells that lies under the axis
-        own = np.flatnonzero((low[:, 1] <= 0.0) & (high[:, 1] >= 0.0))
-        if not own.size:
-            own = np.array([int(np.abs(middle[:, 1]).argmin())])
-        row = np.abs(middle[:, 1] - middle[own[np.abs(middle[own, 1]).argmin()], 1]) < 1e-3 * np.ptp(low[:, 1]) + 1e-12
+        strip = np.flatnonzero((low[:, 1] <= 0.0) & (high[:, 1] >= 0.0))
+        if not strip.size:
+            strip = np.array([int(np.abs(middle[:, 1]).argmin())])
+        row = (
+            np.abs(middle[:, 1] - middle[strip[np.abs(middle[strip, 1]).argmin()], 1])
+            < 1e-3 * np.ptp(low[:, 1]) + 1e-12
+        )
         cells_near = np.flatnonzero(row)
     else:
-        cells_near = np.flatnonzero((low[:, across] <= 0.0) & (high[:, across] > 0.0))
+        cells_near = np.flatnonzero((low[:, normal_axis] <= 0.0) & (high[:, normal_axis] > 0.0))
     cells_near = cells_near[np.argsort(middle[cells_near, axis], kind="stable")]
     return middle[cells_near, axis], cells_near
 
@@ -101,8 +104,10 @@ def closed_form(data: Dataset, side: str, patch: int) -> Hertz | None:
 
     if "patch_gap_curvature_x" not in data:
         return None
-    own = data.sel(side=side).isel(patch=patch)
-    A, B, force = (float(own[f"patch_{name}"]) for name in ("gap_curvature_x", "gap_curvature_y", "normal_force"))
+    patch_data = data.sel(side=side).isel(patch=patch)
+    A, B, force = (
+        float(patch_data[f"patch_{name}"]) for name in ("gap_curvature_x", "gap_curvature_y", "normal_force")
+    )
     if not (A > 0.0 and B > 0.0 and force > 0.0):
         return None
     return hertz(A, B, float(data.attrs["contact_modulus"]), force=force)

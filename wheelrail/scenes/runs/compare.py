@@ -50,7 +50,7 @@ class Comparison:
         return [table(self.differences, self.names), "\n".join([*balances, *(f"  {file}" for file in self.files)])]
 
 
-def compare_scene(file: Path, text: str, other: str, folder: Path, console: Console) -> Comparison:
+def compare_scene(file: Path, text: str, other_model: str, folder: Path, console: Console) -> Comparison:
     """Simulate a run with the scene's model and with another one, and compare.
 
     Parameters:
@@ -64,13 +64,13 @@ def compare_scene(file: Path, text: str, other: str, folder: Path, console: Cons
     other model, RunFailed for a run without results, OSError if the folder cannot be written.
     """
     first = _scene(text, file)
-    if first.model == other:
-        raise SceneError(f'{file}: model = "{other}": must differ from the model of --with')
-    changed = with_model(text, other)
-    second = _scene(changed, f"{file} with model = {other!r}")
+    if first.model == other_model:
+        raise SceneError(f'{file}: model = "{other_model}": must differ from the model of --with')
+    other_text = with_model(text, other_model)
+    second = _scene(other_text, f"{file} with model = {other_model!r}")
     runs = (
         _run(first, text, folder / first.model, console),
-        _run(second, changed, folder / second.model, console),
+        _run(second, other_text, folder / second.model, console),
     )
     names = (first.model, second.model)
     from wheelrail.scenes.datasets.run_differences import differences, noise, rows

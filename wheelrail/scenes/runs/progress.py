@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def progress_bar(console: Console, length: float, gone: float = 0.0) -> Iterator[Progress]:
+def progress_bar(console: Console, length: float, start_distance: float = 0.0) -> Iterator[Progress]:
     """Progress bar over distance with the remaining time; ten lines without a terminal.
 
     Parameters:
         console: to print to.
         length: of the track, m.
-        gone: distance at which a resumed run starts, m.
+        start_distance: distance at which a resumed run starts, m.
 
     Yields the function that `simulate` calls at each accepted step.
     """
@@ -36,29 +36,29 @@ def progress_bar(console: Console, length: float, gone: float = 0.0) -> Iterator
         bars.TextColumn("left, {task.fields[solves]:.0f} solves"),
     )
     with bars.Progress(*columns, console=console, speed_estimate_period=120.0) as shown:
-        task = shown.add_task("equilibrium", total=length, completed=int(gone), solves=0)
-        printed = int(10 * gone / length)
+        task = shown.add_task("equilibrium", total=length, completed=int(start_distance), solves=0)
+        printed = int(10 * start_distance / length)
 
         def progress(fraction: float, figures: Mapping[str, float]) -> None:
             nonlocal printed
             shown.update(task, completed=figures["distance"], description="running", solves=figures["solves"])
             if not console.is_terminal and int(10 * fraction) > printed:
                 printed = int(10 * fraction)
-                left = shown.tasks[0].time_remaining or 0.0
+                remaining = shown.tasks[0].time_remaining or 0.0
                 console.print(
-                    f"{figures['distance']:.0f}/{length:.0f} m, {figures['solves']:.0f} solves, {left:.0f} s left"
+                    f"{figures['distance']:.0f}/{length:.0f} m, {figures['solves']:.0f} solves, {remaining:.0f} s left"
                 )
 
         yield progress
 
 
 @contextmanager
-def case_bar(console: Console, total: int) -> Iterator[Callable[[bool], None]]:
+def case_bar(console: Console, cases: int) -> Iterator[Callable[[bool], None]]:
     """Progress bar over the cases of a study with the remaining time; ten lines without a terminal.
 
     Parameters:
         console: to print to.
-        total: number of cases.
+        cases: their number.
 
     Yields the function to call when a case has ended, with whether it succeeded.
     """
@@ -73,16 +73,16 @@ def case_bar(console: Console, total: int) -> Iterator[Callable[[bool], None]]:
         bars.TextColumn("left, {task.fields[failed]:.0f} failed"),
     )
     with bars.Progress(*columns, console=console, speed_estimate_period=600.0) as shown:
-        task, printed, failed = shown.add_task("cases", total=total, failed=0), 0, 0
+        task, printed, failed = shown.add_task("cases", total=cases, failed=0), 0, 0
 
         def done(succeeded: bool) -> None:
             nonlocal printed, failed
             failed += not succeeded
             shown.update(task, advance=1, failed=failed)
             ended = int(shown.tasks[0].completed)
-            if not console.is_terminal and 10 * ended // total > printed:
-                printed, left = 10 * ended // total, shown.tasks[0].time_remaining or 0.0
-                console.print(f"{ended}/{total} cases, {failed} failed, {left:.0f} s left")
+            if not console.is_terminal and 10 * ended // cases > printed:
+                printed, remaining = 10 * ended // cases, shown.tasks[0].time_remaining or 0.0
+                console.print(f"{ended}/{cases} cases, {failed} failed, {remaining:.0f} s left")
 
         yield done
 

@@ -48,10 +48,10 @@ def sources() -> str:
     return source_digest(*(ROOT / package for package in PACKAGES))
 
 
-def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+def differences(old_table: Mapping[str, Any], new_table: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
     """Keys of tables that differ, with both values."""
-    for key in {**then, **now}:
-        old, new, name = then.get(key), now.get(key), prefix + key
+    for key in {**old_table, **new_table}:
+        old, new, name = old_table.get(key), new_table.get(key), prefix + key
         if isinstance(old, dict) and isinstance(new, dict):
             yield from differences(old, new, name + ".")
         elif old != new and name not in FREE:
@@ -67,18 +67,18 @@ def ended(scene: RunScene, folder: Path) -> bool:
         return False
     try:
         with open_dataset(file, engine="netcdf4") as data:
-            status, before = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
+            status, stored_inputs = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
     except (OSError, ValueError, RuntimeError):  # damaged results are recomputed
         return False
     if status != "completed":
         return False
-    require_same(before, inputs(scene), file)
+    require_same(stored_inputs, inputs(scene), file)
     return True
 
 
-def require_same(then: Mapping[str, Any], now: Mapping[str, Any], file: Path) -> None:
+def require_same(old_table: Mapping[str, Any], new_table: Mapping[str, Any], file: Path) -> None:
     """Raises SceneError naming the keys that differ."""
-    if changes := list(differences(then, now)):
+    if changes := list(differences(old_table, new_table)):
         raise SceneError(f"{'; '.join(changes)}: {file} belongs to another run; omit --resume to start a new one")
 
 
@@ -89,10 +89,10 @@ def latest(file: CheckpointFile, report: Callable[[str], None]) -> Checkpoint | 
     """
     from wheelrail.scenes.runs.checkpoint_file import read_header
 
-    then, checkpoint = read_header(file.path), None
-    if then is not None:
-        require_same(then["scene"], file.header["scene"], file.path)
-        old, new = then["versions"], file.header["versions"]
+    stored, checkpoint = read_header(file.path), None
+    if stored is not None:
+        require_same(stored["scene"], file.header["scene"], file.path)
+        old, new = stored["versions"], file.header["versions"]
         require_same({"wheelrail": old["wheelrail"]}, {"wheelrail": new["wheelrail"]}, file.path)
         checkpoint = file.latest()
         if checkpoint is not None and (changes := list(differences(old, new))):

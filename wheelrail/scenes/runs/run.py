@@ -1,4 +1,4 @@
-"""A vehicle run of a scene: contact model, simulation with progress, results and pictures on disk."""
+"""Vehicle run of a scene: contact model, simulation with progress, results and figures on disk."""
 
 from __future__ import annotations
 
@@ -29,7 +29,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunOutcome:
-    """A run that ended: its history, and the files that were written."""
+    """Outcome of a run.
+
+    Parameters:
+        history: of the run.
+        files: written files.
+        resumable: whether the run was interrupted after a checkpoint.
+    """
 
     history: History
     files: tuple[Path, ...]
@@ -40,11 +46,11 @@ class RunOutcome:
         return self.history.status
 
     def summary(self) -> list[RenderableType]:
-        """What to print at the end: cost by side, how it ended, and where everything is."""
+        """Solver statistics by side, status and files."""
         reached = f" at {self.history.distance[-1]:.1f} m" if len(self.history) else " before the first step"
         lines = [f"{self.status}{reached}", *(f"  {file}" for file in self.files)]
         if self.resumable:
-            lines.append("  with --resume the run goes on from its last checkpoint")
+            lines.append("  --resume continues the run from its last checkpoint")
         return [costs(self.history), "\n".join(lines)]
 
 
@@ -57,27 +63,35 @@ def run_scene(
     resume: bool = False,
     checkpoints: Path | None = None,
 ) -> RunOutcome:
-    """Run a scene and keep what it gives in a folder; text is the scene as written, kept with the results; checkpoints
-    go to a file in the folder unless another one is given.
+    """Simulate a scene and write its results.
 
-    An interrupted or failed run is kept up to where it came, and its checkpoints, from the latest of which resume goes
-    on; a complete one leaves none. Raises OSError when the folder cannot be written, SceneError for checkpoints of
-    another scene.
+    Parameters:
+        scene: to simulate.
+        text: of the scene file, stored with the results.
+        folder: for the results.
+        console: for progress.
+        resume: whether to continue from the last checkpoint.
+        checkpoints: checkpoint file; one in the folder by default.
+
+    Results of an interrupted or failed run are written up to its end; the checkpoint file remains unless the run is
+    complete. Raises OSError if the folder cannot be written, SceneError for checkpoints of another scene.
     """
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, read_header
     from wheelrail.scenes.runs.resume import header, latest
 
     folder.mkdir(parents=True, exist_ok=True)
-    tell = partial(console.print, highlight=False, markup=False, soft_wrap=True)
-    checkpoint_file = CheckpointFile(checkpoints or folder / CHECKPOINTS, header(scene), tell)
+    report = partial(console.print, highlight=False, markup=False, soft_wrap=True)
+    checkpoint_file = CheckpointFile(checkpoints or folder / CHECKPOINTS, header(scene), report)
     if not resume and read_header(checkpoint_file.path):
-        console.print(f"{folder} holds a run that was stopped; this one starts anew, --resume would go on with it")
+        console.print(
+            f"{folder} contains an interrupted run; this run starts from the beginning, --resume continues it"
+        )
     start = latest(checkpoint_file, checkpoint_file.report) if resume else None
     history = _simulated(scene, console, checkpoint_file, start)
     if not len(history):
         return RunOutcome(history, ())
-    with console.status("results and pictures"):
-        files = tuple(keep(history, text, folder, scene))
+    with console.status("results and figures"):
+        files = tuple(write_results(history, text, folder, scene))
     if history.status == "completed":
         checkpoint_file.remove()
     resumable = history.status == "interrupted" and checkpoint_file.path.exists()
@@ -85,9 +99,9 @@ def run_scene(
 
 
 def simulate_scene(scene: RunScene, text: str, console: Console) -> tuple[History, Dataset | None]:
-    """Run a scene and write nothing: its history, and the results, which a run without a single step has not."""
+    """Simulate a scene without writing files: its history and its Dataset; None for a run without a step."""
     history = _simulated(scene, console)
-    return history, gathered(history, text, scene) if len(history) else None
+    return history, run_dataset(history, text, scene) if len(history) else None
 
 
 def _simulated(
@@ -96,7 +110,7 @@ def _simulated(
     checkpoint_file: CheckpointFile | None = None,
     start: Checkpoint | None = None,
 ) -> History:
-    """The history of a scene; checkpoints are appended to a file, the run continues from start."""
+    """History of a scene; checkpoints are appended to a file, the run continues from start."""
     with console.status("meshes and stiffness of wheel and rail"):
         contact = wheelset_contact(scene)
     from wheelrail.vehicle.dynamics.equations import Dynamics
@@ -110,13 +124,13 @@ def _simulated(
         checkpoints = Checkpoints(scene.output.checkpoint, checkpoint_file.append, start)
     speed, length = scene.vehicle.drive, scene.track.length
     end = SpeedProfile.of(speed).time_at(length)
-    gone = length * start.time / end if start else 0.0
+    start_distance = length * start.time / end if start else 0.0
     with (
-        _workers(contact, scene.solver.workers) as shared,
-        progress_bar(console, length, gone) as progress,
+        _workers(contact, scene.solver.workers) as parallel,
+        progress_bar(console, length, start_distance) as progress,
     ):
         return simulate(
-            Dynamics(wagon(scene), track(scene), shared, speed),
+            Dynamics(wagon(scene), track(scene), parallel, speed),
             (0.0, end),
             steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
             recording=Recording(scene.output.interval or None, checkpoints),
@@ -124,12 +138,12 @@ def _simulated(
         )
 
 
-def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator[Path]:
-    """Write results, then pictures; yields the files."""
+def write_results(history: History, text: str, folder: Path, scene: RunScene) -> Iterator[Path]:
+    """Write results, then figures; yields the files."""
     from wheelrail.scenes.datasets.netcdf import write
 
-    with undisturbed():
-        data = gathered(history, text, scene)
+    with ignored_interrupts():
+        data = run_dataset(history, text, scene)
         write(data, folder / RESULTS)
     yield folder / RESULTS
     if scene.output.figures:
@@ -137,39 +151,45 @@ def keep(history: History, text: str, folder: Path, scene: RunScene) -> Iterator
 
         try:
             yield from draw_figures(data, folder)
-        except KeyboardInterrupt:  # whoever has no time for pictures keeps the results
+        except KeyboardInterrupt:  # the results are already written
             return
 
 
-def gathered(history: History, text: str, scene: RunScene) -> Dataset:
-    """All results of a run, wear included; text is the scene as written."""
+def run_dataset(history: History, text: str, scene: RunScene) -> Dataset:
+    """Dataset of a run with wear and energy balance.
+
+    Parameters:
+        history: of the run.
+        text: of the scene file.
+        scene: the same, validated.
+    """
     from wheelrail.scenes.datasets.run import dataset
     from wheelrail.scenes.datasets.run_derived import wear, with_energy
     from wheelrail.scenes.runs.resume import inputs
 
     data = dataset(history, scene=text)
     data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(inputs=json.dumps(inputs(scene)))
-    if scene.output.interval:  # between accepted steps forces are not known well enough
+    if scene.output.interval:  # interpolated forces are too inaccurate for an energy balance
         return data
     return with_energy(data, history, wagon(scene), track(scene))
 
 
 def _workers(contact: VehicleContact, count: int) -> AbstractContextManager[VehicleContact]:
-    """The contact in this process, or with its right side in a second one."""
+    """Contact model in this process, or with the right side in a second one."""
     from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 
     return nullcontext(contact) if count == 1 else in_parallel(contact)
 
 
 @contextmanager
-def undisturbed() -> Iterator[None]:
-    """Let no impatient second Ctrl-C spoil what the first one was to keep."""
+def ignored_interrupts() -> Iterator[None]:
+    """Ignore Ctrl-C in the block, which writes results."""
     try:
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
     except ValueError:  # not in the main thread, where no Ctrl-C arrives
         yield
         return
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, handler)

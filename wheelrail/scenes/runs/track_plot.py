@@ -37,35 +37,42 @@ def _figure(scene: RunScene) -> Figure:
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import centre_line
 
-    line, drive = scene.track, SpeedProfile.of(scene.vehicle.drive)
-    track, gravity = line.track(), wagon(scene).gravity
+    alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.drive)
+    track, gravity = alignment.track(), wagon(scene).gravity
     irregularities = track.irregularities
-    s = np.linspace(0.0, line.length, POINTS, dtype=np.float64)
-    at = s.tolist()
+    s = np.linspace(0.0, alignment.length, POINTS, dtype=np.float64)
+    stations_list = s.tolist()
     figure = Figure(figsize=(7.2, 8.6 if irregularities is None else 11.6), layout="constrained")
     count = 4 if irregularities is None else 6
     axes = list(figure.subplots(count, 1))
-    stations, points = centre_line(track, line.length, spacing=max(1.0, line.length / 400))
+    stations, points = centre_line(track, alignment.length, spacing=max(1.0, alignment.length / 400))
     plan, curvature, cant, slope = axes[:4]
     plan.plot(points[:, 0], points[:, 1], color="0.15")
     plan.set_aspect("equal", adjustable="datalim")
     plan.set_title("Plan view")
     plan.set_xlabel("x, along the initial tangent [m]")
     plan.set_ylabel("y, positive to the left [m]")
-    curvature.plot(s, [1e3 * track.curvature(x)[0] for x in at], color="0.15")
+    curvature.plot(s, [1e3 * track.curvature(x)[0] for x in stations_list], color="0.15")
     curvature.set_title("Curvature")
     curvature.set_ylabel("positive to the left [1/km]")
-    lift = np.array([track.lift(x)[0] for x in at])
-    _lines(cant, s, {"cant": 1e3 * lift, "cant deficiency": 1e3 * np.array(cant_deficiency(track, drive, gravity, at))})
-    speeds = [drive(t).speed for t in np.linspace(0.0, drive.time_at(line.length), 200).tolist()]
-    speed = f"{min(speeds):.1f}" if drive.constant else f"{min(speeds):.1f} to {max(speeds):.1f}"
-    cant.set_title(f"Cant (right rail above left) and cant deficiency at {speed} m/s")
+    lift = np.array([track.lift(x)[0] for x in stations_list])
+    _lines(
+        cant,
+        s,
+        {
+            "cant": 1e3 * lift,
+            "cant deficiency": 1e3 * np.array(cant_deficiency(track, speed_profile, gravity, stations_list)),
+        },
+    )
+    speeds = [speed_profile(t).speed for t in np.linspace(0.0, speed_profile.time_at(alignment.length), 200).tolist()]
+    speed_text = f"{min(speeds):.1f}" if speed_profile.constant else f"{min(speeds):.1f} to {max(speeds):.1f}"
+    cant.set_title(f"Cant (right rail above left) and cant deficiency at {speed_text} m/s")
     cant.set_ylabel("[mm]")
     _lines(
         slope,
         s,
         {
-            "gradient [‰]": 1e3 * np.tan([track.gradient(x)[0] for x in at]),
+            "gradient [‰]": 1e3 * np.tan([track.gradient(x)[0] for x in stations_list]),
             "height [m]": np.interp(s, stations, points[:, 2]),
         },
     )
@@ -79,7 +86,7 @@ def _figure(scene: RunScene) -> Figure:
             ax.set_ylabel("[mm]")
             ax.set_title(f"Irregularities: {names[first]} and {names[second]}")
     for ax in axes[1:]:
-        ax.set_xlim(0.0, line.length)
+        ax.set_xlim(0.0, alignment.length)
     axes[-1].set_xlabel("distance along the track [m]")
     return figure
 

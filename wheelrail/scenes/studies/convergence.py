@@ -33,13 +33,13 @@ def with_errors(data: Dataset, plan: Plan) -> Dataset:
     axis = plan.convergence
     size = data[axis.name] ** -1.0 if counts(plan, axis) else data[axis.name]
     if axis.reference:
-        last, data = data.isel({axis.name: -1}), data.isel({axis.name: slice(None, -1)})
+        reference_case, data = data.isel({axis.name: -1}), data.isel({axis.name: slice(None, -1)})
         size = size[:-1]
-        own = [name for name in last.coords if data[name].dims == (axis.name,)]
-        true = {name: last[name].drop_vars(own) for name in PHYSICAL if name in data}
+        coordinates = [name for name in reference_case.coords if data[name].dims == (axis.name,)]
+        references = {name: reference_case[name].drop_vars(coordinates) for name in PHYSICAL if name in data}
     else:
-        true = closed_form(data, plan)
-    for name, reference in true.items():
+        references = closed_form(data, plan)
+    for name, reference in references.items():
         error = abs(data[name] / reference.where(reference != 0.0) - 1.0)
         if not float(error.max()) > EXACT:
             continue
@@ -61,13 +61,16 @@ def closed_form(data: Dataset, plan: Plan) -> dict[str, DataArray]:
         scene = case.scene
         assert isinstance(scene, HertzScene)
         up, low = scene.upper, scene.lower
-        A, B = (0.5 * (1 / one + 1 / other) for one, other in zip(up.radii, low.radii, strict=True))
+        A, B = (
+            0.5 * (1 / upper_radius + 1 / lower_radius)
+            for upper_radius, lower_radius in zip(up.radii, low.radii, strict=True)
+        )
         exact = hertz(A, B, modulus((up.E, up.nu), (low.E, low.nu)), force=scene.load, approach=scene.approach)
         a, b = exact.semi_axes
         values = {"max_pressure": exact.peak, "area": np.pi * a * b, "semi_axis_x": a, "semi_axis_y": b}
         values |= {"approach": exact.approach} if scene.approach is None else {"normal_force": exact.force}
         for name, value in values.items():
-            solutions.setdefault(name, np.full(plan.shape, np.nan))[case.place] = value
+            solutions.setdefault(name, np.full(plan.shape, np.nan))[case.index] = value
     return {name: data["seconds"].copy(data=values) for name, values in solutions.items() if name in data}
 
 
@@ -84,7 +87,7 @@ def counts_of(data: Dataset) -> bool:
     return bool(data.attrs["convergence_counts"])
 
 
-def worst_of(data: Dataset) -> dict[str, Any]:
+def largest_errors(data: Dataset) -> dict[str, Any]:
     """Largest relative error over sides and other dimensions, along the dimension of convergence, by quantity."""
     over = str(data.attrs["convergence_over"])
     return {name: error.max([dim for dim in error.dims if dim != over]) for name, error in errors_of(data).items()}

@@ -21,24 +21,24 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def dataset(plan: Plan, found: Mapping[tuple[int, ...], CaseResult]) -> Dataset:
+def dataset(plan: Plan, results: Mapping[tuple[int, ...], CaseResult]) -> Dataset:
     """Dataset with parameters as coordinates and quantities by side; NaN for missing values.
 
     Parameters:
         plan: of the study.
-        found: results of the computed cases by index.
+        results: of the computed cases by index.
 
     status of a case: "converged", "separated", "completed", "failed" with its error, or "not computed". The reference
     of a convergence study, if it is a case, is the last one along its dimension.
     """
     from xarray import Dataset
 
-    build = StudyDataset(plan, found)
-    data = Dataset(build.variables(), coords=build.coordinates(), attrs=_attributes(plan))
+    arrays = StudyDataset(plan, results)
+    data = Dataset(arrays.variables(), coords=arrays.coordinates(), attrs=_attributes(plan))
     if plan.study.histories:
         from wheelrail.scenes.studies.histories import histories
 
-        data = data.assign(histories(plan, found))
+        data = data.assign(histories(plan, results))
     return data
 
 
@@ -47,7 +47,7 @@ class StudyDataset:
     """Arrays over the dimensions of a plan."""
 
     plan: Plan
-    found: Mapping[tuple[int, ...], CaseResult]
+    results: Mapping[tuple[int, ...], CaseResult]
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -60,12 +60,12 @@ class StudyDataset:
             return []
         if self.plan.kind == "run":
             return ["left", "right"]
-        named = {side for case in self.plan.cases for side in getattr(case.scene, "sides", ())}
-        return [side for side in ("left", "right") if side in named]
+        names = {side for case in self.plan.cases for side in getattr(case.scene, "sides", ())}
+        return [side for side in ("left", "right") if side in names]
 
     def coordinates(self) -> dict[str, Any]:
         """Every parameter along its dimension, as text unless numeric; samples of a hypercube by number."""
-        found: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {}
         for axis in self.plan.axes:
             for name, values in axis.values.items():
                 attrs = (
@@ -73,44 +73,55 @@ class StudyDataset:
                     if numbers(values)
                     else {"long_name": name}
                 )
-                listed = np.array(values if numbers(values) or _texts(values) else [shown(value) for value in values])
-                found[name.replace(".", "_")] = (axis.name, listed, attrs)
-            if axis.name not in found:
-                found[axis.name] = (axis.name, np.arange(len(axis)), {"long_name": "number of the sample"})
+                column = np.array(values if numbers(values) or _texts(values) else [shown(value) for value in values])
+                coordinates[name.replace(".", "_")] = (axis.name, column, attrs)
+            if axis.name not in coordinates:
+                coordinates[axis.name] = (axis.name, np.arange(len(axis)), {"long_name": "number of the sample"})
         if self.sides:
-            found["side"] = ("side", self.sides)
-        return found
+            coordinates["side"] = ("side", self.sides)
+        return coordinates
 
     def variables(self) -> dict[str, Any]:
-        given = self.coordinates()
-        sided = [name for name in MEANINGS if any(name in one for f in self.found.values() for one in f.sides.values())]
-        whole = [name for name in MEANINGS if any(name in f.whole for f in self.found.values())]
-        found: dict[str, Any] = {}
-        for name in sided:
+        coordinates = self.coordinates()
+        side_names = [
+            name
+            for name in MEANINGS
+            if any(name in values for result in self.results.values() for values in result.sides.values())
+        ]
+        case_names = [name for name in MEANINGS if any(name in result.whole for result in self.results.values())]
+        variables: dict[str, Any] = {}
+        for name in side_names:
             units, text = MEANINGS[name]
             dims = (*self.dims, "side") if self.sides else self.dims
-            found[name + "_result" * (name in given)] = (dims, self._sided(name), {"units": units, "long_name": text})
-        for name in whole:
+            variables[name + "_result" * (name in coordinates)] = (
+                dims,
+                self._sided(name),
+                {"units": units, "long_name": text},
+            )
+        for name in case_names:
             units, text = MEANINGS[name]
-            values = self._filled(lambda one, name=name: one.whole.get(name, np.nan), np.nan)  # type: ignore[misc]
-            found[name] = (self.dims, values, {"units": units, "long_name": text})
+            values = self._filled(lambda result, name=name: result.whole.get(name, np.nan), np.nan)  # type: ignore[misc]
+            variables[name] = (self.dims, values, {"units": units, "long_name": text})
         attrs = {"units": "s", "long_name": "computing time of the case including preparation"}
-        found["seconds"] = (self.dims, self._filled(lambda one: one.seconds, np.nan), attrs)
+        variables["seconds"] = (self.dims, self._filled(lambda result: result.seconds, np.nan), attrs)
         for name, missing in (("status", "not computed"), ("error", ""), ("host", "")):
-            values = self._filled(lambda one, name=name: getattr(one, name), missing)  # type: ignore[misc]
-            found[name] = (self.dims, values.astype(str), {"long_name": f"{name} of the case"})
-        return found
+            values = self._filled(lambda result, name=name: getattr(result, name), missing)  # type: ignore[misc]
+            variables[name] = (self.dims, values.astype(str), {"long_name": f"{name} of the case"})
+        return variables
 
     def _sided(self, name: str) -> Any:
         if not self.sides:
-            return self._filled(lambda one: one.sides.get("contact", {}).get(name, np.nan), np.nan)
-        columns = [self._filled(lambda one, s=s: one.sides.get(s, {}).get(name, np.nan), np.nan) for s in self.sides]  # type: ignore[misc]
+            return self._filled(lambda result: result.sides.get("contact", {}).get(name, np.nan), np.nan)
+        columns = [
+            self._filled(lambda result, side=side: result.sides.get(side, {}).get(name, np.nan), np.nan)  # type: ignore[misc]
+            for side in self.sides
+        ]
         return np.stack(columns, axis=-1)
 
     def _filled(self, value: Any, missing: Any) -> Any:
         values = np.full(self.plan.shape, missing, dtype=float if isinstance(missing, float) else object)
-        for place, one in self.found.items():
-            values[place] = value(one)
+        for index, result in self.results.items():
+            values[index] = value(result)
         return values
 
 

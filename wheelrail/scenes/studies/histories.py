@@ -11,34 +11,34 @@ from wheelrail.scenes.studies.plan import Plan
 from wheelrail.scenes.studies.solve import CaseResult
 
 
-def histories(plan: Plan, found: Mapping[tuple[int, ...], CaseResult]) -> dict[str, Any]:
+def histories(plan: Plan, results: Mapping[tuple[int, ...], CaseResult]) -> dict[str, Any]:
     """Variables over the dimensions and `time`, NaN after the end of a run.
 
     Parameters:
         plan: of the study.
-        found: results of the computed cases by index.
+        results: of the computed cases by index.
 
     All runs have the same sampling interval, hence equal times; a last sample between two times of the longest run is
     omitted.
     """
-    runs = {place: one.histories for place, one in found.items() if one.histories}
+    runs = {index: result.histories for index, result in results.items() if result.histories}
     if not runs:
         return {}
     longest = max((run["time"]["values"] for run in runs.values()), key=lambda times: times[-1])
     time = np.array(longest)
     dims = (*(axis.name for axis in plan.axes), "time")
     variables: dict[str, Any] = {}
-    for name, first in next(iter(runs.values())).items():
+    for name, history in next(iter(runs.values())).items():
         if name == "time":
             continue
-        inner = np.shape(first["values"])[1:]
+        inner = np.shape(history["values"])[1:]
         values = np.full((*plan.shape, len(time), *inner), np.nan)
-        for place, run in runs.items():
-            own = np.array(run["time"]["values"])
-            at = np.clip(np.searchsorted(time, own - 1e-9), 0, len(time) - 1)
-            same = np.abs(time[at] - own) < 1e-9
-            values[(*place, at[same])] = np.array(run[name]["values"])[same]
-        attrs = {"units": first["units"], "long_name": first["long_name"]}
+        for index, run in runs.items():
+            run_time = np.array(run["time"]["values"])
+            index_in_time = np.clip(np.searchsorted(time, run_time - 1e-9), 0, len(time) - 1)
+            same = np.abs(time[index_in_time] - run_time) < 1e-9
+            values[(*index, index_in_time[same])] = np.array(run[name]["values"])[same]
+        attrs = {"units": history["units"], "long_name": history["long_name"]}
         variables[f"history_{name}"] = ((*dims, "side") if inner else dims, values, attrs)
     variables["time"] = ("time", time, {"units": "s", "long_name": "time"})
     return variables

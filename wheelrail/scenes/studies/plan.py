@@ -18,15 +18,15 @@ from wheelrail.scenes.schema.scene import KINDS, HertzScene, Scene, checked
 from wheelrail.scenes.studies.schema import Convergence, LatinHypercube, StudyTable
 from wheelrail.scenes.studies.validation import SceneChecker, study_messages
 
-MOST = 10_000  # cases, to detect typing errors
-SHOWN = 5  # error messages about cases
-FURTHER = 500  # cases validated after the first error
+MAX_CASES = 10_000  # cases, to detect typing errors
+MAX_MESSAGES = 5  # error messages about cases
+MAX_CASES_AFTER_ERROR = 500  # cases validated after the first error
 SAMPLE = "sample"  # the dimension of a Latin hypercube
 
 
 @dataclass(frozen=True)
 class StudyAxis:
-    """Dimension of n points, each with a value of every parameter; where: its place in the study file."""
+    """Dimension of n points, each with a value of every parameter; where: its location in the study file."""
 
     name: str
     values: Mapping[str, Sequence[Any]]
@@ -39,8 +39,8 @@ class StudyAxis:
     def points(self) -> list[dict[str, Any]]:
         return [dict(zip(self.values, row, strict=True)) for row in zip(*self.values.values(), strict=True)]
 
-    def place(self, name: str, index: int) -> str:
-        """Place in the study file of the value of a parameter at a point."""
+    def location(self, name: str, index: int) -> str:
+        """Location in the study file of the value of a parameter at a point."""
         if self.reference and index == len(self) - 1:
             return f"convergence.reference.{name}"
         return f"{self.where}.{name}" + ("" if self.name == SAMPLE else f"[{index}]")
@@ -50,7 +50,7 @@ class StudyAxis:
 class StudyCase:
     """Index in the grid, parameters, and the scene as tables and validated."""
 
-    place: tuple[int, ...]
+    index: tuple[int, ...]
     parameters: Mapping[str, Any]
     table: Mapping[str, Any]
     scene: Scene
@@ -94,9 +94,9 @@ def plan(study: StudyTable, path: str | Path = "study") -> Plan:
     axes = _axes(study, lambda name: whole(model, keys_of(name)))
     over = None if study.convergence is None else _over(study.convergence, axes, model, path)
     axes = [over if over and axis.name == over.name else axis for axis in axes]
-    if (count := prod(map(len, axes))) > MOST:
+    if (count := prod(map(len, axes))) > MAX_CASES:
         sizes = " x ".join(f"{len(axis)} {axis.name}" for axis in axes)
-        raise SceneError(f"{path}: {count} cases ({sizes}): must be at most {MOST}")
+        raise SceneError(f"{path}: {count} cases ({sizes}): must be at most {MAX_CASES}")
     cases = _cases(axes, base, study.set, file, path)
     if study.histories:
         _check_histories(cases, path)
@@ -108,8 +108,8 @@ def _axes(study: StudyTable, whole: Callable[[str], bool]) -> list[StudyAxis]:
     axes = [StudyAxis(dimension(name), {name: values}) for name, values in study.grid.items()]
     axes += [StudyAxis(dimension(next(iter(t))), t, where=f"together[{i}]") for i, t in enumerate(study.together)]
     if study.latin_hypercube is not None:
-        drawn = draw(study.latin_hypercube, set(filter(whole, study.latin_hypercube.ranges)))
-        axes.append(StudyAxis(SAMPLE, drawn, where="latin_hypercube.ranges"))
+        samples = draw(study.latin_hypercube, set(filter(whole, study.latin_hypercube.ranges)))
+        axes.append(StudyAxis(SAMPLE, samples, where="latin_hypercube.ranges"))
     return axes
 
 
@@ -117,37 +117,45 @@ def _cases(
     axes: Sequence[StudyAxis], base: Mapping[str, Any], fixed: Mapping[str, Any], file: Path, path: str | Path
 ) -> list[StudyCase]:
     """All combinations, validated; fixed: values that the study sets in all cases. Raises SceneError."""
-    found, check, points = dict[tuple[int, ...], StudyCase](), SceneChecker(file), [axis.points() for axis in axes]
+    cases, checker, points = dict[tuple[int, ...], StudyCase](), SceneChecker(file), [axis.points() for axis in axes]
 
-    def messages_of(place: tuple[int, ...]) -> Iterator[str]:
-        parameters = {name: value for at, i in zip(points, place, strict=True) for name, value in at[i].items()}
+    def messages_of(index: tuple[int, ...]) -> Iterator[str]:
+        parameters = {name: value for at, i in zip(points, index, strict=True) for name, value in at[i].items()}
         try:
             table = changed(base, parameters, path)
-            found[place] = StudyCase(place, parameters, table, check(table))
+            cases[index] = StudyCase(index, parameters, table, checker(table))
         except SceneError as error:
-            places = {name: f"set.{name}" for name in fixed}
-            places |= {name: axis.place(name, i) for axis, i in zip(axes, place, strict=True) for name in axis.values}
+            locations = {name: f"set.{name}" for name in fixed}
+            locations |= {
+                name: axis.location(name, i) for axis, i in zip(axes, index, strict=True) for name in axis.values
+            }
             values = ", ".join(f"{name} = {shown(value)}" for name, value in parameters.items())
-            own = _own(base, file)
-            for line, placed in study_messages(error, places, file=file, path=path):
-                yield line if placed else f"{file}: {line}" if line in own else f"{path}: with {values}: {line}"
+            scene_errors = _scene_errors(base, file)
+            for line, of_study in study_messages(error, locations, file=file, path=path):
+                yield (
+                    line
+                    if of_study
+                    else f"{file}: {line}"
+                    if line in scene_errors
+                    else f"{path}: with {values}: {line}"
+                )
 
-    every = list(np.ndindex(*map(len, axes)))
-    for places in (_alone(axes), every):
-        wrong, left = dict[str, None](), FURTHER
-        for place in places:
-            if place not in found:
-                wrong |= dict.fromkeys(messages_of(place))
-            left -= bool(wrong)
-            if len(wrong) > SHOWN or not left:
+    all_indices = list(np.ndindex(*map(len, axes)))
+    for indices in (_revealing_indices(axes), all_indices):
+        messages, remaining = dict[str, None](), MAX_CASES_AFTER_ERROR
+        for index in indices:
+            if index not in cases:
+                messages |= dict.fromkeys(messages_of(index))
+            remaining -= bool(messages)
+            if len(messages) > MAX_MESSAGES or not remaining:
                 break
-        if wrong:
-            more = [f"{path}: more errors of this kind"] if len(wrong) > SHOWN else []
-            raise SceneError("\n".join([*list(wrong)[:SHOWN], *more]))
-    return [found[place] for place in every]
+        if messages:
+            note = [f"{path}: more errors of this kind"] if len(messages) > MAX_MESSAGES else []
+            raise SceneError("\n".join([*list(messages)[:MAX_MESSAGES], *note]))
+    return [cases[index] for index in all_indices]
 
 
-def _alone(axes: Sequence[StudyAxis]) -> Iterator[tuple[int, ...]]:
+def _revealing_indices(axes: Sequence[StudyAxis]) -> Iterator[tuple[int, ...]]:
     """Indices that reveal most errors: points of each dimension with the first of all others, extreme values first."""
     orders = [list(dict.fromkeys([*_extremes(axis), *range(len(axis))])) for axis in axes]
     for i, order in enumerate(orders):
@@ -160,7 +168,7 @@ def _extremes(axis: StudyAxis) -> Iterator[int]:
         yield from (int(np.argmin(values)), int(np.argmax(values)))
 
 
-def _own(base: Mapping[str, Any], file: Path) -> list[str]:
+def _scene_errors(base: Mapping[str, Any], file: Path) -> list[str]:
     """Errors of the scene itself, without the variation."""
     try:
         checked(base, file)
@@ -185,45 +193,45 @@ def shown(value: Any) -> str:
     return str(value)
 
 
-def draw(cube: LatinHypercube, wholes: set[str]) -> dict[str, list[Any]]:
-    """Sampled values of every parameter, by name; wholes: integer parameters, uniform including both ends."""
+def draw(cube: LatinHypercube, integers: set[str]) -> dict[str, list[Any]]:
+    """Sampled values of every parameter, by name; integers: integer parameters, uniform including both ends."""
     from scipy.stats.qmc import LatinHypercube as Sampler
 
     unit = Sampler(d=len(cube.ranges), seed=cube.seed).random(cube.samples)
-    found: dict[str, list[Any]] = {}
-    for (name, between), fraction in zip(cube.ranges.items(), unit.T, strict=True):
-        low, high = between.low, between.high
-        if name in wholes:
+    samples: dict[str, list[Any]] = {}
+    for (name, range_), fraction in zip(cube.ranges.items(), unit.T, strict=True):
+        low, high = range_.low, range_.high
+        if name in integers:
             low, high = round(low), round(high) + 1
-        if between.scale == "log":
+        if range_.scale == "log":
             values = np.exp(np.log(low) + fraction * np.log(high / low))
         else:
             values = low + fraction * (high - low)
-        found[name] = [floor(v) if name in wholes else float(v) for v in values]
-    return found
+        samples[name] = [floor(v) if name in integers else float(v) for v in values]
+    return samples
 
 
-def _over(wanted: Convergence, axes: Sequence[StudyAxis], model: type[BaseModel], path: str | Path) -> StudyAxis:
+def _over(convergence: Convergence, axes: Sequence[StudyAxis], model: type[BaseModel], path: str | Path) -> StudyAxis:
     """Dimension of convergence, with a reference case as its last point."""
-    possible = [axis for axis in axes if axis.name != SAMPLE and numbers(next(iter(axis.values.values())))]
-    by_name = {name: axis for axis in possible for name in (axis.name, *axis.values)}
-    if not possible:
+    numeric = [axis for axis in axes if axis.name != SAMPLE and numbers(next(iter(axis.values.values())))]
+    by_name = {name: axis for axis in numeric for name in (axis.name, *axis.values)}
+    if not numeric:
         raise SceneError(f"{path}: convergence: needs a numeric dimension in [grid] or [[together]]")
-    if wanted.over is not None and wanted.over not in by_name:
-        allowed = ", ".join(axis.name for axis in possible)
-        raise SceneError(f'{path}: convergence.over = "{wanted.over}": must be a numeric dimension: {allowed}')
-    over = by_name[wanted.over] if wanted.over else possible[0]
-    if wanted.reference == "hertz":
+    if convergence.over is not None and convergence.over not in by_name:
+        allowed = ", ".join(axis.name for axis in numeric)
+        raise SceneError(f'{path}: convergence.over = "{convergence.over}": must be a numeric dimension: {allowed}')
+    axis = by_name[convergence.over] if convergence.over else numeric[0]
+    if convergence.reference == "hertz":
         if model is not HertzScene:
             text = 'allowed only for kind = "hertz"; use the values of a finer case'
             raise SceneError(f'{path}: convergence.reference = "hertz": {text}')
-        return over
-    if over.values.keys() != wanted.reference.keys():
-        raise SceneError(f"{path}: convergence.reference: must have exactly the keys {', '.join(over.values)}")
-    if wanted.reference in over.points():
-        raise SceneError(f"{path}: convergence.reference: must not be one of the values of {over.name}")
-    values = {name: [*values, wanted.reference[name]] for name, values in over.values.items()}
-    return replace(over, values=values, reference=True)
+        return axis
+    if axis.values.keys() != convergence.reference.keys():
+        raise SceneError(f"{path}: convergence.reference: must have exactly the keys {', '.join(axis.values)}")
+    if convergence.reference in axis.points():
+        raise SceneError(f"{path}: convergence.reference: must not be one of the values of {axis.name}")
+    values = {name: [*values, convergence.reference[name]] for name, values in axis.values.items()}
+    return replace(axis, values=values, reference=True)
 
 
 def _check_histories(cases: Sequence[StudyCase], path: str | Path) -> None:

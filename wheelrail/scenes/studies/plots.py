@@ -10,7 +10,7 @@ import numpy as np
 
 from wheelrail.scenes.plots import errors as panels
 from wheelrail.scenes.plots.style import SERIES, STYLE, save
-from wheelrail.scenes.studies.convergence import counts_of, errors_of, worst_of
+from wheelrail.scenes.studies.convergence import counts_of, errors_of, largest_errors
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
 from wheelrail.scenes.studies.tables import dimensions, parameters
@@ -41,10 +41,10 @@ def draw_study(data: Dataset, folder: Path) -> list[Path]:
 
 def drawings(data: Dataset) -> dict[str, Callable[[Dataset, Figure | None], Figure | None]]:
     """Functions that draw the figures of a study, by name."""
-    found: dict[str, Callable[[Dataset, Figure | None], Figure | None]] = {
+    functions: dict[str, Callable[[Dataset, Figure | None], Figure | None]] = {
         "study": sensitivity if SAMPLE in data.dims else lines
     }
-    return found | ({"convergence": convergence} if errors_of(data) else {})
+    return functions | ({"convergence": convergence} if errors_of(data) else {})
 
 
 def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
@@ -55,26 +55,29 @@ def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
     if not names:
         return None
     over = max([dim for dim in dims if data[dim].dtype.kind in "if"] or dims, key=lambda dim: data.sizes[dim])
-    others = [dim for dim in dims if dim != over]
-    chosen = list(np.ndindex(*(data.sizes[dim] for dim in others)))[:LINES]
+    other_dims = [dim for dim in dims if dim != over]
+    combinations = list(np.ndindex(*(data.sizes[dim] for dim in other_dims)))[:LINES]
     figure, panels = _panels(figure, len(names))
     for panel, name in zip(panels, names, strict=True):
         label, scale, unit = MAIN[name]
-        for index, place in enumerate(chosen):
-            one = data[name].isel(dict(zip(others, place, strict=True)))
-            for side in data["side"].values if "side" in one.dims else [None]:
-                values = one if side is None else one.sel(side=side)
-                panel.plot(*_ordered(data[over], scale * values.values), **_look(index), **SIDES.get(side, {}))
+        for number, index in enumerate(combinations):
+            array = data[name].isel(dict(zip(other_dims, index, strict=True)))
+            for side in data["side"].values if "side" in array.dims else [None]:
+                values = array if side is None else array.sel(side=side)
+                panel.plot(*_ordered(data[over], scale * values.values), **_line_style(number), **SIDES.get(side, {}))
         panel.set_ylabel(f"{label} [{unit}]")
         _along(panel, data[over])
-    handles = [Line2D([], [], label=_combination(data, others, place), **_look(i)) for i, place in enumerate(chosen)]
-    handles = handles if others else []
+    handles = [
+        Line2D([], [], label=_combination(data, other_dims, index), **_line_style(i))
+        for i, index in enumerate(combinations)
+    ]
+    handles = handles if other_dims else []
     if "side" in data.dims:
         handles += [Line2D([], [], color="0.4", marker="o", markersize=4.0, label=s, **SIDES[s]) for s in SIDES]
     if handles:
-        count = int(np.prod([data.sizes[dim] for dim in others]))
-        more = f"first {LINES} of {count}" if count > LINES else None
-        figure.legend(handles=handles, loc="outside lower center", ncols=min(5, len(handles)), title=more)
+        count = int(np.prod([data.sizes[dim] for dim in other_dims]))
+        title = f"first {LINES} of {count}" if count > LINES else None
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(5, len(handles)), title=title)
     return figure
 
 
@@ -85,8 +88,8 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
     from scipy.stats import spearmanr
 
     names = varying(data)[:4]
-    drawn = [p for p in parameters(data) if data[p].dims == (SAMPLE,) and data[p].dtype.kind in "if"]
-    if not names or not drawn:
+    sampled = [p for p in parameters(data) if data[p].dims == (SAMPLE,) and data[p].dtype.kind in "if"]
+    if not names or not sampled:
         return None
     figure, panels = _panels(figure, 2 * len(names), columns=2)
     for row, name in enumerate(names):
@@ -99,22 +102,22 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
             [""] if columns is None else [", ".join(map(str, np.atleast_1d(i))) for i in columns.indexes["line"][:4]]
         )
         bars, dots = panels[2 * row], panels[2 * row + 1]
-        found = np.array([[spearmanr(data[p].values, y, nan_policy="omit")[0] for p in drawn] for y in series])
+        correlations = np.array([[spearmanr(data[p].values, y, nan_policy="omit")[0] for p in sampled] for y in series])
         height = 0.8 / len(series)
-        for index, (values, text) in enumerate(zip(found, texts, strict=True)):
-            places = np.arange(len(drawn)) + height * (index - 0.5 * (len(series) - 1))
-            bars.barh(places, values, 0.9 * height, color=COLOURS[index], label=text)
-        bars.set_yticks(np.arange(len(drawn)), [data[p].attrs["long_name"] for p in drawn])
+        for index, (values, text) in enumerate(zip(correlations, texts, strict=True)):
+            positions = np.arange(len(sampled)) + height * (index - 0.5 * (len(series) - 1))
+            bars.barh(positions, values, 0.9 * height, color=COLOURS[index], label=text)
+        bars.set_yticks(np.arange(len(sampled)), [data[p].attrs["long_name"] for p in sampled])
         bars.invert_yaxis()
         bars.set_xlim(-1.0, 1.0)
         bars.axvline(0.0, color="0.4", linewidth=0.8)
         bars.set_xlabel(f"rank correlation with {label} [-]")
-        most = drawn[int(np.nanargmax(np.abs(found).max(axis=0)))]
+        strongest = sampled[int(np.nanargmax(np.abs(correlations).max(axis=0)))]
         for index, (y, text) in enumerate(zip(series, texts, strict=True)):
-            look: dict[str, Any] = {"color": COLOURS[index], "marker": MARKERS[index]}
-            dots.plot(data[most].values, scale * y, linestyle="", markersize=3.0, label=text, **look)
+            style: dict[str, Any] = {"color": COLOURS[index], "marker": MARKERS[index]}
+            dots.plot(data[strongest].values, scale * y, linestyle="", markersize=3.0, label=text, **style)
         dots.set_ylabel(f"{label} [{unit}]")
-        _along(dots, data[most])
+        _along(dots, data[strongest])
         if columns is not None:
             dots.legend()
     return figure
@@ -125,17 +128,19 @@ def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
     if not errors_of(data):
         return None
     over = str(data.attrs["convergence_over"])
-    others = [dim for dim in data["seconds"].dims if dim != over]
+    other_dims = [dim for dim in data["seconds"].dims if dim != over]
     seconds = data["solve_seconds" if "solve_seconds" in data else "seconds"]
     seconds = seconds.sum("side") if "side" in seconds.dims else seconds
     from matplotlib.ticker import NullLocator
 
     figure, (left, right) = _panels(figure, 2)
-    worst = {name.replace("_", " "): 100.0 * error for name, error in worst_of(data).items()}
-    spent, label = seconds.mean(others), "relative error [%]"
-    panels.convergence(data[over].values.tolist(), worst, xlabel=_label(data[over]), ylabel=label, ax=left)
-    order = np.argsort(spent.values)
-    series = {name: (spent.values[order].tolist(), error.values[order].tolist()) for name, error in worst.items()}
+    largest = {name.replace("_", " "): 100.0 * error for name, error in largest_errors(data).items()}
+    mean_seconds, label = seconds.mean(other_dims), "relative error [%]"
+    panels.convergence(data[over].values.tolist(), largest, xlabel=_label(data[over]), ylabel=label, ax=left)
+    order = np.argsort(mean_seconds.values)
+    series = {
+        name: (mean_seconds.values[order].tolist(), error.values[order].tolist()) for name, error in largest.items()
+    }
     panels.work_precision(series, xlabel="time for the contact solves [s]", ylabel=label, ax=right)
     if not counts_of(data):
         left.invert_xaxis()
@@ -162,10 +167,10 @@ def _panels(figure: Figure | None, count: int, columns: int | None = None) -> tu
     return figure, list(panels.flat[:count])
 
 
-def _look(index: int) -> dict[str, Any]:
+def _line_style(number: int) -> dict[str, Any]:
     """Style of a line: colours repeat, with shifted markers."""
-    marker = MARKERS[(index + index // len(COLOURS)) % len(MARKERS)]
-    return {"color": COLOURS[index % len(COLOURS)], "marker": marker, "markersize": 4.0}
+    marker = MARKERS[(number + number // len(COLOURS)) % len(MARKERS)]
+    return {"color": COLOURS[number % len(COLOURS)], "marker": marker, "markersize": 4.0}
 
 
 def _ordered(x: DataArray, y: Any) -> tuple[Any, Any]:
@@ -188,9 +193,9 @@ def _label(x: DataArray) -> str:
     return f"{x.attrs.get('long_name', x.name)} [{'-' if unit in (None, '1') else unit}]"
 
 
-def _combination(data: Dataset, dims: list[str], place: tuple[int, ...]) -> str:
+def _combination(data: Dataset, dims: list[str], index: tuple[int, ...]) -> str:
     values = (
         f"{data[dim].attrs['long_name']} = {shown(data[dim].values[i].item())}"
-        for dim, i in zip(dims, place, strict=True)
+        for dim, i in zip(dims, index, strict=True)
     )
     return ", ".join(values)

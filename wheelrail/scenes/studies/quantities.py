@@ -158,39 +158,44 @@ def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]
     """Quantities of a run, by side and for the whole run."""
     sides: dict[str, dict[str, float]] = {}
     for side in map(str, data["side"].values):
-        one = data.sel(side=side)
+        side_data = data.sel(side=side)
         sides[side] = {
-            name: _summed(one[variable].values, how) for name, (variable, how, _, _) in RUN_SIDES.items()
+            name: _summed(side_data[variable].values, statistic)
+            for name, (variable, statistic, _, _) in RUN_SIDES.items()
         } | {
-            "contact_solves": float(one["contact_solves"]),
-            "newton_iterations": float(one["newton_iterations"]),
-            "solve_seconds": float(one["contact_seconds"]),
+            "contact_solves": float(side_data["contact_solves"]),
+            "newton_iterations": float(side_data["newton_iterations"]),
+            "solve_seconds": float(side_data["contact_seconds"]),
         }
-    whole = {name: _summed(data[variable].values, how) for name, (variable, how, _, _) in RUN.items()}
-    whole |= {name: float(data.attrs[name]) for name in ("steps_accepted", "steps_rejected", "evaluations")}
-    return sides, whole | {"run_seconds": float(data.attrs["seconds"])}
+    run_values = {name: _summed(data[variable].values, statistic) for name, (variable, statistic, _, _) in RUN.items()}
+    run_values |= {name: float(data.attrs[name]) for name in ("steps_accepted", "steps_rejected", "evaluations")}
+    return sides, run_values | {"run_seconds": float(data.attrs["seconds"])}
 
 
 def histories_of(data: Dataset) -> dict[str, Any]:
     """Time histories of a run by name: values (time,) or (time, side), with unit and description."""
-    found = {}
+    histories = {}
     for name in ("time", *HISTORIES, *SIDED_HISTORIES):
         attrs = data[name].attrs
-        found[name] = {"values": data[name].values.tolist(), "units": attrs["units"], "long_name": attrs["long_name"]}
-    return found
+        histories[name] = {
+            "values": data[name].values.tolist(),
+            "units": attrs["units"],
+            "long_name": attrs["long_name"],
+        }
+    return histories
 
 
-def _summed(values: Any, how: str) -> float:
+def _summed(values: Any, statistic: str) -> float:
     finite = values[np.isfinite(values)]
-    return float(SUMMED[how](finite)) if finite.size else float("nan")
+    return float(SUMMED[statistic](finite)) if finite.size else float("nan")
 
 
 def varying(data: Dataset) -> list[str]:
     """Names of the main quantities that vary between cases."""
-    found = []
+    names = []
     for name in MAIN:
         if name in data and name not in data.coords:
             values = data[name].values[np.isfinite(data[name].values)]
             if values.size and np.ptp(values) > SAME * np.abs(values).max():
-                found.append(name)
-    return found
+                names.append(name)
+    return names

@@ -1,4 +1,4 @@
-"""A study from its file to its results: cases in parallel, kept as they finish, and only those that are missing."""
+"""Runs of studies: the missing cases are computed in parallel, and each result is stored when its case has ended."""
 
 from __future__ import annotations
 
@@ -21,12 +21,22 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from xarray import Dataset
 
+    from wheelrail.scenes.studies.job import Job
+    from wheelrail.scenes.studies.store import Store
+
 RESULTS, CASES = "study.nc", "cases"
 
 
 @dataclass(frozen=True)
 class StudyOutcome:
-    """A study that ended: its results, the files that were written, and how many cases were computed this time."""
+    """Outcome of a study.
+
+    Parameters:
+        data: results.
+        files: written files.
+        computed: number of cases computed in this call.
+        interrupted: whether Ctrl-C ended it.
+    """
 
     data: Dataset
     files: tuple[Path, ...]
@@ -38,12 +48,13 @@ class StudyOutcome:
         return int((self.data["status"] == "failed").sum())
 
     def summary(self) -> list[RenderableType]:
-        """What to print at the end: the table of cases, convergence, how many failed, where everything is."""
+        """Tables of cases and of convergence, number of cases by status, and files."""
         from wheelrail.scenes.studies.tables import tables
 
         counts = {str(s): int((self.data["status"] == s).sum()) for s in sorted(set(self.data["status"].values.flat))}
-        said = f"{', '.join(f'{count} {status}' for status, count in counts.items())}; {self.computed} computed now"
-        return [*tables(self.data), "\n".join([said, *(f"  {file}" for file in self.files)])]
+        statuses = ", ".join(f"{count} {status}" for status, count in counts.items())
+        text = "\n".join([f"{statuses}; {self.computed} computed now", *(f"  {file}" for file in self.files)])
+        return [*tables(self.data), text]
 
 
 def run_study(
@@ -54,12 +65,18 @@ def run_study(
     fresh: bool = False,
     pictures: bool = True,
 ) -> Dataset:
-    """Results of a study: a file, or a table like one, whose `scene` may be a table, too.
+    """Results of a study.
 
-    folder keeps every case as it finishes, so that a study that was stopped goes on, with the results (study.nc) and
-    pictures, if wanted; without it nothing is kept. scheduler: address of a Dask cluster, instead of this machine.
-    fresh: compute everything anew. A failed case is NaN, with its error. Raises SceneError for a study that cannot be
-    used, before anything is computed; KeyboardInterrupt after keeping what is done.
+    Parameters:
+        study: file, or table of a study, whose `scene` may be a table, too.
+        folder: for results (study.nc), figures, and each case when it has ended, so that an interrupted study can be
+            resumed; without it nothing is stored.
+        scheduler: address of a Dask cluster; this machine by default.
+        fresh: whether to recompute all cases.
+        pictures: whether to draw figures.
+
+    A failed case is NaN, with its error. Raises SceneError for an invalid study, before any case is computed,
+    KeyboardInterrupt after storing the finished cases.
     """
     import tempfile
 
@@ -71,11 +88,11 @@ def run_study(
     if not isinstance(study, StudyTable):
         study = check_study(study) if isinstance(study, Mapping) else load_study(path)
     planned, console = plan(study, path), Console(stderr=True)
-    with tempfile.TemporaryDirectory(prefix="wheelrail-study-") as spare:
-        place = Path(spare if folder is None else folder)
+    with tempfile.TemporaryDirectory(prefix="wheelrail-study-") as temporary:
+        target = Path(temporary if folder is None else folder)
         with messages_on(console):
             outcome = run_plan(
-                planned, place, console, scheduler=scheduler, fresh=fresh, pictures=pictures and folder is not None
+                planned, target, console, scheduler=scheduler, fresh=fresh, pictures=pictures and folder is not None
             )
     if outcome.interrupted:
         raise KeyboardInterrupt
@@ -91,86 +108,127 @@ def run_plan(
     fresh: bool = False,
     pictures: bool = True,
 ) -> StudyOutcome:
-    """Compute what is missing, then write results and pictures; Ctrl-C stops at once and writes what is there.
+    """Compute the missing cases of a study, and write results and figures; Ctrl-C ends the computation.
 
-    Raises OSError when the folder cannot be written, RunFailed and SceneError for a cluster that cannot be reached, or
-    no longer: then after writing the results.
+    Parameters:
+        planned: cases.
+        folder: of the results.
+        console: for progress.
+        scheduler: address of a Dask cluster; this machine by default.
+        fresh: whether to recompute all cases.
+        pictures: whether to draw figures.
+
+    Raises OSError if the folder cannot be written, RunFailed and SceneError if the cluster cannot be reached; if it
+    becomes unreachable, after writing the results.
     """
-    from wheelrail.scenes.studies.job import Job
-    from wheelrail.scenes.studies.store import Store
-
     if scheduler is not None:
         check_address(scheduler)
-    tell = partial(console.print, highlight=False, markup=False, soft_wrap=True)
+    report = partial(console.print, highlight=False, markup=False, soft_wrap=True)
     folder.mkdir(parents=True, exist_ok=True)
-    store = Store(folder / CASES)
-    jobs: dict[str, Job] = {}
-    places: dict[str, list[tuple[int, ...]]] = {}
-    for case in planned.cases:  # the same scene at two places is computed once
-        compared = planned.convergence is not None
-        job = Job.of(case, histories=planned.study.histories, timed=compared, folder=store.folder)
-        jobs[job.key] = job
-        places.setdefault(job.key, []).append(case.place)
-    if fresh:
-        for key in jobs:
-            store.forget(key)
-    results = {key: result for key in jobs if (result := store.load(key)) is not None}
-    if results:
-        tell(f"{len(results)} of {len(jobs)} cases are done already; --fresh would compute them anew")
-    missing, computed = [job for key, job in jobs.items() if key not in results], 0
-    interrupted, lost = False, None
+    run = StudyRun.of(planned, folder, report, fresh=fresh)
+    interrupted, scheduler_error = False, None
     try:
-        if missing:
-            with contextlib.suppress(OSError):  # whoever cannot keep anything is told for every case
-                store.folder.mkdir(exist_ok=True)
-            with _executor(planned, scheduler, len(missing)) as executor, case_bar(console, len(missing)) as done:
-                for job, result in case_results(executor, missing):
-                    results[job.key], computed = result, computed + 1
-                    if not result.lost:  # a case whose worker was lost is computed again in the next run of the study
-                        _keep(store, job.key, result, tell)
-                        if job.folder:
-                            store.hardest_run(results)
-                    done(result.ok)
+        run.compute(scheduler, console)
     except KeyboardInterrupt:
         interrupted = True
-        tell("interrupted; what is done is kept, the same command goes on from there")
+        report("interrupted; finished cases are stored, the same command computes the missing ones")
     except SchedulerGone as error:
-        lost = error
-    from wheelrail.scenes.runs.run import undisturbed
-
-    with undisturbed():
-        by_place = {place: result for key, result in results.items() for place in places[key]}
-        hardest = store.hardest_run(results)
-        kept = {"kept_run": f"{CASES}/{hardest}.nc", "kept_case": places[hardest][0]} if hardest else {}
-        data, files = _written(planned, by_place, folder, kept)
-    if lost is not None:
-        raise lost
+        scheduler_error = error
+    data, files = run.write(folder)
+    if scheduler_error is not None:
+        raise scheduler_error
     if pictures and not interrupted:
         from wheelrail.scenes.studies.plots import draw_study
 
         files += draw_study(data, folder)
-    return StudyOutcome(data, tuple(files), computed, interrupted)
+    return StudyOutcome(data, tuple(files), run.computed, interrupted)
+
+
+@dataclass
+class StudyRun:
+    """Jobs of a study and the results that are available.
+
+    Parameters:
+        planned: cases.
+        store: of results.
+        report: called with a message.
+        jobs: by key; equal scenes share one job.
+        indices: of the cases of each job in the grid, by key.
+        results: by key.
+        computed: number of results computed by this run.
+    """
+
+    planned: Plan
+    store: Store
+    report: Callable[[str], None]
+    jobs: Mapping[str, Job]
+    indices: Mapping[str, list[tuple[int, ...]]]
+    results: dict[str, CaseResult]
+    computed: int = 0
+
+    @classmethod
+    def of(cls, planned: Plan, folder: Path, report: Callable[[str], None], *, fresh: bool) -> StudyRun:
+        """Jobs of a study with the results stored in its folder; fresh: stored results are removed."""
+        from wheelrail.scenes.studies.job import Job
+        from wheelrail.scenes.studies.store import Store
+
+        store = Store(folder / CASES)
+        jobs: dict[str, Job] = {}
+        indices: dict[str, list[tuple[int, ...]]] = {}
+        for case in planned.cases:
+            timed = planned.convergence is not None
+            job = Job.of(case, histories=planned.study.histories, timed=timed, folder=store.folder)
+            jobs[job.key] = job
+            indices.setdefault(job.key, []).append(case.index)
+        if fresh:
+            for key in jobs:
+                store.remove(key)
+        results = {key: result for key in jobs if (result := store.load(key)) is not None}
+        if results:
+            report(f"{len(results)} of {len(jobs)} cases are already computed; --fresh recomputes them")
+        return cls(planned, store, report, jobs, indices, results)
+
+    def compute(self, scheduler: str | None, console: Console) -> None:
+        """Compute and store the missing results; raises KeyboardInterrupt and SchedulerGone."""
+        missing = [job for key, job in self.jobs.items() if key not in self.results]
+        if not missing:
+            return
+        with contextlib.suppress(OSError):  # reported for each case that cannot be stored
+            self.store.folder.mkdir(exist_ok=True)
+        started = _executor(self.planned, scheduler, len(missing))
+        with started as executor, case_bar(console, len(missing)) as done:
+            for job, result in case_results(executor, missing):
+                self.results[job.key], self.computed = result, self.computed + 1
+                if not result.lost:  # a case whose worker was lost has no result and is computed again next time
+                    self._store(job.key, result)
+                    if job.folder:
+                        self.store.prune_run_data(self.results)
+                done(result.ok)
+
+    def write(self, folder: Path) -> tuple[Dataset, list[Path]]:
+        """Write the Dataset of all cases; returns it and the written files."""
+        from wheelrail.scenes.runs.run import ignored_interrupts
+
+        with ignored_interrupts():
+            from wheelrail.scenes.datasets.netcdf import write
+            from wheelrail.scenes.studies.convergence import with_errors
+            from wheelrail.scenes.studies.dataset import dataset
+
+            results = {index: result for key, result in self.results.items() for index in self.indices[key]}
+            key = self.store.prune_run_data(self.results)
+            attributes = {"kept_run": f"{CASES}/{key}.nc", "kept_case": self.indices[key][0]} if key else {}
+            data = with_errors(dataset(self.planned, results), self.planned).assign_attrs(attributes)
+            write(data, folder / RESULTS)
+        return data, [folder / RESULTS]
+
+    def _store(self, key: str, result: CaseResult) -> None:
+        try:
+            self.store.save(key, result)
+        except OSError as error:
+            self.report(
+                f"{self.store.folder}: result of a case not stored: {error.strerror or error}; the study continues"
+            )
 
 
 def _executor(planned: Plan, scheduler: str | None, jobs: int) -> AbstractContextManager[Executor]:
     return cluster(scheduler) if scheduler is not None else processes(min(planned.study.processes, jobs))
-
-
-def _keep(store: Any, key: str, result: CaseResult, tell: Callable[[str], None]) -> None:
-    try:
-        store.keep(key, result)
-    except OSError as error:
-        tell(f"{store.folder}: a case was not kept: {error.strerror or error}; the study goes on")
-
-
-def _written(
-    planned: Plan, results: Mapping[tuple[int, ...], CaseResult], folder: Path, kept: Mapping[str, Any]
-) -> tuple[Dataset, list[Path]]:
-    """kept: which run's data are in which file."""
-    from wheelrail.scenes.datasets.netcdf import write
-    from wheelrail.scenes.studies.convergence import with_errors
-    from wheelrail.scenes.studies.dataset import dataset
-
-    data = with_errors(dataset(planned, results), planned).assign_attrs(kept)
-    write(data, folder / RESULTS)
-    return data, [folder / RESULTS]

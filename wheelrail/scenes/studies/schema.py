@@ -77,7 +77,7 @@ class StudyTable(SceneTable):
 
     @field_validator("scene")
     @classmethod
-    def _found(cls, value: str | dict[str, Any], info: ValidationInfo) -> str | dict[str, Any]:
+    def _existing(cls, value: str | dict[str, Any], info: ValidationInfo) -> str | dict[str, Any]:
         """A file, relative to the study's folder, as its full path."""
         if not isinstance(value, str):
             return value
@@ -92,17 +92,20 @@ class StudyTable(SceneTable):
             raise q.reject(
                 "nothing is varied; values in [grid], [[together]] or [latin_hypercube] are required", "grid"
             )
-        named = [(name, place) for place, table in self.places for name in table]
-        for name, place in named:
+        parameters = [(name, location) for location, table in self.parameter_tables for name in table]
+        for name, location in parameters:
             if not all(name.split(".")):
-                raise q.reject(f'"{name}": must be a dotted key of the scene', place)
+                raise q.reject(f'"{name}": must be a dotted key of the scene', location)
             if name == "kind":
-                raise q.reject("kind: must not be varied; a study has one kind of scene", place)
-            others = [other for other, _ in named if other == name or other.startswith(name + ".")]
-            if len(others) > 1:
+                raise q.reject("kind: must not be varied; a study has one kind of scene", location)
+            conflicts = [
+                parameter for parameter, _ in parameters if parameter == name or parameter.startswith(name + ".")
+            ]
+            if len(conflicts) > 1:
                 raise q.reject(
-                    f"{name}: must be named once" + (f", is also set by {others[1]}" if others[1] != name else ""),
-                    place,
+                    f"{name}: must be named once"
+                    + (f", is also set by {conflicts[1]}" if conflicts[1] != name else ""),
+                    location,
                 )
         for name, values in self.grid.items():
             _differ(name, "grid", values)
@@ -114,8 +117,8 @@ class StudyTable(SceneTable):
         return self
 
     @property
-    def places(self) -> tuple[tuple[str, Mapping[str, Any]], ...]:
-        """Tables of parameters with their place in the study."""
+    def parameter_tables(self) -> tuple[tuple[str, Mapping[str, Any]], ...]:
+        """Tables of parameters with their location in the study."""
         cube = self.latin_hypercube
         ranges = (("latin_hypercube", cube.ranges),) if cube else ()
         return (("set", self.set), ("grid", self.grid), *(("together", table) for table in self.together), *ranges)
@@ -123,7 +126,7 @@ class StudyTable(SceneTable):
     @property
     def tables(self) -> tuple[Mapping[str, Any], ...]:
         """Tables of the varied parameters."""
-        return tuple(table for place, table in self.places if place != "set")
+        return tuple(table for location, table in self.parameter_tables if location != "set")
 
     @property
     def processes(self) -> int:
@@ -138,11 +141,11 @@ class StudyTable(SceneTable):
         return self.scene, Path(folder, "scene")
 
 
-def _differ(name: str, place: str, rows: Sequence[Any]) -> None:
+def _differ(name: str, location: str, rows: Sequence[Any]) -> None:
     values = set[Any]()
     for row in rows:
         if (value := _hashable(row)) in values:
-            raise q.reject(f"{name}: {row!r} must be listed once", place)
+            raise q.reject(f"{name}: {row!r} must be listed once", location)
         values.add(value)
 
 
@@ -174,15 +177,15 @@ def check_study(data: Mapping[str, Any], path: str | Path = "study") -> StudyTab
 def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:
     """Dotted names of parameters written without quotes, `upper.radii = ...`, which TOML reads as nested tables."""
     study = dict(data)
-    for place in ("set", "grid"):
-        if isinstance(data.get(place), Mapping):
-            study[place] = _flat(data[place])
+    for key in ("set", "grid"):
+        if isinstance(data.get(key), Mapping):
+            study[key] = _flat(data[key])
     if isinstance(data.get("together"), list | tuple):
         study["together"] = [_flat(table) if isinstance(table, Mapping) else table for table in data["together"]]
-    for place, inner in (("latin_hypercube", "ranges"), ("convergence", "reference")):
-        table = data.get(place)
+    for key, inner in (("latin_hypercube", "ranges"), ("convergence", "reference")):
+        table = data.get(key)
         if isinstance(table, Mapping) and isinstance(table.get(inner), Mapping):
-            study[place] = {**table, inner: _flat(table[inner])}
+            study[key] = {**table, inner: _flat(table[inner])}
     return study
 
 

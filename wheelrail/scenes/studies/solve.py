@@ -16,7 +16,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
 from wheelrail.scenes.studies.job import Job, computer, run_data, unfinished
 
-ALONE = threading.Lock()  # C libraries are not thread-safe; workers of a cluster may have several threads
+SOLVE_LOCK = threading.Lock()  # C libraries are not thread-safe; workers of a cluster may have several threads
 WARM: set[bool] = set()  # not empty after the first case of this process
 
 
@@ -60,7 +60,7 @@ class CaseResult:
 
 def solve(job: Job) -> CaseResult:
     """Solve a case; a failure sets the status and raises nothing."""
-    with ALONE:
+    with SOLVE_LOCK:
         if job.timed and job.table["kind"] != "run" and not WARM:
             with contextlib.suppress(Exception):
                 _solved(job)
@@ -102,27 +102,27 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
     from wheelrail.scenes.runs.run import run_scene
     from wheelrail.scenes.studies.quantities import histories_of, of_run
 
-    place = (
+    case_folder = (
         Path(job.folder) if job.folder and Path(job.folder).is_dir() else folder
     )  # the folder may be on another machine
-    file = unfinished(place, job.key)
+    file = unfinished(case_folder, job.key)
     with open(os.devnull, "w") as nowhere:
-        resume = goes_on(scene, file)
+        resume = can_resume(scene, file)
         outcome = run_scene(scene, "", folder, Console(file=nowhere), resume=resume, checkpoints=file)
     if not outcome.files:
         return _ended(f"failed: {outcome.status.removeprefix('failed: ')} before the first step")
     data = load_dataset(folder / RESULTS, engine="netcdf4")
-    sides, whole = of_run(data)
+    sides, case_quantities = of_run(data)
     with contextlib.suppress(OSError):  # without its data the run is only missing in the report
-        shutil.move(folder / RESULTS, run_data(place, job.key))
+        shutil.move(folder / RESULTS, run_data(case_folder, job.key))
     return _ended(outcome.status) | {
         "sides": sides,
-        "whole": whole,
+        "whole": case_quantities,
         "histories": histories_of(data) if job.histories else {},
     }
 
 
-def goes_on(scene: RunScene, file: Path) -> bool:
+def can_resume(scene: RunScene, file: Path) -> bool:
     """Whether a file has a checkpoint of this run; damaged files, files in use and those of other runs do not count."""
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
     from wheelrail.scenes.runs.resume import header, latest

@@ -35,29 +35,30 @@ class Store:
         except (OSError, ValueError, TypeError):
             return None
 
-    def keep(self, key: str, found: CaseResult) -> None:
+    def save(self, key: str, result: CaseResult) -> None:
         """Write a result atomically, on disk when this returns, and remove the case's checkpoints. Raises OSError."""
-        text = found.text()
+        text = result.text()
         with atomic_file(self._file(key)) as part, part.open("w", encoding="utf-8") as stream:
             stream.write(f"{_checksum(key, text)}\n{text}")
             stream.flush()
             os.fsync(stream.fileno())
         unfinished(self.folder, key).unlink(missing_ok=True)
 
-    def forget(self, key: str) -> None:
+    def remove(self, key: str) -> None:
+        """Remove result, checkpoints and data of a case."""
         for file in (self._file(key), unfinished(self.folder, key), run_data(self.folder, key)):
             file.unlink(missing_ok=True)
 
-    def hardest_run(self, known: Mapping[str, CaseResult]) -> str | None:
+    def prune_run_data(self, results: Mapping[str, CaseResult]) -> str | None:
         """Key of the run with the maximum peak pressure among those with data on disk; removes all other data.
 
         Parameters:
-            known: results by key.
+            results: by key.
 
         A failed run is chosen only if no other has data.
         """
-        keys = [path.stem for path in self.folder.glob("*.nc") if path.stem in known]
-        keys.sort(key=lambda key: (known[key].ok, known[key].peak_pressure, key))
+        keys = [path.stem for path in self.folder.glob("*.nc") if path.stem in results]
+        keys.sort(key=lambda key: (results[key].ok, results[key].peak_pressure, key))
         for key in keys[:-1]:
             run_data(self.folder, key).unlink(missing_ok=True)
         return keys[-1] if keys else None

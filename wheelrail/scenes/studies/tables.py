@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.plots.fits import slope
-from wheelrail.scenes.studies.convergence import counts_of, errors_of, worst_of
+from wheelrail.scenes.studies.convergence import counts_of, errors_of, largest_errors
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
 
@@ -26,11 +26,11 @@ def dimensions(data: Dataset) -> list[str]:
 
 def parameters(data: Dataset) -> list[str]:
     """Names of the coordinates of parameters."""
-    own = set(dimensions(data))
+    study_dimensions = set(dimensions(data))
     return [
         str(name)
         for name, values in data.coords.items()
-        if name != SAMPLE and values.ndim == 1 and set(values.dims) <= own
+        if name != SAMPLE and values.ndim == 1 and set(values.dims) <= study_dimensions
     ]
 
 
@@ -62,14 +62,14 @@ def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -
     view.add_column("status", min_width=9)
     values = {name: flat(data, name) for name in (*names, *main, "seconds", "status", "error")}
     for index in range(min(data["status"].size, rows)):
-        one = {name: column[index] for name, column in values.items()}
-        cells = [_short(_plain(one[name])) for name in names]
+        case = {name: column[index] for name, column in values.items()}
+        cells = [_short(_plain(case[name])) for name in names]
         for name in main:
-            cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(one[name])))
-        status = f"{one['status']}" + (f": {one['error']}" if str(one["error"]) else "")
-        view.add_row(*cells, f"{float(one['seconds']):.2g}", status)
-    if (more := data["status"].size - rows) > 0:
-        view.caption, view.caption_justify = f"and {more} more, {where}", "left"
+            cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(case[name])))
+        status = f"{case['status']}" + (f": {case['error']}" if str(case["error"]) else "")
+        view.add_row(*cells, f"{float(case['seconds']):.2g}", status)
+    if (omitted := data["status"].size - rows) > 0:
+        view.caption, view.caption_justify = f"and {omitted} more, {where}", "left"
     return view
 
 
@@ -78,24 +78,24 @@ def error_table(data: Dataset) -> Table:
     from rich.table import Table
 
     over = str(data.attrs["convergence_over"])
-    worst = worst_of(data)
+    largest = largest_errors(data)
     view = Table(title=f"Relative errors over {data[over].attrs['long_name']}", title_justify="left")
     view.add_column(data[over].attrs["long_name"], justify="right")
-    for name in worst:
+    for name in largest:
         view.add_column(f"{name.replace('_', ' ')} [%]", justify="right")
-    for place, value in enumerate(data[over].values):
-        view.add_row(shown(_plain(value)), *(_number(100.0 * float(error[place])) for error in worst.values()))
+    for index, value in enumerate(data[over].values):
+        view.add_row(shown(_plain(value)), *(_number(100.0 * float(error[index])) for error in largest.values()))
     view.add_section()
     size = data[over].values ** (-1.0 if counts_of(data) else 1.0)
-    view.add_row("order", *(f"{slope(size, error.values):.2f}" for error in worst.values()))
+    view.add_row("order", *(f"{slope(size, error.values):.2f}" for error in largest.values()))
     return view
 
 
 def flat(data: Dataset, name: str) -> Any:
     """Values (cases,) or (cases, sides) of a variable."""
     dims = dimensions(data)
-    there = [dim for dim in dims if dim not in data[name].dims]
-    values = data[name].expand_dims({dim: data.sizes[dim] for dim in there}).transpose(*dims, ...).values
+    missing = [dim for dim in dims if dim not in data[name].dims]
+    values = data[name].expand_dims({dim: data.sizes[dim] for dim in missing}).transpose(*dims, ...).values
     return values.reshape(data["status"].size, *values.shape[len(dims) :])
 
 

@@ -19,23 +19,23 @@ class SceneChecker:
 
     Parameters:
         file: of the scenes, for errors and relative paths.
-        fine: valid tables by name and content.
+        valid: tables by name and content.
     """
 
     file: Path
-    fine: dict[tuple[str, str], SceneTable] = field(default_factory=dict)
+    valid: dict[tuple[str, str], SceneTable] = field(default_factory=dict)
 
     def __call__(self, tables: Mapping[str, Any]) -> Scene:
         """Raises SceneError as `checked` does."""
         names = {name: (name, repr(table)) for name, table in tables.items() if isinstance(table, Mapping)}
-        data = {name: self.fine.get(names[name], value) if name in names else value for name, value in tables.items()}
+        data = {name: self.valid.get(names[name], value) if name in names else value for name, value in tables.items()}
         try:
             scene = checked(data, self.file)
         except SceneError:
             return checked(tables, self.file)  # for complete messages
         for name, text in names.items():
             if isinstance(table := getattr(scene, name, None), SceneTable):
-                self.fine[text] = table
+                self.valid[text] = table
         return scene
 
 
@@ -43,13 +43,13 @@ KEY = re.compile(r"[^\s:=]*")
 
 
 def study_messages(
-    error: Exception, places: Mapping[str, str], *, file: Path, path: str | Path
+    error: Exception, locations: Mapping[str, str], *, file: Path, path: str | Path
 ) -> Iterator[tuple[str, bool]]:
     """Lines of the error of a scene, each with whether it is about a value of the study.
 
     Parameters:
         error: of the scene.
-        places: place in the study file by name of the parameter; replaces the key in the line.
+        locations: location in the study file by name of the parameter; replaces the key in the line.
         file: of the scene.
         path: of the study.
     """
@@ -58,13 +58,15 @@ def study_messages(
         match = KEY.match(line)
         key = match.group() if match else ""
         dotted = key.replace("[", ".").replace("]", "")
-        name = next((name for name in places if f"{dotted}.".startswith(f"{name}.")), None)
+        name = next((name for name in locations if f"{dotted}.".startswith(f"{name}.")), None)
         if name is None:
             yield line, False
         elif ": unknown key" in line:  # independent of its values
-            yield f"{path}: {places[name].partition('[')[0]}: unknown key{line.partition(': unknown key')[2]}", True
+            yield f"{path}: {locations[name].partition('[')[0]}: unknown key{line.partition(': unknown key')[2]}", True
         else:
             inner = "".join(
-                f"[{part}]" if part.isdigit() else f".{part}" for part in dotted[len(name) + 1 :].split(".") if part
+                f"[{index}]" if index.isdigit() else f".{index}"
+                for index in dotted[len(name) + 1 :].split(".")
+                if index
             )
-            yield f"{path}: {places[name]}{inner}{line[len(key) :]}", True
+            yield f"{path}: {locations[name]}{inner}{line[len(key) :]}", True

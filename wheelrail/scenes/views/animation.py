@@ -33,13 +33,25 @@ NEAR = 0.055  # m, half the height of a close-up
 BELOW, ABOVE = 0.06, 0.075  # m below and above the top of the rail, extent of the bodies in close-ups
 
 
+@dataclass(frozen=True)
+class RunBodies:
+    """Bodies that are drawn.
+
+    Parameters:
+        wheel, rail: profiles, the rail inclined.
+        mounting: positions of wheels on the axle and rails in the track.
+    """
+
+    wheel: Profile
+    rail: Profile
+    mounting: Mounting
+
+
 def animate_run(
     data: Dataset,
     file: Path,
+    bodies: RunBodies,
     *,
-    wheel: Profile,
-    rail: Profile,
-    mounting: Mounting,
     frames: int = 120,
     fps: float = 20.0,
     scale: float = SCALE,
@@ -50,8 +62,7 @@ def animate_run(
     Parameters:
         data: Dataset of the run, see `wheelrail.scenes.datasets.run`.
         file: .mp4 or .gif.
-        wheel, rail: profiles, the rail inclined.
-        mounting: positions of wheels on the axle and rails in the track.
+        bodies: profiles and mounting of wheel and rail.
         frames: their number, evenly spaced in time.
         fps: frames per second.
         scale: displacement magnification factor of the wheelset in the upper pane.
@@ -66,7 +77,7 @@ def animate_run(
         raise ValueError(f"frames, fps and scale must be positive, not {frames}, {fps:g} and {scale:g}")
     if data.sizes["time"] == 0:
         raise ValueError("the run must have at least one sample")
-    animation = Animation(data, wheel, rail, mounting, scale)
+    animation = Animation(data, bodies, scale)
     time = data["time"].values
     shown = np.searchsorted(time, np.linspace(time[0], time[-1], frames)).clip(0, len(time) - 1)
     view = animation.view
@@ -92,9 +103,7 @@ class Animation:
     """
 
     data: Dataset
-    wheel: Profile
-    rail: Profile
-    mounting: Mounting
+    bodies: RunBodies
     scale: float = SCALE
     view: Any = field(init=False)
 
@@ -110,39 +119,41 @@ class Animation:
 
     def show(self, index: int) -> None:
         """Move bodies, forces and patches to a sample."""
-        now = self.data.isel(time=index)
-        y, z, roll = (float(now[f"wheelset_{name}"]) for name in ("y", "z", "roll"))
-        pitch = float(now["wheelset_pitch"])
-        s, m = self.scale, self.mounting
-        self._axle.user_matrix = _pose(s * y, m.radius + s * z, s * roll, pitch)
+        sample = self.data.isel(time=index)
+        y, z, roll = (float(sample[f"wheelset_{name}"]) for name in ("y", "z", "roll"))
+        pitch = float(sample["wheelset_pitch"])
+        scale, mounting = self.scale, self.bodies.mounting
+        self._axle.user_matrix = _pose(scale * y, mounting.radius + scale * z, scale * roll, pitch)
         distance = float(self.data["distance"].values[index])
         self._sleepers.position = (-(distance % 0.6), 0.0, 0.0)
         for side in SIDES:
             sign = 1.0 if side == "left" else -1.0
-            self._wheels[side].user_matrix = _pose(y, m.radius + z, roll, 0.0)
-            force = now.sel(side=side)
-            start = np.array([-ARROW_OFFSET, sign * m.rail_y, 0.03])
+            self._wheels[side].user_matrix = _pose(y, mounting.radius + z, roll, 0.0)
+            force = sample.sel(side=side)
+            start = np.array([-ARROW_OFFSET, sign * mounting.rail_y, 0.03])
             self._arrow(f"Q {side}", start, np.array([0.0, 0.0, float(force["vertical_force"])]))
             self._arrow(f"Y {side}", start, np.array([0.0, float(force["lateral_force"]), 0.0]))
             self._patches(side, sign, force)
             forces = [1e-3 * float(force[f"{axis}_force"]) for axis in ("vertical", "lateral")]
             self._text(side, f"{side} wheel, to scale    Q {forces[0]:6.1f} kN    Y {forces[1]:6.1f} kN")
-        curve = float(now["curvature"])
+        curve, time = float(sample["curvature"]), float(self.data["time"].values[index])
         track = "straight" if abs(curve) < 1e-9 else f"radius {1 / abs(curve):.0f} m {'left' if curve > 0 else 'right'}"
         self._text(
             "whole",
-            f"{float(self.data['time'].values[index]):7.2f} s   {distance:8.1f} m   {float(now['speed']):5.1f} m/s   "
-            f"{track}\nwheelset y = {1e3 * y:+.2f} mm ({to_side(y)}), roll {1e3 * roll:+.3f} mrad, magnified x {s:g}",
+            f"{time:7.2f} s   {distance:8.1f} m   {float(sample['speed']):5.1f} m/s   {track}\n"
+            f"wheelset y = {1e3 * y:+.2f} mm ({to_side(y)}), roll {1e3 * roll:+.3f} mrad, magnified x {scale:g}",
         )
         self.view.render()
 
     def _whole(self) -> None:
-        view, m = self.view, self.mounting
+        view, mounting = self.view, self.bodies.mounting
         view.subplot(2)
-        body = wheelset_body(self.wheel, m.radius, wheel_y=m.wheel_y)
+        body = wheelset_body(self.bodies.wheel, mounting.radius, wheel_y=mounting.wheel_y)
         self._axle = view.add_mesh(body, color=STEEL, smooth_shading=True, split_sharp_edges=True)
         for sign in (1.0, -1.0):
-            rail = rail_body(self.rail, length=TRACK, right=sign < 0).translate((0.0, sign * m.rail_y, 0.0))
+            rail = rail_body(self.bodies.rail, length=TRACK, right=sign < 0).translate(
+                (0.0, sign * mounting.rail_y, 0.0)
+            )
             view.add_mesh(rail, color=RAIL)
         boxes = [pyvista().Box((x - 0.13, x + 0.13, -1.3, 1.3, -0.39, -0.18)) for x in np.arange(-0.6, 1.3, 0.6)]
         self._sleepers = view.add_mesh(pyvista().merge(boxes), color="#d8d4cc")
@@ -151,15 +162,17 @@ class Animation:
         self._text("whole", " ")
 
     def _close(self, pane: int, side: str) -> None:
-        view, m = self.view, self.mounting
+        view, mounting = self.view, self.bodies.mounting
         sign = 1.0 if side == "left" else -1.0
         view.subplot(pane)
-        rail = rail_body(self.rail, length=0.2, right=side == "right").translate((0.0, sign * m.rail_y, 0.0))
+        rail = rail_body(self.bodies.rail, length=0.2, right=side == "right").translate(
+            (0.0, sign * mounting.rail_y, 0.0)
+        )
         view.add_mesh(rail.clip_closed_surface("z", origin=(0.0, 0.0, -BELOW)), color=RAIL)
-        body = wheel_body(self.wheel, m.radius, right=side == "right", sector=0.35)
-        body = body.clip("z", origin=(0.0, 0.0, ABOVE - m.radius)).translate((0.0, sign * m.wheel_y, 0.0))
+        body = wheel_body(self.bodies.wheel, mounting.radius, right=side == "right", sector=0.35)
+        body = body.clip("z", origin=(0.0, 0.0, ABOVE - mounting.radius)).translate((0.0, sign * mounting.wheel_y, 0.0))
         self._wheels[side] = view.add_mesh(body, color=STEEL, opacity=0.45, smooth_shading=True)
-        middle = np.array([0.0, sign * m.rail_y, 0.0])
+        middle = np.array([0.0, sign * mounting.rail_y, 0.0])
         view.camera_position = [middle + np.array([-1.0, 0.0, 0.12]), middle, (0.0, 0.0, 1.0)]
         view.camera.parallel_projection = True
         view.camera.parallel_scale = NEAR
@@ -184,20 +197,20 @@ class Animation:
         side = name.split()[1]
         self.view.add_mesh(mesh, color=SIDE_STYLE[side]["color"], name=name, reset_camera=False, render=False)
 
-    def _patches(self, side: str, sign: float, now: Dataset) -> None:
+    def _patches(self, side: str, sign: float, sample: Dataset) -> None:
         """Ellipses on the rail from the second moments of pressure, one per patch."""
-        load = now["patch_normal_force"].values
+        load = sample["patch_normal_force"].values
         self.view.subplot(SIDES.index(side))  # type: ignore[arg-type]
         discs = []
         for k in np.flatnonzero(np.isfinite(load)):
-            own = now.isel(patch=k)
-            a, b = float(own["patch_semi_axis_x"]), float(own["patch_semi_axis_y"])
+            patch = sample.isel(patch=k)
+            a, b = float(patch["patch_semi_axis_x"]), float(patch["patch_semi_axis_y"])
             angle = np.linspace(0, 2 * np.pi, 49)[:-1]
-            position = self.rail.point(float(own["rail_s"]))
-            c, s = np.cos(float(own["patch_contact_angle"])), np.sin(float(own["patch_contact_angle"]))
-            y, z = sign * (self.mounting.rail_y + position[0]), position[1]
+            position = self.bodies.rail.point(float(patch["rail_s"]))
+            c, s = np.cos(float(patch["patch_contact_angle"])), np.sin(float(patch["patch_contact_angle"]))
+            y, z = sign * (self.bodies.mounting.rail_y + position[0]), position[1]
             points = np.column_stack(
-                [float(own["patch_x"]) + a * np.cos(angle), y + c * b * np.sin(angle), z + s * b * np.sin(angle)]
+                [float(patch["patch_x"]) + a * np.cos(angle), y + c * b * np.sin(angle), z + s * b * np.sin(angle)]
             )
             disc = pyvista().PolyData(points + np.array([0.0, -s, c]) * 3e-4, np.array([48, *range(48)])).triangulate()
             disc["load [kN]"] = np.full(len(points), 1e-3 * load[k])

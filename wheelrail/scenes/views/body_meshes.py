@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from wheelrail.contact.stress.fields import BodyFields
 
 
-MISES, MOVED, PRESSURE = "von Mises stress [MPa]", "displacement [µm]", "pressure [MPa]"
+MISES, DISPLACEMENT, PRESSURE = "von Mises stress [MPa]", "displacement [µm]", "pressure [MPa]"
 # Perceptually uniform and safe for colour-blind readers; pressure as in all other figures.
-MAPS = {MISES: "inferno", MOVED: "cividis_r", PRESSURE: PRESSURE_MAP}
+MAPS = {MISES: "inferno", DISPLACEMENT: "cividis_r", PRESSURE: PRESSURE_MAP}
 ABOVE = 0.1  # mm, height of the drawn patch above the rail surface
 STEEL = "#b8bec6"
 
@@ -38,21 +38,21 @@ def bodies_mesh(fields: BodyFields) -> Any:
     grid["displacement"] = 1e3 * fields.displacement
     grid["stress"] = 1e-6 * fields.stress.reshape(-1, 9)
     grid[MISES] = 1e-6 * fields.von_mises
-    grid[MOVED] = 1e6 * np.linalg.norm(fields.displacement, axis=1)
+    grid[DISPLACEMENT] = 1e6 * np.linalg.norm(fields.displacement, axis=1)
     return grid
 
 
-def moved(mesh: Any, scale: float, lift: float = 0.0) -> Any:
-    """Copy of a mesh, displaced by its magnified displacements and lifted.
+def displaced(mesh: Any, scale: float, offset_z: float = 0.0) -> Any:
+    """Copy of a mesh, displaced by its magnified displacements and translated upwards.
 
     Parameters:
         mesh: with "displacement", mm.
         scale: displacement magnification factor.
-        lift: upwards, mm.
+        offset_z: upwards, mm.
     """
-    shown = mesh.copy()
-    shown.points = np.asarray(mesh.points) + scale * np.asarray(mesh["displacement"]) + np.array([0.0, 0.0, lift])
-    return shown
+    copy = mesh.copy()
+    copy.points = np.asarray(mesh.points) + scale * np.asarray(mesh["displacement"]) + np.array([0.0, 0.0, offset_z])
+    return copy
 
 
 def deformed(
@@ -61,7 +61,7 @@ def deformed(
     *,
     scale: float,
     largest: float,
-    lift: float = 0.0,
+    offset_z: float = 0.0,
     top: float = np.inf,
     bar: bool = True,
 ) -> Any:
@@ -72,31 +72,31 @@ def deformed(
         mesh: of the body, see `bodies_mesh`.
         scale: displacement magnification factor.
         largest: upper end of the colour scale, µm.
-        lift: upwards, mm.
+        offset_z: upwards, mm.
         top: height up to which the body is drawn, mm.
         bar: whether to draw a colour bar.
 
     Returns the drawn mesh.
     """
-    cut = mesh.bounds[5] > top
-    below = mesh.clip("z", origin=(0.0, 0.0, top)) if cut else mesh
-    shown = moved(below.extract_surface(algorithm="dataset_surface"), scale, lift)
+    is_cut = mesh.bounds[5] > top
+    clipped = mesh.clip("z", origin=(0.0, 0.0, top)) if is_cut else mesh
+    drawn = displaced(clipped.extract_surface(algorithm="dataset_surface"), scale, offset_z)
     plotter.add_mesh(
-        shown,
-        scalars=MOVED,
-        cmap=MAPS[MOVED],
+        drawn,
+        scalars=DISPLACEMENT,
+        cmap=MAPS[DISPLACEMENT],
         clim=(0.0, largest),
         smooth_shading=True,
         split_sharp_edges=True,
         ambient=0.25,
         show_scalar_bar=bar,
-        scalar_bar_args=bar_style(MOVED) if bar else None,
+        scalar_bar_args=bar_style(DISPLACEMENT) if bar else None,
     )
     surface = mesh.extract_surface(algorithm="dataset_surface")
     edges = surface.extract_feature_edges(45.0, boundary_edges=False, non_manifold_edges=False)
-    edges = edges.clip("z", origin=(0.0, 0.0, top)) if cut else edges
-    plotter.add_mesh(moved(edges, 0.0, lift), color="#707070", line_width=1.0)
-    return shown
+    edges = edges.clip("z", origin=(0.0, 0.0, top)) if is_cut else edges
+    plotter.add_mesh(displaced(edges, 0.0, offset_z), color="#707070", line_width=1.0)
+    return drawn
 
 
 def pressure_surface(result: ContactResult, *, mirrored: bool = False) -> Any:
@@ -110,39 +110,39 @@ def pressure_surface(result: ContactResult, *, mirrored: bool = False) -> Any:
     fields = result.fields
     if fields is None or not (fields.pressure > 0).any():
         raise ValueError("the bodies are not in contact: no patch to draw")
-    own = fields.pressure > 0
-    step, axes = fields.step[own], fields.axes[own]
-    half = 0.5 * np.stack([step, fields.area[own] / step], axis=1)[..., None] * axes[:, :2]
+    loaded = fields.pressure > 0
+    step, axes = fields.step[loaded], fields.axes[loaded]
+    half = 0.5 * np.stack([step, fields.area[loaded] / step], axis=1)[..., None] * axes[:, :2]
     signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    corners = 1e3 * (fields.point[own][:, None] + np.einsum("ks,nsc->nkc", signs, half)) - ABOVE * axes[:, None, 2]
-    traction = np.einsum("ns,nsc->nc", fields.traction[own], axes[:, :2])
+    corners = 1e3 * (fields.point[loaded][:, None] + np.einsum("ks,nsc->nkc", signs, half)) - ABOVE * axes[:, None, 2]
+    traction = np.einsum("ns,nsc->nc", fields.traction[loaded], axes[:, :2])
     if mirrored:
         corners, traction = corners * MIRROR, traction * MIRROR
     count = len(corners)
     faces = np.column_stack([np.full(count, 4), np.arange(4 * count).reshape(-1, 4)])
     mesh = pyvista().PolyData(corners.reshape(-1, 3), faces.ravel())
-    mesh.cell_data[PRESSURE] = 1e-6 * fields.pressure[own]
+    mesh.cell_data[PRESSURE] = 1e-6 * fields.pressure[loaded]
     mesh.cell_data["traction [MPa]"] = 1e-6 * traction
     return mesh
 
 
-def riding(mesh: Any, body: Any, scale: float, lift: float = 0.0) -> Any:
+def displaced_with(mesh: Any, body: Any, scale: float, offset_z: float = 0.0) -> Any:
     """Surface displaced with the body below it, by interpolation from the six nearest points.
 
     Parameters:
         mesh: surface, mm.
         body: mesh with "displacement", mm.
         scale: displacement magnification factor.
-        lift: upwards, mm.
+        offset_z: upwards, mm.
     """
     from scipy.spatial import cKDTree
 
-    distance, near = cKDTree(body.points).query(mesh.points, k=6)
+    distance, nearest = cKDTree(body.points).query(mesh.points, k=6)
     weight = 1 / np.maximum(distance, 1e-6) ** 2
     weight /= weight.sum(axis=1, keepdims=True)
-    shown = mesh.copy()
-    shown["displacement"] = np.einsum("nk,nkc->nc", weight, np.asarray(body["displacement"])[near])
-    return moved(shown, scale, lift)
+    copy = mesh.copy()
+    copy["displacement"] = np.einsum("nk,nkc->nc", weight, np.asarray(body["displacement"])[nearest])
+    return displaced(copy, scale, offset_z)
 
 
 def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = False) -> None:
@@ -159,7 +159,7 @@ def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = False) -> None:
 
 
 def stress_cut(
-    plotter: Any, mesh: Any, *, around: Array, reach: float, largest: float, lift: float = 0.0, bar: bool = True
+    plotter: Any, mesh: Any, *, around: Array, reach: float, largest: float, offset_z: float = 0.0, bar: bool = True
 ) -> Any:
     """Draw a cut around the patch, coloured by von Mises stress.
 
@@ -169,15 +169,15 @@ def stress_cut(
         around: (3,) centre, mm.
         reach: half width of the drawn box, mm.
         largest: upper end of the colour scale, MPa.
-        lift: upwards, mm.
+        offset_z: upwards, mm.
         bar: whether to draw a colour bar.
 
     Returns the drawn mesh.
     """
     box = np.ravel(np.column_stack([around - reach, around + reach]))
-    part = moved(mesh.clip_box(box, invert=False), 0.0, lift)
+    drawn = displaced(mesh.clip_box(box, invert=False), 0.0, offset_z)
     plotter.add_mesh(
-        part,
+        drawn,
         scalars=MISES,
         cmap=MAPS[MISES],
         clim=(0.0, largest),
@@ -185,7 +185,7 @@ def stress_cut(
         show_scalar_bar=bar,
         scalar_bar_args=bar_style(MISES) if bar else None,
     )
-    return part
+    return drawn
 
 
 def bar_style(title: str) -> dict[str, Any]:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.views.body_meshes import (
+    DISPLACEMENT,
     MISES,
-    MOVED,
     PRESSURE,
     bodies_mesh,
     deformed,
+    displaced_with,
     patch_pressure,
     pressure_surface,
-    riding,
     stress_cut,
 )
 from wheelrail.scenes.views.plotter import plotter as new_plotter
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 
 SHOWN = 6.0  # mm, drawn length of the largest displacement with the default scale
-LIFT = 70.0  # mm, distance of the bodies in the left pane
-HIGH = 110.0  # mm above the patch, upper end of the upper body there
-APART = 0.8  # half patch lengths, distance of the cuts in the right pane
+SEPARATION = 70.0  # mm, distance of the bodies in the left pane
+UPPER_HEIGHT = 110.0  # mm above the patch, upper end of the upper body there
+CUT_SEPARATION = 0.8  # half patch lengths, distance of the cuts in the right pane
 REACH = 2.6  # half patch lengths, extent of the cuts
 ANGLE = 30.0  # degrees, view angle of the camera
 
 
 @dataclass(frozen=True)
-class SeenBody:
-    """Fields of one body.
+class DrawnBody:
+    """Fields of one body for its drawing.
 
     Parameters:
         name: of the body.
@@ -53,7 +53,7 @@ class SeenBody:
 
 def contact_scene(
     result: ContactResult,
-    bodies: tuple[SeenBody, ...],
+    bodies: tuple[DrawnBody, ...],
     *,
     title: str,
     scale: float | None = None,
@@ -77,7 +77,7 @@ def contact_scene(
     half = 0.5 * max(patch.bounds[1] - patch.bounds[0], patch.bounds[3] - patch.bounds[2])
     view = new_plotter((1, 2), size=(1600, 900), off_screen=off_screen)
     meshes = [(body, bodies_mesh(body.whole)) for body in bodies]
-    largest = max(float(mesh[MOVED].max()) for _, mesh in meshes)
+    largest = max(float(mesh[DISPLACEMENT].max()) for _, mesh in meshes)
     scale = round_scale(SHOWN / (1e-3 * largest)) if scale is None else scale
     _left(view, meshes, patch, middle, scale, largest)
     peak = float(patch[PRESSURE].max())
@@ -109,25 +109,27 @@ def round_scale(value: float) -> float:
 
 
 def _left(
-    view: Any, meshes: list[tuple[SeenBody, Any]], patch: Any, middle: Array, scale: float, largest: float
+    view: Any, meshes: list[tuple[DrawnBody, Any]], patch: Any, middle: Array, scale: float, largest: float
 ) -> None:
     lower = None
     for number, (body, mesh) in enumerate(meshes):
-        lift = LIFT if body.upper and len(meshes) > 1 else 0.0
-        deformed(view, mesh, scale=scale, lift=lift, top=middle[2] + HIGH, largest=largest, bar=number == 0)
+        offset_z = SEPARATION if body.upper and len(meshes) > 1 else 0.0
+        deformed(
+            view, mesh, scale=scale, offset_z=offset_z, top=middle[2] + UPPER_HEIGHT, largest=largest, bar=number == 0
+        )
         if lower is None or not body.upper:
             lower = mesh
-    patch_pressure(view, riding(patch, lower, scale))
+    patch_pressure(view, displaced_with(patch, lower, scale))
     _frame(view, direction=np.array([1.0, -0.9, 0.42]))
 
 
-def _right(view: Any, bodies: tuple[SeenBody, ...], patch: Any, middle: Array, half: float) -> None:
-    gap, reach = APART * half, REACH * half
+def _right(view: Any, bodies: tuple[DrawnBody, ...], patch: Any, middle: Array, half: float) -> None:
+    gap, reach = CUT_SEPARATION * half, REACH * half
     cuts = [(body, bodies_mesh(cut)) for body in bodies for cut in body.cuts]
     largest = max(float(mesh[MISES].max()) for _, mesh in cuts)
     for number, (body, mesh) in enumerate(cuts):
-        lift = gap if body.upper and len(bodies) > 1 else 0.0
-        stress_cut(view, mesh, around=middle, reach=reach, largest=largest, lift=lift, bar=number == 0)
+        offset_z = gap if body.upper and len(bodies) > 1 else 0.0
+        stress_cut(view, mesh, around=middle, reach=reach, largest=largest, offset_z=offset_z, bar=number == 0)
     patch_pressure(view, patch)
     _frame(view, direction=np.array([1.0, -1.15, 0.5]))
 

@@ -49,8 +49,8 @@ def _with_lenses() -> None:
     from trame_vtk.modules.vtk.serializers.registry import register_instance_serializer
     from trame_vtk.modules.vtk.serializers.render_windows import camera_serializer
 
-    def whole(parent: Any, camera: Any, *more: Any) -> Any:
-        serialized = camera_serializer(parent, camera, *more)
+    def whole(parent: Any, camera: Any, *arguments: Any) -> Any:
+        serialized = camera_serializer(parent, camera, *arguments)
         serialized["properties"] |= {
             "viewAngle": camera.GetViewAngle(),
             "parallelProjection": camera.GetParallelProjection(),
@@ -67,14 +67,14 @@ def _with_lenses() -> None:
 def _without_downloads() -> Iterator[None]:
     """Prevent the exporter from downloading the WebAssembly viewer, which these pages do not use."""
     name = "trame.widgets.vtklocal"
-    before = sys.modules.get(name)
+    module = sys.modules.get(name)
     sys.modules[name] = None  # type: ignore[assignment]
     try:
         yield
     finally:
         del sys.modules[name]
-        if before is not None:
-            sys.modules[name] = before
+        if module is not None:
+            sys.modules[name] = module
 
 
 def _literal(text: str) -> str:

@@ -6,28 +6,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.views.animation import Animation
+from wheelrail.scenes.views.animation import Animation, RunBodies
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.contact.kinematics.wheelset_state import Mounting
-    from wheelrail.meshes.profiles.profile import Profile
 
-
-def hardest(data: Dataset) -> int:
+def largest_force_sample(data: Dataset) -> int:
     """Index of the sample with the largest absolute lateral force on a wheel."""
     force = np.abs(data["lateral_force"].transpose("time", "side").values).max(axis=1)
     return int(np.argmax(np.where(np.isfinite(force), force, -1.0)))
 
 
-def moment_view(
+def sample_view(
     data: Dataset,
     index: int,
+    bodies: RunBodies,
     *,
-    wheel: Profile,
-    rail: Profile,
-    mounting: Mounting,
     title: str = "",
     scale: float = 1.0,
 ) -> Any:
@@ -36,8 +31,7 @@ def moment_view(
     Parameters:
         data: Dataset of the run.
         index: of the sample.
-        wheel, rail: profiles, the rail inclined.
-        mounting: positions of wheels on the axle and rails in the track.
+        bodies: profiles and mounting of wheel and rail.
         title: of the view.
         scale: displacement magnification factor of the wheelset in the upper pane.
 
@@ -46,7 +40,7 @@ def moment_view(
     count = data.sizes["time"]
     if not -count <= index < count:
         raise IndexError(f"index = {index}: the run has {count} samples")
-    animation = Animation(data, wheel, rail, mounting, scale)
+    animation = Animation(data, bodies, scale)
     animation.show(index % count)
     animation.view.title = title
     return animation.view

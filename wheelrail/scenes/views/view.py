@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,25 @@ if TYPE_CHECKING:
 
     from wheelrail.meshes.profiles.profile import Profile
     from wheelrail.scenes.contacts.side_solution import SideSolution
+    from wheelrail.scenes.views.animation import RunBodies
+
+
+@dataclass(frozen=True)
+class ViewOptions:
+    """What a 3D view shows.
+
+    Parameters:
+        title: of the view.
+        body: "both", or the name of one body.
+        scale: displacement magnification factor; a round number by default.
+        off_screen: whether to render without a window; by default without a display only.
+    """
+
+    title: str
+    body: str = "both"
+    scale: float | None = None
+    off_screen: bool | None = None
+
 
 NO_BODIES = 'model = "standard": contains no elastic bodies; must be "condensed" or "full"'
 
@@ -37,7 +57,7 @@ def view_scene(
         title: of the view.
         side: "left" or "right" wheel; the first side of the scene by default.
         report_progress: called with a text at every stage.
-        options: body and scale as for `view_side`.
+        options: body and scale as of `ViewOptions`.
 
     Raises SceneError for a side or a body that the scene does not have, RunFailed without contact.
     """
@@ -49,19 +69,17 @@ def view_scene(
     if scene.model == "standard":
         raise SceneError(NO_BODIES)
     solved = dict(solve_sides(scene, report_progress=report_progress))[chosen]
-    return view_side(scene, chosen, solved, title=title, report_progress=report_progress, off_screen=True, **options)
+    view_options = ViewOptions(title, off_screen=True, **options)
+    return view_side(scene, chosen, solved, view_options, report_progress=report_progress)
 
 
 def view_side(
     scene: HertzScene | WheelsetScene,
     side: str,
     solved: SideSolution,
+    options: ViewOptions,
     *,
-    title: str,
     profiles: tuple[Profile, Profile] | None = None,
-    body: str = "both",
-    scale: float | None = None,
-    off_screen: bool | None = None,
     report_progress: ReportProgress = lambda _: None,
 ) -> Any:
     """Draw the contact of one side, see `wheelrail.scenes.views.contact_view`.
@@ -70,20 +88,17 @@ def view_side(
         scene: of the contact.
         side: "left", "right" or "contact".
         solved: solution of the side.
-        title: of the view.
+        options: of the view.
         profiles: of wheel and inclined rail; those of the scene by default.
-        body: "both", or the name of one body.
-        scale: displacement magnification factor; a round number by default.
-        off_screen: whether to render without a window.
         report_progress: called with a text at every stage.
 
     Stress and displacement are those of waveguide bodies under the computed tractions, for all models. Returns the
     plotter. Raises SceneError and RunFailed as `view_scene`.
     """
-    from wheelrail.contact.stress.waveguide_fields import look_inside
-    from wheelrail.scenes.views.contact_view import SeenBody, contact_scene
+    from wheelrail.contact.stress.waveguide_fields import internal_fields
+    from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene
 
-    names = bodies_of(scene, body)
+    names = bodies_of(scene, options.body)
     if scene.model == "standard":
         raise SceneError(NO_BODIES)
     result, pose = solved.result, solved.pose
@@ -93,21 +108,21 @@ def view_side(
     right = side == "right"  # solved as its mirror image
     for name, loaded in loaded_bodies(scene, pose.mirrored() if right else pose, names, profiles).items():
         report_progress(f"displacement and stress in the {name}")
-        inside = look_inside(loaded, result)
-        main = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
-        fields = [inside.strip(), inside.across(main), inside.along(main)]
+        internal = internal_fields(loaded, result)
+        main_patch = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
+        fields = [internal.strip(), internal.across(main_patch), internal.along(main_patch)]
         whole, *cuts = [field.mirrored() for field in fields] if right else fields
-        drawn_bodies.append(SeenBody(name, loaded.upper, whole, tuple(cuts)))
+        drawn_bodies.append(DrawnBody(name, loaded.upper, whole, tuple(cuts)))
     report_progress("drawing")
     load = 1e-3 * sum(patch.normal_force for patch in result.patches)
-    heading = title if side == "contact" else f"{title}, {side} wheel"
+    heading = options.title if side == "contact" else f"{options.title}, {side} wheel"
     return contact_scene(
         result,
         tuple(drawn_bodies),
         title=f"{heading}, {load:.4g} kN",
-        scale=scale,
+        scale=options.scale,
         mirrored=right,
-        off_screen=off_screen,
+        off_screen=options.off_screen,
     )
 
 
@@ -136,7 +151,7 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
     bodies = bodies_of_run(data, results)
     from wheelrail.scenes.views.animation import animate_run
 
-    animate_run(data, out, progress=progress, **bodies, **options)
+    animate_run(data, out, bodies, progress=progress, **options)
 
 
 def read_run(file: Path) -> Dataset:
@@ -147,7 +162,7 @@ def read_run(file: Path) -> Dataset:
     return data
 
 
-def bodies_of_run(data: Dataset, file: Path) -> dict[str, Any]:
+def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
     """Profiles of wheel and inclined rail and the mounting, from the scene of a run.
 
     Parameters:
@@ -162,7 +177,9 @@ def bodies_of_run(data: Dataset, file: Path) -> dict[str, Any]:
     return bodies_of_scene(scene)
 
 
-def bodies_of_scene(scene: RunScene) -> dict[str, Any]:
+def bodies_of_scene(scene: RunScene) -> RunBodies:
     """The same from the scene itself."""
+    from wheelrail.scenes.views.animation import RunBodies
+
     wheel, rail = laid_profiles(scene)
-    return {"wheel": wheel, "rail": rail, "mounting": mounted(scene, rail)}
+    return RunBodies(wheel, rail, mounted(scene, rail))
