@@ -78,7 +78,7 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
     with in_parallel(own) if variant.workers == 2 else nullcontext(own) as both:
         began = perf_counter()
         history = simulate(
-            Dynamics(wagon(scene), track(scene), both, scene.vehicle.drive),
+            Dynamics(wagon(scene), track(scene), both, scene.vehicle.speed_profile),
             (0.0, seconds),
             steps=StepSettings(variant.method, variant.rtol, 1e-3 * variant.rtol),
             recording=Recording(EVERY),

@@ -79,7 +79,7 @@ class TrackSegment:
         return replace(self.contact, model=replace(model, options=replace(model.options, **options)))
 
     def dynamics(self, contact: VehicleContact) -> Dynamics:
-        return Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.drive)
+        return Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile)
 
     @cached_property
     def steady(self) -> Equilibrium:
@@ -135,7 +135,7 @@ class TrackSegment:
                 raise RuntimeError(f"the reference run is {100 * share:.0f} % done after {patience:g} s")
 
         return simulate(
-            Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.drive),
+            Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile),
             (self.start, self.start + self.seconds),
             initial=self.initial,
             steps=StepSettings(method, rtol, atol),

@@ -64,7 +64,7 @@ class RobustnessCase:
         if self.seed is None:
             return smooth
         uneven = ERRI["high"].irregularities(self.speed * self.span[1] + 50.0, seed=self.seed)
-        return Track(smooth.curvature, smooth.lift, smooth.gradient, smooth.base, uneven)
+        return Track(smooth.curvature, smooth.superelevation, smooth.gradient, smooth.base, uneven)
 
     def start(self, wagon: Wagon, contact: VehicleContact) -> Array | None:
         """Initial state with the additional rates, if any."""

@@ -14,11 +14,11 @@ from benchmarks.stability.sample import RADIUS, SampledCase
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.fitted.surfaces import ProfileStrips
-from wheelrail.meshes.bodies.solids import wheel_touches
+from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.named import named_profile
 
 PENETRATION = 0.55  # of the maximum penetration
-FIRST, LAST = wheel_touches(named_profile("S1002"))
+FIRST, LAST = wheel_contact_range(named_profile("S1002"))
 LINES = np.linspace(FIRST, LAST, 400)  # m of the wheel's arc
 LOWEST, HIGHEST = -0.05, 0.02  # m, of the depth
 DEEPEST = 1e-3  # m of penetration
@@ -33,7 +33,7 @@ def depth_for(case: SampledCase) -> float:
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
 
     def overlap(depth: float) -> float:
-        return float(surfaces.ridge(case.at(depth)[0], LINES).overlap.max())
+        return float(surfaces.penetration_profile(case.at(depth)[0], LINES).penetration.max())
 
     def excess(depth: float) -> float:
         return _load(surfaces, case, depth) - case.load
@@ -54,7 +54,7 @@ def depth_for(case: SampledCase) -> float:
 def overlap_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, float]]) -> float:
     """Largest penetration outside lateral bands [m] of the wheel's profile over that inside, or a line next to them."""
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
-    overlap = surfaces.ridge(pose, LINES).overlap
+    overlap = surfaces.penetration_profile(pose, LINES).penetration
     y = surfaces.wheel.point(LINES)[:, 0]
     aside = float(np.diff(LINES).max())
     inside = np.zeros(len(y), dtype=bool)
@@ -68,16 +68,16 @@ def _load(surfaces: ProfileStrips, case: SampledCase, depth: float) -> float:
     """Vertical force N."""
     steel = Material()
     pose = case.at(depth)[0]
-    ridge = surfaces.ridge(pose, LINES)
-    deepest = int(np.argmax(ridge.overlap))
-    inside = ridge.overlap - (1 - PENETRATION) * ridge.overlap[deepest]
-    if ridge.overlap[deepest] <= 0:
+    ridge = surfaces.penetration_profile(pose, LINES)
+    deepest = int(np.argmax(ridge.penetration))
+    inside = ridge.penetration - (1 - PENETRATION) * ridge.penetration[deepest]
+    if ridge.penetration[deepest] <= 0:
         return 0.0
     # strips finer than the lines, about the deepest one
     low, high = LINES[np.flatnonzero(inside > 0)[[0, -1]]]
     s = np.linspace(low - 1e-4, high + 1e-4, 80)
-    at = surfaces.ridge(pose, s)
-    half2 = np.maximum(2 * (at.overlap - (1 - PENETRATION) * ridge.overlap[deepest]) / at.bend, 0.0)
+    at = surfaces.penetration_profile(pose, s)
+    half2 = np.maximum(2 * (at.penetration - (1 - PENETRATION) * ridge.penetration[deepest]) / at.curvature, 0.0)
     t = (np.arange(40) + 0.5) / 20 - 1
     root = np.sqrt(half2)[:, None] * np.sqrt(1 - t * t)
     x, y = np.sqrt(half2)[:, None] * t, (s - LINES[deepest])[:, None]
@@ -85,4 +85,4 @@ def _load(surfaces: ProfileStrips, case: SampledCase, depth: float) -> float:
     share = weight.sum() / max((weight / np.maximum(np.hypot(x, y), 1e-6)).sum(), 1e-300)
     upright = np.abs(surfaces.wheel.normal(s)[:, 1])
     cosine = float((weight.sum(axis=1) * upright).sum() / max(weight.sum(), 1e-300))
-    return float(np.pi * steel.E * ridge.overlap[deepest] / (2 * (1 - steel.nu**2)) * share * cosine)
+    return float(np.pi * steel.E * ridge.penetration[deepest] / (2 * (1 - steel.nu**2)) * share * cosine)

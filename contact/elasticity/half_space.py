@@ -15,18 +15,18 @@ from scipy.special import iti0k0, k0, k1
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
-TERMS = 40  # of the series of `floor_correction`, for arguments up to 10
+TERMS = 40  # of the series of `cutoff_correction`, for arguments up to 10
 
 
-def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: float) -> Array:
+def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, cutoff: float) -> Array:
     """Mean displacement (nk, R, C, 4) of strips by harmonic unit loads per length along x on strips; unit modulus.
 
     Parameters:
         k: (nk,) 1/m, wavenumbers.
         rows, columns: (R, 2) and (C, 2) m, lateral bounds of displaced and of loaded strips.
         nu: Poisson's ratio.
-        floor: 1/m, low-wavenumber cut-off: the transform of 1/r, singular like ln k at k = 0, is taken at
-            sqrt(k^2 + floor^2); see `floor_correction`.
+        cutoff: 1/m, low-wavenumber cut-off: the transform of 1/r, singular like ln k at k = 0, is taken at
+            sqrt(k^2 + cutoff^2); see `cutoff_correction`.
 
     Components: along x, across, normal, and along x by across (sine by cosine).
     """
@@ -39,7 +39,7 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, floor: f
         return np.asarray(z * k0(z) - np.where(z < 40.0, iti0k0(np.minimum(z, 40.0))[1], 0.5 * np.pi))
 
     widths = (rows[:, 1] - rows[:, 0])[:, None] * (columns[:, 1] - columns[:, 0])
-    regularised, plain = np.hypot(k, floor), np.maximum(k, 1e-9 * k[-1])
+    regularised, plain = np.hypot(k, cutoff), np.maximum(k, 1e-9 * k[-1])
     K0 = second_difference(rows, columns, lambda y: second_antiderivative(_phases(regularised, y)), 0.0)
     zK1 = second_difference(rows, columns, lambda y: _phases(regularised, y) * k1(_phases(regularised, y)), 1.0) + K0
     yK0 = second_difference(rows, columns, lambda y: antiderivative(_phases(plain, y)), 0.0, odd=True)
@@ -118,22 +118,22 @@ def _distances(sides: Array) -> tuple[Nodes, Array, Nodes]:
     return side_number, distances[:count], distance_number.reshape(E, E)
 
 
-def floor_correction(x: Array, floor: float, nu: float) -> Array:
-    """G (nodes, 3) missing in the flexibility at sqrt(k^2 + floor^2): along x, across, normal; equal for all strips.
+def cutoff_correction(x: Array, cutoff: float, nu: float) -> Array:
+    """G (nodes, 3) missing in the flexibility at sqrt(k^2 + cutoff^2): along x, across, normal; equal for all strips.
 
     Parameters:
         x: (nodes,) m, distances.
-        floor: 1/m, low-wavenumber cut-off.
+        cutoff: 1/m, low-wavenumber cut-off.
         nu: Poisson's ratio.
 
-    The difference of ln k and its regularised form is a compliance (1 - exp(-floor x)) / (2 x).
+    The difference of ln k and its regularised form is a compliance (1 - exp(-cutoff x)) / (2 x).
     """
-    z = floor * np.abs(x)
+    z = cutoff * np.abs(x)
     total, term = np.zeros_like(z), np.ones_like(z)
     for m in range(TERMS):
         total += term / ((m + 1) * (m + 1) * (m + 2))  # term: z^m (-1)^m / m!
         term *= -z / (m + 1)
-    correction = 2 * (1 + nu) / np.pi * 0.5 * floor * x * x * total
+    correction = 2 * (1 + nu) / np.pi * 0.5 * cutoff * x * x * total
     return np.asarray(correction[:, None] * np.array([1.0, 1 - nu, 1 - nu]))
 
 
@@ -169,12 +169,12 @@ def second_difference(
     row, column = number[: rows.size].reshape(rows.shape), number[rows.size :].reshape(columns.shape)
     first, second = np.triu_indices(len(edges), 1)
     span = np.ptp(edges)
-    distances, place = np.unique(np.round((edges[second] - edges[first]) / span, 12), return_inverse=True)
+    distances, position = np.unique(np.round((edges[second] - edges[first]) / span, 12), return_inverse=True)
     values = of(np.maximum(distances, 1e-12) * span)
     v = np.empty((len(values), len(edges), len(edges)))
     v[:] = np.asarray(same).reshape(-1, 1, 1)
-    v[:, second, first] = values[:, place]
-    v[:, first, second] = -values[:, place] if odd else values[:, place]
+    v[:, second, first] = values[:, position]
+    v[:, first, second] = -values[:, position] if odd else values[:, position]
     if (row[:, 1] == row[:, 0] + 1).all() and (column[:, 1] == column[:, 0] + 1).all():
         steps = np.diff(np.diff(v, axis=1), axis=2)
         return np.asarray(-steps[:, row[:, 0]][:, :, column[:, 0]])

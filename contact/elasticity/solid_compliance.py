@@ -64,8 +64,8 @@ class SurfaceCompliance:
         for direction in directions:
             if not self._filled[nodes, direction].all():
                 self._fill(nodes[~self._filled[nodes, direction]], direction)
-        place = (3 * nodes[:, None] + np.asarray(directions)).ravel()
-        return np.asarray(self._matrix[place[:, None], place])
+        unknowns = (3 * nodes[:, None] + np.asarray(directions)).ravel()
+        return np.asarray(self._matrix[unknowns[:, None], unknowns])
 
     def _fill(self, nodes: Nodes, direction: int) -> None:
         row, line = np.divmod(nodes, self.shape[1])

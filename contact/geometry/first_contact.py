@@ -29,7 +29,7 @@ class FirstContact:
         x: m, along the rail from the axle.
         point: (3,) m.
         normal: (3,), outward from the rail.
-        overlap: m, penetration.
+        penetration: m.
     """
 
     wheel_s: float
@@ -37,7 +37,7 @@ class FirstContact:
     x: float
     point: Array
     normal: Array
-    overlap: float
+    penetration: float
 
 
 def contact_point(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> FirstContact:
@@ -54,11 +54,11 @@ def contact_point(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState
     """
     pose, _ = mounting.left_pair(state)
     contact = _largest_penetration(pair, pose)
-    if contact.overlap > 0.0:
+    if contact.penetration > 0.0:
         return contact
-    distance = NUDGE - contact.overlap
+    distance = NUDGE - contact.penetration
     closer = _largest_penetration(pair, Pose(pose.origin - distance * contact.normal, pose.rotation))
-    return replace(closer, point=closer.point + distance * contact.normal, overlap=closer.overlap - distance)
+    return replace(closer, point=closer.point + distance * contact.normal, penetration=closer.penetration - distance)
 
 
 def _largest_penetration(pair: RigidWheelRail, pose: Pose) -> FirstContact:
@@ -97,7 +97,7 @@ def first_contacts(
             contacts: dict[Side, FirstContact] = {side: contact_point(pair, mounting, states[side]) for side in SIDES}
         except ValueError as error:
             raise ValueError(f"y = {state.y:.6g} m: {error}") from None
-        residual = np.array([contacts[side].overlap - TOUCH for side in SIDES])
+        residual = np.array([contacts[side].penetration - TOUCH for side in SIDES])
         if np.abs(residual).max() < TOLERANCE:
             return state, contacts
         slope = np.array([_gradient(mounting, states[side], contacts[side]) for side in SIDES])
@@ -118,7 +118,7 @@ def _gradient(mounting: Mounting, state: WheelsetState, contact: FirstContact) -
     return -float(contact.normal[2]), -float(contact.normal @ displacement)
 
 
-def seats(
+def first_contacts_over(
     pair: RigidWheelRail, mounting: Mounting, y: Array, yaw: float = 0.0
 ) -> list[tuple[WheelsetState, dict[Side, FirstContact]]]:
     """Height, roll and contact points at every lateral position, as `first_contacts`.

@@ -21,14 +21,14 @@ from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
 VIRTUAL = 0.55  # penetration of the virtual bodies over that of the elastic ones, Piotrowski and Kik 2008
-APART = 1.5  # times the merging distance: two maxima further apart are separate contacts
+SEPARATION = 1.5  # times the merging distance: two maxima further apart are separate contacts
 _GAUSS, _WEIGHTS = roots_legendre(8)
 HALF = 0.5 * (_GAUSS + 1.0)
 # positions and widths from 0 to 1 of the strips of half a region, denser at the maximum
-PLACES = HALF * HALF
+POSITIONS = HALF * HALF
 WIDTHS = HALF * _WEIGHTS
-LEAST = 1e-15  # m: smallest penetration of a strip, for a length above zero
-STEEPEST = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
+MIN_PENETRATION = 1e-15  # m: smallest penetration of a strip, for a length above zero
+MIN_SLOPE_COSINE = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
 
 
 class PenetrationRegions(NamedTuple):
@@ -38,23 +38,23 @@ class PenetrationRegions(NamedTuple):
         peak: (k,) m, position of the maximum on the upper body's profile.
         peak_x: (k,) m, longitudinal position of the maximum.
         depth: (k,) m, penetration.
-        share: (k,), weight of the contact, 0 to 1.
+        weight: (k,), weight of the contact, 0 to 1.
         contact: (n,), contact of each strip.
         s, x: (n,) m, position on the upper body.
         width: (n,) m.
-        overlap: (n,) m, penetration of the virtual bodies.
+        penetration: (n,) m, of the virtual bodies.
         radius: (n,) m, along x.
     """
 
     peak: Array
     peak_x: Array
     depth: Array
-    share: Array
+    weight: Array
     contact: Nodes
     s: Array
     x: Array
     width: Array
-    overlap: Array
+    penetration: Array
     radius: Array
 
 
@@ -82,7 +82,7 @@ def merging_weights(top: Array, low: Array, merge: float) -> tuple[Array, Array]
             height, other_height = top[i, 1], top[j, 1]
             minimum = low[min(i, j) : max(i, j), 1].min()
             lower = min(height, other_height)
-            apart = fade((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (APART - 1.0))
+            apart = fade((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (SEPARATION - 1.0))
             separate = fade((lower - minimum) / (VIRTUAL * lower)) * apart
             # which is higher, blended within the depth of the minimum
             dominated = (
@@ -110,7 +110,7 @@ def wheel_regions(
     top, low, before, approach = local_maxima(wheel, rail, radius, origin, rotation, places, samples)
     beyond = depth[0] > 0.0 or depth[-1] > 0.0
     weight, reach = merging_weights(top, low, merge)
-    m = len(PLACES)
+    m = len(POSITIONS)
     contacts = np.empty((len(top), 4))
     contact, strips = np.empty(MAXIMA * MAXIMA * 2 * m, dtype=np.int64), np.empty((MAXIMA * MAXIMA * 2 * m, 5))
     count, n = 0, 0
@@ -148,12 +148,15 @@ def wheel_regions(
                     )
                 x, near = top[j, 2], sample[before[j]]
                 for q in range(m):
-                    s = middle + (edge - middle) * PLACES[q]
+                    s = middle + (edge - middle) * POSITIONS[q]
                     d, _, x, near = deepest(wheel, rail, radius, origin, rotation, s, x, near)
                     z, t, _ = local(wheel, s, piece(wheel, s))
                     contact[n], strips[n, 0], strips[n, 1] = count, s, x
-                    strips[n, 2], strips[n, 3] = abs(edge - middle) * WIDTHS[q], max(reach[k, j] * (d - level), LEAST)
-                    strips[n, 4] = (z.imag + radius) / max(t.real, STEEPEST)
+                    strips[n, 2], strips[n, 3] = (
+                        abs(edge - middle) * WIDTHS[q],
+                        max(reach[k, j] * (d - level), MIN_PENETRATION),
+                    )
+                    strips[n, 4] = (z.imag + radius) / max(t.real, MIN_SLOPE_COSINE)
                     n += 1
         count += 1
     return approach, beyond, contacts[:count], contact[:n], strips[:n]
@@ -180,9 +183,9 @@ def profile_regions(
         raise ValueError("the wheel overlaps the rail beyond the part of its surface that can contact rails")
     if not len(contacts):
         return None, approach
-    peak, peak_x, depth, share = contacts.T
-    place, x, width, overlap, radii = strips.T
-    return PenetrationRegions(peak, peak_x, depth, share, contact, place, x, width, overlap, radii), approach
+    peak, peak_x, depth, weight = contacts.T
+    s, x, width, penetration, radii = strips.T
+    return PenetrationRegions(peak, peak_x, depth, weight, contact, s, x, width, penetration, radii), approach
 
 
 def quadric_regions(
@@ -201,7 +204,7 @@ def quadric_regions(
     if approach <= 0.0:
         return None, approach
     half = np.sqrt(VIRTUAL * approach / B)
-    offset = half * np.concatenate([-PLACES, PLACES])
+    offset = half * np.concatenate([-POSITIONS, POSITIONS])
     ones = np.ones_like(offset)
     return PenetrationRegions(
         np.array([y]),

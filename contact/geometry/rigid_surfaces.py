@@ -12,7 +12,7 @@ from wheelrail.contact.geometry.interpenetration import PenetrationRegions, prof
 from wheelrail.contact.geometry.rigid_search import Lines
 from wheelrail.contact.geometry.wheel_surface import wheel_points
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.meshes.bodies.solids import wheel_touches
+from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
@@ -23,7 +23,7 @@ MERGE = 4e-3  # m: half the width of a patch on a rail head; two such ellipses a
 class RigidPair(Protocol):
     """Two interpenetrating rigid surfaces."""
 
-    def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
+    def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         """Interpenetration regions (None without contact) and the largest penetration m.
 
         Raises ValueError for a penetration beyond the sampled lines.
@@ -66,11 +66,11 @@ class RigidWheelRail:
 
     @cached_property
     def lines(self) -> Lines:
-        start, stop = wheel_touches(self.wheel)
+        start, stop = wheel_contact_range(self.wheel)
         s = np.linspace(start, stop, int(np.ceil((stop - start) / SPACING)) + 1, dtype=np.float64)
         return Lines.of(self.wheel, self.rail, s)
 
-    def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
+    def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
@@ -93,7 +93,7 @@ class RigidQuadrics:
     upper: tuple[float, float]
     lower: tuple[float, float]
 
-    def zones(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
+    def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return quadric_regions(self.upper, self.lower, pose)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:

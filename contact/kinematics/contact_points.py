@@ -12,14 +12,14 @@ class PointSensitivity(Protocol):
     """Sensitivity of contact points to the wheel's frame, see `wheelrail.contact.kinematics.sensitivity`."""
 
     @property
-    def rides(self) -> bool:
+    def moves_with_wheel(self) -> bool:
         """Whether the points move with the wheel."""
 
-    def overlap(self, places: SurfacePoints, origin: Array, /) -> Array:
+    def penetration(self, points: SurfacePoints, origin: Array, /) -> Array:
         """Derivative (6, n) of the penetration by translation of the frame and rotation about its origin.
 
         Parameters:
-            places: the n points.
+            points: n points.
             origin: (3,) m of the wheel's frame.
         """
 
@@ -32,22 +32,22 @@ class SurfacePoints:
         point: (n, 3) m.
         axes: (n, 3, 3), rows longitudinal, lateral, normal outward from the wheel.
         area: (n,) m2.
-        overlap: (n,) m, undeformed penetration.
+        penetration: (n,) m, undeformed penetration.
         wheel_rotation: (3, 3), from wheel axes to rail axes.
         step: (n,) m, length of the point's cell along the rolling direction.
         wheel_place, rail_place: (n, 2) m, arc length and lateral position on the profiles.
-        follows: sensitivity to the wheel's frame; None: the force has no tangent.
+        sensitivity: sensitivity to the wheel's frame; None: the force has no tangent.
     """
 
     point: Array
     axes: Array
     area: Array
-    overlap: Array
+    penetration: Array
     wheel_rotation: Array
     step: Array
     wheel_place: Array
     rail_place: Array
-    follows: PointSensitivity | None = field(default=None, kw_only=True)
+    sensitivity: PointSensitivity | None = field(default=None, kw_only=True)
 
 
 class OutsideSurface(ValueError):

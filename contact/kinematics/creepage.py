@@ -24,7 +24,7 @@ def creepage(points: SurfacePoints, motion: RigidMotion) -> tuple[float, Array]:
     Raises NotRolling unless V > 0.
     """
     wheel, rail = motion.wheel.at(points.point), motion.rail.at(points.point)
-    weight = points.overlap * points.area
+    weight = points.penetration * points.area
     flow = ((wheel + rail) / 2 * points.axes[:, 0]).sum(axis=1)
     speed = -float(weight @ flow / weight.sum())
     if not speed > 0:

@@ -15,7 +15,7 @@ from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.meshes.curves.curve import Curve
 from wheelrail.support.arrays import Array
 
-SHIFT = np.vstack([np.eye(3), np.zeros((3, 3))])  # translation in each of the six rigid changes
+TRANSLATIONS = np.vstack([np.eye(3), np.zeros((3, 3))])  # translation in each of the six rigid changes
 
 
 def skew(rotation: Array) -> Array:
@@ -24,17 +24,19 @@ def skew(rotation: Array) -> Array:
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-TURN = np.concatenate([np.zeros((3, 3, 3)), [skew(e) for e in np.eye(3)]])  # matrix of the rotation in each of the six
+ROTATIONS = np.concatenate(
+    [np.zeros((3, 3, 3)), [skew(e) for e in np.eye(3)]]
+)  # matrix of the rotation in each of the six
 
 
-def turned(vectors: Array) -> Array:
+def rotation_derivative(vectors: Array) -> Array:
     """Derivative (6, n, 3) of vectors (n, 3) that rotate with a body."""
-    return np.asarray(vectors @ TURN.transpose(0, 2, 1))
+    return np.asarray(vectors @ ROTATIONS.transpose(0, 2, 1))
 
 
-def carried(arms: Array) -> Array:
+def displacement_derivative(arms: Array) -> Array:
     """Derivative (6, n, 3) of points of a body from their distances (n, 3) m to the centre of rotation."""
-    return np.asarray(turned(arms) + SHIFT[:, None])
+    return np.asarray(rotation_derivative(arms) + TRANSLATIONS[:, None])
 
 
 @dataclass(frozen=True)
@@ -43,26 +45,26 @@ class WheelPointSensitivity:
 
     Parameters:
         rail: curve of the rail's profile.
-        rides: whether the points move with the wheel.
+        moves_with_wheel: whether the points move with the wheel.
     """
 
     rail: Curve
-    rides: bool = True
+    moves_with_wheel: bool = True
 
     @classmethod
     def of(cls, rail: Curve) -> WheelPointSensitivity:
         """Sensitivity with a copy of the rail's curve without its cached values."""
         return cls(Curve(rail.breaks, rail.coefficients))
 
-    def overlap(self, places: SurfacePoints, origin: Array) -> Array:
+    def penetration(self, points: SurfacePoints, origin: Array) -> Array:
         """Derivative (6, n) of the penetration (x - r) n_wheel; the projection moves in the rail's tangent only."""
-        s, wheel = places.rail_place[:, 0], places.axes[:, 2, 1:]
+        s, wheel = points.rail_place[:, 0], points.axes[:, 2, 1:]
         normal = self.rail.normal(s)
         tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
-        height = ((places.point[:, 1:] - self.rail.point(s)) * normal).sum(axis=1)  # negative inside
+        height = ((points.point[:, 1:] - self.rail.point(s)) * normal).sum(axis=1)  # negative inside
         along = (tangent * wheel).sum(axis=1) / (1 + self.rail.curvature(s) * height)
-        displacement = carried(places.point - origin)[:, :, 1:]
-        normal_change = turned(places.axes[:, 2])[:, :, 1:]
+        displacement = displacement_derivative(points.point - origin)[:, :, 1:]
+        normal_change = rotation_derivative(points.axes[:, 2])[:, :, 1:]
         return np.asarray(
             (displacement * (wheel - along[:, None] * tangent) + normal_change * (height[:, None] * normal)).sum(axis=2)
         )
@@ -74,50 +76,50 @@ class QuadricSensitivity:
 
     Parameters:
         radii: principal radii of the upper body in x and y, m.
-        rides: whether the points move with the body.
+        moves_with_wheel: whether the points move with the body.
     """
 
     radii: tuple[float, float]
-    rides: bool = False
+    moves_with_wheel: bool = False
 
-    def overlap(self, places: SurfacePoints, origin: Array) -> Array:
+    def penetration(self, points: SurfacePoints, origin: Array) -> Array:
         """Derivative (6, n) of the penetration -Z - (x - X)^2 / 2 R_x - (y - Y)^2 / 2 R_y - .."""
-        change = np.zeros((6, len(places.point)))
-        change[:2] = ((places.point - origin)[:, :2] / self.radii).T
+        change = np.zeros((6, len(points.point)))
+        change[:2] = ((points.point - origin)[:, :2] / self.radii).T
         change[2] = -1.0
         return change
 
 
-def rigid_slip(places: SurfacePoints, origin: Array, motion: RigidMotion, penetration: Array) -> tuple[Array, Array]:
+def rigid_slip(points: SurfacePoints, origin: Array, motion: RigidMotion, penetration: Array) -> tuple[Array, Array]:
     """Derivatives (12, 2 n) of `wheelrail.contact.kinematics.creepage.shift`, and (12,) of the speed of `creepage`.
 
     Parameters:
-        places: n contact points.
+        points: n contact points.
         origin: (3,) m of the wheel's frame.
         motion: of both bodies.
         penetration: (6, n), derivative of the penetration, by which the speed is weighted.
     """
-    assert places.follows is not None
-    wheel, rail, axes = motion.wheel, motion.rail, places.axes[:, :2]
-    rides = float(places.follows.rides)
-    displacement = rides * carried(places.point - origin)
-    reference = carried((wheel.reference - origin)[None])
+    assert points.sensitivity is not None
+    wheel, rail, axes = motion.wheel, motion.rail, points.axes[:, :2]
+    moves = float(points.sensitivity.moves_with_wheel)
+    displacement = moves * displacement_derivative(points.point - origin)
+    reference = displacement_derivative((wheel.reference - origin)[None])
     wheel_change = np.concatenate(
-        [(displacement - reference) @ skew(wheel.rotation).T, carried(places.point - wheel.reference)]
+        [(displacement - reference) @ skew(wheel.rotation).T, displacement_derivative(points.point - wheel.reference)]
     )
     rail_change = np.concatenate([displacement @ skew(rail.rotation).T, np.zeros_like(displacement)])
     wheel_velocity, rail_velocity = (
-        body.velocity + (places.point - body.reference) @ skew(body.rotation).T for body in (wheel, rail)
+        body.velocity + (points.point - body.reference) @ skew(body.rotation).T for body in (wheel, rail)
     )
     shift = np.einsum("nkc,jnc->jkn", axes, wheel_change - rail_change)
     flow = np.einsum("nc,jnc->jn", axes[:, 0], 0.5 * (wheel_change + rail_change))
-    if rides:
-        axes_change = np.stack([turned(axes[:, k]) for k in (0, 1)], axis=1)
+    if moves:
+        axes_change = np.stack([rotation_derivative(axes[:, k]) for k in (0, 1)], axis=1)
         shift[:6] += np.einsum("jknc,nc->jkn", axes_change, wheel_velocity - rail_velocity)
         flow[:6] += np.einsum("jnc,nc->jn", axes_change[:, 0], 0.5 * (wheel_velocity + rail_velocity))
-    weight = places.overlap * places.area
+    weight = points.penetration * points.area
     forward = (0.5 * (wheel_velocity + rail_velocity) * axes[:, 0]).sum(axis=1)
     total = weight.sum()
     speed = -flow @ weight / total
-    speed[:6] -= penetration @ (places.area * (forward - weight @ forward / total)) / total
+    speed[:6] -= penetration @ (points.area * (forward - weight @ forward / total)) / total
     return shift.reshape(12, -1), speed

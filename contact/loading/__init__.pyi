@@ -6,6 +6,6 @@ from .load_search import LoadSolution as LoadSolution
 from .load_search import find_depth_for_load as find_depth_for_load
 from .wheelset import WheelsetEquilibrium as WheelsetEquilibrium
 from .wheelset import axle_under_load as axle_under_load
-from .wheelset import placed as placed
 from .wheelset import wheel_under_load as wheel_under_load
 from .wheelset import wheels_under_load as wheels_under_load
+from .wheelset import wheelset_at_state as wheelset_at_state

@@ -131,11 +131,13 @@ def find_depth_for_load(
     raise LoadError(f"{load:g} N not reached in {MOST} solves, nearest {_nearest(best)}")
 
 
-def _slope(slope: float, last: tuple[float, float] | None, now: tuple[float, float], overlap: float) -> float:
+def _slope(
+    slope: float, previous: tuple[float, float] | None, current: tuple[float, float], penetration: float
+) -> float:
     """Slope of F^(2/3) by the secant through two solves in contact (depth and F^(2/3)), or by one's penetration m."""
-    if last is not None and now[1] != last[1] and now[0] != last[0]:
-        return (now[1] - last[1]) / (now[0] - last[0])
-    return now[1] / overlap if overlap > 0.0 else slope
+    if previous is not None and current[1] != previous[1] and current[0] != previous[0]:
+        return (current[1] - previous[1]) / (current[0] - previous[0])
+    return current[1] / penetration if penetration > 0.0 else slope
 
 
 def _nearest(best: LoadSolution) -> str:

@@ -44,7 +44,9 @@ class WheelsetEquilibrium:
     solves: int
 
 
-def placed(contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...] = SIDES) -> WheelsetEquilibrium:
+def wheelset_at_state(
+    contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...] = SIDES
+) -> WheelsetEquilibrium:
     """Contact of a wheelset at a given state.
 
     Parameters:

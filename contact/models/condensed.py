@@ -134,7 +134,7 @@ class CondensedContact:
         def solve(start: tuple[Array, Array] | None) -> Tractions:
             return solve_tractions(
                 operator,
-                points.overlap,
+                points.penetration,
                 rigid,
                 laws=self.laws,
                 speed=speed,

@@ -19,7 +19,7 @@ from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.fitted.surfaces import ProfileStrips
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.outlines import rail_outline, rim_outline, wheel_outline
-from wheelrail.meshes.bodies.solids import Strip, rail, rail_touches, wheel, wheel_touches
+from wheelrail.meshes.bodies.solids import Strip, rail, rail_contact_range, wheel, wheel_contact_range
 from wheelrail.meshes.profiles.profile import Profile
 
 if TYPE_CHECKING:
@@ -52,8 +52,8 @@ class ProfileBodies:
     def _half_spaces(self, size: float) -> Iterator[HalfSpaceInfluence]:
         wheel_profile, rail_profile = self.profiles
         for outline, ends, material in (
-            (wheel_outline(wheel_profile, self.radius), wheel_touches(wheel_profile), self.materials[0]),
-            (rail_outline(rail_profile), rail_touches(rail_profile), self.materials[1]),
+            (wheel_outline(wheel_profile, self.radius), wheel_contact_range(wheel_profile), self.materials[0]),
+            (rail_outline(rail_profile), rail_contact_range(rail_profile), self.materials[1]),
         ):
             arc = Strip.over(outline, ends, half_length=size, size=size).arc
             yield HalfSpaceInfluence.under(outline.surface(arc), arc, REACH, material)

@@ -56,7 +56,7 @@ def assemble_result(
             points.axes,
             points.area,
             points.step,
-            points.overlap,
+            points.penetration,
             pressure,
             traction,
             slip,

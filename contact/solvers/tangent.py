@@ -18,7 +18,7 @@ import scipy.linalg as la
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import MIRROR, RigidMotion
-from wheelrail.contact.kinematics.sensitivity import SHIFT, TURN, carried, rigid_slip, skew
+from wheelrail.contact.kinematics.sensitivity import ROTATIONS, TRANSLATIONS, displacement_derivative, rigid_slip, skew
 from wheelrail.contact.laws.linearised_friction import LinearisedFriction
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.options import IterationCount
@@ -70,12 +70,14 @@ class TangentProblem:
         index = np.flatnonzero(self.found.pressure > 0)
         a, axes = len(index), self.places.axes[index]
         # forces and moments (a, 3, 6) of unit tractions are their virtual work
-        units = (axes @ carried(self.places.point[index]).transpose(1, 2, 0)) * self.places.area[index, None, None]
+        units = (axes @ displacement_derivative(self.places.point[index]).transpose(1, 2, 0)) * self.places.area[
+            index, None, None
+        ]
         p, q = self._tractions(index)
         change: Array = -units[:, 2].T @ p
         if q is not None:
             change += units[:, 0].T @ q[:a] + units[:, 1].T @ q[a:]
-        if self.places.follows is not None and self.places.follows.rides:
+        if self.places.sensitivity is not None and self.places.sensitivity.moves_with_wheel:
             local = np.column_stack([self.found.tangential[index], -self.found.pressure[index]])
             change[:, :6] += co_moving_load(np.einsum("nk,nkj->j", local, units), self.origin)
         return change
@@ -83,12 +85,12 @@ class TangentProblem:
     def _tractions(self, index: Nodes) -> tuple[Array, Array | None]:
         """Derivatives of pressures (a, 12) and of tangential tractions (2 a, 12) at the active points."""
         places, n, a = self.places, len(self.places.area), len(index)
-        assert places.follows is not None
+        assert places.sensitivity is not None
         operator = self.operator
         body = operator if isinstance(operator, ContactCompliance) else ContactCompliance(operator, n, self.laws)
         active = self.found.pressure > 0
         factor = body.normal.of(active, IterationCount())
-        penetration = places.follows.overlap(places, self.origin)
+        penetration = places.sensitivity.penetration(places, self.origin)
         deepening = np.zeros((a, CHANGES))
         deepening[:, :6] = penetration[:, index].T / self.scale
         p = la.lu_solve(factor, deepening, check_finite=False)
@@ -140,8 +142,8 @@ class TangentProblem:
 def co_moving_load(load: Array, origin: Array) -> Array:
     """Derivative (6, 6) of a force and its moment (6,) that move and rotate with the wheel's frame."""
     force = load[:3]
-    rotated = TURN @ force
-    moment = SHIFT @ skew(force) + rotated @ skew(origin).T + TURN @ (load[3:] - skew(origin) @ force)
+    rotated = ROTATIONS @ force
+    moment = TRANSLATIONS @ skew(force) + rotated @ skew(origin).T + ROTATIONS @ (load[3:] - skew(origin) @ force)
     return np.asarray(np.hstack([rotated, moment]).T)
 
 
@@ -191,4 +193,4 @@ class ContactTangent:
 
 def tangent_of(problem: TangentProblem) -> ContactTangent | None:
     """Tangent for a result; None for points without a `PointSensitivity`."""
-    return None if problem.places.follows is None else ContactTangent(problem)
+    return None if problem.places.sensitivity is None else ContactTangent(problem)

@@ -19,7 +19,7 @@ PATCH = 20  # nodes for the cubic of the gradient at a point, at least 10
 def stress(
     body: WaveguideSection,
     loads: CellLoads,
-    places: Array,
+    points: Array,
     *,
     tolerance: float = 2e-3,
 ) -> tuple[Array, int]:
@@ -28,13 +28,13 @@ def stress(
     Parameters:
         body: section.
         loads: on its surface.
-        places: (m, 3) m, points inside the body; a body of revolution has its axle along y through the origin, angles
+        points: (m, 3) m, points inside the body; a body of revolution has its axle along y through the origin, angles
             measured forward from straight below.
         tolerance: of the interpolation between wavenumbers, relative to the integral of the largest stress amplitude.
 
     Raises ValueError for points outside the section, and RuntimeError if 400 wavenumbers do not suffice.
     """
-    coordinates = WaveguideCoordinates.of(body, places)
+    coordinates = WaveguideCoordinates.of(body, points)
     section_points, number = np.unique(np.round(coordinates.section, 12), axis=0, return_inverse=True)
     outside = ~inside(body, section_points)
     if outside.any():
@@ -49,7 +49,7 @@ def stress(
         tolerance=tolerance,
     )
     tensor = np.einsum("km,kmab->mab", response.weights(coordinates.along), response.samples[:, number]).real
-    return coordinates.turned(tensor), len(response.k)
+    return coordinates.rotated(tensor), len(response.k)
 
 
 class Gradients:
@@ -57,19 +57,19 @@ class Gradients:
 
     Parameters:
         body: section.
-        places: (m, 2) m, points of the section.
+        points: (m, 2) m, points of the section.
 
     They are of third order at edges and corners of cells as well, whereas those of the cells' own quadratics are of
     second order and discontinuous (recovery by polynomials: Zhang and Naga, doi 10.1137/S1064827503402837).
     """
 
-    def __init__(self, body: WaveguideSection, places: Array) -> None:
-        self.radius, self.places = body.radius, places
+    def __init__(self, body: WaveguideSection, points: Array) -> None:
+        self.radius, self.points = body.radius, points
         corners = body.section.points[body.section.surface]
-        self.depth = _depth(places, corners)
-        distance, self.near = cKDTree(body.points).query(places, k=min(PATCH, len(body.points)))
+        self.depth = _depth(points, corners)
+        distance, self.near = cKDTree(body.points).query(points, k=min(PATCH, len(body.points)))
         scale = distance[:, -1]
-        offset = (body.points[self.near] - places[:, None]) / scale[:, None, None]
+        offset = (body.points[self.near] - points[:, None]) / scale[:, None, None]
         a, b = offset[..., 0], offset[..., 1]
         powers = [a**i * b**j for i, j in CUBIC]
         # rows of the pseudo-inverse: value and slopes at the point as sums over the nodes
@@ -93,7 +93,7 @@ class Gradients:
         if self.radius is None:
             G[:, 0, 0], G[:, 1:, 0] = k * u[:, 0], 1j * k * u[:, 1:]
             return G
-        r = self.places[:, 1]
+        r = self.points[:, 1]
         n = k * self.radius
         G[:, 0, 0] = (n * u[:, 0] + u[:, 2]) / r
         G[:, 1, 0] = 1j * n * u[:, 1] / r
@@ -104,24 +104,24 @@ class Gradients:
 CUBIC = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))
 
 
-def inside(body: WaveguideSection, places: Array) -> Mask:
+def inside(body: WaveguideSection, points: Array) -> Mask:
     """Mask (m,) of points (m, 2) m inside the mesh, with a margin of 5 % of a cell for arcs beyond their chords."""
     a, b, c = np.moveaxis(body.section.points[body.section.cells], 1, 0)
     inverse = np.linalg.inv(np.stack([b - a, c - a], axis=-1))
-    result = np.empty(len(places), dtype=bool)
-    for start in range(0, len(places), 256):
-        barycentric = np.einsum("nab,mnb->mna", inverse, places[start : start + 256, None] - a)
+    result = np.empty(len(points), dtype=bool)
+    for start in range(0, len(points), 256):
+        barycentric = np.einsum("nab,mnb->mna", inverse, points[start : start + 256, None] - a)
         within = (barycentric > -0.05).all(axis=-1) & (barycentric.sum(axis=-1) < 1.05)
         result[start : start + 256] = within.any(axis=1)
     return result
 
 
-def _depth(places: Array, corners: Array) -> Array:
+def _depth(points: Array, corners: Array) -> Array:
     """Distance (m,) m of points (m, 2) m from the polyline through corners (n, 2) m."""
     a, d = corners[:-1], np.diff(corners, axis=0)
-    along = np.einsum("nmk,mk->nm", places[:, None] - a, d) / (d**2).sum(axis=1)
+    along = np.einsum("nmk,mk->nm", points[:, None] - a, d) / (d**2).sum(axis=1)
     foot = a + np.clip(along, 0.0, 1.0)[..., None] * d
-    return np.asarray(np.hypot(*(places[:, None] - foot).transpose(2, 0, 1)).min(axis=1))
+    return np.asarray(np.hypot(*(points[:, None] - foot).transpose(2, 0, 1)).min(axis=1))
 
 
 __all__ = ["CellLoads", "Gradients", "stress"]

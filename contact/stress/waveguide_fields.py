@@ -94,7 +94,7 @@ class InternalFields:
         coordinates = WaveguideCoordinates.over(self.section, stations, self.spots[chosen])
         response = WavenumberResponse(self.waves.k, self.waves.samples[:, chosen], *self._phases)
         values = response.at(stations).reshape(-1, 12)
-        return coordinates, coordinates.turned(values[:, 9:]), coordinates.turned(values[:, :9].reshape(-1, 3, 3))
+        return coordinates, coordinates.rotated(values[:, 9:]), coordinates.rotated(values[:, :9].reshape(-1, 3, 3))
 
     @property
     def _phases(self) -> tuple[float, float, float | None]:
@@ -105,7 +105,7 @@ class InternalFields:
 
     def _fields(self, stations: Array, chosen: Nodes, cells: Nodes, shape: Shape) -> BodyFields:
         coordinates, displacement, stress = self.at(stations, chosen)
-        return BodyFields(coordinates.places, cells, shape, displacement, stress).seen_from(self.body.frame)
+        return BodyFields(coordinates.points, cells, shape, displacement, stress).seen_from(self.body.frame)
 
 
 def internal_fields(
@@ -141,8 +141,8 @@ def internal_fields(
     lines: list[Nodes] = []
     # the smaller of length and width determines the depth of the stress
     depth = 2 * DEEP * min(half, narrowest(fields)) * np.linspace(0.0, 1.0, 41) ** 1.5
-    for place, normal in zip(top, inward, strict=True):
-        line = WaveguideCoordinates.of(section, place + depth[:, None] * normal).section
+    for point, normal in zip(top, inward, strict=True):
+        line = WaveguideCoordinates.of(section, point + depth[:, None] * normal).section
         within = inside(section, line)
         line = line[: len(line) if within.all() else int(np.argmin(within))]
         lines.append(np.arange(len(line)) + len(spots))

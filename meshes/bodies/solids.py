@@ -114,7 +114,7 @@ class Strip:
         return cls(start, 2 * int((stop - start) / size / 2), int(np.ceil(half_length / size)), size)
 
 
-def rail_touches(profile: Profile) -> tuple[float, float]:
+def rail_contact_range(profile: Profile) -> tuple[float, float]:
     """Arc lengths m of a rail that bound contact: 18 mm down the gauge face to 5 mm down the field side."""
     s = profile.samples(1e-4)
     z = profile.point(s)[:, 1]
@@ -122,7 +122,7 @@ def rail_touches(profile: Profile) -> tuple[float, float]:
     return float(gauge.min()), float(field.max())
 
 
-def wheel_touches(profile: Profile) -> tuple[float, float]:
+def wheel_contact_range(profile: Profile) -> tuple[float, float]:
     """Arc lengths m of a wheel that bound contact: near the flange tip to the field side of the tread."""
     s = profile.samples(1e-4)
     y, z = profile.point(s).T
@@ -148,7 +148,7 @@ def rail(
         cell: element type.
         grading: of the element sizes.
     """
-    strip = Strip.over(outline, rail_touches(outline.profile), half_length=HALF_PATCH, size=size)
+    strip = Strip.over(outline, rail_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
     key = body_key("rail", outline, strip, half_length, cell, grading)
     return stored(key, lambda: _extruded(outline, strip, half_length, cell, grading)), strip, key
 
@@ -167,7 +167,7 @@ def wheel(
 
     In the wheel's frame: the axle along y through the origin, the middle of the sector at the bottom.
     """
-    strip = Strip.over(outline, wheel_touches(outline.profile), half_length=HALF_PATCH, size=size)
+    strip = Strip.over(outline, wheel_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
     key = body_key("wheel", outline, strip, half_length, cell, grading)
     radius = outline.offset[1]
     return (

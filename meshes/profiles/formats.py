@@ -45,7 +45,7 @@ class RawProfile:
     lines: NDArray[np.intp]
     oriented: bool = True
 
-    def turned(self, y: float, z: float) -> RawProfile:
+    def with_signs(self, y: float, z: float) -> RawProfile:
         """With the signs y and z applied."""
         return replace(self, points=self.points * (y, z))
 

@@ -31,7 +31,7 @@ def oriented(raw: RawProfile, kind: Kind, flange_back: float) -> RawProfile:
         if y_sign < 0:
             raise ProfileError(raw.path, line, "the flange lies at positive y", _SENSE[kind])
         return raw
-    raw = raw.turned(y_sign, z_sign)
+    raw = raw.with_signs(y_sign, z_sign)
     if kind == "wheel":
         y, z = raw.points.T
         if abs(y[np.argmax(z)]) < MINIPROF_TIP:

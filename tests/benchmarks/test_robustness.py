@@ -202,7 +202,7 @@ def test_an_overlap_with_a_shoulder_is_not_taken_for_one_hump() -> None:
     hump = 1e-3 - (s / 0.006) ** 2 * 1e-3
     shoulder = np.where(s > 0.0, np.maximum(hump, 1e-4 - 2e-3 * s), hump)  # falls, so that there is one maximum
     ridges = [PenetrationProfile(s, o, np.zeros_like(s), np.full_like(s, 2.0)) for o in (hump, shoulder)]
-    assert [len(ridge.humps) for ridge in ridges] == [1, 1]
+    assert [len(ridge.maxima) for ridge in ridges] == [1, 1]
     marks = np.linspace(-1.0, 1.0, 9)
     assert single(ridges[0], Resolution(4, 8), marks) is not None
     assert single(ridges[1], Resolution(4, 8), marks) is None

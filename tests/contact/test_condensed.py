@@ -135,7 +135,7 @@ def test_result_fulfils_the_equations(laws: ContactLaws, steels: tuple[Material,
     n = len(p)
     np.testing.assert_allclose(fields.displacement.T.ravel(), displacement @ forces, atol=1e-9 * approach)
     # the gap: closed to p / K where it presses, open elsewhere
-    gap = points.overlap + fields.displacement[:, 2] - p * laws.normal_compliance
+    gap = points.penetration + fields.displacement[:, 2] - p * laws.normal_compliance
     assert gap.max() < 1e-9 * approach
     assert np.abs(gap[p > 0]).max() < 1e-9 * approach
     assert 0 < (p > 0).sum() < n
@@ -242,7 +242,7 @@ def test_two_patches() -> None:
             assert points is not None
             x, y = points.point[:, 0], points.point[:, 1]
             overlap = 4e-6 - (x**2 + (np.abs(y) - 2.5e-3) ** 2 * (1.5 if pose.origin[2] < 0 else 1.0)) / (2 * 0.2)
-            return replace(points, overlap=np.maximum(overlap, 1e-12)), float(overlap.max())
+            return replace(points, penetration=np.maximum(overlap, 1e-12)), float(overlap.max())
 
     model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     result = replace(model, geometry=Saddle(model))(hertz_pose(1e-6), CREEP)

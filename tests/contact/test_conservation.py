@@ -117,7 +117,7 @@ def test_wheel_and_rail_cancel(cell: Cell, degree: int, ahead: float) -> None:
     # The overlap's arm is parallel to the pressure, so that only friction turns it.
     sagitta = 2 * SIZE**2 / 8 / 0.013
     friction = np.linalg.norm(np.einsum("nc,nkc->nk", loads.forces, loads.points.axes)[:, :2], axis=1).sum()
-    bound = loads.points.overlap.max() * friction + 2 * sagitta * scale
+    bound = loads.points.penetration.max() * friction + 2 * sagitta * scale
     assert np.linalg.norm(left) < bound
     assert bound < 5e-4 * scale * arm
 
@@ -237,7 +237,7 @@ class Flat:
                 point=place,
                 axes=axes,
                 area=self.grid.weight.ravel()[node],
-                overlap=np.full(n, depth),
+                penetration=np.full(n, depth),
                 wheel_rotation=UPSIDE_DOWN,
                 upstream=node[None],
                 rail=Interpolation(nodes, weights),

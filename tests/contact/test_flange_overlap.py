@@ -73,8 +73,8 @@ def test_points_and_their_upstream_reach_as_far_as_the_overlap(size: float, over
     assert depth == pytest.approx(overlap, rel=0.15)
     x = points.point[:, 0]
     # a wheel of radius r sinks to d over +-sqrt(2 r d): here d below the rail's top line, at the deepest line
-    deepest = int(np.argmax(points.overlap))
-    vertical = -points.overlap[deepest] / points.axes[deepest, 2, 2]
+    deepest = int(np.argmax(points.penetration))
+    vertical = -points.penetration[deepest] / points.axes[deepest, 2, 2]
     radius = RADIUS + WHEEL.point(points.wheel_place[deepest, :1])[0, 1]
     assert x.max() == pytest.approx(np.sqrt(2 * radius * vertical), abs=1.1 * size)
     assert x.min() == pytest.approx(-x.max(), abs=1e-9)

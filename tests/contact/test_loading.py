@@ -13,7 +13,7 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.loading.hertz import hertz_under_load, sphere_approach
 from wheelrail.contact.loading.load_search import RTOL, LoadError, find_depth_for_load
 from wheelrail.contact.loading.two_wheels import find_depths_for_loads
-from wheelrail.contact.loading.wheelset import axle_under_load, placed, wheel_under_load, wheels_under_load
+from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load, wheels_under_load, wheelset_at_state
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 
@@ -176,7 +176,7 @@ def test_balance_solves_a_coupled_pair_superlinearly() -> None:
 
 def test_placed_solves_each_side_once() -> None:
     model = SpringContact(touch=0.46, stiffness=STIFFNESS)
-    seat = placed(WheelsetContact(model, MOUNTING), WheelsetState(z=-1e-4), ("right",))
+    seat = wheelset_at_state(WheelsetContact(model, MOUNTING), WheelsetState(z=-1e-4), ("right",))
     assert list(seat.results) == ["right"]
     assert len(model.calls) == 1
     assert seat.state == replace(seat.state, z=-1e-4)

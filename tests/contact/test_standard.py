@@ -262,7 +262,7 @@ def test_contact_points_of_a_yawed_wheel_face_the_rail() -> None:
     surfaces = RigidWheelRail(WHEEL, RAIL, 0.46)
     for y in (-3e-3, 0.0, 4e-3, 6.3e-3):
         pose, _ = MOUNTING.left_pair(replace(STATE, y=y, z=-5e-4, yaw=-0.02))
-        zones, approach = surfaces.zones(pose)
+        zones, approach = surfaces.regions(pose)
         assert zones is not None
         assert zones.depth.max() == approach
         points, axes = surfaces.at(pose, zones.peak, zones.peak_x)

@@ -57,7 +57,7 @@ class Sphere:
     ) -> Tractions:
         return solve_tractions(
             operator,
-            self.overlap,
+            self.penetration,
             creepage(self.cells, *creepages),
             laws=ContactLaws(K, friction, regularisation),
             speed=10.0,
@@ -74,7 +74,7 @@ OPERATOR = HalfSpaces(COARSE.cells, STEEL, STEEL).operator(2)
 def frictionless(sphere: Sphere, K: float) -> Array:
     normal = HalfSpaces(sphere.cells, STEEL, STEEL).compliance()[2, 2]
     return solve_tractions(
-        normal, sphere.overlap, None, laws=ContactLaws(K, friction=0.0), speed=0.0, count=IterationCount()
+        normal, sphere.penetration, None, laws=ContactLaws(K, friction=0.0), speed=0.0, count=IterationCount()
     ).pressure
 
 
@@ -97,11 +97,11 @@ def test_hertz_pressure_on_half_spaces() -> None:
 )
 def test_laws_hold_at_every_point(creepages: tuple[float, float, float], eps: float, K: float) -> None:
     found = COARSE.solve(OPERATOR, creepages, K=K, regularisation=eps)
-    n, p, q, s = len(COARSE.overlap), found.pressure, found.tangential, found.slip
-    gap = COARSE.overlap - OPERATOR[2 * n :, 2 * n :] @ p - p / K
+    n, p, q, s = len(COARSE.penetration), found.pressure, found.tangential, found.slip
+    gap = COARSE.penetration - OPERATOR[2 * n :, 2 * n :] @ p - p / K
     assert p.min() >= 0
-    assert gap.max() <= 1e-10 * COARSE.overlap.max()
-    assert np.abs(p * gap).max() <= 1e-10 * p.max() * COARSE.overlap.max()
+    assert gap.max() <= 1e-10 * COARSE.penetration.max()
+    assert np.abs(p * gap).max() <= 1e-10 * p.max() * COARSE.penetration.max()
     bound, length, speed = 0.3 * p, np.hypot(*q.T), np.hypot(*s.T)
     assert (length - bound).max() <= 1e-8 * bound.max()
     sticks = length < bound - 1e-7 * bound.max()
@@ -118,7 +118,7 @@ def test_laws_hold_at_every_point(creepages: tuple[float, float, float], eps: fl
 
 def test_slip_is_what_the_operator_makes_of_the_tractions() -> None:
     found = COARSE.solve(OPERATOR, (5e-4, 0.0, 0.2))
-    n = len(COARSE.overlap)
+    n = len(COARSE.penetration)
     loads = np.concatenate([*found.tangential.T, -found.pressure])
     expected = creepage(COARSE.cells, 5e-4, 0.0, 0.2) + OPERATOR[: 2 * n] @ loads
     np.testing.assert_allclose(found.slip.T.ravel(), expected, rtol=1e-9, atol=1e-14)
@@ -232,7 +232,7 @@ def test_bicgstab_and_lu_agree(eps: float, other: float) -> None:
         options = NewtonOptions(linear=linear)  # type: ignore[arg-type]
         return solve_tractions(
             operator,
-            COARSE.overlap,
+            COARSE.penetration,
             rigid,
             laws=ContactLaws(1e15, 0.3, eps),
             speed=10.0,
@@ -250,12 +250,12 @@ def test_bicgstab_and_lu_agree(eps: float, other: float) -> None:
 def test_dissimilar_bodies_couple_pressure_and_friction() -> None:
     stiff, soft = Material(210e9, 0.0), Material(210e9, 0.45)
     operator = HalfSpaces(COARSE.cells, stiff, soft).operator(2)
-    n = len(COARSE.overlap)
+    n = len(COARSE.penetration)
     found = COARSE.solve(operator, (1e-3, 0.0, 0.0))
     coupling, normal = operator[2 * n :, : 2 * n], operator[2 * n :, 2 * n :]
-    gap = COARSE.overlap + coupling @ found.tangential.T.ravel() - normal @ found.pressure
-    assert gap.max() <= 1e-9 * COARSE.overlap.max()
-    assert np.abs(gap[found.pressure > 0]).max() <= 1e-9 * COARSE.overlap.max()
+    gap = COARSE.penetration + coupling @ found.tangential.T.ravel() - normal @ found.pressure
+    assert gap.max() <= 1e-9 * COARSE.penetration.max()
+    assert np.abs(gap[found.pressure > 0]).max() <= 1e-9 * COARSE.penetration.max()
     # and it matters: the pressure is not the frictionless one
     assert np.abs(found.pressure - frictionless(COARSE, np.inf)).max() > 0.01 * found.pressure.max()
 
@@ -264,7 +264,7 @@ def test_dissimilar_bodies_couple_pressure_and_friction() -> None:
 def test_random_rolling_never_fails(upper: float, levels: tuple[float, ...]) -> None:
     rng = np.random.default_rng(2)
     sphere = Sphere.with_cells(6)
-    n = len(sphere.overlap)
+    n = len(sphere.penetration)
     operator = HalfSpaces(sphere.cells, Material(210e9, upper), STEEL).operator(2)
     for _ in range(25):
         xi, eta, spin = rng.normal(size=3) * 10 ** rng.uniform(-6, 0) * [1, 1, 1 / sphere.expected.semi_axes[0]]

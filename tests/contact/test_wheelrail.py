@@ -72,7 +72,7 @@ def test_contact_map_against_a_projection_on_a_fine_mesh(name: str) -> None:
     # chords of 20 um on a radius of 13 mm at least stand off by 4e-9 m
     np.testing.assert_allclose(rail_surface(points.point[:, 0], points.rail_place[:, 0]), place, atol=1e-6)
     overlap = ((points.point - place) * points.axes[:, 2]).sum(axis=1)
-    np.testing.assert_allclose(points.overlap, overlap, atol=1e-8)
+    np.testing.assert_allclose(points.penetration, overlap, atol=1e-8)
 
 
 def test_contact_map_against_minimisation() -> None:
@@ -118,8 +118,8 @@ def test_candidates_are_the_points_inside_the_rail(name: str, cell: Cell, degree
     carries = shapes.wheel_grid.weight.ravel() > 0
     expected = np.flatnonzero(inside_rail(surface) & carries)
     np.testing.assert_array_equal(points.node, expected)
-    assert (points.overlap > 0).all()
-    assert depth == points.overlap.max()
+    assert (points.penetration > 0).all()
+    assert depth == points.penetration.max()
     np.testing.assert_allclose(points.area, shapes.wheel_grid.weight.ravel()[points.node])
 
 
@@ -212,7 +212,7 @@ def test_gap_of_hertz_pairs_is_that_of_the_parabolas() -> None:
     x, y = points.point[:, 0], points.point[:, 1]
     upper = -1e-5 + (x - 3e-4) ** 2 / 0.8 + (y + 2e-4) ** 2 / 0.6
     lower = y**2 / 1.8
-    np.testing.assert_allclose(points.overlap, lower - upper, atol=1e-18)
+    np.testing.assert_allclose(points.penetration, lower - upper, atol=1e-18)
     assert points.upstream.shape == (2, len(points.node))
 
 

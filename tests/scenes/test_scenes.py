@@ -334,14 +334,14 @@ def test_short_form_and_segments_of_a_track(tmp_path: Path) -> None:
     assert isinstance(short, RunScene)
     assert isinstance(long, RunScene)
     again = Track.curve(curvature=8.333333333333333e-4, cant=0.06, tangent=50.0, transition=100.0, length=200.0)
-    assert (short.track.track(), short.vehicle.drive) == (again, 45.0)
+    assert (short.track.track(), short.vehicle.speed_profile) == (again, 45.0)
     made = long.track.track()
     assert made.curvature.values == (0.0, 1 / 800, 1 / 800, -1 / 1000)
     assert made.curvature.shape == ("bloss", "quintic", "bloss")
     assert made.irregularities is not None
     assert np.abs(made.irregularities.at(np.array([long.track.length]))).max() > 0.0
-    assert isinstance(long.vehicle.drive, SpeedProfile)
-    assert long.vehicle.drive(10.0).speed == 34.0
+    assert isinstance(long.vehicle.speed_profile, SpeedProfile)
+    assert long.vehicle.speed_profile(10.0).speed == 34.0
     (tmp_path / "measured.csv").write_text("s, level [mm]\n" + "".join(f"{s}, 1\n" for s in range(200)))
     text = changed(IRREGULAR, 'spectrum = "low"', 'file = "measured.csv"')
     for line in ("seed = 1", "wavelengths = [3.0, 100.0]"):

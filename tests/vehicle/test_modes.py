@@ -103,12 +103,12 @@ def test_contact_springs() -> None:
     pairs += ((w.primary.vertical_stiffness, w.primary.vertical_damping), SPRINGS.vertical)
     stiffness, damping = (2 * ends.T @ np.diag(v) @ ends for v in zip(*pairs, strict=True))
     chain = eigenvalues(np.diag([w.car_body.mass, w.bogie.mass, w.wheelset.mass]), damping, stiffness)
-    vertical = [m for m in found if m.share[[1, 4, 7]].sum() > 1 - 1e-9]
+    vertical = [m for m in found if m.energy_fraction[[1, 4, 7]].sum() > 1 - 1e-9]
     np.testing.assert_allclose(values(vertical), chain, rtol=1e-8)
     # The wheelset hardly feels what is above it: sqrt(k / m) on springs of contact and primary suspension.
     alone = np.sqrt(2 * (SPRINGS.vertical[0] + w.primary.vertical_stiffness) / w.wheelset.mass) / 2 / np.pi
     assert vertical[2].frequency == pytest.approx(alone, rel=2e-4)
-    assert vertical[2].moving.startswith("wheelset_z")
+    assert vertical[2].main_coordinates.startswith("wheelset_z")
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_a_small_motion_decays_as_its_mode(contact, moving: str) -> None:  # typ
     """Logarithmic decrement and frequency of a run from a mode's shape, by a recurrence over three rows."""
     dynamics = Dynamics(WAGON, Track(), contact, 30.0)
     rest = equilibrium(dynamics, tolerance=1e-10)
-    mode = next(m for m in modes(dynamics, rest) if m.swings and m.moving.startswith(moving))
+    mode = next(m for m in modes(dynamics, rest) if m.oscillates and m.main_coordinates.startswith(moving))
     start = rest.state + 1e-5 * np.concatenate([mode.shape, mode.eigenvalue * mode.shape]).real
     every = 0.08 / mode.frequency
     settings = StepSettings("ode45", 1e-7, 1e-11)
@@ -134,16 +134,16 @@ def test_creep_damps_the_wheelset(speed: float) -> None:
     """Spin: J w' = -2 f r^2 w / V. Lateral motion, where creep is stiff: the rest of the wagon hardly takes part."""
     found = modes(Dynamics(WAGON, Track(), CONTACT, speed))
     assert len(found) == 7 + 4
-    spin = next(m for m in found if m.moving.startswith("wheelset_pitch"))
+    spin = next(m for m in found if m.main_coordinates.startswith("wheelset_pitch"))
     creep = CONTACT.model.creep  # type: ignore[attr-defined]
-    assert not spin.swings
+    assert not spin.oscillates
     assert spin.damping == 1.0
     assert spin.eigenvalue.real == pytest.approx(-2 * creep * 0.46**2 / (112.0 * speed), rel=2e-3)
-    fast = next(m for m in found if not m.swings and m.moving.startswith("wheelset_y"))
+    fast = next(m for m in found if not m.oscillates and m.main_coordinates.startswith("wheelset_y"))
     assert fast.eigenvalue.real == pytest.approx(-2 * creep / (1813.0 * speed), rel=0.25)
     slow = found[0]
-    assert not slow.swings
-    assert "wheelset_y" in slow.moving
+    assert not slow.oscillates
+    assert "wheelset_y" in slow.main_coordinates
     assert all(m.eigenvalue.real < 0.0 for m in found)
 
 
@@ -154,9 +154,9 @@ def test_shapes_solve_the_linear_equations_and_are_symmetric_or_not() -> None:
         left = v * v * mass @ x + v * damping @ x + stiffness @ x
         assert np.abs(left).max() < 2e-7 * max(np.abs(stiffness @ x).max(), np.abs(v * v * mass @ x).max())
         assert np.abs(mode.shape).max() == pytest.approx(1.0)
-        assert mode.share.sum() == pytest.approx(1.0)
+        assert mode.energy_fraction.sum() == pytest.approx(1.0)
         even = MIRROR[:COUNT] > 0
-        assert min(mode.share[even].sum(), mode.share[~even].sum()) < 1e-12
+        assert min(mode.energy_fraction[even].sum(), mode.energy_fraction[~even].sum()) < 1e-12
 
 
 def test_a_mode_reads_well() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 
@@ -40,7 +41,7 @@ def test_what_cannot_be_is_refused() -> None:
         lambda: PiecewiseFunction((), ()),
         lambda: PiecewiseFunction((0.0, 4.0), (0.0, 1.0), shape="clothoid", corner=3.0),
         lambda: PiecewiseFunction((0.0, 4.0), (0.0, 1.0), shape="cubic"),  # type: ignore[arg-type]
-        lambda: Track(lift=PiecewiseFunction.constant(1.6)),
+        lambda: Track(superelevation=PiecewiseFunction.constant(1.6)),
         lambda: Track.curve(curvature=1e-3, transition=0.0, length=10.0),
         lambda: Track.curve(curvature=1e-3, transition=10.0, length=10.0, exit_transition=-1.0),
     ):
@@ -53,8 +54,8 @@ def test_layout_and_signs() -> None:
     right = Track.curve(curvature=-1 / 1200, cant=0.06, tangent=50, transition=100, length=200, exit_transition=80)
     for s, share in ((0.0, 0.0), (49.9, 0.0), (100.0, 0.5), (200.0, 1.0), (349.9, 1.0), (390.0, 0.5), (431.0, 0.0)):
         assert left.curvature(s)[0] == pytest.approx(share / 1200, abs=1e-15)
-        assert left.lift(s)[0] == pytest.approx(share * 0.06, abs=1e-15)
-        assert right.lift(s)[0] == pytest.approx(-share * 0.06, abs=1e-15)
+        assert left.superelevation(s)[0] == pytest.approx(share * 0.06, abs=1e-15)
+        assert right.superelevation(s)[0] == pytest.approx(-share * 0.06, abs=1e-15)
     frame = left.frame(250.0, 45.0)
     beta = np.arcsin(0.06 / 1.5)
     assert left.angle(250.0)[0] == pytest.approx(-beta)
@@ -66,9 +67,8 @@ def test_layout_and_signs() -> None:
 
 def test_heading_is_the_integral_of_curvature() -> None:
     for shape in ("quintic", "clothoid"):
-        track = Track.curve(
-            curvature=1e-3, tangent=50, transition=100, length=200, exit_transition=60, shape=shape, corner=5.0
-        )  # both ramps are odd about their middle
+        ramps = [Segment("transition", length, shape=shape) for length in (100, 60)]  # odd about their middle
+        track = Track.of([Segment("tangent", 50), ramps[0], Segment("arc", 200, 1e-3), ramps[1]], corner=5.0)
         assert track.heading(40.0) == 0.0
         assert track.heading(150.0) == pytest.approx(0.05, rel=1e-13)
         assert track.heading(1000.0) == pytest.approx(0.05 + 0.2 + 0.03, rel=1e-13)
@@ -92,7 +92,7 @@ OFFSETS = np.arange(-4, 5)
 K1, LIFT, SLOPE, LENGTH, BASE = LD("2e-3"), LD("0.12"), LD("0.03"), LD(80), LD("1.5")
 TRACK = Track(
     curvature=PiecewiseFunction((0.0, 80.0), (0.0, 2e-3)),
-    lift=PiecewiseFunction((0.0, 80.0), (0.0, 0.12)),
+    superelevation=PiecewiseFunction((0.0, 80.0), (0.0, 0.12)),
     gradient=PiecewiseFunction((0.0, 80.0), (0.0, 0.03)),
 )
 

@@ -69,14 +69,14 @@ def energy(assembly: Assembly, wagon: Wagon, position: np.ndarray) -> float:
     """Potential of springs, preloads, couple and bumpstop, from the points' positions written out one by one."""
     heights = [b.height for b in (wagon.car_body, wagon.bogie, wagon.wheelset)]
     total = 0.5 * float(assembly.couple @ (position[:2, 2] - position[1:, 2]) ** 2)
-    last = len(assembly.joints.turn) - 1
-    for i, (u, l) in enumerate(assembly.joints.ends.T):
+    last = len(assembly.attachments.turn) - 1
+    for i, (u, l) in enumerate(assembly.attachments.ends.T):
         points = []
         for row, body in ((0, u), (1, l)):
             y, z, roll = position[body]
-            arm = (assembly.joints.across[row, i] + 1j * assembly.joints.above[row, i]) * np.exp(1j * roll)
+            arm = (assembly.attachments.across[row, i] + 1j * assembly.attachments.above[row, i]) * np.exp(1j * roll)
             points.append(y + 1j * (z + heights[body]) + arm)
-        lean = assembly.joints.turn[i] * position[u, 2] + (1 - assembly.joints.turn[i]) * position[l, 2]
+        lean = assembly.attachments.turn[i] * position[u, 2] + (1 - assembly.attachments.turn[i]) * position[l, 2]
         gap = (points[0] - points[1]) * np.exp(-1j * lean)
         ky, kz = assembly.laws.stiffness[i]
         total += 0.5 * ky * gap.real**2 + 0.5 * kz * gap.imag**2 - assembly.preload[i] * gap.imag

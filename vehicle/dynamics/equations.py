@@ -91,10 +91,10 @@ class Dynamics:
     speed: float | SpeedProfile
 
     def __post_init__(self) -> None:
-        _ = self.drive  # validates the speed
+        _ = self.speed_profile  # validates the speed
 
     @cached_property
-    def drive(self) -> SpeedProfile:
+    def speed_profile(self) -> SpeedProfile:
         return SpeedProfile.of(self.speed)
 
     @cached_property
@@ -119,7 +119,7 @@ class Dynamics:
 
     def frame(self, time: float) -> Frame:
         """The track frame at the vehicle's position at a time s."""
-        return self.track.frame(*self.drive(time))
+        return self.track.frame(*self.speed_profile(time))
 
     def rolling_rate(self, frame: Frame) -> float:
         """Spin of a wheel that rolls on its nominal radius, rad/s."""

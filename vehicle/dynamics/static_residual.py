@@ -94,35 +94,35 @@ class StaticResidual:
         unknown = np.zeros(COUNT)
         heights = [1, 4, Z]
 
-        def lifted(z: float) -> float:
+        def load_fraction(z: float) -> float:
             unknown[heights] = z
-            carried = Wrench.of(self.contacts(unknown)).force[2]
+            load = Wrench.of(self.contacts(unknown)).force[2]
             # A Hertzian force grows as depth^(3/2): its power 2/3 is nearly straight.
-            return float(np.cbrt(max(carried, 0.0) / self.dynamics.wagon.axle_load) ** 2)
+            return float(np.cbrt(max(load, 0.0) / self.dynamics.wagon.axle_load) ** 2)
 
         z, stride = 0.0, 5e-5
-        carried = lifted(z)
-        direction = -1.0 if carried < 1.0 else 1.0
-        other, carried_other = z, carried
-        while (carried_other < 1.0) == (carried < 1.0):
+        fraction = load_fraction(z)
+        direction = -1.0 if fraction < 1.0 else 1.0
+        other, other_fraction = z, fraction
+        while (other_fraction < 1.0) == (fraction < 1.0):
             if abs(other) > 0.05:
                 raise StepFailure("the wheels do not carry the axle load within 50 mm of the nominal height")
-            z, carried = other, carried_other
+            z, fraction = other, other_fraction
             try:
-                carried_other = lifted(z + direction * stride)
+                other_fraction = load_fraction(z + direction * stride)
             except StepFailure:
                 if stride < 1e-7:
                     raise
-                stride *= 0.25  # too deep for the contact model: more slowly from here
+                stride *= 0.25  # too deep for the contact model
                 continue
             other, stride = z + direction * stride, 1.5 * stride
         for _ in range(40):
-            middle = z + (1.0 - carried) * (other - z) / (carried_other - carried)
-            value = lifted(middle)
+            middle = z + (1.0 - fraction) * (other - z) / (other_fraction - fraction)
+            value = load_fraction(middle)
             if abs(value - 1.0) < 0.013:
                 break
-            if (value < 1.0) == (carried < 1.0):
-                z, carried = middle, value
+            if (value < 1.0) == (fraction < 1.0):
+                z, fraction = middle, value
             else:
-                other, carried_other = middle, value
+                other, other_fraction = middle, value
         return unknown

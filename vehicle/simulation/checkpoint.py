@@ -37,7 +37,7 @@ class Checkpoints:
 
     Parameters:
         every: accepted steps.
-        keep: called with each checkpoint.
+        write: called with each checkpoint.
         latest: checkpoint to resume from.
 
     Initial guesses of contacts, the integrator and contact differences are reset at every checkpoint, also in an
@@ -45,7 +45,7 @@ class Checkpoints:
     """
 
     every: int
-    keep: Callable[[Checkpoint], None]
+    write: Callable[[Checkpoint], None]
     latest: Checkpoint | None = None
 
     def __post_init__(self) -> None:

@@ -56,7 +56,7 @@ class EnergyBalance:
 
     @property
     def error(self) -> float:
-        """Largest gap relative to the largest work or spin_change of energy."""
+        """Largest gap relative to the largest work or change of energy."""
         energies = np.column_stack([self.work, self.energy - self.energy[0]])
         scale = float(np.abs(energies).max(initial=0.0))
         return float(np.abs(self.gap).max(initial=0.0)) / scale if scale > 0.0 else 0.0

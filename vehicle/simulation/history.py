@@ -69,7 +69,7 @@ class History:
     def of(cls, recorder: Recorder, cost: RunCost, status: str) -> History:
         dynamics, rows = recorder.dynamics, recorder.rows
         irregularities = dynamics.track.irregularities
-        distances = [dynamics.drive(row.time).distance for row in rows]
+        distances = [dynamics.speed_profile(row.time).distance for row in rows]
         return cls(
             status=status,
             speed=dynamics.speed,
@@ -78,7 +78,7 @@ class History:
             state=recorder.states(),
             outputs=recorder.outputs(),
             curvature=np.array([dynamics.track.curvature(s)[0] for s in distances]),
-            lift=np.array([dynamics.track.lift(s)[0] for s in distances]),
+            lift=np.array([dynamics.track.superelevation(s)[0] for s in distances]),
             patches=[row.patches for row in rows],
             contact_status=[row.contact_status for row in rows],
             cost=cost,
@@ -100,8 +100,8 @@ class History:
 
     @cached_property
     def _track_positions(self) -> Array:
-        drive = SpeedProfile.of(self.speed)
-        return np.array([drive(time) for time in self.time.tolist()]).reshape(-1, 3)
+        speed_profile = SpeedProfile.of(self.speed)
+        return np.array([speed_profile(time) for time in self.time.tolist()]).reshape(-1, 3)
 
     @property
     def car_body(self) -> Array:

@@ -58,7 +58,7 @@ class Limits:
             event = f"the wheelset has left the rails: both wheels are at least {1e3 * lift:.0f} mm above the rails"
         else:
             return
-        raise OutOfBounds(f"{event} at t = {time:.4g} s, {dynamics.drive(time).distance:.4g} m")
+        raise OutOfBounds(f"{event} at t = {time:.4g} s, {dynamics.speed_profile(time).distance:.4g} m")
 
 
 LIMITS = Limits()

@@ -140,7 +140,7 @@ class _Simulation:
             at, evaluation = following
             self.recorder.begin(at.time, at.state, evaluation)
             if self.checkpoints is not None:
-                self.checkpoints.keep(at)
+                self.checkpoints.write(at)
             following = self.to_next_checkpoint(at, evaluation)
 
     def to_next_checkpoint(self, at: Checkpoint, evaluation: Evaluation) -> tuple[Checkpoint, Evaluation] | None:
@@ -171,7 +171,7 @@ class _Simulation:
         self.limits.check(self.dynamics, step.t, step.x)
         if self.progress is not None:
             t0, t1 = self.span
-            distance = self.dynamics.drive(step.t).distance
+            distance = self.dynamics.speed_profile(step.t).distance
             self.progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, self.cost))
 
 

@@ -20,8 +20,8 @@ TOLERANCE = 3e-3
 
 def is_curved(dynamics: Dynamics, time: float) -> bool:
     """Whether the track at a time s is not straight and level."""
-    line, s = dynamics.track, dynamics.drive(time).distance
-    return any(function(s)[0] != 0.0 for function in (line.curvature, line.lift, line.gradient))
+    line, s = dynamics.track, dynamics.speed_profile(time).distance
+    return any(function(s)[0] != 0.0 for function in (line.curvature, line.superelevation, line.gradient))
 
 
 def transient_into_curve(dynamics: Dynamics, time: float, start: Array) -> Array:
@@ -34,12 +34,13 @@ def transient_into_curve(dynamics: Dynamics, time: float, start: Array) -> Array
 
     Raises StepFailure and StepTooSmall.
     """
-    line, (s, speed, _) = dynamics.track, dynamics.drive(time)
+    line, (s, speed, _) = dynamics.track, dynamics.speed_profile(time)
     ends = (0.0, RAMP * speed)
-    curvature, lift, gradient = (
-        PiecewiseFunction(ends, (0.0, function(s)[0])) for function in (line.curvature, line.lift, line.gradient)
+    curvature, superelevation, gradient = (
+        PiecewiseFunction(ends, (0.0, function(s)[0]))
+        for function in (line.curvature, line.superelevation, line.gradient)
     )
-    transient = replace(dynamics, track=Track(curvature, lift, gradient, line.base), speed=speed)
+    transient = replace(dynamics, track=Track(curvature, superelevation, gradient, line.base), speed=speed)
     state, settings = start, StepSettings(ROS34PW2.name, TOLERANCE, graded(1e-3 * TOLERANCE, transient.size))
     for step in integrate(
         transient, 0.0, start, RAMP + DECAY, settings, jacobian=Jacobian(transient, StepStatistics())

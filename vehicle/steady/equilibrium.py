@@ -67,7 +67,7 @@ def equilibrium(
     if guess is not None:
         starts.insert(0, partial(equations.unknown, guess))
     if is_curved(dynamics, time):
-        straight = replace(dynamics, track=Track(), speed=dynamics.drive(time).speed)
+        straight = replace(dynamics, track=Track(), speed=dynamics.speed_profile(time).speed)
         starts.append(lambda: equations.unknown(transient_into_curve(dynamics, time, equilibrium(straight).state)))
     for number, start in enumerate(starts, start=1):
         try:

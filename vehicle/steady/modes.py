@@ -29,12 +29,12 @@ class Mode:
     Parameters:
         eigenvalue: 1/s.
         shape: (10,) m and rad.
-        share: (10,) fraction of the kinetic energy in each coordinate.
+        energy_fraction: (10,) fraction of the kinetic energy in each coordinate.
     """
 
     eigenvalue: complex
     shape: NDArray[np.complex128]
-    share: Array
+    energy_fraction: Array
 
     @property
     def frequency(self) -> float:
@@ -47,18 +47,18 @@ class Mode:
         return -self.eigenvalue.real / (abs(self.eigenvalue) or 1.0)
 
     @property
-    def swings(self) -> bool:
+    def oscillates(self) -> bool:
         """Whether the mode oscillates."""
         return self.eigenvalue.imag != 0.0
 
     @property
-    def moving(self) -> str:
+    def main_coordinates(self) -> str:
         """Coordinates with at least a tenth of the kinetic energy, in descending order."""
-        order = [i for i in np.argsort(-self.share) if self.share[i] >= 0.1]
-        return ", ".join(f"{COORDINATES[i]} {self.share[i]:.0%}" for i in order)
+        order = [i for i in np.argsort(-self.energy_fraction) if self.energy_fraction[i] >= 0.1]
+        return ", ".join(f"{COORDINATES[i]} {self.energy_fraction[i]:.0%}" for i in order)
 
     def __str__(self) -> str:
-        return f"{self.frequency:9.4g} Hz  damping {self.damping:7.4f}  {self.moving}"
+        return f"{self.frequency:9.4g} Hz  damping {self.damping:7.4f}  {self.main_coordinates}"
 
 
 def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.0) -> list[Mode]:
@@ -109,7 +109,11 @@ def _modes_of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list
     all_modes = [
         _mode(dynamics, complex(values[i]), shapes[:COUNT, i]) for i in np.argsort(np.abs(values), kind="stable")
     ]
-    return [m for m in all_modes if m.eigenvalue.imag >= 0.0 and not (m.eigenvalue == 0.0 and m.share[PITCH] == 1.0)]
+    return [
+        m
+        for m in all_modes
+        if m.eigenvalue.imag >= 0.0 and not (m.eigenvalue == 0.0 and m.energy_fraction[PITCH] == 1.0)
+    ]
 
 
 def _mode(dynamics: Dynamics, value: complex, shape: NDArray[np.complex128]) -> Mode:

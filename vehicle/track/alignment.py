@@ -19,12 +19,12 @@ class AlignmentError(ValueError):
     Parameters:
         index: of the invalid segment, from 0.
         key: of the invalid value.
-        says: what is allowed.
+        allowed: what is allowed.
     """
 
-    def __init__(self, index: int, key: str, says: str) -> None:
-        super().__init__(f"segment {index}, counted from 0, {key}: {says}")
-        self.index, self.key, self.says = index, key, says
+    def __init__(self, index: int, key: str, allowed: str) -> None:
+        super().__init__(f"segment {index}, counted from 0, {key}: {allowed}")
+        self.index, self.key, self.allowed = index, key, allowed
 
 
 @dataclass(frozen=True)
@@ -54,23 +54,23 @@ class Segment:
 
 
 class CurveValues(NamedTuple):
-    """Curvature 1/m, positive to the left, and lift m, the superelevation of the right rail above the left."""
+    """Curvature 1/m, positive to the left, and superelevation m, the height of the right rail above the left."""
 
     curvature: float
-    lift: float
+    superelevation: float
 
     def __str__(self) -> str:
-        return f"{self.curvature:g} 1/m with {self.lift * copysign(1.0, self.curvature):g} m of cant"
+        return f"{self.curvature:g} 1/m with {self.superelevation * copysign(1.0, self.curvature):g} m of cant"
 
 
 STRAIGHT = CurveValues(0.0, 0.0)
 
 
 class TrackFunctions(NamedTuple):
-    """Functions of distance: curvature 1/m, lift (superelevation) m, gradient rad."""
+    """Functions of distance: curvature 1/m, superelevation m, gradient rad."""
 
     curvature: PiecewiseFunction
-    lift: PiecewiseFunction
+    superelevation: PiecewiseFunction
     gradient: PiecewiseFunction
 
 
@@ -101,14 +101,14 @@ def track_functions(segments: Sequence[Segment], *, corner: float = 3.0) -> Trac
         values.append(ends[index])
         shapes.append(segment.shape)
 
-    def function(part: Literal["curvature", "lift"]) -> PiecewiseFunction:
+    def function(part: Literal["curvature", "superelevation"]) -> PiecewiseFunction:
         if not stations:
             return PiecewiseFunction.constant(getattr(ends[0], part))
         return PiecewiseFunction(
             tuple(stations), tuple(getattr(value, part) for value in values), shape=tuple(shapes), corner=corner
         )
 
-    return TrackFunctions(function("curvature"), function("lift"), _gradient(segments, boundaries, corner))
+    return TrackFunctions(function("curvature"), function("superelevation"), _gradient(segments, boundaries, corner))
 
 
 def _check(index: int, segment: Segment, corner: float) -> None:

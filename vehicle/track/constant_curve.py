@@ -38,8 +38,10 @@ class ConstantCurve:
 
     @property
     def track(self) -> Track:
-        lift = self.cant * copysign(1.0, self.curvature)
-        return Track(PiecewiseFunction.constant(self.curvature), PiecewiseFunction.constant(lift), base=self.base)
+        superelevation = self.cant * copysign(1.0, self.curvature)
+        return Track(
+            PiecewiseFunction.constant(self.curvature), PiecewiseFunction.constant(superelevation), base=self.base
+        )
 
     @property
     def angle(self) -> float:

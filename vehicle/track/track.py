@@ -48,7 +48,7 @@ class Track:
 
     Parameters:
         curvature: in plan, 1/m, positive to the left.
-        lift: superelevation, m: height of the right rail above the left (the cant of a left-hand curve).
+        superelevation: m, height of the right rail above the left (the cant of a left-hand curve).
         gradient: rad, positive uphill.
         base: m, lateral distance over which the superelevation is measured.
         irregularities: of the rails, if any.
@@ -57,14 +57,14 @@ class Track:
     """
 
     curvature: PiecewiseFunction = field(default_factory=_zero)
-    lift: PiecewiseFunction = field(default_factory=_zero)
+    superelevation: PiecewiseFunction = field(default_factory=_zero)
     gradient: PiecewiseFunction = field(default_factory=_zero)
     base: float = 1.5
     irregularities: Irregularities | None = None
 
     def __post_init__(self) -> None:
-        if not self.base > max(abs(h) for h in self.lift.values):
-            raise ValueError(f"cant {self.lift.values} m: must be less than base = {self.base} m")
+        if not self.base > max(abs(h) for h in self.superelevation.values):
+            raise ValueError(f"cant {self.superelevation.values} m: must be less than base = {self.base} m")
 
     @classmethod
     def curve(
@@ -77,9 +77,7 @@ class Track:
         length: float,
         exit_transition: float | None = None,
         gradient: float = 0.0,
-        base: float = 1.5,
         shape: Shape = "quintic",
-        corner: float = 3.0,
     ) -> Track:
         """Tangent, transition, full curve and, with exit_transition, transition back to an infinite tangent.
 
@@ -88,16 +86,17 @@ class Track:
             cant: of the full curve, m, positive raises the outer rail.
             tangent, transition, length, exit_transition: lengths of the segments, m.
             gradient: rad.
-            base, shape, corner: as in `Track`, `Segment` and `PiecewiseFunction`.
+            shape: of the transitions, as in `Segment`.
 
-        Raises AlignmentError, a ValueError, for lengths that are not positive.
+        Base and corners have the default values of `Track.of`, which takes any sequence of segments. Raises
+        AlignmentError, a ValueError, for lengths that are not positive.
         """
         segments = [Segment("tangent", tangent)] if tangent else []
         segments += [Segment("transition", transition, shape=shape), Segment("arc", length, curvature, cant)]
         if exit_transition is not None:
             segments.append(Segment("transition", exit_transition, shape=shape))
         segments[0] = replace(segments[0], gradient=gradient)
-        return cls.of(segments, base=base, corner=corner)
+        return cls.of(segments)
 
     @classmethod
     def of(
@@ -119,11 +118,11 @@ class Track:
         Raises AlignmentError, a ValueError, for invalid segments, or values that are not continuous.
         """
         functions = track_functions(segments, corner=corner)
-        return cls(functions.curvature, functions.lift, functions.gradient, base, irregularities)
+        return cls(functions.curvature, functions.superelevation, functions.gradient, base, irregularities)
 
     def angle(self, s: float) -> tuple[float, float, float]:
         """Roll rad of the rail plane about the tangent, positive raises the left rail, and two derivatives in s."""
-        h, dh, ddh = (-value / self.base for value in self.lift(s))
+        h, dh, ddh = (-value / self.base for value in self.superelevation(s))
         root = sqrt(1.0 - h * h)
         return asin(h), dh / root, ddh / root + h * dh * dh / root**3
 

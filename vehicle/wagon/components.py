@@ -112,8 +112,8 @@ class Suspension:
         if self.turn > 1.0:
             raise InvalidParameter(self, "turn", "must be between 0 and 1")
         for key, damping in series.items():
-            rises = damping.rises if isinstance(damping, ForceLaw) else damping > 0.0
-            if getattr(self, key) < inf and not rises:
+            increasing = damping.increasing if isinstance(damping, ForceLaw) else damping > 0.0
+            if getattr(self, key) < inf and not increasing:
                 raise InvalidParameter(
                     self, key, "must be inf, unless the damper's force increases strictly with the velocity"
                 )

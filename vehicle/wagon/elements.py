@@ -51,13 +51,13 @@ class ForceElement:
     """Spring and damper in parallel.
 
     Parameters:
-        place: elements and direction.
+        pair: elements and direction.
         spring: stiffness N/m, or a force law.
         damper: damping N s/m, or a force law.
         series: N/m, stiffness in series with the damper (Maxwell element); inf: rigid.
     """
 
-    place: ElementPair
+    pair: ElementPair
     spring: Law = 0.0
     damper: Law = 0.0
     series: float = inf
@@ -88,8 +88,8 @@ class ForceElements:
     def of(cls, elements: Iterable[ForceElement], n: int) -> ForceElements:
         elements = list(elements)
         rigid, series = (tuple(e for e in elements if (e.series == inf) == is_rigid) for is_rigid in (True, False))
-        stiffness, springs = _linear_and_nonlinear([(e.place, e.spring) for e in elements], n)
-        damping, dampers = _linear_and_nonlinear([(e.place, e.damper) for e in rigid], n)
+        stiffness, springs = _linear_and_nonlinear([(e.pair, e.spring) for e in elements], n)
+        damping, dampers = _linear_and_nonlinear([(e.pair, e.damper) for e in rigid], n)
         return cls(stiffness, damping, springs, dampers, series)
 
     @property
@@ -106,17 +106,17 @@ class ForceElements:
         """
         force = -self.stiffness * deflection - self.damping * velocity
         for values, laws in ((deflection, self.springs), (velocity, self.dampers)):
-            for place, law in laws:
-                place.add(force, -law(place.outward(values)))
+            for pair, law in laws:
+                pair.add(force, -law(pair.outward(values)))
         for element, deflections in self._in_series(series):
-            element.place.add(force, -element.series * deflections)
+            element.pair.add(force, -element.series * deflections)
         return force
 
     def series_rate(self, velocity: Array, series: Array) -> Array:
         """Rates (..., m) m/s of the spring deflections of Maxwell elements."""
         rate = np.empty(series.shape)
         for i, (element, deflections) in enumerate(self._in_series(series)):
-            rate[..., i :: len(self.series)] = element.place.outward(velocity) - element.damper_velocity(
+            rate[..., i :: len(self.series)] = element.pair.outward(velocity) - element.damper_velocity(
                 element.series * deflections
             )
         return rate
@@ -124,8 +124,8 @@ class ForceElements:
     def energy(self, deflection: Array, series: Array) -> Array:
         """Energy (...) J stored in all springs."""
         energy = 0.5 * np.sum(self.stiffness * deflection**2, axis=(-2, -1))
-        for place, law in self.springs:
-            energy += law.energy(place.outward(deflection)).sum(axis=-1)
+        for pair, law in self.springs:
+            energy += law.energy(pair.outward(deflection)).sum(axis=-1)
         for element, deflections in self._in_series(series):
             energy += 0.5 * element.series * np.sum(deflections**2, axis=-1)
         return np.asarray(energy)
@@ -133,8 +133,8 @@ class ForceElements:
     def dissipated(self, velocity: Array, series: Array) -> Array:
         """Power (...) W dissipated in all dampers."""
         power = np.sum(self.damping * velocity**2, axis=(-2, -1))
-        for place, law in self.dampers:
-            outward = place.outward(velocity)
+        for pair, law in self.dampers:
+            outward = pair.outward(velocity)
             power += np.sum(law(outward) * outward, axis=-1)
         for element, deflections in self._in_series(series):
             force = element.series * deflections
@@ -151,9 +151,9 @@ def _linear_and_nonlinear(
 ) -> tuple[Array, tuple[tuple[ElementPair, ForceLaw], ...]]:
     """Linear laws as a matrix (n, 2), and nonlinear ones with their elements."""
     matrix, tables = np.zeros((n, 2)), []
-    for place, law in laws:
+    for pair, law in laws:
         if isinstance(law, ForceLaw):
-            tables.append((place, law))
+            tables.append((pair, law))
         else:
-            matrix[place.index] += law
+            matrix[pair.index] += law
     return matrix, tuple(tables)

@@ -38,12 +38,12 @@ class ForceLaw:
         return self.points[0][0] == 0.0
 
     @property
-    def rises(self) -> bool:
+    def increasing(self) -> bool:
         """Whether the force increases strictly, so that the law has an inverse."""
         return bool((self.slopes > 0.0).all())
 
     @cached_property
-    def places(self) -> Array:
+    def abscissae(self) -> Array:
         """(n,) deflections m or velocities m/s of the points."""
         return np.array([p[0] for p in self.points])
 
@@ -53,14 +53,14 @@ class ForceLaw:
 
     @cached_property
     def slopes(self) -> Array:
-        return np.asarray(np.diff(self.forces) / np.diff(self.places))
+        return np.asarray(np.diff(self.forces) / np.diff(self.abscissae))
 
     @cached_property
     def energies(self) -> Array:
         """(n,) integrals of the force from 0 to each point, J."""
-        pieces = 0.5 * (self.forces[1:] + self.forces[:-1]) * np.diff(self.places)
+        pieces = 0.5 * (self.forces[1:] + self.forces[:-1]) * np.diff(self.abscissae)
         sums = np.append(0.0, np.cumsum(pieces))
-        return np.asarray(sums - sums[np.searchsorted(self.places, 0.0)])
+        return np.asarray(sums - sums[np.searchsorted(self.abscissae, 0.0)])
 
     def __call__(self, value: float | Array) -> Array:
         """Force N at deflections m or velocities m/s (...), with their sign."""
@@ -81,8 +81,8 @@ class ForceLaw:
     def _located(self, value: float | Array) -> tuple[NDArray[np.int64], Array]:
         """Index of the piece and distance from its start; of an odd law for the absolute value."""
         magnitude = np.abs(value) if self.odd else np.asarray(value)
-        i = np.searchsorted(self.places[1:-1], magnitude, side="right")
-        return np.asarray(i), np.asarray(magnitude - self.places[i])
+        i = np.searchsorted(self.abscissae[1:-1], magnitude, side="right")
+        return np.asarray(i), np.asarray(magnitude - self.abscissae[i])
 
     def __rmul__(self, factor: float) -> ForceLaw:
         return ForceLaw(tuple((x, factor * f) for x, f in self.points))

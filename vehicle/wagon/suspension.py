@@ -69,7 +69,7 @@ class Assembly:
     """All n force elements of the plane wagon.
 
     Parameters:
-        joints: attachment points.
+        attachments: attachment points.
         laws: force laws.
         preload: (n,) N, vertical.
         couple: (2,) N m/rad, roll stiffness between car body and bogie, bogie and wheelset.
@@ -79,7 +79,7 @@ class Assembly:
     `wheelrail.vehicle.wagon.elements`; None: zero.
     """
 
-    joints: Attachments
+    attachments: Attachments
     laws: ForceElements
     preload: Array
     couple: Array
@@ -106,7 +106,7 @@ class Assembly:
             ForceElement(ElementPair(STOP, STOP, 0), spring=w.bumpstop),
         ]
         return cls(
-            joints=Attachments(ends, np.stack([table[2], table[2]]), table[3] - heights[ends], table[5]),
+            attachments=Attachments(ends, np.stack([table[2], table[2]]), table[3] - heights[ends], table[5]),
             laws=ForceElements.of(laws, len(table.T)),
             preload=table[4],
             couple=np.array([w.roll_bar + 2 * w.secondary.bending_stiffness, 2 * w.primary.bending_stiffness]),
@@ -115,10 +115,10 @@ class Assembly:
     def forces(self, position: Array, rate: Array, series: Array | None = None) -> SuspensionForces:
         """Forces at positions and rates (..., 3, 3)."""
         series = self._unloaded(position) if series is None else series
-        strain = self.joints.strain(position, rate)
+        strain = self.attachments.strain(position, rate)
         force = self.laws.force(strain.deflection, strain.velocity, series)
         force[..., 1] += self.preload
-        on_bodies = self.joints.on_bodies(force, strain)
+        on_bodies = self.attachments.on_bodies(force, strain)
         couple = self.couple * (position[..., :2, 2] - position[..., 1:, 2])
         on_bodies[..., :2, 2] -= couple
         on_bodies[..., 1:, 2] += couple
@@ -127,7 +127,7 @@ class Assembly:
     def stored_energy(self, position: Array, series: Array | None = None) -> Array:
         """Potential energy (...) J of springs, preloads, roll bar, bending and bumpstop; 0 in the nominal position."""
         series = self._unloaded(position) if series is None else series
-        deflection = self.joints.strain(position, np.zeros(position.shape)).deflection
+        deflection = self.attachments.strain(position, np.zeros(position.shape)).deflection
         roll = position[..., :2, 2] - position[..., 1:, 2]
         roll_energy, preload_work = 0.5 * roll**2 @ self.couple, deflection[..., 1] @ self.preload
         return np.asarray(self.laws.energy(deflection, series) + roll_energy - preload_work)
@@ -135,7 +135,7 @@ class Assembly:
     def dissipated_power(self, position: Array, rate: Array, series: Array | None = None) -> Array:
         """Power (...) W dissipated in the dampers."""
         series = self._unloaded(position) if series is None else series
-        return self.laws.dissipated(self.joints.strain(position, rate).velocity, series)
+        return self.laws.dissipated(self.attachments.strain(position, rate).velocity, series)
 
     def _unloaded(self, position: Array) -> Array:
         return np.zeros((*position.shape[:-2], self.laws.states))

@@ -58,12 +58,12 @@ def contact_geometry(
     """
     from xarray import Dataset
 
-    from wheelrail.contact.geometry.first_contact import seats
+    from wheelrail.contact.geometry.first_contact import first_contacts_over
     from wheelrail.scenes.datasets.patches import means
 
     positions = _positions(y)
     pair = placed_pair(wheel, rail, **more)
-    contacts = seats(pair.rigid, pair.mounting, positions, yaw)
+    contacts = first_contacts_over(pair.rigid, pair.mounting, positions, yaw)
     values = _by_side(pair, [touches for _, touches in contacts])
     radii = values["rolling_radius"]
     amplitude = np.unique(positions[positions > 0.0])
@@ -124,12 +124,12 @@ def _by_side(pair: PlacedPair, touches: Sequence[Mapping[Side, Any]]) -> dict[st
 def _conicity(pair: PlacedPair, amplitude: Array) -> Array:
     """Equivalent conicity (n,) at amplitudes (n,) m, in order."""
     from wheelrail.contact.geometry.conicity import equivalent_conicity
-    from wheelrail.contact.geometry.first_contact import seats
+    from wheelrail.contact.geometry.first_contact import first_contacts_over
 
     if not amplitude.size:
         return np.empty(0)
     fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
-    touches = [touch for _, touch in seats(pair.rigid, pair.mounting, fine)]
+    touches = [touch for _, touch in first_contacts_over(pair.rigid, pair.mounting, fine)]
     left, right = (
         np.array([contact_values(pair, touch[side], 1.0)["rolling_radius"] for touch in touches]) for side in SIDES
     )

@@ -56,9 +56,9 @@ def outlines_in_contact(pair: PlacedPair, y: float, yaw: float) -> tuple[Array, 
 
     Returns wheel and rail (n, 2), m, contact point (2,), m, in the frame of the rail, and contact angle, rad.
     """
-    from wheelrail.contact.geometry.first_contact import seats
+    from wheelrail.contact.geometry.first_contact import first_contacts_over
 
-    (((state, touches)),) = seats(pair.rigid, pair.mounting, np.array([y]), yaw)
+    (((state, touches)),) = first_contacts_over(pair.rigid, pair.mounting, np.array([y]), yaw)
     pose, _ = pair.mounting.left_pair(state)
     wheel, rail = (profile.point(profile.samples(OUTLINE)) for profile in (pair.rigid.wheel, pair.rigid.rail))
     lowest = np.column_stack([np.zeros(len(wheel)), wheel[:, 0], -(pair.rigid.radius + wheel[:, 1])])

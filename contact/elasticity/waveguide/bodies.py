@@ -15,7 +15,7 @@ from wheelrail.contact.geometry.surface_grid import ContactGrid, invariant_grid
 from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.extrusion import block_section
 from wheelrail.meshes.bodies.outlines import Outline
-from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, body_key, rail_touches, section, wheel_touches
+from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, body_key, rail_contact_range, section, wheel_contact_range
 from wheelrail.meshes.bodies.triangulation import Grading, SectionMesh, triangulate
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached, digest
@@ -70,7 +70,7 @@ def rail_waveguide(
         grading: of the mesh.
         tolerance: of the interpolation between wavenumbers.
     """
-    strip = Strip.over(outline, ends or rail_touches(outline.profile), half_length=half_length, size=size)
+    strip = Strip.over(outline, ends or rail_contact_range(outline.profile), half_length=half_length, size=size)
     return _profiled("rail", outline, strip, None, steel, step or size, half_length, degree, grading, tolerance)
 
 
@@ -90,7 +90,7 @@ def wheel_waveguide(
 
     Parameters as for `rail_waveguide`; lengths along the rim are measured on the rolling circle.
     """
-    strip = Strip.over(outline, ends or wheel_touches(outline.profile), half_length=half_length, size=size)
+    strip = Strip.over(outline, ends or wheel_contact_range(outline.profile), half_length=half_length, size=size)
     radius = outline.offset[1]
     return _profiled("wheel", outline, strip, radius, steel, step or size, half_length, degree, grading, tolerance)
 
@@ -105,7 +105,7 @@ def rail_body(
     grading: Grading = GRADING,
 ) -> WaveguideSection:
     """Section of `rail_waveguide`, same lines on its surface, for internal stresses; parameters as there."""
-    return _body(outline, ends or rail_touches(outline.profile), None, steel, size, degree, grading)
+    return _body(outline, ends or rail_contact_range(outline.profile), None, steel, size, degree, grading)
 
 
 def wheel_body(
@@ -118,7 +118,7 @@ def wheel_body(
     grading: Grading = GRADING,
 ) -> WaveguideSection:
     """Section of `wheel_waveguide`, same lines on its surface, for internal stresses; parameters as there."""
-    return _body(outline, ends or wheel_touches(outline.profile), outline.offset[1], steel, size, degree, grading)
+    return _body(outline, ends or wheel_contact_range(outline.profile), outline.offset[1], steel, size, degree, grading)
 
 
 def block_body(

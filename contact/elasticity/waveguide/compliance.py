@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.elasticity.solid_compliance import ALL
-from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pair_places
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pair_indices
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 TILE = 16  # lines transformed together; a patch covers a few tiles
@@ -60,7 +60,7 @@ class WaveguideCompliance:
     @cached_property
     def _pair(self) -> Nodes:
         """Index of the pairs s <= t of lines in the spectrum."""
-        return pair_places(self.shape[1])
+        return pair_indices(self.shape[1])
 
     def block(self, nodes: Nodes, directions: Sequence[int] = ALL) -> Array:
         """Symmetric compliance (d n, d n) [m/N], see `Compliance.block`."""

@@ -28,9 +28,9 @@ class WaveguideCoordinates:
     angle: Array | None
 
     @classmethod
-    def of(cls, body: WaveguideSection, places: Array) -> WaveguideCoordinates:
+    def of(cls, body: WaveguideSection, points: Array) -> WaveguideCoordinates:
         """Coordinates of points (m, 3) m in body axes."""
-        x, y, z = np.asarray(places, dtype=float).T
+        x, y, z = np.asarray(points, dtype=float).T
         if body.radius is None:
             return cls(x, np.column_stack([y, z]), None)
         angle = np.arctan2(x, -z)
@@ -43,14 +43,14 @@ class WaveguideCoordinates:
         return cls(along, np.tile(spots, (len(stations), 1)), None if body.radius is None else along / body.radius)
 
     @property
-    def places(self) -> Array:
+    def points(self) -> Array:
         """Points (m, 3) m in body axes."""
         y, r = self.section.T
         if self.angle is None:
             return np.column_stack([self.along, y, r])
         return np.column_stack([r * np.sin(self.angle), y, -r * np.cos(self.angle)])
 
-    def turned(self, tensor: Array) -> Array:
+    def rotated(self, tensor: Array) -> Array:
         """Vectors (m, 3) or tensors (m, 3, 3), rotated from axes (along, y, up or outward) to body axes."""
         if self.angle is None:
             return tensor

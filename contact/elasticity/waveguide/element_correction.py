@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from wheelrail.contact.elasticity.half_space import strip_flexibility
-from wheelrail.contact.elasticity.waveguide.spectrum import pair_places
+from wheelrail.contact.elasticity.waveguide.spectrum import pair_indices
 from wheelrail.contact.laws.material import Material
 from wheelrail.support.arrays import Array
 
@@ -27,17 +27,17 @@ class SurfaceError:
     """Missing flexibility of loads over one line, by components along x, y, z, lines 0 .. 7 apart, per unit modulus.
 
     Parameters:
-        place: (m,), log q, q = k times the lines' spacing.
+        log_q: (m,), log q, q = k times the lines' spacing.
         values: (m, 8, 3).
     """
 
-    place: Array
+    log_q: Array
     values: Array
 
     def at(self, q: Array) -> Array:
         """Missing flexibility (..., 8, 3) at wavenumbers times spacing (...)."""
-        inside = np.clip(np.log(np.maximum(q, 1e-300)), self.place[0], self.place[-1])
-        return np.asarray(CubicSpline(self.place, self.values)(inside))
+        limited = np.clip(np.log(np.maximum(q, 1e-300)), self.log_q[0], self.log_q[-1])
+        return np.asarray(CubicSpline(self.log_q, self.values)(limited))
 
 
 @lru_cache(maxsize=32)
@@ -55,7 +55,7 @@ def surface_error(nu: float, degree: int) -> SurfaceError:
     ns = samples.lines
     resolved = samples.k > 0.02
     q, lines = samples.k[resolved], np.arange(FAR + 1)
-    index = pair_places(ns)
+    index = pair_indices(ns)
     elements = np.empty((len(q), FAR + 1, 3))
     middle = np.arange(FAR // 2, ns - FAR // 2 - FAR)
     for d in lines:

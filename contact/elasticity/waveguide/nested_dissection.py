@@ -27,7 +27,7 @@ class Front:
         count: unknowns to eliminate, the first ones.
         size: of the block.
         unknowns: (size,), numbers in the matrix.
-        entries, places: indices into the sparse matrix's values, and into the flattened block.
+        entries, positions: indices into the sparse matrix's values, and into the flattened block.
         children: earlier fronts whose remainders are added, and the rows and columns to which.
     """
 
@@ -35,7 +35,7 @@ class Front:
     size: int
     unknowns: Nodes
     entries: Nodes
-    places: Nodes
+    positions: Nodes
     children: tuple[tuple[int, Nodes], ...]
 
 
@@ -80,7 +80,7 @@ class Dissection:
         for front in self.fronts:
             n = front.count
             block = np.zeros((front.size, front.size))
-            block.ravel()[front.places] = values[front.entries]
+            block.ravel()[front.positions] = values[front.entries]
             for child, where in front.children:
                 block[where[:, None], where] += remainders[child]
                 remainders[child] = np.empty(0)
@@ -192,8 +192,8 @@ def _fronts(
         column = columns[entry]
         node = where[column // block]
         present = node >= 0
-        place = np.repeat(np.arange(len(lines)) * size, length) + node * block + column % block
+        position = np.repeat(np.arange(len(lines)) * size, length) + node * block + column % block
         children = tuple((b, unknowns(where[touched[b]])) for b in below)
-        fronts.append(Front(block * len(members), size, unknowns(order), entry[present], place[present], children))
+        fronts.append(Front(block * len(members), size, unknowns(order), entry[present], position[present], children))
         where[order] = -1
     return fronts

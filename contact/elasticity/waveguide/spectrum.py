@@ -112,7 +112,7 @@ def pairs(lines: int) -> tuple[Nodes, Nodes]:
     return np.triu_indices(lines)
 
 
-def pair_places(lines: int) -> Nodes:
+def pair_indices(lines: int) -> Nodes:
     """Index (lines, lines) of a pair s <= t in the order of `pairs`; zero for s > t, by symmetry that of t, s."""
     index = np.zeros((lines, lines), dtype=np.int64)
     index[pairs(lines)] = np.arange(lines * (lines + 1) // 2)
@@ -178,7 +178,7 @@ class WavenumberAxis:
 
     def spaced(self, largest: float, intervals: int) -> list[float]:
         """Wavenumbers from zero to the largest, equally spaced in the logarithm except for rounding to the unit."""
-        t = np.linspace(0.0, self.place(largest), intervals + 1)
+        t = np.linspace(0.0, self.transformed(largest), intervals + 1)
         return sorted({0.0, *(self._snapped(self.shift * np.expm1(v)) for v in t)})
 
     def no_longer(self, wavenumbers: list[float], length: float) -> list[float]:
@@ -186,12 +186,13 @@ class WavenumberAxis:
         parts = [np.linspace(a, b, int(np.ceil((b - a) / length)) + 1) for a, b in pairwise(wavenumbers)]
         return sorted({self._snapped(float(k)) for part in parts for k in part})
 
-    def place(self, k: float) -> float:
+    def transformed(self, k: float) -> float:
+        """Coordinate log(1 + k / shift) of a wavenumber 1/m."""
         return float(np.log1p(k / self.shift))
 
     def middle(self, low: float, high: float) -> float | None:
         """Midpoint of two wavenumbers; None without a multiple of the unit between them."""
-        k = self._snapped(self.shift * np.expm1(0.5 * (self.place(low) + self.place(high))))
+        k = self._snapped(self.shift * np.expm1(0.5 * (self.transformed(low) + self.transformed(high))))
         if self.unit is not None and not low + 0.5 * self.unit < k < high - 0.5 * self.unit:
             k = self._snapped(0.5 * (low + high))
             return k if low + 0.5 * self.unit < k < high - 0.5 * self.unit else None
@@ -219,7 +220,7 @@ def refine(
 
     Raises RuntimeError if 400 samples do not suffice.
     """
-    whole = axis.place(max(samples))
+    whole = axis.transformed(max(samples))
     open_intervals = list(pairwise(sorted(samples)))
     error = np.zeros(samples[0.0].shape)  # by entry: the largest errors occur at different wavenumbers
     while open_intervals:
@@ -240,7 +241,7 @@ def refine(
                     defect -= rule_weight * samples[wavenumber]
             # mean of a cubic's error over its interval: 8/15 of the peak
             cost = 8 / 15 * weight(low, high) / GAIN * np.abs(defect)
-            if cost.max() > tolerance * (axis.place(high) - axis.place(low)) / whole:
+            if cost.max() > tolerance * (axis.transformed(high) - axis.transformed(low)) / whole:
                 open_intervals += [(low, middle), (middle, high)]
             else:
                 error += cost

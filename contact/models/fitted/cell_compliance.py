@@ -101,7 +101,7 @@ class FittedState:
     def covers(self, ridge: PenetrationProfile) -> bool:
         """Whether all local maxima of the penetration lie on the cells, or next to them."""
         low, high = self.layout.sides.T
-        at = ridge.s[ridge.humps][:, None]
+        at = ridge.s[ridge.maxima][:, None]
         return bool(((at > low - self.layout.width) & (at < high + self.layout.width)).any(axis=1).all())
 
     def copied(self, moves: Array, tips: Array) -> FittedState:

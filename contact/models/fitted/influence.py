@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d
 from scipy.special import roots_legendre
 
-from wheelrail.contact.elasticity.half_space import floor_correction, strip_antiderivative, strip_flexibility
+from wheelrail.contact.elasticity.half_space import cutoff_correction, strip_antiderivative, strip_flexibility
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError, surface_error
-from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, interpolation, pair_places, rule
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, interpolation, pair_indices, rule
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.fitted.influence_tables import EVEN, ODD, TableNodes, full_table, normal_table
@@ -248,7 +248,7 @@ class ElementInfluence(HalfSpaceInfluence):
     @cached_property
     def _far_field(self) -> Array:
         """Far-field correction (nodes, 3) at the table's nodes: effect of the cut-off on the half-space."""
-        return floor_correction(self.nodes.x, self._cutoff, self.nu)
+        return cutoff_correction(self.nodes.x, self._cutoff, self.nu)
 
     def _normal_correction(self, sides: Array, count: int) -> Array:
         share, correction, lines = self._correction(sides)
@@ -290,7 +290,7 @@ class ElementInfluence(HalfSpaceInfluence):
 
     def _remainder(self, low: int, high: int) -> Array:
         """Spectrum (nk, n, n, 3, 3) of a run of lines minus that of half-spaces."""
-        remainder = self.samples.values[:, pair_places(len(self.arc))[low:high, low:high]]
+        remainder = self.samples.values[:, pair_indices(len(self.arc))[low:high, low:high]]
         row, column = np.tril_indices(high - low, -1)
         remainder[:, row, column] = remainder[:, column, row].swapaxes(-1, -2)
         self._add_near_field(remainder, low, high)

@@ -24,7 +24,7 @@ NormalOperator = Callable[[StripLayout], CachedFactors]  # relative normal compl
 def mean_overlap(surfaces: StripSurfaces, pose: Pose, layout: StripLayout) -> Array:
     """Undeformed penetration (S, M) m, the mean over every cell, by Gauss's rule of 2 x 2 points."""
     across, along = gauss_places(layout.edges, layout.middle, layout.width)
-    return np.asarray(surfaces.overlap(pose, across, along).mean(axis=0))
+    return np.asarray(surfaces.penetration(pose, across, along).mean(axis=0))
 
 
 @compiled
@@ -54,7 +54,7 @@ def initial_layout(
         operator: relative normal compliance m/Pa of the cells of a layout.
         count: iteration counts, increased.
     """
-    inside = ridge.overlap > 0
+    inside = ridge.penetration > 0
     starts = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
     stops = np.flatnonzero(inside & ~np.concatenate([inside[1:], [False]]))
     sides, patch = [], []
@@ -66,8 +66,8 @@ def initial_layout(
         patch += [number] * COARSE_STRIPS
     strip_sides = np.concatenate(sides)
     middle = strip_sides.mean(axis=1)
-    depth = np.maximum(np.interp(middle, ridge.s, ridge.overlap), 0.02 * ridge.overlap.max())
-    x, half = np.interp(middle, ridge.s, ridge.x), np.sqrt(2 * depth / np.interp(middle, ridge.s, ridge.bend))
+    depth = np.maximum(np.interp(middle, ridge.s, ridge.penetration), 0.02 * ridge.penetration.max())
+    x, half = np.interp(middle, ridge.s, ridge.x), np.sqrt(2 * depth / np.interp(middle, ridge.s, ridge.curvature))
     # on a steep flange strips next to the deepest one penetrate over far more than the contact's length
     longest, centre = half[np.argmax(depth)], x[np.argmax(depth)]
     half, x = np.minimum(half, longest), np.clip(x, centre - longest, centre + longest)
@@ -81,6 +81,6 @@ def initial_layout(
 
 def _crossing(ridge: PenetrationProfile, inner: int, outer: int) -> float:
     """Arc length m between two lines at which the penetration vanishes."""
-    a, b = ridge.overlap[inner], ridge.overlap[outer]
+    a, b = ridge.penetration[inner], ridge.penetration[outer]
     fraction = a / (a - b) if np.isfinite(b) else 0.0
     return float(ridge.s[inner] + fraction * (ridge.s[outer] - ridge.s[inner]))

@@ -106,11 +106,11 @@ class FittedContact:
 
     def _solved(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None) -> ContactResult:
         clock, count = PhaseTimer(), IterationCount()
-        ridge = self.operators.surfaces.ridge(pose, self._lines)
-        approach = float(ridge.overlap.max())
+        ridge = self.operators.surfaces.penetration_profile(pose, self._lines)
+        approach = float(ridge.penetration.max())
         if approach <= 0:
             return ContactResult.separated(approach)
-        if ridge.overlap[0] > 0 or ridge.overlap[-1] > 0:
+        if ridge.penetration[0] > 0 or ridge.penetration[-1] > 0:
             return ContactResult.failed(OUTSIDE, approach)
         earlier = None if guess is None or self.tangential == "shift" else guess.warm_start
         starts = (earlier, None) if isinstance(earlier, FittedState) and earlier.covers(ridge) else (None,)
@@ -198,7 +198,7 @@ class LayoutIteration:
         clock: PhaseTimer,
     ) -> None:
         self.model, self.pose, self.motion, self.ridge, self.start = model, pose, motion, ridge, start
-        self.count, self.clock, self.approach = count, clock, float(ridge.overlap.max())
+        self.count, self.clock, self.approach = count, clock, float(ridge.penetration.max())
         # penetration due to friction: as assumed for the layout, and the remainder that earlier solves left unconverged
         self.penetration = None if start is None else start.penetration
         self.remainder = None if start is None else start.remainder
@@ -247,7 +247,7 @@ class LayoutIteration:
         model, cells, scale = self.model, self.cells, self.cells.scale
         surfaces = model.operators.surfaces
         overlap = mean_overlap(surfaces, self.pose, cells.layout).ravel()
-        places = replace(surfaces.places(self.pose, cells.layout), overlap=overlap)
+        places = replace(surfaces.places(self.pose, cells.layout), penetration=overlap)
         speed, rigid = self._rigid(places)
         body = self._compliance(rigid is not None)
         self.clock.ends("compliance")

@@ -71,18 +71,18 @@ def single(ridge: PenetrationProfile, resolution: Resolution, cell_marks: Array)
 
     The patch is about the region of penetration at a fraction VIRTUAL of the approach: Kik and Piotrowski 1996.
     """
-    o, top = ridge.overlap, int(ridge.overlap.argmax())
+    o, top = ridge.penetration, int(ridge.penetration.argmax())
     depth = o - (1 - VIRTUAL) * o[top]
     inside, over = np.flatnonzero(depth > 0), np.flatnonzero(o > 0)
     if over[-1] - over[0] > WIDE * (inside[-1] - inside[0] + 1):
         return None
-    if len(ridge.humps) > 1 or inside[-1] - inside[0] != len(inside) - 1 or inside[0] == 0 or inside[-1] == len(o) - 1:
+    if len(ridge.maxima) > 1 or inside[-1] - inside[0] != len(inside) - 1 or inside[0] == 0 or inside[-1] == len(o) - 1:
         return None
     low, high = (
         float(np.interp(0.0, depth[[out, at]], ridge.s[[out, at]]))
         for at, out in ((inside[0], inside[0] - 1), (inside[-1], inside[-1] + 1))
     )
-    half = np.sqrt(2 * depth[inside] / ridge.bend[inside])
+    half = np.sqrt(2 * depth[inside] / ridge.curvature[inside])
     ends = ridge.x[inside, None] + half[:, None] * [-1.0, 1.0]
     return assembled([PatchSpan(low, high, ridge.s[inside], ends)], resolution, cell_marks)
 

@@ -26,29 +26,29 @@ class PenetrationProfile:
 
     Parameters:
         s: (ns,) m, arc length of the lines.
-        overlap: (ns,) m, largest penetration; negative is a distance.
+        penetration: (ns,) m, largest penetration; negative is a distance.
         x: (ns,) m, its position along the rolling circle.
-        bend: (ns,) 1/m, relative curvature there: overlap - bend x^2 / 2.
+        curvature: (ns,) 1/m, relative curvature there: penetration - curvature x^2 / 2.
     """
 
     s: Array
-    overlap: Array
+    penetration: Array
     x: Array
-    bend: Array
+    curvature: Array
 
     @property
-    def humps(self) -> Nodes:
+    def maxima(self) -> Nodes:
         """Lines of the local maxima of positive penetration."""
-        o = self.overlap
+        o = self.penetration
         return np.flatnonzero((o[1:-1] > 0) & (o[1:-1] > o[:-2]) & (o[1:-1] >= o[2:])) + 1
 
 
 class StripSurfaces(Protocol):
     """Surfaces of a pair of bodies for strips: s m across and x m along the rolling circle of the upper body."""
 
-    def ridge(self, pose: Pose, s: Array) -> PenetrationProfile: ...
+    def penetration_profile(self, pose: Pose, s: Array) -> PenetrationProfile: ...
 
-    def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
+    def penetration(self, pose: Pose, s: Array, x: Array) -> Array:
         """Undeformed penetration m at s and x of one shape."""
 
     def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
@@ -68,13 +68,13 @@ class ProjectedPoints(NamedTuple):
     """Points of a wheel's surface projected on a rail.
 
     Parameters:
-        overlap: (n,) m, undeformed penetration; -inf beyond the rail's ends.
+        penetration: (n,) m, undeformed penetration; -inf beyond the rail's ends.
         foot: (n,) m, arc length of the closest points on the rail.
         point: (n, 3) m.
         axes: (n, 3, 3), rows longitudinal, lateral and outward.
     """
 
-    overlap: Array
+    penetration: Array
     foot: Array
     point: Array
     axes: Array
@@ -136,7 +136,7 @@ class ProfileStrips:
             )
         )
 
-    def ridge(self, pose: Pose, s: Array) -> PenetrationProfile:
+    def penetration_profile(self, pose: Pose, s: Array) -> PenetrationProfile:
         """Penetration is largest where the wheel's circle is parallel to the rail: where its tangent has no component
         along the rail's normal.
         """
@@ -144,12 +144,12 @@ class ProfileStrips:
         for _ in range(2 if pose.rotation[1, 0] != 0 else 0):
             across = np.column_stack([np.zeros_like(s), self.rail.normal(self._seen(pose, s, x).foot)]) @ pose.rotation
             x = -self.radius * np.arctan(across[:, 0] / across[:, 2])
-        depth = self._seen(pose, s, x).overlap
+        depth = self._seen(pose, s, x).penetration
         r, nr = self.wheel.point(s)[:, 1] + self.radius, self.wheel.normal(s)[:, 1]
         return PenetrationProfile(s, depth, x, np.maximum(r * nr, 0.05 * r) / self.radius**2)
 
-    def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
-        return self._seen(pose, s, x).overlap.reshape(x.shape)
+    def penetration(self, pose: Pose, s: Array, x: Array) -> Array:
+        return self._seen(pose, s, x).penetration.reshape(x.shape)
 
     def along(self, s: Array) -> Array:
         return stretched(self.wheel.shape, self.radius, s)
@@ -168,12 +168,12 @@ class ProfileStrips:
             point=at.point,
             axes=at.axes,
             area=(length * layout.width[:, None]).ravel(),
-            overlap=at.overlap,
+            penetration=at.penetration,
             wheel_rotation=pose.rotation,
             step=length.ravel(),
             wheel_place=np.stack([s.ravel(), self.wheel.point(s.ravel())[:, 0]], axis=1),
             rail_place=np.stack([at.foot, self.rail.point(at.foot)[:, 0]], axis=1),
-            follows=self._follows,
+            sensitivity=self._follows,
         )
 
 
@@ -184,12 +184,12 @@ class QuadricStrips:
     upper: tuple[float, float]
     lower: tuple[float, float]
 
-    def ridge(self, pose: Pose, s: Array) -> PenetrationProfile:
+    def penetration_profile(self, pose: Pose, s: Array) -> PenetrationProfile:
         (ax, _), (bx, _) = curvature(self.upper), curvature(self.lower)
         x = np.full_like(s, pose.origin[0] * ax / (ax + bx))
-        return PenetrationProfile(s, self.overlap(pose, s, x), x, np.full_like(s, 2 * (ax + bx)))
+        return PenetrationProfile(s, self.penetration(pose, s, x), x, np.full_like(s, 2 * (ax + bx)))
 
-    def overlap(self, pose: Pose, s: Array, x: Array) -> Array:
+    def penetration(self, pose: Pose, s: Array, x: Array) -> Array:
         (ax, ay), (bx, by) = curvature(self.upper), curvature(self.lower)
         X, Y, Z = pose.origin
         return np.asarray(-Z - ax * (x - X) ** 2 - ay * (s - Y) ** 2 - bx * x * x - by * s * s)
@@ -210,10 +210,10 @@ class QuadricStrips:
             point=np.column_stack([x, s, np.zeros_like(x)]),
             axes=np.broadcast_to(np.diag([1.0, 1.0, -1.0]), (len(x), 3, 3)),
             area=(length * layout.width[:, None]).ravel(),
-            overlap=self.overlap(pose, s, x),
+            penetration=self.penetration(pose, s, x),
             wheel_rotation=UPSIDE_DOWN,
             step=length.ravel(),
             wheel_place=across,
             rail_place=across,
-            follows=QuadricSensitivity(self.upper),
+            sensitivity=QuadricSensitivity(self.upper),
         )

@@ -77,10 +77,10 @@ class DiscreteProblem:
         n = len(points.node)
         normal = displacement[-n:]
         if rigid is None or sw is None or sr is None:
-            return cls(ranks, law, points.node, displacement, normal.T.tocsr(), normal, points.overlap)
+            return cls(ranks, law, points.node, displacement, normal.T.tocsr(), normal, points.penetration)
         gradient = sp.csr_array(sp.vstack([normal, sp.hstack([sw, -sr])], format="csr"))
         ordered = sp.csr_array(sp.vstack([normal, displacement[: 2 * n]], format="csr"))
-        constant = np.concatenate([points.overlap, rigid])
+        constant = np.concatenate([points.penetration, rigid])
         return cls(ranks, law, points.node, displacement, ordered.T.tocsr(), gradient, constant)
 
     def state(self, u: Array) -> tuple[Array, Array]:

@@ -101,7 +101,7 @@ class StandardContact:
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         try:
-            zones, approach = self.surfaces.zones(pose)
+            zones, approach = self.surfaces.regions(pose)
         except ValueError as error:
             return ContactResult.failed(str(error))
         if zones is None:
@@ -123,7 +123,7 @@ class StandardContact:
         )
         middles, peaks = StripFrames(point, axes), StripFrames(peak, peak_axes)
         friction = self.friction(strips, middles, peaks, velocities)
-        cells = strip_forces(strips, zones.share, middles, peaks, velocities, self.elasticity, friction, self.cells)
+        cells = strip_forces(strips, zones.weight, middles, peaks, velocities, self.elasticity, friction, self.cells)
         if self.method != NO_FRICTION and not cells.speed.min() > 0.0:
             return ContactResult.failed(
                 f"friction needs a positive rolling speed, got {cells.speed.min():g} m/s; with mu = 0 any is allowed",

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import PLACES, VIRTUAL, WIDTHS, PenetrationRegions
+from wheelrail.contact.geometry.interpenetration import POSITIONS, VIRTUAL, WIDTHS, PenetrationRegions
 from wheelrail.contact.models.standard.ellipse import axis_ratio, ellipse, strip_potential
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
@@ -60,7 +60,12 @@ def virtual_penetration(zones: PenetrationRegions, E_star: float) -> StripPressu
     width are scaled at constant area to the ratio of semi-axes that Hertz gives for the same curvatures. Non-elliptic
     regions by their second moments.
     """
-    s, x, width, half = zones.s.copy(), zones.x.copy(), zones.width.copy(), np.sqrt(2.0 * zones.overlap * zones.radius)
+    s, x, width, half = (
+        zones.s.copy(),
+        zones.x.copy(),
+        zones.width.copy(),
+        np.sqrt(2.0 * zones.penetration * zones.radius),
+    )
     scale, k = np.empty_like(s), len(zones.peak)
     load, along, across = np.empty(k), np.empty(k), np.empty(k)
     start = 0
@@ -92,7 +97,7 @@ def hertzian(zones: PenetrationRegions, E_star: float) -> StripPressures:
     """Hertz's pressure: the lateral curvature is that of the parabola whose interpenetration region has the same second
     moment.
     """
-    k, m = len(zones.peak), len(PLACES)
+    k, m = len(zones.peak), len(POSITIONS)
     n = 2 * m * k
     contact, s, x, width, half, scale = (
         np.empty(n, dtype=np.int64),
@@ -109,15 +114,15 @@ def hertzian(zones: PenetrationRegions, E_star: float) -> StripPressures:
         while stop < len(zones.s) and zones.contact[stop] == c:
             stop += 1
         own = slice(start, stop)
-        loads = zones.overlap[own] * zones.radius[own] * zones.width[own]
+        loads = zones.penetration[own] * zones.radius[own] * zones.width[own]
         radius = (loads * zones.radius[own]).sum() / loads.sum()
-        _, wide = moments(zones.s[own], zones.width[own], np.sqrt(2.0 * zones.overlap[own] * zones.radius[own]))
+        _, wide = moments(zones.s[own], zones.width[own], np.sqrt(2.0 * zones.penetration[own] * zones.radius[own]))
         a, b, peak = ellipse(0.5 / radius, VIRTUAL * zones.depth[c] / wide**2, zones.depth[c], E_star)
         load[c], along[c], across[c] = 2.0 / 3.0 * np.pi * peak * a * b, a, b
         for sign in (-1.0, 1.0):
             for q in range(m):
-                contact[n], s[n], x[n] = c, zones.peak[c] + sign * b * PLACES[q], zones.peak_x[c]
-                width[n], half[n] = b * WIDTHS[q], a * np.sqrt(1.0 - PLACES[q] ** 2)
+                contact[n], s[n], x[n] = c, zones.peak[c] + sign * b * POSITIONS[q], zones.peak_x[c]
+                width[n], half[n] = b * WIDTHS[q], a * np.sqrt(1.0 - POSITIONS[q] ** 2)
                 scale[n] = peak / a
                 n += 1
         start = stop

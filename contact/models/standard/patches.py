@@ -59,8 +59,8 @@ class StripContacts:
     @cached_property
     def rank(self) -> Nodes:
         """Index (k,) of each contact in the list by decreasing load."""
-        rank = np.empty(len(self.zones.share), dtype=np.int64)
-        rank[np.argsort(-self.strips.load * self.zones.share, kind="stable")] = np.arange(len(rank))
+        rank = np.empty(len(self.zones.weight), dtype=np.int64)
+        rank[np.argsort(-self.strips.load * self.zones.weight, kind="stable")] = np.arange(len(rank))
         return rank
 
     def patches(self) -> tuple[Patch, ...]:
@@ -71,7 +71,7 @@ class StripContacts:
             point=fields.point,
             axes=fields.axes,
             area=fields.area,
-            overlap=fields.penetration,
+            penetration=fields.penetration,
             wheel_rotation=self.pose.rotation,
             step=fields.step,
             wheel_place=np.repeat(on_wheel, self.count, axis=0),

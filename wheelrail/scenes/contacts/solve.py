@@ -136,11 +136,16 @@ def _equilibria(
     scene: WheelsetScene, contact: WheelsetContact
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], WheelsetEquilibrium]]]:
     """Solves of a wheelset scene: sides, and the function that computes their static equilibrium."""
-    from wheelrail.contact.loading.wheelset import axle_under_load, placed, wheel_under_load, wheels_under_load
+    from wheelrail.contact.loading.wheelset import (
+        axle_under_load,
+        wheel_under_load,
+        wheels_under_load,
+        wheelset_at_state,
+    )
 
     position, state = scene.wheelset, wheelset_state(scene)
     if position.z is not None:
-        yield scene.sides, lambda: placed(contact, state, scene.sides)
+        yield scene.sides, lambda: wheelset_at_state(contact, state, scene.sides)
     elif position.axle_load is not None:
         load = position.axle_load
         yield scene.sides, lambda: axle_under_load(contact, state, load, expected=wheel_scale(scene, 0.5 * load))

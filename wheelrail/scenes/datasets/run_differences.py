@@ -95,7 +95,7 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else np.nan
 
 
-def settled(data: Dataset) -> NDArray[np.bool_]:
+def steady_samples(data: Dataset) -> NDArray[np.bool_]:
     """Mask (n,) of the second half of the samples with the largest curvature, where the motion is steady."""
     curvature = np.abs(data["curvature"].values)
     full = np.flatnonzero(curvature >= (1 - 1e-6) * curvature.max(initial=0.0))
@@ -110,7 +110,7 @@ def noise(data: Dataset) -> dict[str, tuple[float, float]]:
     for name in ("vertical_force", "lateral_force"):
         for side in data["side"].values:
             residual = scatter(data["time"].values, data[name].sel(side=side).values)
-            values[f"{name.replace('_', ' ')}, {side}"] = (rms(residual), rms(residual[settled(data)]))
+            values[f"{name.replace('_', ' ')}, {side}"] = (rms(residual), rms(residual[steady_samples(data)]))
     return values
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.datasets.run_differences import rms, scatter, settled
+from wheelrail.scenes.datasets.run_differences import rms, scatter, steady_samples
 from wheelrail.scenes.plots.runs import along_track, named, patch_bands
 from wheelrail.scenes.plots.style import STYLE, save
 
@@ -87,7 +87,7 @@ def force_scatter(runs: Runs, names: Names) -> Figure:
         for data, label, look in zip(runs, names, LOOKS, strict=True):
             residual = scatter(data["time"].values, data[variable].sel(side=side).values)
             style = {"color": look["color"], "linewidth": 0.6}
-            text = f"{label}, RMS {rms(residual):.2g} N, {rms(residual[settled(data)]):.2g} N in the full curve"
+            text = f"{label}, RMS {rms(residual):.2g} N, {rms(residual[steady_samples(data)]):.2g} N in the full curve"
             ax.plot(data["distance"], residual, label=text, **style)
         ax.set_title(f"Residual noise of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
         ax.set_ylabel("[N]")

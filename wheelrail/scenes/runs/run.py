@@ -122,7 +122,7 @@ def _simulated(
     checkpoints = None
     if checkpoint_file is not None and scene.output.checkpoint:
         checkpoints = Checkpoints(scene.output.checkpoint, checkpoint_file.append, start)
-    speed, length = scene.vehicle.drive, scene.track.length
+    speed, length = scene.vehicle.speed_profile, scene.track.length
     end = SpeedProfile.of(speed).time_at(length)
     start_distance = length * start.time / end if start else 0.0
     with (

@@ -43,8 +43,10 @@ def curve_of(scene: RunScene) -> ConstantCurve:
 
     line, length = track(scene), scene.track.length
     s = max((length * i / 1000 for i in range(1001)), key=lambda s: abs(line.curvature(s)[0]))
-    curvature, lift = line.curvature(s)[0], line.lift(s)[0]
-    return ConstantCurve(scene.vehicle.first_speed, curvature, -lift if curvature < 0.0 else lift, line.base)
+    curvature, superelevation = line.curvature(s)[0], line.superelevation(s)[0]
+    return ConstantCurve(
+        scene.vehicle.first_speed, curvature, -superelevation if curvature < 0.0 else superelevation, line.base
+    )
 
 
 def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[SteadyCurving]:
@@ -80,8 +82,8 @@ def modes_table(modes: Sequence[Mode], speed: float) -> Table:
         view.add_column(name, justify="right")
     view.add_column("kinetic energy in")
     for m in modes:
-        value = f"{m.eigenvalue.real:.4g}" + (f" ± {m.eigenvalue.imag:.4g}i" if m.swings else "")
-        view.add_row(f"{m.frequency:.4g}", f"{m.damping:.4f}", value, m.moving)
+        value = f"{m.eigenvalue.real:.4g}" + (f" ± {m.eigenvalue.imag:.4g}i" if m.oscillates else "")
+        view.add_row(f"{m.frequency:.4g}", f"{m.damping:.4f}", value, m.main_coordinates)
     return view
 
 

@@ -37,7 +37,7 @@ def _figure(scene: RunScene) -> Figure:
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import centre_line
 
-    alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.drive)
+    alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.speed_profile)
     track, gravity = alignment.track(), wagon(scene).gravity
     irregularities = track.irregularities
     s = np.linspace(0.0, alignment.length, POINTS, dtype=np.float64)
@@ -55,12 +55,12 @@ def _figure(scene: RunScene) -> Figure:
     curvature.plot(s, [1e3 * track.curvature(x)[0] for x in stations_list], color="0.15")
     curvature.set_title("Curvature")
     curvature.set_ylabel("positive to the left [1/km]")
-    lift = np.array([track.lift(x)[0] for x in stations_list])
+    superelevation = np.array([track.superelevation(x)[0] for x in stations_list])
     _lines(
         cant,
         s,
         {
-            "cant": 1e3 * lift,
+            "cant": 1e3 * superelevation,
             "cant deficiency": 1e3 * np.array(cant_deficiency(track, speed_profile, gravity, stations_list)),
         },
     )

@@ -19,7 +19,7 @@ def cant_deficiency(track: Track, speed_profile: SpeedProfile, gravity: float, s
 
     Parameters:
         track: alignment and base.
-        drive: speed profile.
+        speed_profile: speed profile.
         gravity: m/s2.
         stations: (n,) distances along the track, m.
 
@@ -27,7 +27,7 @@ def cant_deficiency(track: Track, speed_profile: SpeedProfile, gravity: float, s
     """
     speeds = [speed_profile(speed_profile.time_at(s)).speed for s in stations]
     return [
-        track.base * v * v * track.curvature(s)[0] / gravity - track.lift(s)[0]
+        track.base * v * v * track.curvature(s)[0] / gravity - track.superelevation(s)[0]
         for s, v in zip(stations, speeds, strict=True)
     ]
 
@@ -39,7 +39,7 @@ def segment_table(scene: RunScene) -> Table:
     from wheelrail.scenes.builders.vehicle import wagon
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
-    alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.drive)
+    alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.speed_profile)
     track, gravity = alignment.track(), wagon(scene).gravity
     view = Table(title="Track; radius, cant, gradient, speed and cant deficiency at the end of each segment")
     for name in ("segment", "from m", "to m", "radius m", "cant mm", "gradient ‰", "speed m/s", "cant deficiency mm"):
@@ -53,7 +53,7 @@ def segment_table(scene: RunScene) -> Table:
             f"{start:.1f}",
             f"{end:.1f}",
             f"{1.0 / curvature:.1f}" if curvature else "",
-            f"{1e3 * sign * track.lift(end)[0]:.0f}",
+            f"{1e3 * sign * track.superelevation(end)[0]:.0f}",
             f"{1e3 * tan(track.gradient(end)[0]):.1f}",
             f"{speed_profile(speed_profile.time_at(end)).speed:.1f}",
             f"{1e3 * deficiency:.0f}",

@@ -50,7 +50,7 @@ def _check_plausible(key: str, value: Any, name: str) -> None:
 
     if isinstance(value, float) and key in WAGON and not WAGON[key].low <= value <= WAGON[key].high:
         raise reject(f"must be {WAGON[key]}", name)
-    if isinstance(value, ForceLaw) and max(map(abs, value.places)) > (limit := REACH[key.endswith("damping")]):
+    if isinstance(value, ForceLaw) and max(map(abs, value.abscissae)) > (limit := REACH[key.endswith("damping")]):
         unit = "m/s" if key.endswith("damping") else "m"
         raise reject(f"must have all points within {limit:g} {unit} of 0", name)
 

@@ -266,7 +266,7 @@ class RunScene(Contact):
 
         _between(self.wheelset, self.track.gauge)
         if self.output.interval:
-            shortest = SpeedProfile.of(self.vehicle.drive).time_at(self.track.length) / MOST_SAMPLES
+            shortest = SpeedProfile.of(self.vehicle.speed_profile).time_at(self.track.length) / MOST_SAMPLES
             if self.output.interval < shortest:
                 raise q.reject(
                     f"must be 0, or at least {shortest:.2g} s, for at most {MOST_SAMPLES} samples", "output.interval"

@@ -182,7 +182,7 @@ class VehicleTable(SceneTable):
         return value
 
     @property
-    def drive(self) -> float | SpeedProfile:
+    def speed_profile(self) -> float | SpeedProfile:
         """Speed or speed profile for `vehicle`."""
         if not isinstance(self.speed, tuple):
             return self.speed

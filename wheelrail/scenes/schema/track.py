@@ -201,7 +201,7 @@ class TrackLine(RailsTable):
         except AlignmentError as error:
             segment = self.segments[error.index] if self.segments else None
             key = "radius" if error.key == "curvature" and segment and segment.radius is not None else error.key
-            raise q.reject(error.says, f"segments.{error.index}.{key}") from None
+            raise q.reject(error.allowed, f"segments.{error.index}.{key}") from None
         if self.irregularities is not None:
             try:
                 if self.irregularities.file is not None:
