@@ -12,7 +12,7 @@ from time import perf_counter
 import numpy as np
 from rich.console import Console
 
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.resolution import Resolution
@@ -29,7 +29,7 @@ from wheelrail.vehicle.simulation.simulate import Recording, simulate
 
 SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
 EVERY = 0.01  # s, between the rows that are compared
-SETTLED = 0.1  # s, end of the initial transient
+TRANSIENT_END = 0.1  # s, end of the initial transient
 
 
 @dataclass(frozen=True)
@@ -66,19 +66,19 @@ class TimedRun:
 
     def channels(self) -> tuple[Array, Array]:
         """Lateral displacement (n,) mm and forces (n, 6) N of both wheels, after the initial transient."""
-        own = self.history.time > SETTLED
-        return 1e3 * self.history.state[own, 6], self.history.outputs.force[own].reshape(-1, 6)
+        selected = self.history.time > TRANSIENT_END
+        return 1e3 * self.history.state[selected, 6], self.history.outputs.force[selected].reshape(-1, 6)
 
 
 def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, seconds: float) -> TimedRun:
     """Runs the first seconds of the scene with prepared bodies."""
     assert isinstance(contact.model, FittedContact)
     model = replace(contact.model, resolution=Resolution(*variant.fineness), warm=variant.warm)
-    own = replace(contact, model=model)
-    with in_parallel(own) if variant.workers == 2 else nullcontext(own) as both:
+    tuned = replace(contact, model=model)
+    with in_parallel(tuned) if variant.workers == 2 else nullcontext(tuned) as parallel:
         began = perf_counter()
         history = simulate(
-            Dynamics(wagon(scene), track(scene), both, scene.vehicle.speed_profile),
+            Dynamics(wagon(scene), track(scene), parallel, scene.vehicle.speed_profile),
             (0.0, seconds),
             steps=StepSettings(variant.method, variant.rtol, 1e-3 * variant.rtol),
             recording=Recording(EVERY),
@@ -86,18 +86,18 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
         return TimedRun(variant, history, perf_counter() - began)
 
 
-def differences(one: TimedRun, other: TimedRun) -> tuple[float, float, float, float]:
+def differences(tested: TimedRun, reference: TimedRun) -> tuple[float, float, float, float]:
     """RMS and largest difference of the lateral displacement, mm, and of the forces, % of the mean wheel load."""
-    (y, forces), (y0, forces0) = one.channels(), other.channels()
+    (y, forces), (y0, forces0) = tested.channels(), reference.channels()
     n = min(len(y), len(y0))
-    apart, off = y[:n] - y0[:n], forces[:n] - forces0[:n]
+    lateral, force = y[:n] - y0[:n], forces[:n] - forces0[:n]
     load = 0.5 * forces0[:n, [2, 5]].sum(axis=1).mean()
-    rms = np.sqrt((off**2).mean(axis=0)).max()  # of the worst of the six
+    rms = np.sqrt((force**2).mean(axis=0)).max()  # of the worst of the six
     return (
-        float(np.sqrt((apart**2).mean())),
-        float(np.abs(apart).max()),
+        float(np.sqrt((lateral**2).mean())),
+        float(np.abs(lateral).max()),
         float(100 * rms / load),
-        float(100 * np.abs(off).max() / load),
+        float(100 * np.abs(force).max() / load),
     )
 
 
@@ -117,25 +117,25 @@ COLUMNS = (
 )
 
 
-def row(one: TimedRun, tight: TimedRun, fine: TimedRun) -> list[str]:
-    cost, v = one.history.cost, one.variant
-    apart = []
-    for other in (tight, fine):
-        d = differences(one, other)
-        apart += ["", ""] if one is other else [f"{d[0]:.4f} / {d[1]:.3f}", f"{d[2]:.3f} / {d[3]:.2f}"]
+def row(timed_run: TimedRun, tight: TimedRun, fine: TimedRun) -> list[str]:
+    cost, v = timed_run.history.cost, timed_run.variant
+    deviations = []
+    for reference in (tight, fine):
+        d = differences(timed_run, reference)
+        deviations += ["", ""] if timed_run is reference else [f"{d[0]:.4f} / {d[1]:.3f}", f"{d[2]:.3f} / {d[3]:.2f}"]
     sides = [cost.contact[side] for side in SIDES]
     # of the side that a second process solves, this is only the time spent waiting for it
     spent = [1e3 * sum(side.phases.values()) / side.solves for side in sides]
     return [
-        v.name if one.history.status == "completed" else f"{v.name}: {one.history.status}",
+        v.name if timed_run.history.status == "completed" else f"{v.name}: {timed_run.history.status}",
         "{} x {}".format(*v.fineness),
         f"{v.rtol:.0e}",
         str(v.workers),
-        f"{one.seconds:.1f}",
+        f"{timed_run.seconds:.1f}",
         f"{cost.steps.accepted} ({cost.steps.rejected})",
         str(sides[0].solves),
         "{:.1f} / {:.1f}".format(*spent),
-        *apart,
+        *deviations,
     ]
 
 
@@ -147,17 +147,17 @@ def draw(runs: list[TimedRun], tight: TimedRun, fine: TimedRun, path: Path) -> N
     import matplotlib.pyplot as plt
 
     fig, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4), layout="constrained")
-    for one, style in ((fine, "k-"), (runs[0], "C1--")):
-        time = one.history.time
-        label = "{} x {} cells, rtol {:g}".format(*one.variant.fineness, one.variant.rtol)
-        left.plot(time, 1e3 * one.history.state[:, 6], style, lw=1.2, label=label)
+    for timed_run, style in ((fine, "k-"), (runs[0], "C1--")):
+        time = timed_run.history.time
+        label = "{} x {} cells, rtol {:g}".format(*timed_run.variant.fineness, timed_run.variant.rtol)
+        left.plot(time, 1e3 * timed_run.history.state[:, 6], style, lw=1.2, label=label)
         for side in (0, 1):
-            middle.plot(time, 1e-3 * one.history.outputs.force[:, side, 2], style, lw=1.2)
+            middle.plot(time, 1e-3 * timed_run.history.outputs.force[:, side, 2], style, lw=1.2)
     left.set(xlabel="time [s]", ylabel="lateral displacement, to the left [mm]")
     middle.set(xlabel="time [s]", ylabel="vertical forces, left falls, right rises [kN]")
     left.legend(frameon=False)
-    for other, marker, label in ((tight, "o", "tight tolerance"), (fine, "s", "finer cells")):
-        points = [(one.seconds, differences(one, other)[2]) for one in runs]
+    for reference, marker, label in ((tight, "o", "tight tolerance"), (fine, "s", "finer cells")):
+        points = [(timed_run.seconds, differences(timed_run, reference)[2]) for timed_run in runs]
         right.loglog(*zip(*points, strict=True), marker, label=f"against {label}")
     right.axhline(0.5, color="0.6", lw=0.8)
     right.axvline(10.0, color="0.6", lw=0.8)
@@ -174,27 +174,30 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="only the unchanged scene and the run at tight tolerance")
     parser.add_argument("--picture", type=Path, help="file for the figure")
     parser.add_argument("--json", type=Path, help="file for the table's rows")
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     scene = load_scene(SCENE)
     assert isinstance(scene, RunScene)
     console = Console(stderr=True)
     contact = wheelset_contact(scene)
     run(scene, contact, VARIANTS[0], 0.02)  # compilation and compliance
     runs: list[TimedRun] = []
-    for variant in (TIGHT, VARIANTS[0]) if given.quick else (FINE, TIGHT, *VARIANTS):
+    for variant in (TIGHT, VARIANTS[0]) if arguments.quick else (FINE, TIGHT, *VARIANTS):
         with console.status(f"{variant.name}, {variant.fineness[0]} x {variant.fineness[1]} cells"):
-            runs.append(run(scene, contact, variant, given.seconds))
+            runs.append(run(scene, contact, variant, arguments.seconds))
         console.print(f"{variant.name}: {runs[-1].seconds:.1f} s, {runs[-1].history.status}")
-    fine, tight = runs[0], runs[0 if given.quick else 1]
-    rows = [row(one, tight, fine) for one in runs]
-    print(f"{stated()}\n\n{given.seconds:g} s of scenes/curve.toml; preparation excluded; forces in % of the load\n")
+    fine, tight = runs[0], runs[0 if arguments.quick else 1]
+    rows = [row(timed_run, tight, fine) for timed_run in runs]
+    print(
+        f"{machine_description()}\n\n{arguments.seconds:g} s of scenes/curve.toml; preparation excluded; "
+        "forces in % of the load\n"
+    )
     print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
     for cells in rows:
         print(f"| {' | '.join(cells)} |")
-    if given.json:
-        given.json.write_text(json.dumps([dict(zip(COLUMNS, cells, strict=True)) for cells in rows], indent=1))
-    if given.picture:
-        draw(runs[2:] or runs[1:], tight, fine, given.picture)
+    if arguments.json:
+        arguments.json.write_text(json.dumps([dict(zip(COLUMNS, cells, strict=True)) for cells in rows], indent=1))
+    if arguments.picture:
+        draw(runs[2:] or runs[1:], tight, fine, arguments.picture)
 
 
 if __name__ == "__main__":

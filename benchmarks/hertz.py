@@ -13,7 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.common.hertz_pairs import CIRCULAR, ELLIPTIC, HEAVY, Timed, clocked, creep_force, errors, rolling, timed
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.discretisation import Bodies, Model
@@ -34,9 +34,9 @@ def percent(values: Iterable[float]) -> str:
     return " | ".join(f"{100 * value:+.1f}" for value in values)
 
 
-def seconds(found: Timed) -> str:
-    cold = "shared" if found.cold is None else f"{found.cold:.1f}"
-    return f"{cold} | {found.cached:.2f} | {1e3 * found.solve:.1f}"
+def seconds(timed_pair: Timed) -> str:
+    cold = "shared" if timed_pair.cold is None else f"{timed_pair.cold:.1f}"
+    return f"{cold} | {timed_pair.cached:.2f} | {1e3 * timed_pair.solve:.1f}"
 
 
 def law_name(stiffness: float) -> str:
@@ -52,13 +52,13 @@ def normal_table(sizes: Sequence[float]) -> None:
     cases = [(pair, across) for pair in (CIRCULAR, ELLIPTIC) for across in sizes]
     for pair, across in [*cases, (HEAVY, max(sizes))]:
         for bodies, stiffness in product(BODIES, (EXACT, PENALTY)):
-            found = timed(pair, across, ContactLaws(stiffness, friction=0.0), rolling(0.0), bodies)
-            row = f"{across:g} | {found.points} | {percent(errors(pair, found))} | {seconds(found)}"
+            solution = timed(pair, across, ContactLaws(stiffness, friction=0.0), rolling(0.0), bodies)
+            row = f"{across:g} | {solution.points} | {percent(errors(pair, solution))} | {seconds(solution)}"
             print(f"| {pair.name} | {bodies} | {law_name(stiffness)} | {row} |", flush=True)
     heading("Penetration due to the penalty", "pair | p0 MPa | p0/K um | of the approach %")
     for pair in (CIRCULAR, ELLIPTIC, HEAVY):
-        left = pair.exact.peak / PENALTY
-        row = f"{pair.exact.peak / 1e6:.0f} | {1e6 * left:.2f} | {100 * left / pair.exact.approach:.1f}"
+        penetration = pair.exact.peak / PENALTY
+        row = f"{pair.exact.peak / 1e6:.0f} | {1e6 * penetration:.2f} | {100 * penetration / pair.exact.approach:.1f}"
         print(f"| {pair.name} | {row} |")
 
 
@@ -73,9 +73,9 @@ def slopes() -> None:
     for bodies in BODIES:
         laws = ContactLaws(EXACT, friction=0.0)
         solved = (timed(CIRCULAR, across, laws, rolling(0.0), bodies) for across in SLOPE_SIZES)
-        found = np.array([errors(CIRCULAR, one) for one in solved])
-        axes = np.sqrt((found[:, 1:3] ** 2).mean(axis=1))
-        peak, semi = (float(np.polyfit(size, np.log(np.abs(error)), 1)[0]) for error in (found[:, 0], axes))
+        relative_errors = np.array([errors(CIRCULAR, solution) for solution in solved])
+        axes = np.sqrt((relative_errors[:, 1:3] ** 2).mean(axis=1))
+        peak, semi = (float(np.polyfit(size, np.log(np.abs(error)), 1)[0]) for error in (relative_errors[:, 0], axes))
         print(f"| {bodies} | {peak:.2f} | {semi:.2f} |", flush=True)
 
 
@@ -88,10 +88,10 @@ def rolling_table(sizes: Sequence[float]) -> None:
     )
     kinds = {"exact": ContactLaws(EXACT, FRICTION, 0.0), "paper": ContactLaws(PENALTY, FRICTION, 1e-5)}
     for across, bodies, name in product(sizes, BODIES, kinds):
-        found = timed(CIRCULAR, across, kinds[name], rolling(CREEPAGE), bodies)
-        along, lateral = found.patch.tangential_force
-        row = f"{across:g} | {found.points} | {-along:.0f} | {percent([-along / reference - 1])} | {lateral:.1f}"
-        print(f"| {bodies} | {name} | {row} | {found.result.statistics.newton} | {seconds(found)} |", flush=True)
+        solution = timed(CIRCULAR, across, kinds[name], rolling(CREEPAGE), bodies)
+        along, lateral = solution.patch.tangential_force
+        row = f"{across:g} | {solution.points} | {-along:.0f} | {percent([-along / reference - 1])} | {lateral:.1f}"
+        print(f"| {bodies} | {name} | {row} | {solution.result.statistics.newton} | {seconds(solution)} |", flush=True)
 
 
 def full_table() -> None:
@@ -106,11 +106,11 @@ def full_table() -> None:
         values = []
         for name in MODELS:
             model = CIRCULAR.model(FULL_SIZE, ContactLaws(PENALTY, friction, 1e-5), model=name)
-            (cold, _), (again, result) = (clocked(lambda m=model: m(pose, motion, None)) for _ in range(2))  # type: ignore[misc]
+            (cold, _), (warm, result) = (clocked(lambda m=model: m(pose, motion, None)) for _ in range(2))  # type: ignore[misc]
             count, peak = result.statistics, result.patches[0].max_pressure
             values.append(np.append(result.force, peak))
             row = f"{result.force[2]:.5f} | {0.0 - result.force[0]:.5f} | {peak / 1e6:.6f}"
-            times = f"{count.newton} | {count.linear} | {cold:.2f} | {again:.3g}"
+            times = f"{count.newton} | {count.linear} | {cold:.2f} | {warm:.3g}"
             print(f"| {friction:g} | {name} | {row} | {times} |", flush=True)
         force = np.linalg.norm(values[1][:3] - values[0][:3]) / np.linalg.norm(values[0][:3])
         differences.append(f"friction {friction:g}: force {force:.0e}, peak {abs(values[1][3] / values[0][3] - 1):.0e}")
@@ -123,7 +123,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=float, nargs="+", default=[5.0, 8.0, 12.0], help="points across the short axis")
     sizes = parser.parse_args().sizes
     logging.disable(logging.WARNING)  # notes of UFL and FFCx on quadrature would disturb the tables
-    print(stated(), flush=True)
+    print(machine_description(), flush=True)
     began = perf_counter()
     with tempfile.TemporaryDirectory() as cache:
         os.environ["WHEELRAIL_CACHE"] = cache  # empty cache for the cold times

@@ -18,7 +18,7 @@ from time import perf_counter
 
 import numpy as np
 
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from benchmarks.common.models import STEEL, PairTrack, wheelset_model
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -52,7 +52,7 @@ def under_load(contact: WheelsetContact, y: float, depth: float, slope: float) -
 
 def sweep(contact: WheelsetContact, positions: Array, say: bool = True) -> tuple[Array, list[int], Array, Array]:
     """Forces and moments (m, 6) on the wheel, number of patches, error of the load, seconds, for each position."""
-    found, patches, seconds, missed = [], [], [], []
+    forces, patches, seconds, load_errors = [], [], [], []
     depth, slope = 0.0, 1e9
     depths: list[float] = []
     start = perf_counter()
@@ -65,14 +65,14 @@ def sweep(contact: WheelsetContact, positions: Array, say: bool = True) -> tuple
             print(f"  {error}", flush=True)
             result = ContactResult.failed(str(error))
         depths.append(depth)
-        found.append(np.concatenate([result.force, result.moment]) if result.ok else np.full(6, np.nan))
+        forces.append(np.concatenate([result.force, result.moment]) if result.ok else np.full(6, np.nan))
         patches.append(len(result.patches))
-        missed.append(abs(result.force[2] / LOAD - 1))
+        load_errors.append(abs(result.force[2] / LOAD - 1))
         seconds.append(perf_counter() - began)
         if say and i % 50 == 49:
             left = (perf_counter() - start) / (i + 1) * (len(positions) - i - 1)
             print(f"  {1e3 * y:6.2f} mm, {left:.0f} s left", flush=True)
-    return np.array(found), patches, np.array(missed), np.array(seconds)
+    return np.array(forces), patches, np.array(load_errors), np.array(seconds)
 
 
 def picture(path: Path, y: Array, forces: Array, patches: list[int]) -> None:
@@ -96,43 +96,49 @@ def picture(path: Path, y: Array, forces: Array, patches: list[int]) -> None:
 
 
 def main() -> None:
-    given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    given.add_argument("--step", type=float, default=0.02)
-    given.add_argument("--from", dest="low", type=float, default=-8.0)
-    given.add_argument("--to", dest="high", type=float, default=8.0)
-    given.add_argument("--friction", type=float, default=0.3)
-    given.add_argument("--size", type=float, default=1.0)
-    given.add_argument("--points", choices=("fitted", "grid"), default="fitted")
-    given.add_argument("--picture", type=Path)
-    given.add_argument("--json", type=Path)
-    args = given.parse_args()
-    print(stated())
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--step", type=float, default=0.02)
+    parser.add_argument("--from", dest="low", type=float, default=-8.0)
+    parser.add_argument("--to", dest="high", type=float, default=8.0)
+    parser.add_argument("--friction", type=float, default=0.3)
+    parser.add_argument("--size", type=float, default=1.0)
+    parser.add_argument("--points", choices=("fitted", "grid"), default="fitted")
+    parser.add_argument("--picture", type=Path)
+    parser.add_argument("--json", type=Path)
+    arguments = parser.parse_args()
+    print(machine_description())
     contact = wheelset_model(
-        PairTrack(STEEL), ContactLaws(friction=args.friction), 1e-3 * args.size, points=args.points
+        PairTrack(STEEL), ContactLaws(friction=arguments.friction), 1e-3 * arguments.size, points=arguments.points
     )
-    positions = 1e-3 * np.arange(args.low, args.high + 0.5 * args.step, args.step)
-    forces, patches, missed, seconds = sweep(contact, positions)
+    positions = 1e-3 * np.arange(arguments.low, arguments.high + 0.5 * arguments.step, arguments.step)
+    forces, patches, load_errors, seconds = sweep(contact, positions)
     scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
-    changes, bends = np.abs(np.diff(forces, axis=0)) / scale, np.diff(forces, 2, axis=0) / scale
-    print(f"\n{len(positions)} positions, {args.step:g} mm apart, friction {args.friction:g}, {args.points} points")
+    changes, second_differences = np.abs(np.diff(forces, axis=0)) / scale, np.diff(forces, 2, axis=0) / scale
+    settings = f"{arguments.step:g} mm apart, friction {arguments.friction:g}, {arguments.points} points"
+    print(f"\n{len(positions)} positions, {settings}")
     print("| | largest change % | at y mm | scatter % | largest second difference % | at y mm |")
     print("|---|---|---|---|---|---|")
     for k, name in enumerate(NAMES):
-        i, j = int(np.nanargmax(changes[:, k])), int(np.nanargmax(np.abs(bends[:, k])))
-        scatter, most = 100 * np.sqrt(np.nanmean(bends[:, k] ** 2)), 100 * np.abs(bends[j, k])
+        i, j = int(np.nanargmax(changes[:, k])), int(np.nanargmax(np.abs(second_differences[:, k])))
+        scatter, largest = (
+            100 * np.sqrt(np.nanmean(second_differences[:, k] ** 2)),
+            100 * np.abs(second_differences[j, k]),
+        )
         where = 1e3 * positions[i], 1e3 * positions[j + 1]
-        print(f"| {name} | {100 * changes[i, k]:.3f} | {where[0]:.2f} | {scatter:.4f} | {most:.3f} | {where[1]:.2f} |")
+        print(
+            f"| {name} | {100 * changes[i, k]:.3f} | {where[0]:.2f} | {scatter:.4f} | {largest:.3f} | {where[1]:.2f} |"
+        )
     print(
         f"\npatches from {min(patches)} to {max(patches)}, {np.count_nonzero(np.diff(patches))} changes of their number"
     )
     print(f"{np.count_nonzero(np.isnan(forces[:, 0]))} positions without a solution")
-    print(f"largest error of the load {100 * np.nanmax(missed):.1e} %")
+    print(f"largest error of the load {100 * np.nanmax(load_errors):.1e} %")
     print(f"{1e3 * np.median(seconds):.0f} ms a position, {seconds.sum():.0f} s in all")
-    if args.json:
+    if arguments.json:
         rows = np.column_stack([positions, forces, patches]).tolist()
-        args.json.write_text(json.dumps({"columns": ["y", *NAMES, "patches"], "rows": rows}))
-    if args.picture:
-        picture(args.picture, positions, forces, patches)
+        arguments.json.write_text(json.dumps({"columns": ["y", *NAMES, "patches"], "rows": rows}))
+    if arguments.picture:
+        picture(arguments.picture, positions, forces, patches)
 
 
 if __name__ == "__main__":

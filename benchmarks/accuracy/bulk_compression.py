@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.accuracy.contact_frames import state
-from benchmarks.accuracy.wheelset import SIZE, seated, track_of
+from benchmarks.accuracy.wheelset import SIZE, loaded_wheel, track_of
 from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, pressed, rolling, solved
 from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.kalker import kalker
@@ -31,11 +31,13 @@ def bulk_creepage(result: ContactResult) -> Array:
     x, y = ((fields.point - weight @ fields.point / weight.sum())[:, :2]).T
     root = np.sqrt(weight)
     basis = np.stack([np.ones_like(x), x, y, x * x, x * y], axis=1) * root[:, None]
-    # in fixed axes: those of the points turn with the wheel, and a radial displacement over its radius is slip too
-    moved = np.einsum("nk,nkc->nc", fields.displacement, fields.axes)
+    # fixed axes: in the points' axes, which rotate with the wheel, a radial displacement over the radius is slip, too
+    displacement = np.einsum("nk,nkc->nc", fields.displacement, fields.axes)
     lateral = weight @ fields.axes[:, 1] / weight.sum()
-    along, across = (np.linalg.lstsq(basis, root * part, rcond=None)[0] for part in (moved[:, 0], moved @ lateral))
-    # material flows towards -x: what it gains going there counts as slip; spin turns both, -y and +x
+    along, across = (
+        np.linalg.lstsq(basis, root * part, rcond=None)[0] for part in (displacement[:, 0], displacement @ lateral)
+    )
+    # material flows towards -x: the increase of its displacement along -x is slip; spin rotates it
     return np.array([-along[1], -across[1], 0.5 * (along[4] - 2 * across[3])])
 
 
@@ -52,44 +54,54 @@ def lateral_shift(result: ContactResult) -> float:
 def bulk_section(quick: bool, say: Say) -> TableSection:
     """Bulk creepage of wheel and rail, frictionless otherwise, and of the blocks of the Hertz pairs."""
     data = reference("wheelset")
-    given = data["input"]
-    track = track_of(given)
+    inputs = data["input"]
+    track = track_of(inputs)
     section = TableSection(
         "bulk",
-        "Creepage that bulk compression of the finite bodies makes (zero for half-spaces)",
-        ("pair", "points", "longitudinal", "lateral", "spin 1/m", "force it makes, % of mu F_n", "lateral shift um"),
+        "Creepage due to bulk compression of the finite bodies (zero for half-spaces)",
+        (
+            "pair",
+            "points",
+            "longitudinal",
+            "lateral",
+            "spin 1/m",
+            "longitudinal force, % of mu F_n",
+            "lateral shift um",
+        ),
     )
-    pair = Ellipse((0.46, 0.46), given["load"])
+    pair = Ellipse((0.46, 0.46), inputs["load"])
     size = pair.size(points=285)
     depth, _ = pressed(pair, size)
     blocks = solved(hertz_model(pair, frictional(SLIPPERY), size), depth, rolling(0.0))
     section.rows.append(["blocks", carrying(blocks), *map(float, bulk_creepage(blocks)), 0.0, lateral_shift(blocks)])
-    found = []
+    creepages = []
     for case in data["series"]["normal_only"]:
         if case["y"] > 6.0 or (case["y"] % (3.0 if quick else 1.0)):
             continue
-        at = state(case, speed=given["speed"], pitch_rate=given["pitch_rate"])
+        wheelset = state(case, speed=inputs["speed"], pitch_rate=inputs["pitch_rate"])
         for side in SIDES:
             say(f"bulk, y {case['y']:g} mm {side}")
-            result = seated(track, SLIPPERY, at, side, given["load"], SIZE)
+            result = loaded_wheel(track, SLIPPERY, wheelset, side, inputs["load"], SIZE)
             section.count(carrying(result))
-            creep = bulk_creepage(result)
+            creepage = bulk_creepage(result)
             a, b = result.patches[0].semi_axes
             ratio = float(np.clip(a / b, 0.1, 10.0))
             G = track.steel.E / (2 + 2 * track.steel.nu)
-            makes = -a * b * G * kalker("C11", ratio, track.steel.nu) * creep[0] / (given["mu"] * given["load"])
-            found.append(creep[0])
+            force_fraction = (
+                -a * b * G * kalker("C11", ratio, track.steel.nu) * creepage[0] / (inputs["mu"] * inputs["load"])
+            )
+            creepages.append(creepage[0])
             row = [
                 f"{case['y']:g} mm {side}",
                 carrying(result),
-                *map(float, creep),
-                100 * float(makes),
+                *map(float, creepage),
+                100 * float(force_fraction),
                 lateral_shift(result),
             ]
             section.rows.append(row)
-    section.measures = [measure("longitudinal", "1e-6", 1e6 * np.array(found))]
+    section.measures = [measure("longitudinal", "1e-6", 1e6 * np.array(creepages))]
     section.notes = [
-        "force: what the longitudinal part makes by Kalker's linear theory, an upper bound",
-        "lateral shift: in the axes of a left wheel, the bodies' bending under the load included",
+        "force: of the longitudinal creepage by Kalker's linear theory, an upper bound",
+        "lateral shift: in the axes of a left wheel, including bending of the bodies under the load",
     ]
     return section

@@ -32,13 +32,13 @@ def strips(pair: Ellipse, friction: float, stick: float) -> tuple[float, Callabl
     creepage = -friction * a * (1 - stick) / radius
 
     def at(x: Array, y: Array) -> tuple[Array, Array]:
-        shrink = np.sqrt(1 - (y / b) ** 2)
+        width_ratio = np.sqrt(1 - (y / b) ** 2)
         traction, sticks = np.empty_like(x), np.empty(len(x), dtype=bool)
-        for s in np.unique(shrink):
-            here = shrink == s
-            one = carter(a * s, pair.exact.peak * s, friction=friction, creepage=creepage, radius=radius)
-            traction[here] = one.traction(x[here])
-            sticks[here] = np.abs(x[here] - one.centre) < one.stick
+        for s in np.unique(width_ratio):
+            of_strip = width_ratio == s
+            cylinder = carter(a * s, pair.exact.peak * s, friction=friction, creepage=creepage, radius=radius)
+            traction[of_strip] = cylinder.traction(x[of_strip])
+            sticks[of_strip] = np.abs(x[of_strip] - cylinder.centre) < cylinder.stick
         return traction, sticks
 
     return creepage, at
@@ -91,15 +91,23 @@ def carter_section(quick: bool, say: Say) -> TableSection:
         section.count(carrying(result))
         x, y, area, pressure, along, total = band(result, pair.exact.semi_axes[1])
         expected, _ = exact(x, y)
-        share = float((along @ area) / (friction * pressure @ area))
-        fine = _mean_over_band(pair, exact, friction)
-        found = float(area[total < friction * pressure * (1 - 1e-6)].sum() / area.sum())
+        force_ratio = float((along @ area) / (friction * pressure @ area))
+        exact_means = _mean_over_band(pair, exact, friction)
+        stick_fraction = float(area[total < friction * pressure * (1 - 1e-6)].sum() / area.sum())
         error = 100 * (along - expected) / unit
         rms = float(np.sqrt(error**2 @ area / area.sum()))
-        forces.append(100 * (share - fine[0]))
-        areas.append(100 * (found - fine[1]))
+        forces.append(100 * (force_ratio - exact_means[0]))
+        areas.append(100 * (stick_fraction - exact_means[1]))
         tractions.append(rms)
-        row: list[Any] = [stick, carrying(result), share, fine[0], case["contact"][0]["force"], found / fine[1], rms]
+        row: list[Any] = [
+            stick,
+            carrying(result),
+            force_ratio,
+            exact_means[0],
+            case["contact"][0]["force"],
+            stick_fraction / exact_means[1],
+            rms,
+        ]
         section.rows.append([*row, float(np.abs(error).max())])
     section.measures = [
         measure("creep force", "% of mu N", forces),
@@ -107,8 +115,8 @@ def carter_section(quick: bool, say: Say) -> TableSection:
         measure("traction, RMS of a case", "% of mu p0", tractions, worst=2.0),
     ]
     section.notes = [
-        f"not two-dimensional: at a / b = {RATIO:g} the strips also feel each other, by the order of (a / b)^2 = "
-        f"{100 * RATIO**2:.0f} % of the compliance; a longer ellipse costs points in proportion to b"
+        f"not two-dimensional: at a / b = {RATIO:g} the strips interact, by the order of (a / b)^2 = "
+        f"{100 * RATIO**2:.0f} % of the compliance; the number of points is proportional to b"
     ]
     return section
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.common.hertz_cases import lacking
+from benchmarks.common.hertz_cases import block_correction
 from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, pressed, solved
 from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.cattaneo import cattaneo
@@ -31,23 +31,23 @@ def push(distance: float) -> RigidMotion:
 
 def pushed(model: ContactModel, depth: float, force: float, start: float) -> tuple[float, ContactResult]:
     """Tangential displacement [m] and result for a tangential force [N], by secant steps from an initial guess [m]."""
-    known = [(0.0, 0.0)]
+    points = [(0.0, 0.0)]
     distance = start
     for _ in range(12):
         result = solved(model, depth, push(distance))
-        found = -float(result.force[0])
-        if abs(found / force - 1) < 1e-6:
+        reached = -float(result.force[0])
+        if abs(reached / force - 1) < 1e-6:
             return distance, result
-        (d0, f0), known = known[-1], [*known, (distance, found)]
-        distance += (force - found) * (distance - d0) / (found - f0)
-    raise RuntimeError(f"a push of {force:g} N was not found")
+        (d0, f0), points = points[-1], [*points, (distance, reached)]
+        distance += (force - reached) * (distance - d0) / (reached - f0)
+    raise RuntimeError(f"no tangential displacement for {force:g} N within 12 steps")
 
 
 def cattaneo_section(quick: bool, say: Say) -> TableSection:
     """The reference's spheres of steel under its forces, and the polyethylene one."""
     section = TableSection(
         "cattaneo",
-        "Cattaneo and Mindlin: a sphere pushed by a force, errors relative to the closed form",
+        "Cattaneo and Mindlin: a sphere under a tangential force, errors relative to the closed form",
         (
             "case",
             "points",
@@ -86,8 +86,8 @@ def cattaneo_section(quick: bool, say: Say) -> TableSection:
         error = 100 * (-fields.traction[:, 0] - exact.traction(r)) / (case["mu"] * exact.peak)
         inside = r < exact.radius
         rms = float(np.sqrt((error**2 * fields.area)[inside].sum() / fields.area[inside].sum()))
-        missing = 2 * lacking(case["nu"], 0)[0] * exact.force / (pair.steel.E * pair.half_width(size))
-        corrected, raw = (100 * (value / exact.shift - 1) for value in (distance + missing, distance))
+        correction = 2 * block_correction(case["nu"], 0)[0] * exact.force / (pair.steel.E * pair.half_width(size))
+        corrected, raw = (100 * (value / exact.shift - 1) for value in (distance + correction, distance))
         areas.append(100 * (area / (np.pi * exact.stick**2) - 1))
         tractions.append(rms)
         shifts.append(corrected)
@@ -101,8 +101,8 @@ def cattaneo_section(quick: bool, say: Say) -> TableSection:
         measure("shift", "%", shifts),
     ]
     section.notes = [
-        "the closed form neglects the traction across, CONTACT's shift differs by 0.02 to 0.2 % for that; the part of "
-        "the shift that finite blocks lack is added as for the approach"
+        "the closed form neglects lateral traction, which changes CONTACT's shift by 0.02 to 0.2 %; the shift is "
+        "corrected for finite blocks like the approach"
     ]
     return section
 

@@ -16,7 +16,7 @@ from benchmarks.accuracy.cattaneo import cattaneo_section
 from benchmarks.accuracy.rolling import creep_section, kalker_section
 from benchmarks.accuracy.wheelset import half_space_section, manchester_section, wheelset_section
 from benchmarks.common.hertz_cases import hertz_section
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from benchmarks.common.reference_table import TableSection, show
 
 Say = Callable[[str], None]
@@ -53,28 +53,29 @@ def main() -> None:
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=f"of {', '.join(SECTIONS)} (all)")
     parser.add_argument("--quick", action="store_true", help="few cases of every section")
     parser.add_argument("--json", type=Path, metavar="PATH", help="write all data to a file")
-    given = parser.parse_args()
-    unknown = set(given.sections) - set(SECTIONS)
+    arguments = parser.parse_args()
+    unknown = set(arguments.sections) - set(SECTIONS)
     if unknown:
         parser.error(f"no section {', '.join(sorted(unknown))}; there are {', '.join(SECTIONS)}")
     logging.disable(logging.WARNING)  # notes of UFL and FFCx on quadrature would disturb the tables
-    machine = stated()
+    machine = machine_description()
     print(machine, flush=True)
-    began, done = perf_counter(), []
-    for name in given.sections or SECTIONS:
-        section = run(name, quick=given.quick, say=progress)
+    began, sections = perf_counter(), []
+    for name in arguments.sections or SECTIONS:
+        section = run(name, quick=arguments.quick, say=progress)
         progress("")
         print(show(section), flush=True)
-        done.append(section)
+        sections.append(section)
     print("\n## Everything\n\n| section | error | unit | RMS | worst | met |\n|---|---|---|---|---|---|")
-    for section in done:
-        for one in section.measures:
-            met = {None: "", True: "yes", False: "NO"}[one.met]
-            print(f"| {section.name} | {one.name} | {one.unit} | {one.rms:.3g} | {one.worst:.3g} | {met} |")
+    for section in sections:
+        for quantity in section.measures:
+            met = {None: "", True: "yes", False: "NO"}[quantity.met]
+            errors = f"{quantity.rms:.3g} | {quantity.worst:.3g}"
+            print(f"| {section.name} | {quantity.name} | {quantity.unit} | {errors} | {met} |")
     print(f"\n{perf_counter() - began:.0f} s in all")
-    if given.json:
-        report = {"machine": machine, "quick": given.quick, "sections": [section.data() for section in done]}
-        given.json.write_text(json.dumps(report, indent=1), encoding="utf-8")
+    if arguments.json:
+        report = {"machine": machine, "quick": arguments.quick, "sections": [section.data() for section in sections]}
+        arguments.json.write_text(json.dumps(report, indent=1), encoding="utf-8")
 
 
 if __name__ == "__main__":

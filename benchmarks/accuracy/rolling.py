@@ -32,11 +32,11 @@ def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
     # at most 288 points: 24 cells along, as traction is singular where the contact ends, on at most 12 strips
     model = hertz_model(pair, frictional(STICKING), size, strips=max(4, int(12 * min(1, a / b / 0.75))), cells=24)
     c, small = np.sqrt(a * b), 1e-4
-    found = [solved(model, depth, rolling(*creep)) for creep in np.diag([small, small, small / c])]
+    results = [solved(model, depth, rolling(*creep)) for creep in np.diag([small, small, small / c])]
     (fx, *_), (_, fy, mz, _), (_, fy_spin, mz_spin, _) = (
-        loads(one) / (pair.shear * c**2 * small) * np.array([1, 1, 1 / c, 1]) for one in found
+        loads(result) / (pair.shear * c**2 * small) * np.array([1, 1, 1 / c, 1]) for result in results
     )
-    return np.array([-fx, -fy, -fy_spin, mz, -mz_spin]), carrying(found[0])
+    return np.array([-fx, -fy, -fy_spin, mz, -mz_spin]), carrying(results[0])
 
 
 def kalker_section(quick: bool, say: Say) -> TableSection:
@@ -44,7 +44,7 @@ def kalker_section(quick: bool, say: Say) -> TableSection:
     contact = {(k["ratio"], k["nu"]): k for k in reference("creep_curves")["kalker"]}
     section = TableSection(
         "kalker",
-        "Kalker's coefficients, everything sticks: errors in % of Table E.3 (of CONTACT, extrapolated)",
+        "Kalker's coefficients, full stick: errors in % of Table E.3 (of CONTACT, extrapolated)",
         (
             "a/b",
             "nu",
@@ -63,7 +63,7 @@ def kalker_section(quick: bool, say: Say) -> TableSection:
             "(C33)",
         ),
     )
-    errors, theirs = [], []
+    errors, contact_deviations = [], []
     cases = [(ratio, 0.25) for ratio in (RATIOS[1::2] if quick else RATIOS)]
     if not quick:
         cases += [(ratio, nu) for nu in (0.0, 0.3) for ratio in (0.5, 1.0, 2.0)]
@@ -73,23 +73,23 @@ def kalker_section(quick: bool, say: Say) -> TableSection:
         C, points = coefficients(pair, pair.size(points=POINTS))
         section.count(points)
         table = [kalker(name, ratio, nu) for name in NAMES[:3]]
-        e = 100 * (C[:4] / np.array([table[0], table[1], table[2], table[2]]) - 1)
-        errors.append(e)
-        row: list[Any] = [round(ratio, 4), nu, points, *map(float, C), *(float(value) for value in e[:3])]
+        error = 100 * (C[:4] / np.array([table[0], table[1], table[2], table[2]]) - 1)
+        errors.append(error)
+        row: list[Any] = [round(ratio, 4), nu, points, *map(float, C), *(float(value) for value in error[:3])]
         if (ratio, nu) in contact:
-            known = contact[ratio, nu]
-            beside = 100 * (C[[0, 1, 2, 4]] / np.array([known[name] for name in NAMES]) - 1)
-            theirs.append(beside)
-            row += [float(value) for value in beside]
+            contact_values = contact[ratio, nu]
+            deviations = 100 * (C[[0, 1, 2, 4]] / np.array([contact_values[name] for name in NAMES]) - 1)
+            contact_deviations.append(deviations)
+            row += [float(value) for value in deviations]
         section.rows.append(row + [""] * (len(section.columns) - len(row)))
-    e = np.array(errors)
+    error = np.array(errors)
     section.measures = [
-        measure("C11", "%", e[:, 0], worst=1.0),
-        measure("C22", "%", e[:, 1], worst=1.0),
-        measure("C23 by spin", "%", e[:, 2], worst=1.0),
-        measure("C23 by lateral creepage", "%", e[:, 3], worst=1.0),
-        measure("C11, C22, C23 against CONTACT", "%", np.array(theirs)[:, :3].ravel()),
-        measure("C33 against CONTACT", "%", np.array(theirs)[:, 3]),
+        measure("C11", "%", error[:, 0], worst=1.0),
+        measure("C22", "%", error[:, 1], worst=1.0),
+        measure("C23 by spin", "%", error[:, 2], worst=1.0),
+        measure("C23 by lateral creepage", "%", error[:, 3], worst=1.0),
+        measure("C11, C22, C23 against CONTACT", "%", np.array(contact_deviations)[:, :3].ravel()),
+        measure("C33 against CONTACT", "%", np.array(contact_deviations)[:, 3]),
     ]
     section.notes = ["the table is rounded to three digits; CONTACT, extrapolated, is within 1 % of it"]
     return section
@@ -103,10 +103,10 @@ def curve_errors(curve: dict[str, Any], fineness: Resolution, every: int = 1) ->
     model = hertz_model(pair, frictional(curve["mu"]), size, strips=fineness.strips, cells=fineness.cells)
     unit = curve["mu"] * pair.load * np.array([1, 1, np.sqrt(np.prod(pair.exact.semi_axes))])
     errors, count = [], 0
-    for _, xi, eta, phi, *known in curve["cases"][::every]:
+    for _, xi, eta, phi, *reference_values in curve["cases"][::every]:
         result = solved(model, depth, rolling(xi, eta, 1e3 * phi))
         count = carrying(result)
-        errors.append(loads(result)[:3] / unit - known[:3])
+        errors.append(loads(result)[:3] / unit - reference_values[:3])
     return np.array(errors), count
 
 
@@ -131,33 +131,33 @@ def creep_section(quick: bool, say: Say) -> TableSection:
             "worst at",
         ),
     )
-    force, moment, grid, trail = [], [], [], []
+    force, moment, grid, convergence = [], [], [], []
     for fineness in (*ROUGHER, FINENESS):
-        at_points, carried = [], []
+        at_points, point_counts = [], []
         for curve in curves:
             say(f"creep curves a/b {curve['ratio']:g}, {fineness.strips} x {fineness.cells} cells")
             e, count = curve_errors(curve, fineness, every if fineness == FINENESS else max(every, 3))
-            carried.append(count)
+            point_counts.append(count)
             at_points.append(e[:, :2])
             if fineness != FINENESS:
                 continue
             cases = curve["cases"][::every]
-            known = np.array([case[4:7] for case in cases])
+            reference_values = np.array([case[4:7] for case in cases])
             largest = np.abs([case[6] for case in curve["cases"]]).max()
-            theirs = np.array([case[8:11] for case in cases]) - known
+            contact_errors = np.array([case[8:11] for case in cases]) - reference_values
             e = 100 * e
             e[:, 2] /= largest
             force.append(e[:, :2])
             moment.append(e[:, 2])
-            grid.append(100 * theirs[:, :2])
+            grid.append(100 * contact_errors[:, :2])
             section.count(count)
             case = cases[int(np.abs(e[:, :2]).max(axis=1).argmax())]
             row: list[Any] = [curve["ratio"], count]
             row += [float(f(e[:, k])) for k in range(3) for f in (_rms, _worst)]
             at = f"{case[0]} {case[1]:.1e} {case[2]:.1e} {case[3]:.1e}"
-            section.rows.append([*row, _rms(100 * theirs[:, :2]), _worst(100 * theirs[:, :2]), at])
-        together = np.concatenate(at_points)
-        trail.append((float(np.mean(carried)), 100 * _rms(together), 100 * _worst(together)))
+            section.rows.append([*row, _rms(100 * contact_errors[:, :2]), _worst(100 * contact_errors[:, :2]), at])
+        all_errors = np.concatenate(at_points)
+        convergence.append((float(np.mean(point_counts)), 100 * _rms(all_errors), 100 * _worst(all_errors)))
     e, m = np.concatenate(force), np.concatenate(moment)
     section.measures = [
         measure("Fx", "% of mu F_n", e[:, 0], rms=0.4, worst=1.0),
@@ -166,11 +166,11 @@ def creep_section(quick: bool, say: Say) -> TableSection:
         measure("spin moment", "% of its largest", m, worst=2.0),
         measure("CONTACT on 50 x 40", "% of mu F_n", np.concatenate(grid).ravel()),
     ]
-    n, rms, worst = np.array(trail).T
+    n, rms, worst = np.array(convergence).T
     slopes = [float(np.polyfit(np.log(n), np.log(err), 1)[0]) for err in (rms, worst)]
     section.notes = [
         "error by points (RMS / worst, both forces): "
-        + ", ".join(f"{p:.0f}: {r:.2f} / {w:.2f}" for p, r, w in trail)
+        + ", ".join(f"{p:.0f}: {r:.2f} / {w:.2f}" for p, r, w in convergence)
         + f" %; fitted slopes of the error over the number of points {slopes[0]:.2f} and {slopes[1]:.2f}",
         f"mean of the error, its bias: Fx {e[:, 0].mean():+.3f}, Fy {e[:, 1].mean():+.3f} %; of |F|: "
         f"{_magnitude(curves, every, e):+.3f} % (positive: too large)",
@@ -180,8 +180,8 @@ def creep_section(quick: bool, say: Say) -> TableSection:
 
 def _magnitude(curves: list[dict[str, Any]], every: int, e: Array) -> float:
     """Mean error in the direction of the reference force."""
-    known = np.array([case[4:6] for curve in curves for case in curve["cases"][::every]])
-    return float(((e * known).sum(axis=1) / np.maximum(np.hypot(*known.T), 1e-9)).mean())
+    forces = np.array([case[4:6] for curve in curves for case in curve["cases"][::every]])
+    return float(((e * forces).sum(axis=1) / np.maximum(np.hypot(*forces.T), 1e-9)).mean())
 
 
 def _rms(e: Array) -> float:

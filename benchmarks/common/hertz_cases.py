@@ -12,7 +12,7 @@ from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 from wheelrail.contact.laws.material import Material
 
 ACROSS = 20.0
-WIDTHS = (80.0, 160.0, 320.0)  # half widths in surface sizes, for what a finite block lacks
+WIDTHS = (80.0, 160.0, 320.0)  # half widths in surface sizes, for the correction of finite blocks
 RING = (6.0, 7.5)  # distances in surface sizes from a loaded cell: far from it, near for the block
 
 
@@ -22,7 +22,7 @@ def pair_of(case: dict[str, float], steel: Material) -> Ellipse:
 
 
 @cache
-def lacking(nu: float, direction: int = 2) -> tuple[float, float]:
+def block_correction(nu: float, direction: int = 2) -> tuple[float, float]:
     """kappa: a block of half width and depth D, clamped at its bottom, moves kappa F / (E D) less than a half-space
     along a direction (0 along x, 2 normal); and the relative difference between two pairs of widths.
 
@@ -31,26 +31,26 @@ def lacking(nu: float, direction: int = 2) -> tuple[float, float]:
     cell, where the mesh of the cell has no influence; a third block verifies the law. No Hertz contact is used.
     """
 
-    def moved(width: float) -> float:
+    def mean_displacement(width: float) -> float:
         body, grid = block_waveguide((8, 8), Material(1.0, nu), size=1.0, half_width=width)
         distance = np.hypot(*grid.position.reshape(-1, 3)[:, :2].T)
         ring = np.flatnonzero((distance >= RING[0]) & (distance < RING[1]))
         column = body.block(np.append(ring, int(np.argmin(distance))), (direction,))[:-1, -1]
         return float(column.mean())
 
-    c = [moved(width) for width in WIDTHS]
-    found = [(c[i + 1] - c[i]) / (1 / WIDTHS[i] - 1 / WIDTHS[i + 1]) for i in (0, 1)]
-    return found[0], found[1] / found[0] - 1
+    c = [mean_displacement(width) for width in WIDTHS]
+    coefficients = [(c[i + 1] - c[i]) / (1 / WIDTHS[i] - 1 / WIDTHS[i + 1]) for i in (0, 1)]
+    return coefficients[0], coefficients[1] / coefficients[0] - 1
 
 
 def hertz_section(quick: bool) -> TableSection:
     """All cases at 20 points across the short axis."""
     data = reference("hertz")
     steel = Material(data["material"]["E"], data["material"]["nu"])
-    kappa, spread = lacking(steel.nu)
+    kappa, spread = block_correction(steel.nu)
     section = TableSection(
         "hertz",
-        f"Hertz, frictionless, {ACROSS:g} points across the short axis: errors in % (CONTACT's beside)",
+        f"Hertz, frictionless, {ACROSS:g} points across the short axis: errors in % (CONTACT's in parentheses)",
         ("case", "points", "p0", "(CONTACT)", "a", "b", "(a)", "(b)", "area", "(area)", "approach", "raw approach"),
     )
     errors = []
@@ -59,25 +59,38 @@ def hertz_section(quick: bool) -> TableSection:
         size = pair.size(across=ACROSS)
         depth, result = pressed(pair, size)
         patch, exact = result.patches[0], pair.exact
-        missing = 2 * kappa * pair.load / (steel.E * pair.half_width(size))
-        found = np.array([patch.max_pressure, *patch.semi_axes, patch.area, depth + missing, depth])
+        correction = 2 * kappa * pair.load / (steel.E * pair.half_width(size))
+        values = np.array([patch.max_pressure, *patch.semi_axes, patch.area, depth + correction, depth])
         a, b = exact.semi_axes
-        e = 100 * (found / np.array([exact.peak, a, b, np.pi * a * b, exact.approach, exact.approach]) - 1)
+        e = 100 * (values / np.array([exact.peak, a, b, np.pi * a * b, exact.approach, exact.approach]) - 1)
         errors.append(e)
-        theirs = {name: 100 * value for name, value in case["contact"].items() if name not in ("across", "points")}
+        contact_errors = {
+            name: 100 * value for name, value in case["contact"].items() if name not in ("across", "points")
+        }
         section.count(carrying(result))
-        beside = [e[0], theirs["p0"], e[1], e[2], theirs["a"], theirs["b"], e[3], theirs["area"], e[4], e[5]]
-        section.rows.append([case["name"], carrying(result), *map(float, beside)])
+        cells = [
+            e[0],
+            contact_errors["p0"],
+            e[1],
+            e[2],
+            contact_errors["a"],
+            contact_errors["b"],
+            e[3],
+            contact_errors["area"],
+            e[4],
+            e[5],
+        ]
+        section.rows.append([case["name"], carrying(result), *map(float, cells)])
     e = np.array(errors)
     section.measures = [
         measure("peak pressure", "%", e[:, 0], worst=0.5),
         measure("semi-axes", "%", e[:, 1:3].ravel(), worst=1.0),
         measure("area", "%", e[:, 3]),
         measure("approach", "%", e[:, 4], worst=1.0),
-        measure("approach as it is", "%", e[:, 5]),
+        measure("approach, uncorrected", "%", e[:, 5]),
     ]
     section.notes = [
-        f"approach: each block lacks kappa F / (E D), kappa = {kappa:.4f} for nu = {steel.nu:g} from blocks of "
-        f"{WIDTHS[0]:g} and {WIDTHS[1]:g} sizes ({100 * spread:+.2f} % from {WIDTHS[1]:g} and {WIDTHS[2]:g})"
+        f"approach: smaller by kappa F / (E D) for each block, kappa = {kappa:.4f} for nu = {steel.nu:g} from blocks "
+        f"of {WIDTHS[0]:g} and {WIDTHS[1]:g} sizes ({100 * spread:+.2f} % from {WIDTHS[1]:g} and {WIDTHS[2]:g})"
     ]
     return section

@@ -79,14 +79,14 @@ def creep_force(pair: Pair, creepage: float, friction: float) -> float:
     a, b = pair.exact.semi_axes
     s = creepage * a * b * STEEL.E / (2 + 2 * STEEL.nu) * C11 / (friction * pair.load)
 
-    # Vermeulen and Johnson's curve is within 0.03 of CONTACT's: only the rest is interpolated
+    # Vermeulen and Johnson's curve is within 0.03 of CONTACT's: only the difference is interpolated
     def rough(s: Array | float) -> Array:
         return np.asarray(1 - (1 - s / 3) ** 3)
 
-    known, force = np.array(CREEP_CURVE).T
-    if not known[0] <= s <= known[-1]:
-        raise ValueError(f"creepage {s:g} in units of the linear law, known from {known[0]} to {known[-1]}")
-    return float(friction * pair.load * (rough(s) + np.interp(s, known, force - rough(known))))
+    creepages, force = np.array(CREEP_CURVE).T
+    if not creepages[0] <= s <= creepages[-1]:
+        raise ValueError(f"creepage {s:g} in units of the linear law, tabulated from {creepages[0]} to {creepages[-1]}")
+    return float(friction * pair.load * (rough(s) + np.interp(s, creepages, force - rough(creepages))))
 
 
 @dataclass(frozen=True)
@@ -124,10 +124,10 @@ def timed(pair: Pair, across: float, laws: ContactLaws, motion: RigidMotion, bod
     cold, model = clocked(start)
     computed = stored() > before
     cached, _ = clocked(start)
-    found = hertz_under_load(model, motion, pair.load, expected=pair.exact.approach)
-    solves = [clocked(lambda: model(hertz_pose(found.depth), motion, None)) for _ in range(REPEATS)]
+    solution = hertz_under_load(model, motion, pair.load, expected=pair.exact.approach)
+    solves = [clocked(lambda: model(hertz_pose(solution.depth), motion, None)) for _ in range(REPEATS)]
     solve = median(seconds for seconds, _ in solves)
-    return Timed(solves[-1][1], found.depth, cold if computed else None, cached, solve)
+    return Timed(solves[-1][1], solution.depth, cold if computed else None, cached, solve)
 
 
 def stored() -> int:
@@ -142,8 +142,8 @@ def clocked(call: Callable[[], T]) -> tuple[float, T]:
     return perf_counter() - start, value
 
 
-def errors(pair: Pair, found: Timed) -> Array:
+def errors(pair: Pair, timed_pair: Timed) -> Array:
     """Relative errors of peak pressure, semi-axes along x and y, and approach, relative to Hertz."""
-    exact, patch = pair.exact, found.patch
-    measured = np.array([patch.max_pressure, *patch.semi_axes, found.approach])
+    exact, patch = pair.exact, timed_pair.patch
+    measured = np.array([patch.max_pressure, *patch.semi_axes, timed_pair.approach])
     return np.asarray(measured / np.array([exact.peak, *exact.semi_axes, exact.approach]) - 1)

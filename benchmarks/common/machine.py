@@ -18,7 +18,7 @@ def processor() -> str:
     return names[0] if names else platform.machine()
 
 
-def stated() -> str:
+def machine_description() -> str:
     """Machine and versions, on which computing times depend, and versions of the libraries behind the errors."""
     import dolfinx
     import numpy as np

@@ -37,8 +37,8 @@ def phase(*names: str) -> Callable[[Row], Any]:
     """Milliseconds of phases of a solve; None without them."""
 
     def of(row: Row) -> Any:
-        found = [1e3 * row["phases"][name] for name in names if name in row.get("phases", {})]
-        return sum(found) if found else None
+        times = [1e3 * row["phases"][name] for name in names if name in row.get("phases", {})]
+        return sum(times) if times else None
 
     return of
 
@@ -58,7 +58,7 @@ POINT_COLUMNS: list[Column] = [
     ("normal force error %", _of("force error")),
     ("creep force error % of mu F_n", _of("creep error")),
 ]
-FLOOR_COLUMNS: list[Column] = [("n", _of("points"))] + [
+BOUND_COLUMNS: list[Column] = [("n", _of("points"))] + [
     (f"{name}, ms", _of(name, 1e3))
     for name in ("dgesv 2n", "dgesv n", "gather", "dense", "FFT along x", "FFT over x and y")
 ]
@@ -90,11 +90,11 @@ NEWTON_COLUMNS: list[Column] = [
 
 def grouped(rows: Sequence[Row], *keys: str) -> dict[str, list[Row]]:
     """Rows that did not fail, by the values of some keys."""
-    found: dict[str, list[Row]] = {}
+    groups: dict[str, list[Row]] = {}
     for row in rows:
         if "failed" not in row:
-            found.setdefault(", ".join(_text(row[key]) for key in keys), []).append(row)
-    return found
+            groups.setdefault(", ".join(_text(row[key]) for key in keys), []).append(row)
+    return groups
 
 
 def exponents(title: str, groups: dict[str, list[Row]], size: str, costs: Sequence[Column]) -> str:
@@ -103,8 +103,8 @@ def exponents(title: str, groups: dict[str, list[Row]], size: str, costs: Sequen
     for name, rows in groups.items():
         cells = []
         for _, of in costs:
-            known = [(row[size], of(row)) for row in rows if of(row)]
-            cells.append(str(power(*zip(*known, strict=True)) or "") if known else "")
+            points = [(row[size], of(row)) for row in rows if of(row)]
+            cells.append(str(power(*zip(*points, strict=True)) or "") if points else "")
         if any(cells):
             lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines)
@@ -115,4 +115,4 @@ POINT_COSTS: list[Column] = [
     *[(name, of) for name, of in POINT_COLUMNS if name in ("projection or fit", "compliance", "solve", "MB")],
 ]
 FULL_COSTS: list[Column] = [(name, of) for name, of in ELASTIC_COLUMNS if name in ("set-up s", "solve s", "MB")]
-FLOOR_COSTS: list[Column] = [(name.removesuffix(", ms"), of) for name, of in FLOOR_COLUMNS[1:]]
+BOUND_COSTS: list[Column] = [(name.removesuffix(", ms"), of) for name, of in BOUND_COLUMNS[1:]]

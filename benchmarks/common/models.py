@@ -109,10 +109,10 @@ def rolling(xi: float, eta: float = 0.0, phi: float = 0.0) -> RigidMotion:
 
 def pressed(pair: Ellipse, size: float) -> tuple[float, ContactResult]:
     """Approach [m] and result of the frictionless pair under its load."""
-    found = hertz_under_load(
+    solution = hertz_under_load(
         hertz_model(pair, frictionless(), size), rolling(0.0), pair.load, expected=pair.exact.approach, rtol=1e-7
     )
-    return found.depth, found.results[0]
+    return solution.depth, solution.results[0]
 
 
 def solved(model: ContactModel, depth: float, motion: RigidMotion) -> ContactResult:

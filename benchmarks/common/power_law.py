@@ -47,15 +47,15 @@ def power(sizes: Sequence[float], costs: Sequence[float]) -> Power | None:
     return Power(float(exponent), float(np.exp(constant)), float(n[first]), float(n[-1]), len(x), worst)
 
 
-def crossover(sizes: Sequence[float], costs: Sequence[float], others: Sequence[float]) -> str:
+def crossover(sizes: Sequence[float], costs: Sequence[float], other_costs: Sequence[float]) -> str:
     """Size from which the second cost is lower, by linear interpolation of logarithms, in words."""
-    x, ratio = np.log(np.array(sizes, dtype=float)), np.log(np.array(others, dtype=float) / np.array(costs))
+    x, ratio = np.log(np.array(sizes, dtype=float)), np.log(np.array(other_costs, dtype=float) / np.array(costs))
     if not len(x):
         return "not measured"
-    dearer = np.flatnonzero(ratio > 0)
-    if not len(dearer):
+    more_expensive = np.flatnonzero(ratio > 0)
+    if not len(more_expensive):
         return f"below {sizes[0]:.0f}"
-    k = int(dearer[-1])
+    k = int(more_expensive[-1])
     if k == len(x) - 1:
         return f"above {sizes[-1]:.0f} ({np.exp(ratio[-1]):.2g} times as much there)"
     part = ratio[k] / (ratio[k] - ratio[k + 1])

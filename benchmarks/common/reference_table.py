@@ -35,8 +35,8 @@ class Measure:
     def met(self) -> bool | None:
         """Whether every target is met, None without one."""
         pairs = [(self.rms, self.rms_target), (self.worst, self.worst_target)]
-        known = [(found, target) for found, target in pairs if target is not None]
-        return all(found <= target for found, target in known) if known else None
+        targets = [(value, target) for value, target in pairs if target is not None]
+        return all(value <= target for value, target in targets) if targets else None
 
 
 def measure(
@@ -69,14 +69,14 @@ class TableSection:
 
     def named(self, name: str) -> Measure:
         """The measure of that name; raises KeyError."""
-        found = [one for one in self.measures if one.name == name]
-        if not found:
+        matching = [quantity for quantity in self.measures if quantity.name == name]
+        if not matching:
             raise KeyError(name)
-        return found[0]
+        return matching[0]
 
     def data(self) -> dict[str, Any]:
         """All data, for a file."""
-        return {**asdict(self), "measures": [{**asdict(one), "met": one.met} for one in self.measures]}
+        return {**asdict(self), "measures": [{**asdict(quantity), "met": quantity.met} for quantity in self.measures]}
 
 
 def text(value: Any) -> str:
@@ -99,10 +99,13 @@ def show(section: TableSection) -> str:
         lines.append("")
     if section.measures:
         lines += ["| error | unit | RMS | worst | met |", "|---|---|---|---|---|"]
-        for one in section.measures:
-            met = {None: "", True: "yes", False: "NO"}[one.met]
-            rms, worst = (f"{one.rms:.3g}{target(one.rms_target)}", f"{one.worst:.3g}{target(one.worst_target)}")
-            lines.append(f"| {one.name} | {one.unit} | {rms} | {worst} | {met} |")
+        for quantity in section.measures:
+            met = {None: "", True: "yes", False: "NO"}[quantity.met]
+            rms, worst = (
+                f"{quantity.rms:.3g}{target(quantity.rms_target)}",
+                f"{quantity.worst:.3g}{target(quantity.worst_target)}",
+            )
+            lines.append(f"| {quantity.name} | {quantity.unit} | {rms} | {worst} | {met} |")
         lines.append("")
     lines += [f"- {note}" for note in section.notes]
     low, high = section.points

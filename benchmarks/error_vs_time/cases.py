@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.common.hertz_cases import lacking
+from benchmarks.common.hertz_cases import block_correction
 from benchmarks.common.models import EXACT, Ellipse, hertz_model, rolling, solved
 from benchmarks.common.reference_table import reference
 from wheelrail.contact.laws.material import Material
@@ -33,7 +33,7 @@ class TimedCase:
     pair: Ellipse
     friction: float
     creep: tuple[float, float, float]
-    known: tuple[float, float]
+    contact_forces: tuple[float, float]
 
     @property
     def bound(self) -> float:
@@ -50,14 +50,14 @@ class TimedCase:
 
 
 @cache
-def yardstick() -> TimedCase:
+def timing_case() -> TimedCase:
     """The ellipse for which CONTACT's times are known; its forces from the two finest grids, first order in dx."""
-    given = reference("timing")
-    case, rows = given["case"], sorted(given["rows"], key=lambda row: float(row["dx"]))
-    near, far = [row for row in rows if row["case"].endswith("rolling")][:2]
-    part = near["dx"] / (far["dx"] - near["dx"])
+    data = reference("timing")
+    case, rows = data["case"], sorted(data["rows"], key=lambda row: float(row["dx"]))
+    finest, second_finest = [row for row in rows if row["case"].endswith("rolling")][:2]
+    factor = finest["dx"] / (second_finest["dx"] - finest["dx"])
     bound = case["mu"] * case["Fn"]
-    fx, fy = ((near[name] + part * (near[name] - far[name])) / bound for name in ("Fx", "Fy"))
+    fx, fy = ((finest[name] + factor * (finest[name] - second_finest[name])) / bound for name in ("Fx", "Fy"))
     pair = Ellipse.of_ratio(case["ratio"], 1e-3 * case["Rx"], case["Fn"], Material(1e6 * case["E"], case["nu"]))
     return TimedCase(pair, case["mu"], (case["xi"], case["eta"], 1e3 * case["phi"]), (fx, fy))
 
@@ -65,12 +65,12 @@ def yardstick() -> TimedCase:
 @cache
 def creep_cases(every: int) -> tuple[TimedCase, ...]:
     """Every n-th of the 132 cases, from linear to saturated, at three ratios of the semi-axes."""
-    found = []
+    cases = []
     for curve in reference("creep_curves")["curves"]:
         pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
         for _, xi, eta, phi, fx, fy, *_ in curve["cases"][::every]:
-            found.append(TimedCase(pair, curve["mu"], (xi, eta, 1e3 * phi), (fx, fy)))
-    return tuple(found)
+            cases.append(TimedCase(pair, curve["mu"], (xi, eta, 1e3 * phi), (fx, fy)))
+    return tuple(cases)
 
 
 @dataclass(frozen=True)
@@ -106,8 +106,8 @@ class ModelVariant:
         """Contact model of a pair."""
         laws = ContactLaws(self.stiffness, friction, self.regularisation if friction else 0.0)
         if self.fineness is None:
-            return _made(pair, laws, replace(self, family="", regularisation=0.0))
-        model = _made(pair, ContactLaws(), replace(self, family="", fineness=Resolution(), warm=False))
+            return _model(pair, laws, replace(self, family="", regularisation=0.0))
+        model = _model(pair, ContactLaws(), replace(self, family="", fineness=Resolution(), warm=False))
         assert isinstance(model, FittedContact)
         return replace(model, laws=laws, resolution=self.fineness, warm=self.warm)
 
@@ -116,7 +116,7 @@ class ModelVariant:
         if self.bodies == "half-space":
             return pair.exact.approach
         width = pair.half_width(pair.size(points=self.points))
-        return pair.exact.approach - 2 * lacking(pair.steel.nu)[0] * pair.load / (pair.steel.E * width)
+        return pair.exact.approach - 2 * block_correction(pair.steel.nu)[0] * pair.load / (pair.steel.E * width)
 
     def loaded_depth(self, pair: Ellipse) -> float:
         """Depth [m] at which the pair carries its load without friction."""
@@ -130,7 +130,7 @@ def _loaded(variant: ModelVariant, pair: Ellipse) -> float:
 
 
 @lru_cache(maxsize=8)  # with friction and without, of all pairs: finenesses share them, and grids are large
-def _made(pair: Ellipse, laws: ContactLaws, variant: ModelVariant) -> ContactModel:
+def _model(pair: Ellipse, laws: ContactLaws, variant: ModelVariant) -> ContactModel:
     """Model of a pair; resolutions share meshes, spectra and tables."""
     choices: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
     return hertz_model(

@@ -45,23 +45,27 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
     from matplotlib.lines import Line2D
 
     figure, axes = plt.subplots(1, 2, figsize=(14, 7.4), layout="constrained")
-    for axis, (task, title, label, main, other) in zip(axes, PANELS, strict=True):
+    for axis, (task, title, label, main_error, second_error) in zip(axes, PANELS, strict=True):
         families = grouped([row for row in rows if row["task"] == task], "family")
-        for name, found in families.items():
+        for name, family_rows in families.items():
             colour, marker = STYLES[name]
             scattered, size = name == "grid, soft laws", 10 if name == "CONTACT" else 6
-            lines(axis, found, main, "" if scattered else "-", color=colour, marker=marker, ms=size)
-            # the second error of soft laws would only hide others
+            lines(axis, family_rows, main_error, "" if scattered else "-", color=colour, marker=marker, ms=size)
+            # the second error of regularised laws would hide others
             if not scattered:
-                lines(axis, found, other, "--", color=colour, marker=marker, ms=size, mfc="none", lw=0.8)
-        strokes = [Line2D([], [], color="0.3", ls=s, label=NAMES[k]) for k, s in ((main, "-"), (other, "--"))]
+                lines(axis, family_rows, second_error, "--", color=colour, marker=marker, ms=size, mfc="none", lw=0.8)
+        strokes = [
+            Line2D([], [], color="0.3", ls=s, label=NAMES[k]) for k, s in ((main_error, "-"), (second_error, "--"))
+        ]
         axis.legend(handles=strokes, fontsize=8, loc="best")
         axis.set(xscale="log", yscale="log", xlabel="time of a solve, median, ms", ylabel=label, title=title)
         axis.grid(True, which="both", lw=0.3, color="0.85")
-    known = {row["family"] for row in rows}
-    shown = {name: f"{name} (times of another machine and day)" if name == "CONTACT" else name for name in STYLES}
+    drawn_families = {row["family"] for row in rows}
+    shown = {name: f"{name} (times of another machine and date)" if name == "CONTACT" else name for name in STYLES}
     handles = [
-        Line2D([], [], color=c, marker=m, ls="none", label=shown[k]) for k, (c, m) in STYLES.items() if k in known
+        Line2D([], [], color=c, marker=m, ls="none", label=shown[k])
+        for k, (c, m) in STYLES.items()
+        if k in drawn_families
     ]
     figure.legend(handles=handles, fontsize=8.5, loc="outside lower center", ncols=4)
     figure.savefig(path, dpi=110)
@@ -69,6 +73,6 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
 
 def lines(axis: Any, rows: Sequence[Row], error: str, stroke: str, **style: Any) -> None:
     """Errors over times, in the order of rows: from coarse to fine."""
-    known = [(1e3 * row["median"], max(abs(row[error]), SMALLEST)) for row in rows if error in row]
-    if known:
-        axis.plot(*zip(*known, strict=True), linestyle=stroke or "none", **style)
+    points = [(1e3 * row["median"], max(abs(row[error]), SMALLEST)) for row in rows if error in row]
+    if points:
+        axis.plot(*zip(*points, strict=True), linestyle=stroke or "none", **style)

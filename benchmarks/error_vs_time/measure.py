@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.common.measurement import Row
 from benchmarks.common.models import carrying, rolling
-from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, yardstick
+from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, timing_case
 from benchmarks.error_vs_time.reference import Reference, rms
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.results.result import ContactResult
@@ -23,7 +23,7 @@ Solve = Callable[[float, ContactResult | None], ContactResult]  # steps away fro
 
 def normal_row(variant: ModelVariant) -> Row:
     """Force, peak pressure and area at Hertz's approach, in % of Hertz; seconds."""
-    pair = yardstick().pair
+    pair = timing_case().pair
     model, depth = variant.of(pair, 0.0), variant.hertz_depth(pair)
 
     def solve(steps: float, guess: ContactResult | None) -> ContactResult:
@@ -44,9 +44,9 @@ def rolling_row(
     """Creep forces under the load, in % of mu F_n: the larger error of the timed case; RMS and maximum of the other
     cases, unless a solve takes longer than the patience [s]; seconds.
     """
-    row, result = _timed(variant, _solve(variant, yardstick()))
+    row, result = _timed(variant, _solve(variant, timing_case()))
     row["task"] = "rolling"
-    row["creep error"] = 100 * float(np.abs(yardstick().forces(result) - against.of(yardstick())).max())
+    row["creep error"] = 100 * float(np.abs(timing_case().forces(result) - against.of(timing_case())).max())
     if cases and row["median"] <= patience:
         errors = []
         for case in cases:
@@ -76,16 +76,16 @@ def _timed(variant: ModelVariant, solve: Solve) -> tuple[Row, ContactResult]:
     """
     guess = _ok(solve(-REPEATS - 2.0, None)) if variant.warm else None
     result = _ok(solve(-REPEATS - 1.0 if variant.warm else 0.0, guess))
-    found: list[tuple[float, dict[str, float]]] = []
+    timings: list[tuple[float, dict[str, float]]] = []
     began, repeats = perf_counter(), REPEATS + 1
-    while len(found) < repeats or (not variant.warm and len(found) < MOST and perf_counter() - began < ENOUGH):
-        steps = float(len(found) - REPEATS) if variant.warm else 0.0
+    while len(timings) < repeats or (not variant.warm and len(timings) < MOST and perf_counter() - began < ENOUGH):
+        steps = float(len(timings) - REPEATS) if variant.warm else 0.0
         start = perf_counter()
         result = solve(steps, result if variant.warm else None)
-        found.append((perf_counter() - start, result.statistics.seconds))
-        repeats = FEW if found[0][0] > LONG and not variant.warm else repeats
-    found.sort(key=lambda one: one[0])
-    seconds, phases = found[len(found) // 2]
+        timings.append((perf_counter() - start, result.statistics.seconds))
+        repeats = FEW if timings[0][0] > LONG and not variant.warm else repeats
+    timings.sort(key=lambda timing: timing[0])
+    seconds, phases = timings[len(timings) // 2]
     row: Row = {
         "family": variant.family,
         "bodies": variant.bodies,
@@ -95,7 +95,7 @@ def _timed(variant: ModelVariant, solve: Solve) -> tuple[Row, ContactResult]:
         "order": variant.order,
         "start": "warm" if variant.warm else "cold",
         "points": carrying(_ok(result)),
-        "least": found[0][0],
+        "least": timings[0][0],
         "median": seconds,
         "phases": dict(phases),
         "newton": result.statistics.newton,

@@ -70,11 +70,16 @@ def measured(quick: bool, against: Reference, say: Say) -> Iterator[Row]:
 
 def rows(variant: ModelVariant, against: Reference, cases: tuple[TimedCase, ...]) -> Iterator[Row]:
     """Normal contact alone, and rolling."""
-    given: Row = {"family": variant.family, "division": variant.division, "laws": variant.laws, "order": variant.order}
+    description: Row = {
+        "family": variant.family,
+        "division": variant.division,
+        "laws": variant.laws,
+        "order": variant.order,
+    }
     try:
-        # neither the order of the slip nor a regularisation is seen without friction
+        # without friction the order of the slip formula and the regularisation have no effect
         if variant.order == 2 and not (variant.regularisation and variant.stiffness == EXACT):
             yield normal_row(variant)
         yield rolling_row(variant, against, cases, patience=PATIENCE)
     except RuntimeError as error:
-        yield {**given, "task": "rolling", "failed": str(error)}
+        yield {**description, "task": "rolling", "failed": str(error)}

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.common.measurement import Row
 from benchmarks.common.reference_table import reference
-from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, yardstick
+from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, timing_case
 from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.support.arrays import Array
 
@@ -35,43 +35,43 @@ class Reference:
         return np.asarray(self.forces[self.cases.index(case)])
 
     @property
-    def beside(self) -> Array:
+    def contact_deviations(self) -> Array:
         """CONTACT's forces minus ours (cases, 2), over mu F_n."""
-        return np.array([case.known for case in self.cases]) - self.forces
+        return np.array([case.contact_forces for case in self.cases]) - self.forces
 
-    def stated(self) -> str:
+    def description(self) -> str:
         """Origin and agreement of the reference, in words."""
-        beside, own = 100 * self.beside, self.cases.index(yardstick())
-        others = np.delete(beside, own, axis=0)
+        deviations, timed_index = 100 * self.contact_deviations, self.cases.index(timing_case())
+        others = np.delete(deviations, timed_index, axis=0)
         cells = f"{self.finest.strips} x {self.finest.cells}"
         return (
             f"Reference of the creep forces: fitted cells on half-spaces, {cells} and half as many, extrapolated at "
             f"the order {self.order:.2f} of their differences, which adds {100 * self.left:.3f} % RMS of mu F_n. "
             f"CONTACT's extrapolated forces differ from it by {rms(others):.3f} % RMS, {np.abs(others).max():.3f} % at "
-            f"most, over {len(others)} cases (its own uncertainty: up to {100 * _uncertainty():.2f} %), and by "
-            f"{np.abs(beside[own]).max():.3f} % on the ellipse that is timed."
+            f"most, over {len(others)} cases (their uncertainty: up to {100 * _uncertainty():.2f} %), and by "
+            f"{np.abs(deviations[timed_index]).max():.3f} % on the ellipse that is timed."
         )
 
 
 def extrapolated(finest: Resolution, cases: Sequence[TimedCase], say: Say) -> Reference:
     """Reference whose order is that of the RMS of differences of three solutions as cells are halved."""
-    every = (yardstick(), *cases)
+    all_cases = (timing_case(), *cases)
     levels = [finest.coarsened().coarsened(), finest.coarsened(), finest]
-    found = []
+    solutions = []
     for fineness in levels:
         variant = ModelVariant("reference", "half-space", fineness)
         forces = []
-        for k, case in enumerate(every):
-            say(f"reference, {fineness.strips} x {fineness.cells} cells, case {k + 1} of {len(every)}")
+        for k, case in enumerate(all_cases):
+            say(f"reference, {fineness.strips} x {fineness.cells} cells, case {k + 1} of {len(all_cases)}")
             model = variant.of(case.pair, case.friction)
             forces.append(case.forces(case.solved(model, variant.loaded_depth(case.pair))))
-        found.append(np.array(forces))
-    before, last = found[1] - found[0], found[2] - found[1]
-    order = float(np.log2(rms(before) / rms(last)))
+        solutions.append(np.array(forces))
+    first_change, second_change = solutions[1] - solutions[0], solutions[2] - solutions[1]
+    order = float(np.log2(rms(first_change) / rms(second_change)))
     if not order > 0.5:
         raise RuntimeError(f"the creep forces do not converge: order {order:.2f}")
-    added = last / (2**order - 1)
-    return Reference(finest, every, found[2] + added, order, rms(added))
+    extrapolation = second_change / (2**order - 1)
+    return Reference(finest, all_cases, solutions[2] + extrapolation, order, rms(extrapolation))
 
 
 def contact_rows(forces: Array) -> list[Row]:
@@ -80,11 +80,11 @@ def contact_rows(forces: Array) -> list[Row]:
     Its load is prescribed and its approach computed: an error of the approach is 1.5 times one of the force, which is
     proportional to its power 1.5. Its area is that of its elements.
     """
-    case, found = yardstick(), []
+    case, result_rows = timing_case(), []
     a, b = case.pair.exact.semi_axes
     for row in reference("timing")["rows"]:
         task = row["case"].split("_")[-1]
-        one: Row = {
+        result_row: Row = {
             "family": "CONTACT",
             "division": f"dx {row['dx']:g} mm",
             "laws": "exact",
@@ -94,13 +94,15 @@ def contact_rows(forces: Array) -> list[Row]:
             "median": row["median_s"],
         }
         if task == "normal":
-            one["force error"] = -150 * (1e-3 * row["pen"] / case.pair.exact.approach - 1)
-            one["area error"] = 100 * (row["ncon"] * (1e-3 * row["dx"]) ** 2 / (np.pi * a * b) - 1)
+            result_row["force error"] = -150 * (1e-3 * row["pen"] / case.pair.exact.approach - 1)
+            result_row["area error"] = 100 * (row["ncon"] * (1e-3 * row["dx"]) ** 2 / (np.pi * a * b) - 1)
         else:
-            one["order"] = 1
-            one["creep error"] = 100 * float(np.abs(np.array([row["Fx"], row["Fy"]]) / case.bound - forces).max())
-        found.append(one)
-    return found
+            result_row["order"] = 1
+            result_row["creep error"] = 100 * float(
+                np.abs(np.array([row["Fx"], row["Fy"]]) / case.bound - forces).max()
+            )
+        result_rows.append(result_row)
+    return result_rows
 
 
 def rms(e: Array) -> float:

@@ -15,10 +15,10 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from benchmarks.common.measurement import Row
 from benchmarks.common.measurement_tables import Column, phase, table
-from benchmarks.error_vs_time.cases import creep_cases, yardstick
+from benchmarks.error_vs_time.cases import creep_cases, timing_case
 from benchmarks.error_vs_time.plan import measured
 from benchmarks.error_vs_time.reference import contact_rows, extrapolated
 from benchmarks.scaling.report import progress
@@ -37,7 +37,7 @@ def _ms(name: str) -> Column:
     return f"{name}, ms", lambda row: 1e3 * row[name] if name in row else None
 
 
-def _rest(row: Row) -> float | None:
+def _remaining_time(row: Row) -> float | None:
     return 1e3 * (row["median"] - sum(row["phases"].values())) if "phases" in row else None
 
 
@@ -51,7 +51,7 @@ COMMON: list[Column] = [
     ("projection or fit, ms", phase("points", "fit")),
     ("compliance, ms", phase("compliance")),
     ("solve, ms", phase("solve")),
-    ("rest, ms", _rest),
+    ("other, ms", _remaining_time),
 ]
 NORMAL: list[Column] = [*COMMON, *map(_percent, ("force error", "peak error", "area error"))]
 ROLLING: list[Column] = [
@@ -61,37 +61,41 @@ ROLLING: list[Column] = [
 ]
 
 
-def full_beside_condensed(rows: list[Row]) -> str:
+def full_against_condensed(rows: list[Row]) -> str:
     """Relative difference of the forces of `full` and `condensed`; empty where they were not measured."""
-    told = []
+    deviations = []
     for task in TITLES:
-        both = [row["force"] for row in rows if row["task"] == task and row.get("bodies") == "solid"]
-        if len(both) == 2:
-            told.append(f"{task} {math.dist(*both) / math.hypot(*both[0]):.0e}")
-    return f"\n- full beside condensed, on one mesh: the force differs by {', '.join(told)} of itself." if told else ""
+        forces = [row["force"] for row in rows if row["task"] == task and row.get("bodies") == "solid"]
+        if len(forces) == 2:
+            deviations.append(f"{task} {math.dist(*forces) / math.hypot(*forces[0]):.0e}")
+    return (
+        f"\n- full compared with condensed, same mesh: relative difference of the force {', '.join(deviations)}."
+        if deviations
+        else ""
+    )
 
 
 def notes() -> str:
     """Notes on the tables."""
-    case = yardstick()
+    case = timing_case()
     xi, eta, phi = case.creep
     a, b = case.pair.exact.semi_axes
     return f"""
 - Timed: an ellipse of {2e3 * a:.3g} x {2e3 * b:.3g} mm under {1e-3 * case.pair.load:.4g} kN, mu {case.friction:g}; \
 rolling with xi {xi:g}, eta {eta:g}, spin {phi:g} rad/m. CONTACT's file does not state these creepages; they are the \
-round ones that give its forces.
+round values that give its forces.
 - Times: the whole call with projection, candidates, compliance, solve and forces, 8 repeats or more (3 where a solve \
-takes over 1 s), after one that makes what all share. Phases are those of the median solve; rest: forces and what a \
-result carries. Patches are summed up when asked for, outside these times.
-- warm: every solve starts from the one before, in a walk of steps that change approach by 0.1 % and creepages by 1 %.
-- Normal contact: errors in % of Hertz at Hertz's approach, on finite blocks less what these lack to half-spaces. With \
-a penalty the force lacks what the penalty takes of the approach.
-- Rolling: under the load, by the same laws; in % of mu F_n against our own finest solution, extrapolated. creep \
+takes over 1 s), after a first one that computes shared data. Phases are those of the median solve; other: forces and \
+the assembly of the result. Patches are computed on request and not timed.
+- warm: each solve starts from the previous one, along a path of steps that change approach by 0.1 % and creepages by \
+1 %.
+- Normal contact: errors in % of Hertz at Hertz's approach, corrected for finite blocks. A penalty reduces the force \
+by its part of the approach.
+- Rolling: under the load, by the same laws; in % of mu F_n against the extrapolated finest solution. creep \
 error: the larger of Fx and Fy on the timed ellipse; RMS and worst: of Fx and Fy over {len(creep_cases(EVERY))} cases \
 of creep_curves.json (every sixth; --quick: {len(creep_cases(QUICK_EVERY))}), where a solve takes less than 1 s.
-- CONTACT: times of another machine on another day, first-order slip; its load is given, so its force error is that of \
-its approach times 1.5, and its area that of its elements.
-- Hertz and FASTSIM (`standard`) does not exist here yet."""
+- CONTACT: times of another machine and date, first-order slip; its load is prescribed, so its force error is that of \
+its approach times 1.5; its area is that of its elements."""
 
 
 def main() -> None:
@@ -104,27 +108,27 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="few models, few cases, no `full`")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="file for the figure")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all data to a file")
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     if "OMP_NUM_THREADS" not in os.environ:
         print("OMP_NUM_THREADS is not set: times may be those of several cores", file=sys.stderr)
     logging.disable(logging.WARNING)  # notes of UFL and FFCx on quadrature would disturb the tables
-    machine, began = stated(), perf_counter()
+    machine, began = machine_description(), perf_counter()
     print(machine, flush=True)
-    finest, every = (QUICK_FINEST, QUICK_EVERY) if given.quick else (FINEST, EVERY)
+    finest, every = (QUICK_FINEST, QUICK_EVERY) if arguments.quick else (FINEST, EVERY)
     against = extrapolated(finest, creep_cases(every), progress)
-    rows: list[Row] = [*measured(given.quick, against, progress), *contact_rows(against.of(yardstick()))]
+    rows: list[Row] = [*measured(arguments.quick, against, progress), *contact_rows(against.of(timing_case()))]
     progress("")
-    print(f"\n{against.stated()}")
+    print(f"\n{against.description()}")
     for task, columns in (("normal", NORMAL), ("rolling", ROLLING)):
         print(table(TITLES[task], columns, [row for row in rows if row["task"] == task]), flush=True)
-    print(f"{notes()}{full_beside_condensed(rows)}\n\n{perf_counter() - began:.0f} s in all")
-    if given.json:
-        told = {"machine": machine, "quick": given.quick, "reference": against.stated(), "rows": rows}
-        given.json.write_text(json.dumps(told, indent=1))
-    if given.picture:
+    print(f"{notes()}{full_against_condensed(rows)}\n\n{perf_counter() - began:.0f} s in all")
+    if arguments.json:
+        report = {"machine": machine, "quick": arguments.quick, "reference": against.description(), "rows": rows}
+        arguments.json.write_text(json.dumps(report, indent=1))
+    if arguments.picture:
         from benchmarks.error_vs_time.figure import draw
 
-        draw(given.picture, rows)
+        draw(arguments.picture, rows)
 
 
 if __name__ == "__main__":

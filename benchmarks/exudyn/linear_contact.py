@@ -30,9 +30,9 @@ class LinearContact(VehicleContact):
         b = self.across if side == "left" else -self.across
         c, s = np.cos(state.roll), np.sin(state.roll)
         arm_y, arm_z = b * c + self.radius * s, b * s - self.radius * c
-        moved_y, moved_z = state.y + arm_y - b, state.z + arm_z + self.radius
+        displacement_y, displacement_z = state.y + arm_y - b, state.z + arm_z + self.radius
         rate_y, rate_z = state.y_rate - arm_z * state.roll_rate, state.z_rate + arm_y * state.roll_rate
-        fy = -self.lateral[0] * moved_y - self.lateral[1] * rate_y
-        fz = self.load - self.vertical[0] * moved_z - self.vertical[1] * rate_z
+        fy = -self.lateral[0] * displacement_y - self.lateral[1] * rate_y
+        fz = self.load - self.vertical[0] * displacement_z - self.vertical[1] * rate_z
         moment = np.array([arm_y * fz - arm_z * fy, 0.0, 0.0])
-        return ContactResult(np.array([0.0, fy, fz]), moment, approach=-moved_z, status="converged")
+        return ContactResult(np.array([0.0, fy, fz]), moment, approach=-displacement_z, status="converged")

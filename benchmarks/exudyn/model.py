@@ -121,7 +121,7 @@ def trajectory(
     mbs.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, order))
     rows = [mbs.GetSensorStoredData(sensor) for sensor in sensors]
     if not np.allclose(rows[0][:, 0], every * np.arange(round(end / every) + 1), rtol=0.0, atol=1e-9):
-        raise RuntimeError(f"rows at other times than asked for: every {every} s must be a multiple of {step} s")
+        raise RuntimeError(f"every = {every} s: must be a multiple of step = {step} s")
     return np.concatenate([row[:, 1:4] for row in rows], axis=1)
 
 

@@ -3,7 +3,7 @@ channel.
 
     pip install exudyn; python -m benchmarks.exudyn.report --keep
 
---keep writes the samples that tests/test_other_codes.py compares with.
+--keep writes the samples that tests/contact/test_other_codes.py compares with.
 """
 
 from __future__ import annotations
@@ -58,27 +58,31 @@ def theirs(step: float, *, end: float = END) -> np.ndarray:
     return trajectory(wagon, LinearContact(wagon.wheel_load), start, end=end, every=EVERY, step=step)
 
 
-def relative(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def relative(values: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Largest difference of each channel (9,) relative to its largest value."""
-    return np.abs(one - other).max(axis=0) / np.abs(other).max(axis=0)
+    return np.abs(values - reference).max(axis=0) / np.abs(reference).max(axis=0)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--step", type=float, default=5e-5, help="Exudyn's step [s]; twice that is run beside it")
+    parser.add_argument(
+        "--step", type=float, default=5e-5, help="Exudyn's step [s]; a run with twice the step is compared"
+    )
     parser.add_argument("--keep", action="store_true", help=f"write {REFERENCE.name}")
-    step, keep = (given := parser.parse_args()).step, given.keep
-    exudyn, coarse, here = theirs(step), theirs(2 * step), ours()
+    step, keep = (arguments := parser.parse_args()).step, arguments.keep
+    exudyn, coarse, result = theirs(step), theirs(2 * step), ours()
     print(f"Exudyn {version('exudyn')}, RK67 at {step:g} s; {END:g} s, rows every {EVERY:g} s; relative to the largest")
     print(f"| channel | ours against Exudyn | Exudyn at {2 * step:g} s against {step:g} s |\n|---|---|---|")
-    for name, one, two in zip(COORDINATES, relative(here, exudyn), relative(coarse, exudyn), strict=False):
-        print(f"| {name} | {one:.1e} | {two:.1e} |")
+    for name, ours_difference, exudyn_difference in zip(
+        COORDINATES, relative(result, exudyn), relative(coarse, exudyn), strict=False
+    ):
+        print(f"| {name} | {ours_difference:.1e} | {exudyn_difference:.1e} |")
     if keep:
-        REFERENCE.write_text(json.dumps(_kept(exudyn, step), indent=1) + "\n", encoding="utf-8")
+        REFERENCE.write_text(json.dumps(_reference_data(exudyn, step), indent=1) + "\n", encoding="utf-8")
         print(REFERENCE)
 
 
-def _kept(positions: np.ndarray, step: float) -> dict[str, object]:
+def _reference_data(positions: np.ndarray, step: float) -> dict[str, object]:
     return {
         "what": "plane Manchester wagon on linear contact springs, free motion from a large displacement",
         "source": f"Exudyn {version('exudyn')} (PyPI), benchmarks/exudyn/report.py, RK67 with steps of {step:g} s",

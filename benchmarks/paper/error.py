@@ -37,16 +37,16 @@ class Ran:
         return sum(side.linear for side in self.cost.contact.values()) / max(newton, 1)
 
 
-def difference(found: History, other: History) -> tuple[float, float]:
+def difference(history: History, reference: History) -> tuple[float, float]:
     """RMS difference of the wheelset's lateral position m and of the six components of contact force N, at 400 common
     times; forces are interpolated linearly.
     """
-    times = np.linspace(max(found.time[0], other.time[0]), min(found.time[-1], other.time[-1]), 400)
-    y = [np.interp(times, run.time, run.wheelset[:, 0]) for run in (found, other)]
-    rows = [run.outputs.force.reshape(-1, 6).T for run in (found, other)]
+    times = np.linspace(max(history.time[0], reference.time[0]), min(history.time[-1], reference.time[-1]), 400)
+    y = [np.interp(times, run.time, run.wheelset[:, 0]) for run in (history, reference)]
+    rows = [run.outputs.force.reshape(-1, 6).T for run in (history, reference)]
     forces = [
         np.array([np.interp(times, run.time, row) for row in six])
-        for run, six in zip((found, other), rows, strict=True)
+        for run, six in zip((history, reference), rows, strict=True)
     ]
     rms = [float(np.sqrt(np.mean((a - b) ** 2))) for a, b in (y, forces)]
     return rms[0], rms[1]

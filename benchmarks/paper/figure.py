@@ -35,11 +35,11 @@ def picture(path: Path, done: list[tuple[PaperVariant, Ran, float]]) -> None:
 def _fig_9(axes: Any, long: list[tuple[PaperVariant, Ran, float]]) -> None:
     krylov = [(dict(v.options), r) for v, r, _ in long if (v.body, v.method) == (SOLID, "ode23")]
     etas = sorted(((float(o["forcing"]), r) for o, r in krylov if "linear" in o), key=lambda pair: -pair[0])
-    axes.set(xscale="log", xlabel="forcing term eta, Eq. (18)", ylabel="time of the run, s", title="Fig. 9 again")
+    axes.set(xscale="log", xlabel="forcing term eta, Eq. (18)", ylabel="time of the run, s", title="Fig. 9, reproduced")
     axes.invert_xaxis()
     if not etas:
         return
-    eta = [one for one, _ in etas]
+    eta = [item for item, _ in etas]
     axes.plot(eta, [r.cost.seconds for _, r in etas], "o-", color=COLOURS[0], label="time")
     axes.set_ylim(bottom=0)
     twin = axes.twinx()
@@ -49,7 +49,12 @@ def _fig_9(axes: Any, long: list[tuple[PaperVariant, Ran, float]]) -> None:
     twin.set_ylim(bottom=0)
     lines = [*axes.get_lines(), *twin.get_lines()]
     axes.legend(
-        lines, [one.get_label() for one in lines], fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3
+        lines,
+        [item.get_label() for item in lines],
+        fontsize=7,
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.14),
+        ncols=3,
     )
 
 
@@ -60,7 +65,7 @@ def _precision(axes: Any, long: list[tuple[PaperVariant, Ran, float]]) -> None:
         title="Time and error",
     )
     bodies = list(dict.fromkeys(v.body for v, _, _ in long))
-    seen: set[str] = set()
+    labelled: set[str] = set()
     for variant, ran, _ in long:
         if not np.isfinite(ran.force):
             continue
@@ -73,9 +78,9 @@ def _precision(axes: Any, long: list[tuple[PaperVariant, Ran, float]]) -> None:
             MARKERS.get(variant.method, "D"),
             color=colour,
             markerfacecolor=colour if direct else "none",
-            label=None if label in seen else label,
+            label=None if label in labelled else label,
         )
-        seen.add(label)
+        labelled.add(label)
     axes.grid(True, which="both", alpha=0.25)
-    if seen:
+    if labelled:
         axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)

@@ -52,15 +52,17 @@ def states(part: TrackSegment, run: History, count: int) -> list[State]:
     """States at accepted steps along a run, with the step before each. Raises RuntimeError without contact."""
     contact = part.tuned({"tolerance": TIGHT_NEWTON})
     dynamics = part.dynamics(contact)
-    found = []
+    solved_states = []
     for i in np.unique(np.linspace(1, len(run) - 1, count).astype(int)):
-        seen = [dynamics.wheelset_state(dynamics.frame(float(run.time[k])), run.state[k]) for k in (i - 1, i)]
+        wheelset_states = [
+            dynamics.wheelset_state(dynamics.frame(float(run.time[k])), run.state[k]) for k in (i - 1, i)
+        ]
         for side in SIDES:
-            before, exact = (contact(one, side) for one in seen)
+            before, exact = (contact(wheelset_state, side) for wheelset_state in wheelset_states)
             if not (before.ok and exact.ok and exact.force[2] > 0):
                 raise RuntimeError(f"no contact at {run.time[i]:.3f} s, {side}: {exact.status}")
-            found.append(State(seen[1], side, exact, before))
-    return found
+            solved_states.append(State(wheelset_states[1], side, exact, before))
+    return solved_states
 
 
 def accuracies(part: TrackSegment, chosen: list[State]) -> list[Accuracy]:
@@ -78,21 +80,23 @@ def at_tolerance(
     """Errors at one tolerance."""
     creep, force, newton, failed = [], [], 0, 0
     began = perf_counter()
-    for one in chosen:
-        result = contact(one.state, one.side, one.before if warm else None)
+    for sample in chosen:
+        result = contact(sample.state, sample.side, sample.before if warm else None)
         newton += result.statistics.newton
         if not result.ok:
             failed += 1
             continue
-        load, off = float(one.exact.force[2]), result.force - one.exact.force
-        creep.append(float(np.hypot(off[0], off[1])) / (friction * load))
-        force.append(float(np.linalg.norm(off)) / load)
+        load, deviation = float(sample.exact.force[2]), result.force - sample.exact.force
+        creep.append(float(np.hypot(deviation[0], deviation[1])) / (friction * load))
+        force.append(float(np.linalg.norm(deviation)) / load)
     seconds = (perf_counter() - began) / len(chosen)
-    rms, whole = (float(np.sqrt(np.mean(np.square(x)))) if x else np.nan for x in (creep, force))
-    return Accuracy(tolerance, warm, rms, max(creep, default=np.nan), whole, newton / len(chosen), seconds, failed)
+    rms, force_rms = (float(np.sqrt(np.mean(np.square(x)))) if x else np.nan for x in (creep, force))
+    return Accuracy(tolerance, warm, rms, max(creep, default=np.nan), force_rms, newton / len(chosen), seconds, failed)
 
 
 def equivalent(chosen: list[State], stiffness: float) -> float:
     """The paper's tolerance of displacements [m] as a relative residual of the pressures: Tol K over their norm."""
-    norms = [float(np.linalg.norm(one.exact.fields.pressure)) for one in chosen if one.exact.fields is not None]
+    norms = [
+        float(np.linalg.norm(sample.exact.fields.pressure)) for sample in chosen if sample.exact.fields is not None
+    ]
     return PAPER_TOL * stiffness / float(np.mean(norms))

@@ -44,11 +44,11 @@ NOTES = (
     "iteration, time; rows R and L for the right and left pair. It prints no RHS evaluations and no error.",
     "Not legible with certainty in the scan: #cps of the left pair of Eq. (12) in Table 5 (294.. or 9435) and of "
     "Eq. (15) in Table 6 (4571.. or 5710), left out here; that of Eq. (15) in Table 5 is taken from Table 7, where the "
-    "same run stands.",
-    "Exponents of Table 4 (RelTol, AbsTol, Tol) are lost in the scan; eta = 0.01, 20 Newton and 20 linear iterations "
-    "at most can be read. Ours: RelTol and AbsTol of the scene.",
+    "same run is printed.",
+    "Exponents of Table 4 (RelTol, AbsTol, Tol) are illegible in the scan; eta = 0.01, 20 Newton and 20 linear "
+    "iterations at most are legible. Ours: RelTol and AbsTol of the scene.",
 )
 FIG_9 = (
     "Fig. 9 of the paper gives the time for eta = 0.5 and four powers of ten; its axis runs from about 8 000 to "
-    "10 500 s and Table 7 has 2 h 20 min for eta = 0.01. The points cannot be read off the scan."
+    "10 500 s and Table 7 has 2 h 20 min for eta = 0.01. The points are not legible in the scan."
 )

@@ -67,10 +67,10 @@ class Runs:
 
     def _run(self, variant: PaperVariant) -> Ran:
         part, options = self.part(variant.body, self.length(variant)), dict(variant.options)
-        self.say(f"  {part.missing or 'reference run'}")  # fills the compliances, so that no run pays for them
+        self.say(f"  {part.missing or 'reference run'}")  # computes the compliances, which no timed run includes
         contact: VehicleContact = self._whole(part, options) if variant.full else part.tuned(options)
         dynamics = part.dynamics(contact)
-        dynamics(part.start, part.initial)  # factorisations and compiled kernels are made outside the clock
+        dynamics(part.start, part.initial)  # factorisations and compilation are not timed
         return part.compared(part.run(variant.method, options, contact=contact))
 
     def _whole(self, part: TrackSegment, options: dict[str, Any]) -> BySide:
@@ -92,11 +92,11 @@ class Runs:
             if seconds != self.seconds:
                 continue
             try:
-                left = f"{100 * part.steady.residual:.2g}"
+                residual = f"{100 * part.steady.residual:.2g}"
                 if fitted is None:
-                    raise RuntimeError("fitted points were not run")
+                    raise RuntimeError("no run with fitted points")
                 y, force = difference(part.reference, fitted.reference)
-                rows.append([body.name, left, f"{1e3 * y:.4f}", f"{100 * force / fitted.load:.3f}"])
+                rows.append([body.name, residual, f"{1e3 * y:.4f}", f"{100 * force / fitted.load:.3f}"])
             except FAILURES as error:
                 rows.append([body.name, "", "", f"{type(error).__name__}: {error}"])
         return rows

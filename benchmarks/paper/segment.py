@@ -31,7 +31,7 @@ from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 
 SCENE = Path(__file__).parents[2] / "scenes" / "paper_curve.toml"
 TIGHT_NEWTON = 1e-11
-ACCEPTABLE = 0.05  # of the axle load, left at the start: all variants of a model begin alike, steady or not
+ACCEPTABLE = 0.05  # of the axle load, static residual at the start, the same for all variants of a model
 
 
 @dataclass(frozen=True)
@@ -113,14 +113,14 @@ class TrackSegment:
         solver = self.scene.solver
         return self._run(contact or self.tuned(options), method, solver.rtol, solver.atol)
 
-    def compared(self, found: History) -> Ran:
+    def compared(self, history: History) -> Ran:
         """Cost and error of a run."""
-        if found.status != "completed" or len(found) < 2:
-            return Ran(found.cost, failure=found.status)
+        if history.status != "completed" or len(history) < 2:
+            return Ran(history.cost, failure=history.status)
         if self.missing:
-            return Ran(found.cost, note=f"no error: {self.missing}")
-        y, force = difference(found, self.reference)
-        return Ran(found.cost, y, force / self.load)
+            return Ran(history.cost, note=f"no error: {self.missing}")
+        y, force = difference(history, self.reference)
+        return Ran(history.cost, y, force / self.load)
 
     @cached_property
     def load(self) -> float:
@@ -130,14 +130,14 @@ class TrackSegment:
     def _run(self, contact: VehicleContact, method: str, rtol: float, atol: float, patience: float = np.inf) -> History:
         began = perf_counter()
 
-        def hurry(share: float, _: Mapping[str, float]) -> None:
+        def check_time(fraction: float, _: Mapping[str, float]) -> None:
             if perf_counter() - began > patience:
-                raise RuntimeError(f"the reference run is {100 * share:.0f} % done after {patience:g} s")
+                raise RuntimeError(f"the reference run is {100 * fraction:.0f} % done after {patience:g} s")
 
         return simulate(
             Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile),
             (self.start, self.start + self.seconds),
             initial=self.initial,
             steps=StepSettings(method, rtol, atol),
-            progress=hurry,
+            progress=check_time,
         )

@@ -52,12 +52,12 @@ def printed(name: str) -> str:
     """The paper's own table."""
     rows = [
         [
-            one.name,
-            *("not legible" if value is None else value for value in one.problems),
-            *one.newton,
-            *(one.linear or ("", "")),
-            f"{one.seconds // 3600:.0f} h {one.seconds % 3600 // 60:.0f} min",
+            published.name,
+            *("not legible" if value is None else value for value in published.problems),
+            *published.newton,
+            *(published.linear or ("", "")),
+            f"{published.seconds // 3600:.0f} h {published.seconds % 3600 // 60:.0f} min",
         ]
-        for one in TABLES[name]
+        for published in TABLES[name]
     ]
     return markdown("paper|#cps R|#cps L|#New R|#New L|#BiCGS R|#BiCGS L|time", rows)

@@ -61,7 +61,7 @@ def both_forms(method: str) -> list[PaperVariant]:
     ]
 
 
-def lacking() -> list[PaperVariant]:
+def additional_rows() -> list[PaperVariant]:
     """Rows that the paper does not have."""
     return [
         *(
@@ -87,5 +87,5 @@ def table(name: str) -> list[PaperVariant]:
     if name == "9":
         return [PaperVariant(f"Eq. (15), ODE23, eta = {eta:g}", SOLID, "ode23", krylov(eta)) for eta in ETAS]
     if name == "new":
-        return lacking()
+        return additional_rows()
     raise ValueError(f"no table {name}; there are 5, 6, 7, 9, new")

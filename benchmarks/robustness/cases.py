@@ -23,7 +23,7 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 SCENE = Path(__file__).parents[2] / "scenes" / "curve.toml"
 ELASTIC, STANDARD = "elastic", "standard"
-OF_ELEMENTS = ("laws", "surface_size", "strips", "cells")  # keys that the standard contact has no use for
+OF_ELEMENTS = ("laws", "surface_size", "strips", "cells")  # keys that the standard contact does not have
 
 
 @dataclass(frozen=True)
@@ -83,9 +83,9 @@ def scene(model: str, friction: float) -> RunScene:
     if model == STANDARD:
         lines = [line for line in lines if line.split(" ")[0] not in OF_ELEMENTS]
         lines = [line.replace('"condensed"', '"standard"') for line in lines]
-    found = parse_scene("\n".join([f"friction = {friction}", *lines]))
-    assert isinstance(found, RunScene)
-    return found
+    run_scene = parse_scene("\n".join([f"friction = {friction}", *lines]))
+    assert isinstance(run_scene, RunScene)
+    return run_scene
 
 
 @cache
@@ -95,10 +95,10 @@ def contact_of(model: str, friction: float) -> WheelsetContact:
 
 def cases() -> list[RobustnessCase]:
     """All cases, in ascending order of cost."""
-    found: list[RobustnessCase] = []
+    all_cases: list[RobustnessCase] = []
     for model in (STANDARD, ELASTIC):
         cheap = model == STANDARD
-        found += [
+        all_cases += [
             RobustnessCase(
                 "curve",
                 model,
@@ -109,13 +109,13 @@ def cases() -> list[RobustnessCase]:
             )
             for speed, friction in product((40.0, 50.0, 60.0), (0.05, 0.3, 0.6))
         ]
-        found += [
+        all_cases += [
             RobustnessCase(
                 "irregular", model, speed, seconds=1.5, seed=seed, quick=cheap and (speed, seed) == (40.0, 1)
             )
             for speed, seed in product((40.0, 60.0), (1, 2) if cheap else (1,))
         ]
-        found += [
+        all_cases += [
             RobustnessCase("blow on a wheel", model, 45.0, seconds=0.2, kick={"wheelset_roll": 0.3}, quick=cheap),
             RobustnessCase(
                 "wheel lifted, landed", model, 45.0, seconds=0.7, kick={"car_body_roll": 1.1}, again=cheap, quick=False
@@ -142,4 +142,4 @@ def cases() -> list[RobustnessCase]:
             RobustnessCase("blow aside", model, 45.0, 0.6, seconds=0.2, kick={"wheelset_y": -2.0}, quick=cheap),
             RobustnessCase("thrown off", model, 45.0, 0.3, seconds=0.5, kick={"wheelset_y": -4.0}, quick=cheap),
         ]
-    return found
+    return all_cases

@@ -15,9 +15,9 @@ from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 LOADED = 0.1  # of the static wheel load, from which Y/Q counts
-MEAN_LOAD = 0.1  # that the mean vertical force may be off what the track's motion asks for; runs are short
-# What a run at a tenth of the tolerances may differ by, RMS over the run: wheelset's y m, car body's roll rad; and the
-# share of the time until a run ends early.
+MEAN_LOAD = 0.1  # allowed relative deviation of the mean vertical force from the expected one; runs are short
+# Allowed differences from a run at a tenth of the tolerances, RMS over the run: wheelset's y m, car body's roll rad;
+# relative difference of the end of a run that ends early.
 APART = {"y": 2e-4, "roll": 1e-3, "end": 0.01}
 
 
@@ -25,7 +25,7 @@ APART = {"y": 2e-4, "roll": 1e-3, "end": 0.01}
 class Findings:
     """Of one run: metres, smallest wheel load N, largest Y/Q, seconds with an unloaded wheel, largest |y| of the
     wheelset m and roll of the car body rad, mean of the vertical forces over the expected one, error of the energy
-    balance; sane: nothing, or what is wrong.
+    balance; wrong: reasons for an invalid run, empty if there are none.
     """
 
     metres: float
@@ -52,8 +52,8 @@ class Findings:
             *([] if numbers else ["not finite"]),
             *([] if abs(mean - 1.0) < MEAN_LOAD or stopped else [f"mean load {mean:.2f}"]),
             *([] if stopped or roll <= LIMITS.roll else [f"rolls {roll:.2f} rad"]),
-            *([] if stopped or aside <= LIMITS.shift + 0.02 else [f"{1e3 * aside:.0f} mm aside"]),
-            *([] if not stopped or said(history.status) else ["no clear word"]),
+            *([] if stopped or aside <= LIMITS.shift + 0.02 else [f"{1e3 * aside:.0f} mm lateral displacement"]),
+            *([] if not stopped or names_cause(history.status) else ["status without a cause"]),
         ]
         return cls(
             metres=float(history.distance[-1]),
@@ -73,12 +73,12 @@ class Findings:
 
 def _integral(values: Array | list[float], time: Array) -> float:
     """By trapezoids."""
-    both = np.asarray(values)
-    return float(0.5 * (both[1:] + both[:-1]) @ np.diff(time))
+    samples = np.asarray(values)
+    return float(0.5 * (samples[1:] + samples[:-1]) @ np.diff(time))
 
 
-def said(status: str) -> bool:
-    """Whether the status of a run that ended early names what happened to the wagon."""
+def names_cause(status: str) -> bool:
+    """Whether the status of a run that ended early names overturning or derailment."""
     return "overturns" in status or "left the rails" in status
 
 
@@ -87,21 +87,22 @@ def _mean_load(history: History, wagon: Wagon, track: Track) -> float:
     t, plane = history.time, wagon.plane
     mass = wagon.axle_load / plane.gravity
     frames = [track.frame(s, v) for s, v in zip(history.distance, history.speeds, strict=True)]
-    asked = [mass * (-plane.gravity * f.down[2] - f.speed * f.rate[1]) for f in frames]
+    expected = [mass * (-plane.gravity * f.down[2] - f.speed * f.rate[1]) for f in frames]
     if len(t) < 2:
         return 1.0
-    return _integral(history.outputs.force[:, :, 2].sum(axis=1), t) / _integral(asked, t)
+    return _integral(history.outputs.force[:, :, 2].sum(axis=1), t) / _integral(expected, t)
 
 
-def apart(one: History, other: History) -> dict[str, float]:
+def run_differences(history: History, reference: History) -> dict[str, float]:
     """RMS difference of the wheelset's y m and the car body's roll rad over the common time, and relative difference of
     the ends.
     """
-    end = min(one.time[-1], other.time[-1])
-    even: Array = np.linspace(one.time[0], end, 2001)
+    end = min(history.time[-1], reference.time[-1])
+    times: Array = np.linspace(history.time[0], end, 2001)
     difference = {
-        name: np.interp(even, one.time, one.state[:, i]) - np.interp(even, other.time, other.state[:, i])
+        name: np.interp(times, history.time, history.state[:, i])
+        - np.interp(times, reference.time, reference.state[:, i])
         for name, i in (("y", Y), ("roll", 2))
     }
     rms = {name: float(np.sqrt((d**2).mean())) for name, d in difference.items()}
-    return {**rms, "end": float(abs(one.time[-1] - other.time[-1]) / other.time[-1])}
+    return {**rms, "end": float(abs(history.time[-1] - reference.time[-1]) / reference.time[-1])}

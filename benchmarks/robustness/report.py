@@ -14,9 +14,9 @@ from time import perf_counter
 
 from rich.console import Console
 
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from benchmarks.robustness.cases import ELASTIC, RobustnessCase, cases, contact_of, scene
-from benchmarks.robustness.diagnostics import APART, Findings, apart
+from benchmarks.robustness.diagnostics import APART, Findings, run_differences
 from wheelrail.scenes.builders.vehicle import wagon
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
@@ -25,7 +25,7 @@ from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate
 
 RTOL = 3e-3
-PATIENCE = 25.0  # s of wall time that a run gets
+PATIENCE = 25.0  # s, limit of the wall time of a run
 
 
 @dataclass(frozen=True)
@@ -48,18 +48,18 @@ def run(case: RobustnessCase, rtol: float = RTOL) -> History:
     Interrupted at the time limit.
     """
     patience = case.patience or PATIENCE * RTOL / rtol
-    until = perf_counter() + patience
+    deadline = perf_counter() + patience
 
-    def watch(share: float, figures: Mapping[str, float]) -> None:
-        if perf_counter() > until:
+    def watch(fraction: float, figures: Mapping[str, float]) -> None:
+        if perf_counter() > deadline:
             raise KeyboardInterrupt
 
-    contact, own = contact_of(case.model, case.friction), wagon(scene(case.model, case.friction))
-    with in_parallel(contact) if case.model == ELASTIC else nullcontext(contact) as both:
+    contact, vehicle = contact_of(case.model, case.friction), wagon(scene(case.model, case.friction))
+    with in_parallel(contact) if case.model == ELASTIC else nullcontext(contact) as parallel:
         return simulate(
-            Dynamics(own, case.track(), both, case.speed),
+            Dynamics(vehicle, case.track(), parallel, case.speed),
             case.span,
-            initial=case.start(own, contact),
+            initial=case.start(vehicle, contact),
             steps=StepSettings("rosenbrock", rtol, 1e-3 * rtol),
             progress=watch,
         )
@@ -71,7 +71,7 @@ def examined(case: RobustnessCase) -> Done:
     history = run(case)
     seconds = perf_counter() - began
     findings = Findings.of(history, wagon(scene(case.model, case.friction)), case.track())
-    return Done(case, history, findings, seconds, apart(history, run(case, 0.1 * RTOL)) if case.again else {})
+    return Done(case, history, findings, seconds, run_differences(history, run(case, 0.1 * RTOL)) if case.again else {})
 
 
 def row(done: Done) -> dict[str, str]:
@@ -127,12 +127,12 @@ def draw(runs: list[Done], path: Path) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="the cheap ones")
+    parser.add_argument("--quick", action="store_true", help="inexpensive cases only")
     parser.add_argument("--only", help="runs with this in their name")
     parser.add_argument("--picture", type=Path, help="file for the figure")
     parser.add_argument("--json", type=Path, help="file for the table's rows")
-    given = parser.parse_args()
-    chosen = [c for c in cases() if (c.quick or not given.quick) and (given.only or "") in c.name]
+    arguments = parser.parse_args()
+    chosen = [c for c in cases() if (c.quick or not arguments.quick) and (arguments.only or "") in c.name]
     console, runs, began = Console(stderr=True), [], perf_counter()
     for case in chosen:
         with console.status(f"{case.name}, {case.model}"):
@@ -140,15 +140,15 @@ def main() -> None:
         text = f"{case.name}, {case.model}, {case.speed:g} m/s, mu {case.friction:g}: {runs[-1].seconds:.1f} s"
         console.print(f"{text}, {runs[-1].history.status}", highlight=False)
     rows = [row(done) for done in runs]
-    print(f"{stated()}; {perf_counter() - began:.0f} s in all\n")
+    print(f"{machine_description()}; {perf_counter() - began:.0f} s in all\n")
     print(f"| {' | '.join(rows[0])} |\n|{'---|' * len(rows[0])}")
     for cells in rows:
         print(f"| {' | '.join(cells.values())} |")
     print(f"\n{sum(done.sane for done in runs)} of {len(runs)} runs are sane")
-    if given.json:
-        given.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    if given.picture:
-        draw(runs, given.picture)
+    if arguments.json:
+        arguments.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    if arguments.picture:
+        draw(runs, arguments.picture)
 
 
 if __name__ == "__main__":

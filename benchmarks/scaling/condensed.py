@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.common.hertz_cases import lacking
+from benchmarks.common.hertz_cases import block_correction
 from benchmarks.common.measurement import Row
 from benchmarks.common.models import Ellipse, carrying, frictional, frictionless, hertz_model, rolling
 from benchmarks.common.reference_table import reference
@@ -40,12 +40,12 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
     traced separately from time.
     """
     curve = reference("creep_curves")["curves"][CURVE]
-    _, xi, eta, phi, *known = [case for case in curve["cases"] if case[0] == "mixed"][CASE]
+    _, xi, eta, phi, *contact_forces = [case for case in curve["cases"] if case[0] == "mixed"][CASE]
     pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
     size = pair.size(points=wanted if points == "grid" else LINES)
     depth = pair.exact.approach
-    if bodies == "waveguide":  # the blocks end somewhere
-        depth -= 2 * lacking(pair.steel.nu)[0] * pair.load / (pair.steel.E * pair.half_width(size))
+    if bodies == "waveguide":  # finite blocks
+        depth -= 2 * block_correction(pair.steel.nu)[0] * pair.load / (pair.steel.E * pair.half_width(size))
     strips = max(4, round(np.sqrt(wanted / ALONG)))
     choices: dict[str, Any] = {}
     if points != "grid":
@@ -53,18 +53,18 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
     laws = frictional(curve["mu"])  # with room upstream
     model = hertz_model(pair, laws, size, bodies=bodies, points=points, **choices)
     assert isinstance(model, CondensedContact | FittedContact)
-    # what all solves share, spectra, tables and compiled kernels, is made by a first one
-    few = replace(model, resolution=Resolution(4, 8)) if isinstance(model, FittedContact) else model
+    # a first solve computes spectra, tables and compiled kernels, which all solves share
+    coarse = replace(model, resolution=Resolution(4, 8)) if isinstance(model, FittedContact) else model
     if isinstance(model, FittedContact):
-        few(hertz_pose(depth), rolling(xi), None)
-    replace(few, laws=frictionless())(hertz_pose(depth), rolling(0.0), None)
+        coarse(hertz_pose(depth), rolling(xi), None)
+    replace(coarse, laws=frictionless())(hertz_pose(depth), rolling(0.0), None)
     bound = curve["mu"] * pair.load
     for task in tasks:
         linear = TASKS[task]
         laws = frictional(curve["mu"]) if linear else frictionless()
-        chosen = replace(model, laws=laws, options=NewtonOptions(linear=linear or "lu"))
+        variant = replace(model, laws=laws, options=NewtonOptions(linear=linear or "lu"))
         motion = rolling(xi, eta, 1e3 * phi) if linear else rolling(0.0)
-        result, seconds, phases, memory = timed(chosen, depth, motion)
+        result, seconds, phases, memory = timed(variant, depth, motion)
         if result.status != "converged":
             raise RuntimeError(f"Error: contact {result.status}")
         row: Row = {
@@ -79,7 +79,7 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
             "force error": 100 * float(result.force[2] / pair.load - 1),
         }
         if linear:
-            row["creep error"] = 100 * float(np.abs(result.force[:2] / bound - known[:2]).max())
+            row["creep error"] = 100 * float(np.abs(result.force[:2] / bound - contact_forces[:2]).max())
         yield row
 
 
@@ -88,23 +88,25 @@ def timed(
 ) -> tuple[ContactResult, float, dict[str, float], float]:
     """Result, median seconds, those by phase, and peak MB allocated during one solve."""
     pose = hertz_pose(depth)
-    found: list[tuple[float, dict[str, float]]] = []
+    timings: list[tuple[float, dict[str, float]]] = []
 
     def traced() -> tuple[ContactResult, float, float]:
         tracemalloc.start()
         start = perf_counter()
         result = model(pose, motion, None)
-        taken, memory = perf_counter() - start, tracemalloc.get_traced_memory()[1] / 1e6
+        seconds, memory = perf_counter() - start, tracemalloc.get_traced_memory()[1] / 1e6
         tracemalloc.stop()
-        return result, taken, memory
+        return result, seconds, memory
 
-    result, first, memory = traced()
-    if first < AGAIN:
+    result, first_seconds, memory = traced()
+    if first_seconds < AGAIN:
         memory = traced()[2]
     began = perf_counter()
-    while first < AGAIN and len(found) < MOST and perf_counter() - began < ENOUGH:
+    while first_seconds < AGAIN and len(timings) < MOST and perf_counter() - began < ENOUGH:
         start = perf_counter()
         result = model(pose, motion, None)
-        found.append((perf_counter() - start, result.statistics.seconds))
-    seconds, phases = sorted(found or [(first, result.statistics.seconds)], key=lambda one: one[0])[len(found) // 2]
+        timings.append((perf_counter() - start, result.statistics.seconds))
+    seconds, phases = sorted(timings or [(first_seconds, result.statistics.seconds)], key=lambda timing: timing[0])[
+        len(timings) // 2
+    ]
     return result, seconds, dict(phases), memory

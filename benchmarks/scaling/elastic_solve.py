@@ -14,7 +14,7 @@ from dolfinx.fem.petsc import assemble_vector
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from benchmarks.common.hertz_cases import lacking
+from benchmarks.common.hertz_cases import block_correction
 from benchmarks.common.hertz_pairs import STEEL
 from benchmarks.common.measurement import Row, peak
 from benchmarks.scaling.refined_body import PAIR, body, depth
@@ -53,8 +53,8 @@ def elastic(*, method: str, across: int) -> Iterator[Row]:
         raise RuntimeError(f"Error: not converged, reason {solver.getConvergedReason()}")
     work, residual = float(right.dot(x)), matrix * x - right
     a, p0, load = PAIR.exact.semi_axes[0], PAIR.exact.peak, PAIR.load
-    known = 0.4 * np.pi * p0 * (1 - STEEL.nu**2) * a / STEEL.E * load  # of p by u under it, closed form
-    known -= lacking(STEEL.nu)[0] * load**2 / (STEEL.E * depth())
+    exact_work = 0.4 * np.pi * p0 * (1 - STEEL.nu**2) * a / STEEL.E * load  # of p by u under it, closed form
+    exact_work -= block_correction(STEEL.nu)[0] * load**2 / (STEEL.E * depth())
     row: Row = {
         "unknowns": matrix.getSize()[0],
         "assembly": assembled - start,
@@ -63,7 +63,7 @@ def elastic(*, method: str, across: int) -> Iterator[Row]:
         "iterations": solver.getIterationNumber(),
         "memory": world.allreduce(peak()),
         "residual": residual.norm() / right.norm(),
-        "work error": 100 * (work / known - 1),
+        "work error": 100 * (work / exact_work - 1),
     }
     if world.rank == 0:
         yield row
@@ -87,7 +87,7 @@ def _assembled(domain: Any, space: Any) -> tuple[Any, Any]:
     matrix = compat.assemble_matrix(fem.form(stiffness(u, v, *lame(STEEL.E, STEEL.nu))), bc, STEEL.E * depth() / 100)
     x = ufl.SpatialCoordinate(domain)
     inside = 1 - (x[0] ** 2 + x[1] ** 2) / PAIR.exact.semi_axes[0] ** 2
-    # nothing on the bottom's middle: it is clamped, and its load is set to zero below
+    # the load on the middle of the bottom, which is clamped, is set to zero below
     pressure = PAIR.exact.peak * ufl.conditional(ufl.gt(inside, 0), ufl.sqrt(abs(inside)), 0.0)
     right = assemble_vector(fem.form(-pressure * v[2] * ufl.ds(metadata={"quadrature_degree": 4})))
     right.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
@@ -110,7 +110,7 @@ def _solver(method: str, matrix: Any) -> Any:
         pc.setType(kind)
     if package:
         pc.setFactorSolverType(package)
-    solver.setFromOptions()  # PETSc's own defaults of multigrid come with it
+    solver.setFromOptions()  # sets PETSc's defaults of multigrid
     solver.setUp()
     solver.setUpOnBlocks()
     return solver

@@ -28,9 +28,11 @@ def draw(
     if points:
         lines(axes[0, 0], grouped(points, "family", "task"), "points", lambda row: 1e3 * row["seconds"])
         for name, style in (("dgesv 2n", "--"), ("dgesv n", ":"), ("gather", "-.")):
-            known = [(row["points"], 1e3 * row[name]) for row in floors if name in row]
-            if known:
-                axes[0, 0].plot(*zip(*known, strict=True), style, color="0.5", lw=1, label=f"floor: {name}")
+            points_and_bounds = [(row["points"], 1e3 * row[name]) for row in floors if name in row]
+            if points_and_bounds:
+                axes[0, 0].plot(
+                    *zip(*points_and_bounds, strict=True), style, color="0.5", lw=1, label=f"lower bound: {name}"
+                )
         lines(axes[0, 1], grouped(points, "family", "task"), "points", lambda row: row["memory"])
         lines(
             axes[0, 2],
@@ -48,15 +50,15 @@ def draw(
         ):
             axis.set(xlabel="contact points", ylabel=label)
     if elastic or newton:
-        own = axes[-1]
-        lines(own[0], grouped(elastic, "method", "ranks"), "unknowns", _total)
+        panels = axes[-1]
+        lines(panels[0], grouped(elastic, "method", "ranks"), "unknowns", _total)
         normal = [row for row in newton if not row["friction"]]
-        lines(own[1], grouped(normal, "method"), "unknowns", _total)
+        lines(panels[1], grouped(normal, "method"), "unknowns", _total)
         by = {f"K u = f, {name}": rows for name, rows in grouped(elastic, "method", "ranks").items()}
-        lines(own[2], by, "unknowns", lambda row: row["memory"])
+        lines(panels[2], by, "unknowns", lambda row: row["memory"])
         titles = ("K u = f, by method and ranks", "contact without friction, by preconditioner", "all ranks")
         labels = ("set-up and solve, s", "set-up and solve, s", "peak memory, MB")
-        for axis, title, label in zip(own, titles, labels, strict=True):
+        for axis, title, label in zip(panels, titles, labels, strict=True):
             axis.set(xlabel="unknowns", ylabel=label, title=title)
     for axis in axes.ravel():
         axis.set(xscale="log", yscale="log")
@@ -79,5 +81,5 @@ def lines(axis: Any, groups: dict[str, list[Row]], size: str, cost: Callable[[Ro
         colours += [] if colour in colours else [colour]
         strokes += [] if stroke in strokes else [stroke]
         i, j = colours.index(colour) % len(COLOURS), strokes.index(stroke) % len(STROKES)
-        known = sorted((row[size], cost(row)) for row in rows)
-        axis.plot(*zip(*known, strict=True), STROKES[j], color=COLOURS[i], ms=4, lw=1.2, label=name)
+        values = sorted((row[size], cost(row)) for row in rows)
+        axis.plot(*zip(*values, strict=True), STROKES[j], color=COLOURS[i], ms=4, lw=1.2, label=name)

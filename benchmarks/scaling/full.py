@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from time import perf_counter
 
-from benchmarks.common.hertz_cases import lacking
+from benchmarks.common.hertz_cases import block_correction
 from benchmarks.common.hertz_pairs import STEEL, creep_force, rolling
 from benchmarks.common.measurement import Row, peak
 from benchmarks.scaling.refined_body import PAIR, depth, pair
@@ -35,9 +35,9 @@ def newton(*, method: str, across: int, friction: bool) -> Iterator[Row]:
 
     Frictionless with a nearly exact law, with friction with the paper's laws.
     """
-    known, package = METHODS[method]
+    preconditioner, package = METHODS[method]
     laws = ContactLaws.penalty(FRICTION) if friction else ContactLaws(STIFF, 0.0)
-    model = pair(across, laws, FullOptions(preconditioner=known))
+    model = pair(across, laws, FullOptions(preconditioner=preconditioner))
     start = perf_counter()
     stiffness = (model.wheel.stiffness, model.rail.stiffness)
     assembled = perf_counter()
@@ -45,7 +45,7 @@ def newton(*, method: str, across: int, friction: bool) -> Iterator[Row]:
     _prepared(model, package)
     model.law  # noqa: B018 - compiled once
     ready = perf_counter()
-    approach = PAIR.exact.approach - 2 * lacking(STEEL.nu)[0] * PAIR.load / (STEEL.E * depth())
+    approach = PAIR.exact.approach - 2 * block_correction(STEEL.nu)[0] * PAIR.load / (STEEL.E * depth())
     result = model(hertz_pose(approach), rolling(CREEPAGE if friction else 0.0), None)
     solved = perf_counter()
     if result.status != "converged":

@@ -16,13 +16,13 @@ from wheelrail.support.arrays import Array
 ENOUGH, MOST = 0.3, 50  # seconds and repeats
 
 
-def floors(*, sizes: list[int]) -> Iterator[Row]:
+def bounds(*, sizes: list[int]) -> Iterator[Row]:
     """A row for every number of contact points, with two tangential components each."""
     for n in sizes:
-        yield floor(n)
+        yield bound(n)
 
 
-def floor(n: int) -> Row:
+def bound(n: int) -> Row:
     """Seconds at n points, which fill an ellipse: the FFT's grid is the rectangle around it."""
     random = np.random.default_rng(0)
     side = round(np.sqrt(4 * n / np.pi))
@@ -40,24 +40,24 @@ def _dense(random: np.random.Generator, n: int) -> dict[str, float]:
     """LU of two components and of one, assembly of n^2 numbers from a table, and the product with two components."""
     matrix, vector = random.standard_normal((2 * n, 2 * n)), random.standard_normal(2 * n)
     matrix[np.arange(2 * n), np.arange(2 * n)] += 4 * n
-    table, place = matrix[:n, :n].ravel(), np.arange(n * n).reshape(n, n)
+    table, index = matrix[:n, :n].ravel(), np.arange(n * n).reshape(n, n)
     return {
         "dgesv 2n": best(lambda: la.solve(matrix, vector, check_finite=False)),
         "dgesv n": best(lambda: la.solve(matrix[:n, :n], vector[:n], check_finite=False)),
-        "gather": best(lambda: table.take(place)),
+        "gather": best(lambda: table.take(index)),
         "dense": best(lambda: matrix @ vector),
     }
 
 
 def best(call: Callable[[], object]) -> float:
     """Smallest seconds of repeated calls."""
-    found: list[float] = []
+    times: list[float] = []
     began = perf_counter()
-    while not found or (len(found) < MOST and perf_counter() - began < ENOUGH):
+    while not times or (len(times) < MOST and perf_counter() - began < ENOUGH):
         start = perf_counter()
         call()
-        found.append(perf_counter() - start)
-    return min(found)
+        times.append(perf_counter() - start)
+    return min(times)
 
 
 class AlongX:
@@ -73,8 +73,8 @@ class AlongX:
     def __matmul__(self, field: Array) -> Array:
         """Product with values (nx, m)."""
         waves = scipy.fft.rfft(field, self.length, axis=0)
-        both = np.matmul(self._spectrum, waves[:, :, None])[:, :, 0]
-        return np.asarray(scipy.fft.irfft(both, self.length, axis=0)[: self.rows])
+        product = np.matmul(self._spectrum, waves[:, :, None])[:, :, 0]
+        return np.asarray(scipy.fft.irfft(product, self.length, axis=0)[: self.rows])
 
 
 class OverPlane:
@@ -85,14 +85,16 @@ class OverPlane:
     def __init__(self, kernel: Array) -> None:
         self.shape = tuple((size + 1) // 2 for size in kernel.shape[:2])
         self.length = tuple(scipy.fft.next_fast_len(2 * size - 1, real=True) for size in self.shape)
-        both = _wrapped(_wrapped(kernel, 0, self.length[0]), 1, self.length[1])
-        self._spectrum: NDArray[np.complex128] = np.moveaxis(scipy.fft.rfft2(both, axes=(0, 1)), (2, 3), (0, 1)).copy()
+        wrapped = _wrapped(_wrapped(kernel, 0, self.length[0]), 1, self.length[1])
+        self._spectrum: NDArray[np.complex128] = np.moveaxis(
+            scipy.fft.rfft2(wrapped, axes=(0, 1)), (2, 3), (0, 1)
+        ).copy()
 
     def __matmul__(self, field: Array) -> Array:
         """Product with values (nx, ny, c)."""
         waves = scipy.fft.rfft2(np.moveaxis(field, 2, 0), self.length, axes=(1, 2))
-        back = scipy.fft.irfft2((self._spectrum * waves).sum(axis=1), self.length, axes=(1, 2))
-        return np.moveaxis(back[:, : self.shape[0], : self.shape[1]], 0, 2)
+        product = scipy.fft.irfft2((self._spectrum * waves).sum(axis=1), self.length, axes=(1, 2))
+        return np.moveaxis(product[:, : self.shape[0], : self.shape[1]], 0, 2)
 
 
 def _wrapped(kernel: Array, axis: int, length: int) -> Array:

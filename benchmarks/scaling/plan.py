@@ -44,27 +44,27 @@ Say = Callable[[str], None]
 
 def point_rows(quick: bool, say: Say) -> Iterator[Row]:
     """Condensed contact, family by family."""
-    for (points, bodies), most in POINTS.items():
+    for (points, bodies), limits in POINTS.items():
         failed: set[str] = set()
-        for wanted in QUICK_SIZES if quick else SIZES:
-            tasks = [task for task, largest in most.items() if wanted <= largest and task not in failed]
+        for count in QUICK_SIZES if quick else SIZES:
+            tasks = [task for task, largest in limits.items() if count <= largest and task not in failed]
             if not tasks:
                 break
-            say(f"{points} on {bodies}, {wanted} points")
-            given: Row = {"points": points, "bodies": bodies, "wanted": wanted, "tasks": tasks}
-            found = rows("points", given, seconds=POINTS_LIMIT)
-            for row in found:
+            say(f"{points} on {bodies}, {count} points")
+            parameters: Row = {"points": points, "bodies": bodies, "wanted": count, "tasks": tasks}
+            result_rows = rows("points", parameters, seconds=POINTS_LIMIT)
+            for row in result_rows:
                 row["family"] = f"{points}, {bodies}"
                 if "failed" in row:  # in the first task that has no row; the others were not tried
-                    row["points"] = wanted
-                    row["task"] = tasks[len(found) - 1]
-                    failed.update(tasks[len(found) - 1 :])
+                    row["points"] = count
+                    row["task"] = tasks[len(result_rows) - 1]
+                    failed.update(tasks[len(result_rows) - 1 :])
                 yield row
 
 
-def floor_rows(quick: bool, say: Say) -> Iterator[Row]:
+def bound_rows(quick: bool, say: Say) -> Iterator[Row]:
     """Lower bounds for the same numbers of points."""
-    say("floors")
+    say("lower bounds")
     yield from rows("floor", {"sizes": QUICK_SIZES if quick else SIZES}, seconds=POINTS_LIMIT)
 
 
@@ -78,7 +78,7 @@ def full_rows(kind: str, quick: bool, say: Say) -> Iterator[Row]:
     for fixed, ranks, all_across in series[:4] if quick else series:
         for across in QUICK_ACROSS if quick else all_across:
             say(f"{kind}, {fixed['method']}, {across} across, {ranks} ranks")
-            found = rows(kind, {**fixed, "across": across}, seconds=FULL_LIMIT, ranks=ranks)
-            yield from found
-            if any("failed" in row for row in found):
+            result_rows = rows(kind, {**fixed, "across": across}, seconds=FULL_LIMIT, ranks=ranks)
+            yield from result_rows
+            if any("failed" in row for row in result_rows):
                 break

@@ -32,57 +32,59 @@ def depth_for(case: SampledCase) -> float:
     """Depth m from nominal height. Raises NoDepth with the reason."""
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
 
-    def overlap(depth: float) -> float:
+    def penetration(depth: float) -> float:
         return float(surfaces.penetration_profile(case.at(depth)[0], LINES).penetration.max())
 
     def excess(depth: float) -> float:
         return _load(surfaces, case, depth) - case.load
 
     depths = np.linspace(LOWEST, HIGHEST, 71)
-    touching = [depth for depth in depths if overlap(depth) > 0]
-    if not touching or touching[0] == LOWEST:
-        raise NoDepth("the wheel does not come down on the rail within 50 mm")
-    first = float(brentq(overlap, touching[0] - (depths[1] - depths[0]), touching[0], xtol=1e-10))
+    penetrating = [depth for depth in depths if penetration(depth) > 0]
+    if not penetrating or penetrating[0] == LOWEST:
+        raise NoDepth("no contact within 50 mm below the nominal height")
+    touching_depth = float(brentq(penetration, penetrating[0] - (depths[1] - depths[0]), penetrating[0], xtol=1e-10))
     high = 1e-5
-    while excess(first + high) < 0:
+    while excess(touching_depth + high) < 0:
         high *= 2
-        if overlap(first + high) > DEEPEST:
-            raise NoDepth("the load needs an overlap of more than 1 mm")
-    return float(brentq(excess, first, first + high, xtol=1e-9))
+        if penetration(touching_depth + high) > DEEPEST:
+            raise NoDepth("the load needs a penetration of more than 1 mm")
+    return float(brentq(excess, touching_depth, touching_depth + high, xtol=1e-9))
 
 
-def overlap_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, float]]) -> float:
+def penetration_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, float]]) -> float:
     """Largest penetration outside lateral bands [m] of the wheel's profile over that inside, or a line next to them."""
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
-    overlap = surfaces.penetration_profile(pose, LINES).penetration
+    penetration = surfaces.penetration_profile(pose, LINES).penetration
     y = surfaces.wheel.point(LINES)[:, 0]
-    aside = float(np.diff(LINES).max())
+    margin = float(np.diff(LINES).max())
     inside = np.zeros(len(y), dtype=bool)
     for low, high in bands:
-        inside |= (y >= low - aside) & (y <= high + aside)
-    within = float(overlap[inside].max(initial=0.0))
-    return float(overlap[~inside].max(initial=0.0)) / within if within > 0 else np.inf
+        inside |= (y >= low - margin) & (y <= high + margin)
+    within = float(penetration[inside].max(initial=0.0))
+    return float(penetration[~inside].max(initial=0.0)) / within if within > 0 else np.inf
 
 
 def _load(surfaces: ProfileStrips, case: SampledCase, depth: float) -> float:
     """Vertical force N."""
     steel = Material()
     pose = case.at(depth)[0]
-    ridge = surfaces.penetration_profile(pose, LINES)
-    deepest = int(np.argmax(ridge.penetration))
-    inside = ridge.penetration - (1 - PENETRATION) * ridge.penetration[deepest]
-    if ridge.penetration[deepest] <= 0:
+    profile = surfaces.penetration_profile(pose, LINES)
+    deepest = int(np.argmax(profile.penetration))
+    inside = profile.penetration - (1 - PENETRATION) * profile.penetration[deepest]
+    if profile.penetration[deepest] <= 0:
         return 0.0
     # strips finer than the lines, about the deepest one
     low, high = LINES[np.flatnonzero(inside > 0)[[0, -1]]]
     s = np.linspace(low - 1e-4, high + 1e-4, 80)
-    at = surfaces.penetration_profile(pose, s)
-    half2 = np.maximum(2 * (at.penetration - (1 - PENETRATION) * ridge.penetration[deepest]) / at.curvature, 0.0)
+    strips = surfaces.penetration_profile(pose, s)
+    half2 = np.maximum(
+        2 * (strips.penetration - (1 - PENETRATION) * profile.penetration[deepest]) / strips.curvature, 0.0
+    )
     t = (np.arange(40) + 0.5) / 20 - 1
     root = np.sqrt(half2)[:, None] * np.sqrt(1 - t * t)
     x, y = np.sqrt(half2)[:, None] * t, (s - LINES[deepest])[:, None]
     weight = np.sqrt(half2)[:, None] * root
-    share = weight.sum() / max((weight / np.maximum(np.hypot(x, y), 1e-6)).sum(), 1e-300)
+    mean_distance = weight.sum() / max((weight / np.maximum(np.hypot(x, y), 1e-6)).sum(), 1e-300)
     upright = np.abs(surfaces.wheel.normal(s)[:, 1])
     cosine = float((weight.sum(axis=1) * upright).sum() / max(weight.sum(), 1e-300))
-    return float(np.pi * steel.E * ridge.penetration[deepest] / (2 * (1 - steel.nu**2)) * share * cosine)
+    return float(np.pi * steel.E * profile.penetration[deepest] / (2 * (1 - steel.nu**2)) * mean_distance * cosine)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.stability.depth_estimate import overlap_outside
+from benchmarks.stability.depth_estimate import penetration_outside
 from benchmarks.stability.sample import SampledCase
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.laws.material import Material
@@ -17,7 +17,7 @@ LIMITS = {
     "moment": 1e-10,
     "patches": 1e-9,
     "pull": 0.0,
-    "friction": 3e-8,  # tractions are found to 1e-9 of their norm, which may all be in one cell of a thousand
+    "friction": 3e-8,  # tractions converge to 1e-9 of their norm, which may be that of one cell of a thousand
     "law": 3e-8,
     "work": 1e-8,
     "penetration": 1e-7,
@@ -52,7 +52,7 @@ def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, 
     most = max(case.friction * peak, 1e-300)
     power_scale = max(most * max(float(np.hypot(*s.T).max()), most / G), 1e-300)
     in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
-    # deformed overlap less the penalty's own: nothing where pressed, negative where open
+    # deformed penetration minus that of the penalty: zero at loaded points, negative at open ones
     d = fields.penetration + fields.displacement[:, 2] - p * case.laws.normal_compliance
     apart = np.where(p > 0, np.abs(d), np.maximum(d, 0.0))
     return {
@@ -65,7 +65,7 @@ def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, 
         "law": float(astray.max()) / power_scale,
         "work": float(np.maximum(power, 0.0).max()) / power_scale,
         "penetration": float(apart.max()) / result.approach,
-        "missed": overlap_outside(case, pose, [patch.wheel_band for patch in result.patches]),
+        "missed": penetration_outside(case, pose, [patch.wheel_band for patch in result.patches]),
     }
 
 
@@ -74,6 +74,6 @@ def cross(a: Array, b: Array) -> Array:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def broken(found: dict[str, float]) -> list[str]:
+def broken(values: dict[str, float]) -> list[str]:
     """Names of the values beyond their limits."""
-    return [name for name, limit in LIMITS.items() if not found[name] <= limit]
+    return [name for name, limit in LIMITS.items() if not values[name] <= limit]

@@ -14,13 +14,13 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress, TimeElapsedColumn, TimeRemainingColumn
 
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from benchmarks.stability.invariants import LIMITS
 from benchmarks.stability.sample import SampledCase, cases
 from benchmarks.stability.solve import SolveOutcome, legitimate, solve
 from wheelrail.support.arrays import Array
 
-TWIN = 20  # every so many cases are compared with an independent solution, and all whose cells did not settle
+TWIN = 20  # every so many cases are compared with an independent solution, and all with unconverged patch edges
 OUTLIERS = {"force": 0.02, "area": 0.1}
 
 
@@ -28,7 +28,7 @@ def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -
     """Solves a number of cases, or only those of some numbers, grouped by model to limit memory."""
     chosen = [case for case in cases(count, seed) if not only or case.number in only]
     chosen.sort(key=lambda case: (case.rail, case.size, np.isfinite(case.stiffness_per_area), case.number))
-    found = []
+    outcomes = []
     with Progress(
         *Progress.get_default_columns()[:2],
         TimeElapsedColumn(),
@@ -37,8 +37,8 @@ def run(count: int, seed: int, *, every: int = TWIN, only: Sequence[int] = ()) -
         disable=not sys.stderr.isatty(),
     ) as bar:
         for case in bar.track(chosen, description="cases"):
-            found.append(attempt(case, twin=every > 0 and case.number % every == 0))
-    return sorted(found, key=lambda outcome: outcome.case.number)
+            outcomes.append(attempt(case, twin=every > 0 and case.number % every == 0))
+    return sorted(outcomes, key=lambda outcome: outcome.case.number)
 
 
 def attempt(case: SampledCase, *, twin: bool) -> SolveOutcome:
@@ -49,43 +49,46 @@ def attempt(case: SampledCase, *, twin: bool) -> SolveOutcome:
         return SolveOutcome(case, "failed", f"{type(error).__name__}: {error}")
 
 
-def show(found: list[SolveOutcome]) -> str:
+def show(outcomes: list[SolveOutcome]) -> str:
     """Tables in Markdown."""
     lines = []
-    for name, part in (("fitted", [o for o in found if o.fitted]), ("grid", [o for o in found if not o.fitted])):
-        answered = [o for o in part if o.kind != "no answer"]
-        good = [o for o in answered if o.kind == "converged"]
-        if not good:
+    for name, part in (("fitted", [o for o in outcomes if o.fitted]), ("grid", [o for o in outcomes if not o.fitted])):
+        solvable = [o for o in part if o.kind != "no answer"]
+        converged = [o for o in solvable if o.kind == "converged"]
+        if not converged:
             continue
-        times, newton = np.array([o.seconds for o in good]), np.array([o.newton for o in good])
+        times, newton = np.array([o.seconds for o in converged]), np.array([o.newton for o in converged])
         lines += [
-            f"\n## {name}: {len(part)} cases, {len(answered)} with an answer, {len(good)} converged "
-            f"({len(good) / len(answered):.2%}), {sum(not o.broken for o in good)} keep all limits\n",
+            f"\n## {name}: {len(part)} cases, {len(solvable)} with an answer, {len(converged)} converged "
+            f"({len(converged) / len(solvable):.2%}), {sum(not o.broken for o in converged)} keep all limits\n",
             "| figure | median | 99 % | worst | limit | cases beyond |\n|---|---|---|---|---|---|",
             f"| seconds | {_spread(times)} | | |",
             f"| factorisations and Newton steps | {_spread(newton)} | | |",
-            f"| load kN | {_spread(1e-3 * np.array([o.load for o in good]))} | | |",
+            f"| load kN | {_spread(1e-3 * np.array([o.load for o in converged]))} | | |",
         ]
         for figure, limit in LIMITS.items():
-            values = np.array([o.figures[figure] for o in good])
+            values = np.array([o.figures[figure] for o in converged])
             lines.append(f"| {figure} | {_spread(values)} | {limit:g} | {int((values > limit).sum())} |")
         for figure, bound in OUTLIERS.items():
-            values = np.array([getattr(o, f"{figure}_differs") for o in good])
+            values = np.array([getattr(o, f"{figure}_differs") for o in converged])
             values = values[np.isfinite(values)]
             if len(values):
                 lines.append(
                     f"| {figure} against twin | {_spread(values)} | {bound:g} | {int((values > bound).sum())} |"
                 )
-        twins, loose = [o for o in good if o.twin], [o for o in part if not o.settled]
-        alone, seen = sum(not np.isfinite(o.force_differs) for o in twins), sum(bool(o.twin) for o in loose)
+        twins, unconverged = [o for o in converged if o.twin], [o for o in part if not o.settled]
+        without_force, compared = (
+            sum(not np.isfinite(o.force_differs) for o in twins),
+            sum(bool(o.twin) for o in unconverged),
+        )
         lines += [
-            f"\n{len(twins)} compared with a twin, {alone} of which had no force to compare; "
-            f"{len(loose)} cases whose cells did not settle, {seen} of them compared"
+            f"\n{len(twins)} compared with a twin, {without_force} of which had no force to compare; "
+            f"{len(unconverged)} cases with unconverged patch edges, {compared} of them compared"
         ]
-    reasons = Counter(f"{kind(o)}: {o.reason}" for o in found if o.kind == "no answer")
+    reasons = Counter(f"{kind(o)}: {o.reason}" for o in outcomes if o.kind == "no answer")
     lines += ["\n## Without an answer\n", *(f"- {number} x {reason}" for reason, number in reasons.most_common())]
     lines += ["\n## Failed, beyond a limit, or unlike their twin\n"]
-    lines += [f"- {kind(o)}: {trouble(o)}: {o.case}" for o in found if trouble(o)] or ["- none"]
+    lines += [f"- {kind(o)}: {trouble(o)}: {o.case}" for o in outcomes if trouble(o)] or ["- none"]
     return "\n".join(lines)
 
 
@@ -94,9 +97,9 @@ def kind(outcome: SolveOutcome) -> str:
 
 
 def trouble(outcome: SolveOutcome) -> str:
-    """Short description of what is wrong with an outcome; empty if nothing is."""
+    """Short description of the errors of an outcome; empty without errors."""
     if outcome.kind == "failed":
-        return outcome.reason if outcome.settled else f"{outcome.reason} (cells did not settle)"
+        return outcome.reason if outcome.settled else f"{outcome.reason} (patch edges not converged)"
     parts = [f"{name} {outcome.figures[name]:.1e}" for name in outcome.broken]
     for figure, bound in OUTLIERS.items():
         differs = getattr(outcome, f"{figure}_differs")
@@ -105,9 +108,9 @@ def trouble(outcome: SolveOutcome) -> str:
     if outcome.twin and not np.isfinite(outcome.force_differs) and not legitimate(outcome.twin):
         parts.append(f"its twin: {outcome.twin}")
     if not outcome.settled and not np.isfinite(outcome.force_differs) and outcome.kind == "converged":
-        parts.append("cells did not settle, and no twin to compare with")
+        parts.append("patch edges not converged, and no twin to compare with")
     if parts and not outcome.settled:
-        parts.append("cells did not settle")
+        parts.append("patch edges not converged")
     return ", ".join(parts)
 
 
@@ -123,15 +126,20 @@ def main() -> None:
     parser.add_argument("--only", type=int, nargs="*", default=[], metavar="NUMBER", help="these cases of all")
     parser.add_argument("--twin", type=int, default=TWIN, metavar="N", help="compare every so many cases (20; 0: none)")
     parser.add_argument("--json", type=Path, metavar="PATH", help="write all data to a file")
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     logging.disable(logging.WARNING)
-    machine = stated()
+    machine = machine_description()
     print(machine, flush=True)
-    found = run(given.cases, given.seed, every=given.twin, only=given.only)
-    print(show(found))
-    if given.json:
-        report = {"machine": machine, "cases": given.cases, "seed": given.seed, "outcomes": [o.data() for o in found]}
-        given.json.write_text(json.dumps(report, indent=1), encoding="utf-8")
+    outcomes = run(arguments.cases, arguments.seed, every=arguments.twin, only=arguments.only)
+    print(show(outcomes))
+    if arguments.json:
+        report = {
+            "machine": machine,
+            "cases": arguments.cases,
+            "seed": arguments.seed,
+            "outcomes": [o.data() for o in outcomes],
+        }
+        arguments.json.write_text(json.dumps(report, indent=1), encoding="utf-8")
 
 
 if __name__ == "__main__":

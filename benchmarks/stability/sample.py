@@ -81,15 +81,15 @@ def cases(count: int, seed: int) -> list[SampledCase]:
         """Creepages of both signs, logarithmic from 1e-5 of the largest."""
         return float(np.sign(u - 0.5) * 10 ** (5 * abs(2 * u - 1) - 5))
 
-    def above(u: float, share: float) -> float:
+    def above(u: float, fraction: float) -> float:
         """Part of u beyond a fraction, scaled to 0 to 1; negative within the fraction."""
-        return (u - share) / (1 - share)
+        return (u - fraction) / (1 - fraction)
 
-    found = []
+    sampled = []
     for number, row in enumerate(unit):
         at = dict(zip(names, map(float, row), strict=True))
         K, eps, mu = above(at["K"], EXACT_K), above(at["eps"], EXACT_EPS), above(at["mu"], NO_MU)
-        found.append(
+        sampled.append(
             SampledCase(
                 number=number,
                 rail=RAILS[int(at["rail"] * len(RAILS))],
@@ -106,7 +106,7 @@ def cases(count: int, seed: int) -> list[SampledCase]:
                 size=max(SIZES[int(at["size"] * len(SIZES))], 0.0 if K < 0 else _finest(at["load"])),
             )
         )
-    return found
+    return sampled
 
 
 def _finest(load: float) -> float:

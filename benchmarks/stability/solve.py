@@ -76,16 +76,21 @@ def solve(case: SampledCase, *, twin: bool = False) -> SolveOutcome:
         return outcome if outcome.fitted else replace(outcome, kind="no answer", reason=BETWEEN)
     if not result.ok:
         return replace(outcome, kind="no answer") if legitimate(result.status) else outcome
-    found = findings(case, pose, result)
-    outcome = replace(outcome, kind="converged", load=carried(result), figures=found, broken=tuple(broken(found)))
+    values = findings(case, pose, result)
+    outcome = replace(
+        outcome, kind="converged", load=vertical_load(result), figures=values, broken=tuple(broken(values))
+    )
     if (settled and not twin) or (not outcome.fitted and case.size == SIZES[0]):
         return outcome
-    other = twin_of(case)(pose, motion, None)
-    if not other.patches or not result.patches:
-        return replace(outcome, twin=other.status)
-    force = float(np.linalg.norm(result.force - other.force)) / float(np.linalg.norm(other.force))
+    twin_result = twin_of(case)(pose, motion, None)
+    if not twin_result.patches or not result.patches:
+        return replace(outcome, twin=twin_result.status)
+    force = float(np.linalg.norm(result.force - twin_result.force)) / float(np.linalg.norm(twin_result.force))
     return replace(
-        outcome, twin=other.status, force_differs=force, area_differs=abs(area(result) / max(area(other), 1e-300) - 1)
+        outcome,
+        twin=twin_result.status,
+        force_differs=force,
+        area_differs=abs(area(result) / max(area(twin_result), 1e-300) - 1),
     )
 
 
@@ -94,7 +99,7 @@ def legitimate(status: str) -> bool:
     return LEAVES in status or LONG in status
 
 
-def carried(result: ContactResult) -> float:
+def vertical_load(result: ContactResult) -> float:
     """Vertical part N of the pressure; on a steep flange friction may carry the remainder."""
     fields = result.fields
     if fields is None:

@@ -11,10 +11,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.contact_frames import FrameDifference, difference, rail_place, state, wheel_force
+from benchmarks.accuracy.contact_frames import FrameDifference, difference, rail_position, state, wheel_force
 from benchmarks.accuracy.rolling import coefficients, curve_errors
-from benchmarks.accuracy.wheelset import seated, track_of
-from benchmarks.common.hertz_cases import lacking, pair_of
+from benchmarks.accuracy.wheelset import loaded_wheel, track_of
+from benchmarks.common.hertz_cases import block_correction, pair_of
 from benchmarks.common.models import Ellipse, frictional, hertz_model, loads, pressed, rolling, solved
 from benchmarks.common.reference_table import TableSection, measure, reference, show
 from wheelrail.contact.analytical.kalker import Name, kalker
@@ -57,7 +57,7 @@ def test_hertz_at_twenty_points_across() -> None:
     size = pair.size(across=20.0)
     depth, result = pressed(pair, size)
     (patch,) = result.patches
-    kappa, spread = lacking(STEEL.nu)
+    kappa, spread = block_correction(STEEL.nu)
     assert abs(spread) < 0.01  # what a block lacks goes with the inverse of its size
     approach = depth + 2 * kappa * pair.load / (STEEL.E * pair.half_width(size))
     assert abs(patch.max_pressure / pair.exact.peak - 1) < 1e-2 * HOLDS["p0"]
@@ -119,7 +119,7 @@ def compared(series: str, y: float, side: Side, bodies: str = "waveguide") -> tu
     (case,) = (case for case in data["series"][series] if case["y"] == y)
     at = state(case, speed=given["speed"], pitch_rate=given["pitch_rate"])
     friction = 0.0 if normal else given["mu"]
-    result = seated(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies)
+    result = loaded_wheel(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies)
     return result, difference(result, case[side], side)
 
 
@@ -133,7 +133,7 @@ def test_wheelset_on_half_spaces(series: str, y: float, side: Side) -> None:
     result, apart = compared(series, y, side, "half-space")
     assert result.force[2] == pytest.approx(57e3, rel=1e-4)
     assert apart.same_patches
-    assert abs(1e3 * apart.place) < 0.1 * HOLDS["place"]
+    assert abs(1e3 * apart.position) < 0.1 * HOLDS["place"]
     assert abs(100 * apart.area) < HOLDS["area"]
     assert abs(100 * apart.peak) < HOLDS["peak"]
     if series != "normal_only":
@@ -146,7 +146,7 @@ def test_wheelset_of_finite_bodies(series: str, y: float, side: Side) -> None:
     result, apart = compared(series, y, side)
     assert result.force[2] == pytest.approx(57e3, rel=1e-4)
     assert apart.same_patches
-    assert abs(1e3 * apart.place) < HOLDS["place"]
+    assert abs(1e3 * apart.position) < HOLDS["place"]
     assert abs(100 * apart.area) < PUSHED
     assert abs(100 * apart.peak) < (HOLDS["peak"] if y else NARROW)
     if series != "normal_only":
@@ -156,8 +156,8 @@ def test_wheelset_of_finite_bodies(series: str, y: float, side: Side) -> None:
 def test_two_patches_at_the_gauge_corner() -> None:
     result, apart = compared("normal_only", 5.0, "right", "half-space")
     assert apart.patches == (2, 2)
-    assert abs(apart.share) < 0.01
-    assert abs(apart.place) < 0.1e-3
+    assert abs(apart.load_fraction) < 0.01
+    assert abs(apart.position) < 0.1e-3
     assert abs(np.diff([patch.rail_y for patch in result.patches])[0]) == pytest.approx(10e-3, abs=1e-3)
 
 
@@ -169,7 +169,7 @@ def test_frames_turn_half_way_about_x() -> None:
     # the load presses the rail down and the wheel up; forward on the rail is backward on the wheel
     np.testing.assert_array_equal(wheel_force([1.0, 2.0, 3.0]), [-1.0, 2.0, 3.0])
     # towards the gauge corner is to the right on the left rail and to the left on the right rail
-    assert rail_place(10.0, "left") == rail_place(-10.0, "right") == pytest.approx(-10e-3)
+    assert rail_position(10.0, "left") == rail_position(-10.0, "right") == pytest.approx(-10e-3)
 
 
 @pytest.mark.parametrize("series", ["normal_only", "rolling"])
@@ -179,7 +179,7 @@ def test_references_are_mirror_images_at_y_zero(series: str) -> None:
     np.testing.assert_allclose(
         wheel_force(left["force"]), wheel_force(right["force"]) * [1, -1, 1], rtol=1e-5, atol=1e-3
     )
-    places = [rail_place(case[side]["islands"][0]["y_rail"], side) for side in SIDES]
+    places = [rail_position(case[side]["islands"][0]["y_rail"], side) for side in SIDES]
     assert places[0] == pytest.approx(places[1], abs=1e-6)
 
 
@@ -189,7 +189,7 @@ def test_a_wrong_sign_would_be_seen() -> None:
     assert apart.patches == (1, 1)
     mirrored = difference(replace(result, force=result.force * [-1, 1, 1]), case["right"], "right")
     assert abs(mirrored.forces[0]) > 10 * abs(apart.forces[0])
-    assert abs(difference(result, case["left"], "left").place) > 5e-3
+    assert abs(difference(result, case["left"], "left").position) > 5e-3
 
 
 def test_a_section_tells_what_is_not_met() -> None:

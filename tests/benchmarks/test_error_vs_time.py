@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.error_vs_time import plan as error_plan
 from benchmarks.error_vs_time import report as error_vs_time
-from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, creep_cases, yardstick
+from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, creep_cases, timing_case
 from benchmarks.error_vs_time.figure import STYLES
 from benchmarks.error_vs_time.measure import normal_row, rolling_row
 from benchmarks.error_vs_time.plan import rows
@@ -29,20 +29,20 @@ def coarse() -> Reference:
 
 
 def test_the_ellipse_is_the_one_that_contact_was_timed_on() -> None:
-    case = yardstick()
+    case = timing_case()
     np.testing.assert_allclose(case.pair.exact.semi_axes, (6e-3, 5e-3), rtol=1e-7)
     assert case.pair.exact.approach == pytest.approx(7.4854e-5, rel=2e-5)  # CONTACT, dx 0.1 mm
     # first order in dx: the finest grid's forces and as much again as they moved from the grid before
     np.testing.assert_allclose(
-        np.array(case.known) * case.bound, (2 * 7309.03 - 7337.52, -2 * 5502.27 + 5527.89), rtol=1e-5
+        np.array(case.contact_forces) * case.bound, (2 * 7309.03 - 7337.52, -2 * 5502.27 + 5527.89), rtol=1e-5
     )
 
 
 def test_the_reference_agrees_with_contact() -> None:
     found = coarse()
     assert found.order > 1.0
-    assert np.abs(found.beside).max() < 2e-3  # of mu F_n; CONTACT's own uncertainty is up to 1.8e-3
-    assert f"order {found.order:.2f}" in found.stated()
+    assert np.abs(found.contact_deviations).max() < 2e-3  # of mu F_n; CONTACT's own uncertainty is up to 1.8e-3
+    assert f"order {found.order:.2f}" in found.description()
 
 
 def test_an_extrapolation_needs_convergence(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -55,7 +55,7 @@ def test_an_extrapolation_needs_convergence(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_errors_of_contact_are_those_of_its_grids() -> None:
-    every = contact_rows(np.array(yardstick().known))
+    every = contact_rows(np.array(timing_case().contact_forces))
     found = {task: [row for row in every if row["task"] == task] for task in ("normal", "rolling")}
     creep = [row["creep error"] for row in sorted(found["rolling"], key=lambda row: int(row["points"]))]
     np.testing.assert_allclose(creep, (0.9, 0.8, 0.4, 0.3, 0.15), atol=0.03)  # % of mu F_n
@@ -97,7 +97,7 @@ def test_variants_name_their_laws() -> None:
     assert ModelVariant("", "waveguide").laws == "exact"
     assert ModelVariant("", "waveguide", stiffness=1e15, regularisation=1e-5).laws == "K 1e+15, eps 1e-05"
     assert SMALL.division == "6 x 8"
-    model = SMALL.of(yardstick().pair, 0.0)
+    model = SMALL.of(timing_case().pair, 0.0)
     assert getattr(model, "laws") == ContactLaws(friction=0.0)  # noqa: B009
 
 
@@ -111,7 +111,7 @@ def test_it_prints_and_draws(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(error_vs_time, "extrapolated", lambda *_: coarse())
-    monkeypatch.setattr(error_vs_time, "stated", lambda: "this machine")
+    monkeypatch.setattr(error_vs_time, "machine_description", lambda: "this machine")
     monkeypatch.setattr(error_plan, "QUICK_FINENESSES", ((4, 6),))
     monkeypatch.setattr(error_plan, "BODIES", ("half-space",))
     monkeypatch.setattr(error_plan, "grids", lambda _: iter(()))
