@@ -37,8 +37,8 @@ def crossovers(points: Sequence[Row], floors: Sequence[Row]) -> str:
         dense = [k * row["dense"] for k, row in zip(products, bounds, strict=True)]
         lines.append(
             f"- {family}, linear algebra alone: BiCGStab with dense products faster than dgesv: "
-            f"{crossover(n, direct, dense)}; at {n[-1]}: {steps[-1]} dgesv {1e3 * direct[-1]:.3g} ms, {products[-1]} dense products "
-            f"{1e3 * dense[-1]:.3g} ms"
+            f"{crossover(n, direct, dense)}; at {n[-1]}: {steps[-1]} dgesv {1e3 * direct[-1]:.3g} ms, "
+            f"{products[-1]} dense products {1e3 * dense[-1]:.3g} ms"
         )
         for name in ("FFT along x", "FFT over x and y"):
             fast = [k * row[name] for k, row in zip(products, bounds, strict=True)]
