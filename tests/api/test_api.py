@@ -47,7 +47,7 @@ def curving(wheelset: wr.Wheelset) -> wr.Solution:
     return wheelset.solve(y=2e-3, wheel_load=57e3, speed=45.0)
 
 
-def test_importing_costs_nothing() -> None:
+def test_import_is_light() -> None:
     script = (
         "import sys, wheelrail; assert set(wheelrail.__all__) <= set(dir(wheelrail));"
         "heavy = {'matplotlib', 'xarray', 'pandas', 'dolfinx', 'numpy', 'scipy', 'pydantic', 'pyvista'};"
@@ -105,7 +105,7 @@ def test_a_wheelset_as_from_its_scene(tmp_path: Path) -> None:
     )  # rolls as purely at any speed
 
 
-def test_both_hands_are_mirror_images(wheelset: wr.Wheelset) -> None:
+def test_left_and_right_are_mirror_images(wheelset: wr.Wheelset) -> None:
     one, other = (wheelset.solve(y=y, wheel_load=57e3).data for y in (2e-3, -2e-3))
     left = one.sel(point=one["point_side"] == "left")
     right = other.sel(point=other["point_side"] == "right")
@@ -142,7 +142,7 @@ def test_every_variable_has_unit_and_meaning(curving: wr.Solution) -> None:
     assert "numpy" in curving.data.attrs["versions"]
 
 
-def test_kept_opened_and_drawn(curving: wr.Solution, tmp_path: Path) -> None:
+def test_saved_solution_is_opened_and_drawn(curving: wr.Solution, tmp_path: Path) -> None:
     file = curving.to_netcdf(tmp_path / "new" / "curving.nc")
     back = wr.open(file)
     assert isinstance(back, wr.Solution)
@@ -159,7 +159,7 @@ def test_kept_opened_and_drawn(curving: wr.Solution, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", [b"", b"no NetCDF"])
-def test_other_files_are_refused(tmp_path: Path, text: bytes) -> None:
+def test_files_without_results_are_rejected(tmp_path: Path, text: bytes) -> None:
     (tmp_path / "other.nc").write_bytes(text)
     with pytest.raises(SceneError, match=r"other\.nc: not a readable NetCDF file"):
         wr.open(tmp_path / "other.nc")
@@ -204,7 +204,7 @@ def test_other_files_are_refused(tmp_path: Path, text: bytes) -> None:
         (lambda w: wr.profile("S1003"), "profile 'S1003': must be one of S1002"),
     ],
 )
-def test_wrong_arguments_are_named(wheelset: wr.Wheelset, call: Any, says: str) -> None:
+def test_invalid_arguments_are_named(wheelset: wr.Wheelset, call: Any, says: str) -> None:
     with pytest.raises(ValueError) as caught:
         call(wheelset)
     assert says in str(caught.value)
@@ -221,7 +221,7 @@ def test_a_load_that_cannot_be_carried_is_a_status(wheelset: wr.Wheelset) -> Non
         found.plot()
 
 
-def test_profiles_at_hand_serve_as_named_ones(curving: wr.Solution) -> None:
+def test_profile_objects_as_named_ones(curving: wr.Solution) -> None:
     measured = wr.Wheelset(wr.profile("S1002"), wr.profile("UIC60"), friction=0.3, model="standard")
     found = measured.solve(y=2e-3, wheel_load=57e3, speed=45.0)
     np.testing.assert_array_equal(found.data["lateral_force"], curving.data["lateral_force"])
@@ -310,7 +310,7 @@ def test_values_of_scenes_are_changed_by_dotted_names() -> None:
         without(tables, ["a.x"], "scene")
 
 
-def test_a_study_at_hand(tmp_path: Path) -> None:
+def test_study_from_a_table(tmp_path: Path) -> None:
     table = {
         "scene": {
             "kind": "hertz",
@@ -337,7 +337,7 @@ def test_a_study_at_hand(tmp_path: Path) -> None:
     matplotlib.pyplot.close("all")
 
 
-def test_what_has_no_bodies_cannot_be_looked_at(pressed: wr.Solution, tmp_path: Path) -> None:
+def test_no_view_without_bodies(pressed: wr.Solution, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="from a file contains no bodies"):
         wr.open(pressed.to_netcdf(tmp_path / "patch.nc")).view()  # type: ignore[union-attr]
     with pytest.raises(wr.SceneError, match="side = 'left': must be 'contact'"):

@@ -46,7 +46,7 @@ STEEL = Material(2.1e11, 0.3)
 COARSE = 1e-3  # m
 
 
-def test_what_is_held_is_never_stricter_than_the_target() -> None:
+def test_bounds_of_the_tests_are_not_stricter_than_targets() -> None:
     assert all(HOLDS[name] >= target for name, target in TARGET.items())
 
 
@@ -67,7 +67,7 @@ def test_hertz_at_twenty_points_across() -> None:
 
 
 @pytest.mark.parametrize("ratio", [0.3, 1.0, 1 / 0.3])
-def test_a_pair_has_the_ratio_that_was_asked_for(ratio: float) -> None:
+def test_pair_has_the_requested_axis_ratio(ratio: float) -> None:
     a, b = Ellipse.of_ratio(ratio, 0.46, 57e3, STEEL).exact.semi_axes
     assert a / b == pytest.approx(ratio, rel=1e-6)
 
@@ -161,7 +161,7 @@ def test_two_patches_at_the_gauge_corner() -> None:
     assert abs(np.diff([patch.rail_y for patch in result.patches])[0]) == pytest.approx(10e-3, abs=1e-3)
 
 
-def test_frames_turn_half_way_about_x() -> None:
+def test_frames_differ_by_half_a_turn_about_x() -> None:
     # a wheelset to the right, its right wheel lowered, yawed about an axis that points down, rolling forward
     seen = state({"y": 2.0, "roll": 1e-3}, speed=2000.0, pitch_rate=-4.35, yaw=5e-3)
     assert seen.y == pytest.approx(-2e-3)
@@ -183,7 +183,7 @@ def test_references_are_mirror_images_at_y_zero(series: str) -> None:
     assert places[0] == pytest.approx(places[1], abs=1e-6)
 
 
-def test_a_wrong_sign_would_be_seen() -> None:
+def test_sign_errors_are_detected() -> None:
     result, apart = compared("rolling_conformal", 2.0, "right")
     case = next(case for case in reference("wheelset")["series"]["rolling"] if case["y"] == 2.0)
     assert apart.patches == (1, 1)
@@ -192,7 +192,7 @@ def test_a_wrong_sign_would_be_seen() -> None:
     assert abs(difference(result, case["left"], "left").position) > 5e-3
 
 
-def test_a_section_tells_what_is_not_met() -> None:
+def test_missed_targets_are_marked() -> None:
     section = TableSection("one", "One", ("a",), [[1.0]])
     section.measures = [measure("e", "%", [0.3, -0.4], rms=0.4, worst=0.35), measure("f", "%", [1.0])]
     section.count(10)

@@ -28,7 +28,7 @@ def coarse() -> Reference:
     return extrapolated(Resolution(12, 16), creep_cases(44), lambda _: None)
 
 
-def test_the_ellipse_is_the_one_that_contact_was_timed_on() -> None:
+def test_timed_ellipse_is_that_of_contact() -> None:
     case = timing_case()
     np.testing.assert_allclose(case.pair.exact.semi_axes, (6e-3, 5e-3), rtol=1e-7)
     assert case.pair.exact.approach == pytest.approx(7.4854e-5, rel=2e-5)  # CONTACT, dx 0.1 mm
@@ -78,7 +78,7 @@ def test_cold_and_warm_models_are_close_to_hertz_and_to_the_reference() -> None:
             assert 0 < sum(row["phases"].values()) <= row["median"]
 
 
-def test_a_solve_beyond_patience_is_not_tried_on_all_cases() -> None:
+def test_slow_models_skip_the_creep_cases() -> None:
     row = rolling_row(SMALL, coarse(), coarse().cases[1:], patience=0.0)
     assert "creep error" in row
     assert "creep RMS" not in row
@@ -101,15 +101,13 @@ def test_variants_name_their_laws() -> None:
     assert getattr(model, "laws") == ContactLaws(friction=0.0)  # noqa: B009
 
 
-def test_every_family_has_a_style_of_its_own() -> None:
+def test_every_family_has_its_own_style() -> None:
     every = [*error_plan.fitted(False), *error_plan.grids(False), *error_plan.laws(False), *error_plan.solids()]
     assert {variant.family for variant in every} | {"CONTACT"} == set(STYLES)
     assert len(set(STYLES.values())) == len(STYLES)
 
 
-def test_it_prints_and_draws(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_report_and_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(error_vs_time, "extrapolated", lambda *_: coarse())
     monkeypatch.setattr(error_vs_time, "machine_description", lambda: "this machine")
     monkeypatch.setattr(error_plan, "QUICK_FINENESSES", ((4, 6),))

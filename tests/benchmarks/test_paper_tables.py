@@ -34,7 +34,7 @@ def part() -> TrackSegment:
     return made
 
 
-def test_same_run_has_no_error_and_a_shifted_one_its_shift(part: TrackSegment) -> None:
+def test_error_of_identical_and_shifted_runs(part: TrackSegment) -> None:
     shifted_state = part.reference.state.copy()
     shifted_state[:, 6] += 3e-6
     outputs = part.reference.outputs._replace(force=part.reference.outputs.force + 7.0)
@@ -60,7 +60,7 @@ def test_options_are_those_of_the_form() -> None:
     assert NewtonOptions(**dict(LU)).linear == "lu"
 
 
-def test_tables_hold_what_their_names_say() -> None:
+def test_rows_of_the_tables() -> None:
     assert [float(dict(v.options)["forcing"]) for v in table("9")] == list(ETAS)
     assert {v.method for v in table("5")} == {"ode23"}
     assert {v.method for v in table("6")} == {"ode45"}
@@ -87,7 +87,7 @@ def test_loose_tolerances_have_larger_errors(part: TrackSegment) -> None:
     assert not any(one.failed for one in found)
 
 
-def test_a_variant_that_fails_is_a_row_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_variant_is_a_row_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     runs = Runs(0.0, SECONDS, SECONDS, say=lambda _: None)
 
     def fail(*_: object) -> TrackSegment:
@@ -107,7 +107,7 @@ def test_an_unfinished_run_has_no_error(part: TrackSegment) -> None:
     assert np.isnan(ran.force)
 
 
-def test_printed_tables_stand_as_in_the_paper() -> None:
+def test_printed_tables_are_those_of_the_paper() -> None:
     text = printed("7")
     assert "10 h 51 min" in text
     assert "| 27409 | 31814 | 8396 | 29495 | 2.9 | 3.5 | 2 h 20 min |" in text

@@ -114,7 +114,7 @@ def test_a_wagon_that_overturns_ends_the_run() -> None:
     assert history.cost.steps.failed < 5
 
 
-def test_a_flange_that_climbs_ends_the_run() -> None:
+def test_flange_climb_ends_the_run() -> None:
     """Where the contact has no answer beyond the flange the status tells how high it has climbed."""
     history = run(standard(), 0.2, initial=kicked(standard(), car_body_roll=2.5))
     assert "left contact: failed: the wheel overlaps the rail beyond" in history.status
@@ -130,14 +130,14 @@ def test_a_flange_that_climbs_ends_the_run() -> None:
         ({"wheelset_y": 2.0}, Limits(shift=0.012), "the wheelset has left the rails to the right: lateral shift 1"),
     ],
 )
-def test_a_wheelset_off_its_rails_ends_the_run(rates: dict[str, float], limits: Limits, says: str) -> None:
+def test_derailment_ends_the_run(rates: dict[str, float], limits: Limits, says: str) -> None:
     history = run(standard(), 0.2, initial=kicked(standard(), **rates), limits=limits)
     assert says in history.status
     assert history.status.startswith("failed: ")
     assert len(history) > 10
 
 
-def test_where_the_wheels_are() -> None:
+def test_wheel_positions() -> None:
     """Turned about the right rail, level with it, the right wheel stays where it was."""
     state, roll = np.zeros(20), 0.2
     c, s = np.cos(roll), np.sin(roll)
@@ -174,7 +174,7 @@ def test_limits() -> None:
 
 
 @pytest.mark.parametrize("friction", [0.05, 0.6])
-def test_fast_and_slippery_curves(friction: float) -> None:
+def test_high_speed_and_low_friction(friction: float) -> None:
     """60 m/s into 1200 m with 60 mm of cant, 3.0 m/s2 less 0.4 of cant: the inner wheel keeps a share of its load."""
     track = Track.curve(curvature=1 / 1200, cant=0.06, tangent=5.0, transition=90.0, length=200.0)
     history = run(standard(friction), 2.0, track, speed=60.0)
@@ -187,7 +187,7 @@ def test_fast_and_slippery_curves(friction: float) -> None:
     assert (pull <= 3.5 * history.outputs.force[:, :, 2]).all()  # 70 degrees of flange and 31 of friction
 
 
-def test_rough_rails() -> None:
+def test_irregular_rails() -> None:
     track = Track(irregularities=ERRI["high"].irregularities(60.0, seed=1))
     history = run(standard(), 0.5, track, speed=60.0)
     assert history.status == "completed"
@@ -196,7 +196,7 @@ def test_rough_rails() -> None:
     assert abs(momentum_gap(history)) < 0.01
 
 
-def test_an_overlap_with_a_shoulder_is_not_taken_for_one_hump() -> None:
+def test_penetration_with_a_shoulder_is_not_a_single_maximum() -> None:
     """Or else a contact on the tread is missed while the flange carries."""
     s = np.linspace(-0.05, 0.05, 251)
     hump = 1e-3 - (s / 0.006) ** 2 * 1e-3
@@ -208,7 +208,7 @@ def test_an_overlap_with_a_shoulder_is_not_taken_for_one_hump() -> None:
     assert single(ridges[1], Resolution(4, 8), marks) is None
 
 
-def test_pressure_without_a_point_that_carries_has_no_slope() -> None:
+def test_pressure_without_loaded_points_has_no_derivative() -> None:
     pressure = CoupledPressure(CachedFactors(np.eye(3)), np.ones(3), np.ones((3, 6)))
     assert pressure.slope(np.zeros(3, dtype=bool), IterationCount()).shape == (0, 6)
     np.testing.assert_array_equal(pressure.slope(np.array([True, False, True]), IterationCount()), np.ones((2, 6)))

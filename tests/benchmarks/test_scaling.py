@@ -18,7 +18,7 @@ from benchmarks.scaling.report import measured
 from wheelrail.contact.models.full.two_body_stiffness import rigid_motions
 
 
-def test_a_power_law_is_found_where_it_holds() -> None:
+def test_power_law_fit() -> None:
     sizes = [10.0, 20.0, 1e3, 1e2, 5e3, 1e4]  # in any order
     costs = [max(3e-3 * n**1.5, 1.0) for n in sizes]  # a constant overhead at small sizes
     found = power(sizes, costs)
@@ -30,7 +30,7 @@ def test_a_power_law_is_found_where_it_holds() -> None:
     assert "1.50 (1e+03 to 1e+04, 3 sizes)" in str(found)
 
 
-def test_scatter_around_a_power_law_is_told() -> None:
+def test_deviation_from_a_power_law_is_reported() -> None:
     n = np.geomspace(10, 1e4, 4)
     found = power(list(n), list(n**2 * [1.0, 2.0, 1.0, 2.0]))
     assert found is not None
@@ -64,7 +64,7 @@ def test_products_by_fft_are_those_of_the_dense_matrix() -> None:
     np.testing.assert_allclose(OverPlane(surface) @ flat, np.einsum("xzywab,zwb->xya", whole, flat), rtol=1e-12)
 
 
-def test_rigid_motions_strain_nothing() -> None:
+def test_rigid_motions_cause_no_strain() -> None:
     points = np.random.default_rng(2).standard_normal((6, 3))
     turned = rigid_motions(points).reshape(6, 3, 6)
     for i in range(6):
@@ -74,7 +74,7 @@ def test_rigid_motions_strain_nothing() -> None:
     assert np.linalg.matrix_rank(turned.reshape(18, 6)) == 6
 
 
-def test_it_runs_and_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_report_and_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(scaling_plan, "QUICK_SIZES", (20,))
     monkeypatch.setattr(scaling_plan, "POINTS", {("fitted", "half-space"): {"normal": 20, "rolling, LU": 20}})
     found = measured(["points"], quick=True)

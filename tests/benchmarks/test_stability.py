@@ -35,17 +35,17 @@ def outcomes() -> tuple[SolveOutcome, ...]:
         return tuple(attempt(replace(case, size=SIZE), twin=False) for case in cases(COUNT, SEED))
 
 
-def test_every_case_that_has_an_answer_converges_and_keeps_all_limits() -> None:
+def test_solvable_cases_converge_within_all_limits() -> None:
     assert [(o.reason, o.broken, o.case) for o in outcomes() if o.kind == "failed" or o.broken] == []
 
 
-def test_fitted_cells_follow_the_contact_wherever_yaw_takes_it() -> None:
+def test_fitted_cells_with_large_yaw() -> None:
     fitted = [o for o in outcomes() if o.fitted]
     assert len(fitted) > COUNT / 3
     assert [(o.reason, o.case) for o in fitted if o.kind != "converged"] == []
 
 
-def test_grids_say_when_they_cannot_see_the_contact() -> None:
+def test_grids_report_contacts_between_points() -> None:
     blind = [o for o in outcomes() if o.kind == "no answer"]
     assert not any(o.fitted for o in blind)
     assert all("carries contact points" in o.reason or o.reason == BETWEEN for o in blind)
@@ -57,7 +57,7 @@ def half_spaces(rail: str) -> ContactModel:
     return wheel_rail_pair(profiles, RADIUS, (Material(), Material()), ContactLaws(np.inf, 0.0, 0.0), how)
 
 
-def test_half_spaces_carry_about_the_loads_asked_for_and_bodies_that_give_way_less() -> None:
+def test_depth_estimate_on_half_spaces_and_elastic_bodies() -> None:
     found = [o for o in outcomes() if o.fitted]
     ratios = []
     for outcome in found[:5]:
@@ -120,14 +120,14 @@ def elsewhere(result: ContactResult) -> ContactResult:
         (elsewhere, {"missed"}),
     ],
 )
-def test_wrong_results_are_noticed(wrong: Callable[[ContactResult], ContactResult], noticed: set[str]) -> None:
+def test_wrong_results_are_detected(wrong: Callable[[ContactResult], ContactResult], noticed: set[str]) -> None:
     case, depth, result = rubbing()
     pose, _ = case.at(depth)
     assert broken(findings(case, pose, result)) == []
     assert set(broken(findings(case, pose, wrong(result)))) >= noticed
 
 
-def test_results_unlike_their_twin_are_noticed() -> None:
+def test_deviations_from_the_twin_are_detected() -> None:
     alone = SolveOutcome(rubbing()[0], "converged", figures=dict.fromkeys(LIMITS, 0.0))
     assert trouble(alone) == ""
     for outcome, said in (
@@ -146,7 +146,7 @@ class Loose(Statistics):
     settled: bool = False
 
 
-def test_cells_that_did_not_settle_are_always_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unconverged_cases_are_always_compared(monkeypatch: pytest.MonkeyPatch) -> None:
     case, _, result = rubbing()
     monkeypatch.setattr(stability_run, "twin_of", model_of)
     assert solve(case).twin == ""
@@ -159,7 +159,7 @@ def test_cells_that_did_not_settle_are_always_compared(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("status", ["separated", "failed: not found"])
-def test_no_force_where_bodies_overlap_is_a_failure(monkeypatch: pytest.MonkeyPatch, status: str) -> None:
+def test_no_force_despite_penetration_is_a_failure(monkeypatch: pytest.MonkeyPatch, status: str) -> None:
     case, _, _ = rubbing()
     nothing = replace(ContactResult.separated(), status=status)
     monkeypatch.setattr(stability_run, "model_of", lambda _: lambda *_: nothing)
@@ -168,7 +168,7 @@ def test_no_force_where_bodies_overlap_is_a_failure(monkeypatch: pytest.MonkeyPa
     assert status in show([outcome])
 
 
-def test_the_same_question_has_the_same_answer() -> None:
+def test_results_are_deterministic() -> None:
     """To the last bit by the same model; by a new one, whose tables hold other lines, to round-off."""
     case, depth, _ = rubbing()
     pose, motion = case.at(depth)
@@ -181,7 +181,7 @@ def test_the_same_question_has_the_same_answer() -> None:
     assert new.force == pytest.approx(one.force, abs=1e-9 * float(np.linalg.norm(one.force)))
 
 
-def test_a_wheel_beside_the_rail_has_no_depth() -> None:
+def test_no_depth_for_a_wheel_beside_the_rail() -> None:
     aside: SampledCase = replace(cases(4, 0)[0], y=0.2)
     with pytest.raises(NoDepth):
         depth_for(aside)

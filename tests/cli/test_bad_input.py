@@ -18,7 +18,7 @@ CASES = every_case()
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
-def test_bad_input_is_refused_with_one_complaint(case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bad_input_gives_one_error(case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     case.write(tmp_path)
     outcome = CliRunner().invoke(app, case.command)
@@ -44,7 +44,7 @@ WORST = (
 
 
 @pytest.mark.parametrize("name", WORST)
-def test_the_command_itself_refuses_the_worst(name: str, tmp_path: Path) -> None:
+def test_command_rejects_bad_input(name: str, tmp_path: Path) -> None:
     (case,) = (case for case in CASES if case.name == name)
     case.write(tmp_path)
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

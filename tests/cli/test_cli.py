@@ -83,7 +83,7 @@ def test_curving_is_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> N
     assert "45" in vehicle("curving", monkeypatch).stdout.splitlines()[2]  # the scene's speed
 
 
-def test_what_is_no_run_or_finds_no_rest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_run_or_no_equilibrium_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     nothing = FunctionContact(lambda *_: ContactResult.separated())
     for command in ("modes", "curving"):
         refused = CliRunner().invoke(app, [command, str(HERTZ)])
@@ -165,7 +165,7 @@ def test_raised_wheelset_is_separated(spring: SpringContact, tmp_path: Path) -> 
     assert report["left"]["force"] == [0.0, 0.0, 0.0]
 
 
-def test_table_to_read(spring: SpringContact) -> None:
+def test_readable_table(spring: SpringContact) -> None:
     outcome = contact(WHEELSET)
     assert outcome.exit_code == 0
     for text in ("left", "right", "normal force [kN]", "57.000", "peak pressure [MPa]"):
@@ -215,7 +215,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
         assert line in text
 
 
-def test_what_is_not_asked_for_is_not_reported(spring: SpringContact) -> None:
+def test_optional_outputs_are_omitted_by_default(spring: SpringContact) -> None:
     found = json.loads(contact(HERTZ, "--json").stdout)
     assert found["points"] == "fitted"
     assert not {"error_estimate", "stress"} & set(found["contact"])
@@ -233,7 +233,7 @@ def test_depths_outside_the_body_are_exit_code_2(monkeypatch: pytest.MonkeyPatch
     assert "stress.depths: lower: place" in outcome.stderr
 
 
-def test_a_picture_needs_an_ending_that_is_known(spring: SpringContact, tmp_path: Path) -> None:
+def test_unknown_figure_format_is_rejected(spring: SpringContact, tmp_path: Path) -> None:
     outcome = contact(HERTZ, "--picture", str(tmp_path / "patch.txt"))
     assert outcome.exit_code == 2
     assert "must end in .png" in outcome.stderr
@@ -257,7 +257,7 @@ def test_failed_contact_reports_no_force(spring: SpringContact, tmp_path: Path) 
     assert set(json.loads(outcome.stdout)["contact"]) == {"status", "statistics"}
 
 
-def test_unforeseen_error_is_still_a_json(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unexpected_error_is_reported_as_json(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(scene: object, *_: object) -> None:
         raise MemoryError("no room for the compliance")
 
@@ -323,12 +323,12 @@ def test_unusable_profile_file_is_exit_code_2(monkeypatch: pytest.MonkeyPatch, t
     assert "Traceback" not in outcome.stderr
 
 
-def test_json_knows_no_nan() -> None:
+def test_json_contains_no_nan() -> None:
     text = json_text({"a": np.array([1.0, np.nan]), "b": (np.float64(np.inf), 2), "c": {"d": np.int64(3)}})
     assert json.loads(text) == {"a": [1.0, None], "b": [None, 2], "c": {"d": 3}}
 
 
-def test_what_libraries_print_does_not_reach_standard_output() -> None:
+def test_output_of_libraries_does_not_reach_standard_output() -> None:
     code = "import os; from wheelrail.support.terminal import stdout_for_results\n"
     code += "with stdout_for_results():\n    os.write(1, b'noise from C'); print('noise')\nprint('result')"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -375,7 +375,7 @@ def test_messages_are_lines_above_a_progress_bar() -> None:
     assert not logging.getLogger("wheelrail").isEnabledFor(logging.INFO)
 
 
-def test_messages_never_fall_into_the_results(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_messages_are_not_mixed_with_results(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
     solve = SpringContact.__call__
 
     def logged(model: SpringContact, *given: Any) -> ContactResult:
@@ -447,7 +447,7 @@ def run(tmp_path: Path, *, stop_after: int) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize(("stop_after", "code", "status"), [(0, 0, "completed"), (1500, 130, "interrupted")])
-def test_run_keeps_everything_computed(tmp_path: Path, stop_after: int, code: int, status: str) -> None:
+def test_interrupted_run_stores_all_results(tmp_path: Path, stop_after: int, code: int, status: str) -> None:
     import xarray
 
     done = run(tmp_path, stop_after=stop_after)
@@ -467,14 +467,14 @@ def test_run_keeps_everything_computed(tmp_path: Path, stop_after: int, code: in
     assert "m, " in done.stderr  # the progress
 
 
-def test_ctrl_c_before_the_first_step_leaves_nothing(tmp_path: Path) -> None:
+def test_ctrl_c_before_the_first_step_writes_nothing(tmp_path: Path) -> None:
     done = run(tmp_path, stop_after=3)
     assert done.returncode == 128 + signal.SIGINT
     assert "interrupted before the first step" in done.stdout
     assert not list((tmp_path / "out").iterdir())
 
 
-def test_a_contact_that_raises_is_failed_not_silent(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_exception_in_a_contact_is_a_failure(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
     nan = ContactResult(np.full(3, np.nan), np.zeros(3), approach=1e-5, status="converged")
     monkeypatch.setattr(SpringContact, "__call__", lambda self, pose, motion, guess: nan)
     outcome = contact(HERTZ, "--json")

@@ -35,7 +35,7 @@ def handler() -> Iterator[object]:
     assert interrupts._waiting is None
 
 
-def test_ctrl_c_waits_for_a_look() -> None:
+def test_ctrl_c_is_deferred_to_the_next_check() -> None:
     done = []
     with deferred_interrupts():
         check_interrupt()
@@ -47,7 +47,7 @@ def test_ctrl_c_waits_for_a_look() -> None:
     assert done == ["went on"]
 
 
-def test_ctrl_c_comes_at_the_end_of_the_block_that_did_not_look() -> None:
+def test_ctrl_c_is_raised_at_the_end_of_an_unchecked_block() -> None:
     done = []
     with pytest.raises(KeyboardInterrupt), deferred_interrupts():  # noqa: PT012
         with deferred_interrupts():
@@ -58,7 +58,7 @@ def test_ctrl_c_comes_at_the_end_of_the_block_that_did_not_look() -> None:
         ctrl_c()
 
 
-def test_hammering_is_one_ctrl_c_and_the_next_one_does_not_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_repeated_ctrl_c_counts_once_then_is_immediate(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr(interrupts, "monotonic", lambda: now[0])
     done = []
@@ -69,7 +69,7 @@ def test_hammering_is_one_ctrl_c_and_the_next_one_does_not_wait(monkeypatch: pyt
     assert done == [0.0, 0.1, 0.9]
 
 
-def test_where_ctrl_c_is_ignored_it_stays_so() -> None:
+def test_ignored_ctrl_c_stays_ignored() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with deferred_interrupts():
         ctrl_c()
@@ -78,7 +78,7 @@ def test_where_ctrl_c_is_ignored_it_stays_so() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def test_other_threads_are_not_stopped() -> None:
+def test_other_threads_are_not_interrupted() -> None:
     done = []
 
     def work() -> None:
@@ -99,7 +99,7 @@ class Pair(NamedTuple):
     two: float
 
 
-def test_compiled_code_ends_its_results(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compiled_code_completes_its_results(monkeypatch: pytest.MonkeyPatch) -> None:
     """Numba calls Python to make named tuples, and goes on with nothing when that raises."""
 
     @numba.njit

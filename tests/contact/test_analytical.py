@@ -28,7 +28,7 @@ def test_carters_traction_sums_to_its_force_and_is_bounded(stick: float) -> None
     np.testing.assert_allclose(q[slips], 0.3 * p[slips])
 
 
-def test_carters_stick_zone_moves_as_one() -> None:
+def test_carters_stick_zone_moves_rigidly() -> None:
     # strain of two alike half-planes, 2 / (pi E*) times the principal value of q(s) / (x - s): minus the creepage
     a, radius, E_star, friction = 6e-3, 0.46, 1.15e11, 0.3
     peak = 0.5 * a * E_star / radius
@@ -51,7 +51,7 @@ def test_carter_slides_and_reverses() -> None:
 
 
 @pytest.mark.parametrize("case", reference("carter2d")["cases"], ids=lambda case: case["name"])
-def test_carter_beside_contact(case: dict[str, Any]) -> None:
+def test_carter_against_contact(case: dict[str, Any]) -> None:
     known, finest = case["closed"], case["contact"][-1]
     one = carter(known["a"], known["p0"], friction=case["mu"], creepage=case["creepage"], radius=case["R"])
     assert one.stick == pytest.approx(known["stick"], rel=1e-6)
@@ -108,7 +108,7 @@ def test_axis_stress_at_the_surface_and_far_below() -> None:
     assert axial[1] == pytest.approx(-3 * (2 / 3 * np.pi) / (2 * np.pi * 300.0**2), rel=1e-4)  # Boussinesq's point load
 
 
-def test_the_worst_point_is_a_maximum() -> None:
+def test_maximum_shear_stress() -> None:
     depth, value = worst(radius=2.0, peak=3.0, nu=0.3)
     assert depth / 2.0 == pytest.approx(0.481, abs=1e-3)
     assert value / 3.0 == pytest.approx(0.620, abs=1e-3)
@@ -116,7 +116,7 @@ def test_the_worst_point_is_a_maximum() -> None:
     assert (around < value).all()
 
 
-def test_kalkers_table_agrees_with_itself() -> None:
+def test_kalkers_table_is_consistent() -> None:
     for name in NAMES:
         np.testing.assert_array_equal(TABLE[name][0, :, -1], TABLE[name][1, :, -1])  # a = b belongs to both halves
         assert (np.diff(TABLE[name][1], axis=1) < 0).all()
@@ -131,7 +131,7 @@ def test_kalkers_table_agrees_with_itself() -> None:
         assert kalker("C22", 0.1, nu) == pytest.approx(np.pi**2 / 4, rel=0.03)
 
 
-def test_kalker_beside_contact() -> None:
+def test_kalker_against_contact() -> None:
     for case in reference("creep_curves")["kalker"]:
         for name in NAMES:
             assert kalker(name, case["ratio"], case["nu"]) == pytest.approx(case[name], rel=0.012)
@@ -142,6 +142,6 @@ def test_kalker_beside_contact() -> None:
 
 
 @pytest.mark.parametrize(("name", "ratio", "nu"), [("C11", 0.05, 0.3), ("C22", 1.0, 0.6), ("C33", 1.0, 0.3)])
-def test_kalker_refuses_what_the_table_lacks(name: Name, ratio: float, nu: float) -> None:
+def test_kalker_rejects_values_outside_the_table(name: Name, ratio: float, nu: float) -> None:
     with pytest.raises(ValueError, match="tabulated"):
         kalker(name, ratio, nu)

@@ -94,7 +94,7 @@ def test_displacement_is_boussinesqs() -> None:
     assert np.abs(body.displacement[held]).max() < 1e-9 * np.abs(body.displacement).max()
 
 
-def test_surfaces_move_as_the_contact_says() -> None:
+def test_surface_displacements_agree_with_the_contact() -> None:
     """Wheel minus rail at the contact points, to the motion of the whole of these blocks, 2 % of what they move."""
     result, _ = pressed()
     fields = result.fields
@@ -155,7 +155,7 @@ def test_stress_in_solids_is_that_of_hertz() -> None:
     assert -most[2] == pytest.approx(depth, abs=0.25 * exact.semi_axes[0])
 
 
-def test_what_does_not_fit_is_refused() -> None:
+def test_invalid_input_is_rejected() -> None:
     flat, tensors = np.zeros((4, 3)), np.zeros((4, 3, 3))
     with pytest.raises(ValueError, match="must be"):
         BodyFields(flat, np.zeros((1, 3), dtype=int), "tetrahedron", flat, tensors)

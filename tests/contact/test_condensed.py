@@ -70,7 +70,7 @@ def test_compliance_is_the_inverse_of_the_stiffness(mesh: Block) -> None:
         np.testing.assert_allclose(block[:, column], moved.array[unknowns], atol=1e-8 * np.abs(block).max())
 
 
-def test_compliance_is_solved_only_where_it_is_asked_for(monkeypatch: pytest.MonkeyPatch, tmp_path: object) -> None:
+def test_compliance_is_solved_for_requested_nodes_only(monkeypatch: pytest.MonkeyPatch, tmp_path: object) -> None:
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
     surface = compliance(TETRAHEDRA, Material(210e9, 0.21), SIZE)
     nx, ns = surface.shape
@@ -87,7 +87,7 @@ def test_compliance_is_solved_only_where_it_is_asked_for(monkeypatch: pytest.Mon
     assert surface.columns_solved == 3 * once
 
 
-def test_compliance_is_the_same_to_the_last_bit_whatever_is_asked_for_first(
+def test_compliance_is_bitwise_independent_of_the_order_of_requests(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     nodes, blocks = np.arange(20, 90), []
@@ -168,7 +168,7 @@ def test_result_fulfils_the_equations(laws: ContactLaws, steels: tuple[Material,
     np.testing.assert_allclose(patch.tangential_force, result.force[:2], rtol=1e-12)
 
 
-def test_friction_leaves_the_pressure_of_equal_bodies_alone() -> None:
+def test_friction_does_not_change_the_pressure_of_equal_bodies() -> None:
     with_friction = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())(pose(3.2), CREEP)
     without = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty(0.0))(pose(3.2), AT_REST)
     assert with_friction.fields is not None
@@ -178,7 +178,7 @@ def test_friction_leaves_the_pressure_of_equal_bodies_alone() -> None:
     assert not without.force[:2].any()
 
 
-def test_bicgstab_gives_the_same_answer() -> None:
+def test_bicgstab_gives_the_same_solution() -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty(), steels=(Material(210e9, 0.1), STEEL))
     direct = model(pose(3.2), CREEP)
     iterative = replace(model, options=NewtonOptions(linear="bicgstab"))(pose(3.2), CREEP)
@@ -187,7 +187,7 @@ def test_bicgstab_gives_the_same_answer() -> None:
     assert direct.statistics.linear == 0
 
 
-def test_warm_start_saves_steps_and_changes_nothing() -> None:
+def test_warm_start_saves_steps_without_changing_the_result() -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     cold = model(pose(3.2), CREEP)
     again = model(pose(3.2), CREEP, cold)
@@ -200,7 +200,7 @@ def test_warm_start_saves_steps_and_changes_nothing() -> None:
     np.testing.assert_allclose(model(pose(3.2), CREEP, failed).force, cold.force, rtol=1e-8)
 
 
-def test_a_solve_that_fails_says_so_and_gives_no_force() -> None:
+def test_failed_solve_has_status_and_no_force() -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     hurried = replace(model, options=NewtonOptions(iterations=1))
     results = {
@@ -316,14 +316,14 @@ def test_kalker_coefficients(across: float) -> None:
     np.testing.assert_allclose(found / (G * small), table, rtol=0.05)
 
 
-def test_steady_rolling_of_rigidly_moving_bodies_is_free() -> None:
+def test_rigid_motion_causes_no_slip() -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     result = model(pose(3.2), rolling(0.0, 0.0, 0.0))
     # equal bodies: pressure alone makes no slip between them
     assert np.abs(result.force[:2]).max() < 1e-9 * result.force[2]
 
 
-def test_second_order_slip_is_nearer_to_the_limit() -> None:
+def test_second_order_slip_is_more_accurate() -> None:
     forces = {}
     for across in (5.4, 10.8):
         size = 2 * SPHERE_57.semi_axes[0] / across

@@ -161,7 +161,7 @@ def test_left_and_right_are_mirror_images(laws: ContactLaws) -> None:
     assert contact(STATE, "left").patches
 
 
-def test_both_wheels_of_a_centred_wheelset_share_alike() -> None:
+def test_both_wheels_of_a_centred_wheelset_have_equal_loads() -> None:
     centred = WheelsetState(z=-3.5e-4, pitch_rate=SPEED / RADIUS, speed=SPEED)
     left, right = (wheelset()(centred, side) for side in SIDES)
     assert left.patches

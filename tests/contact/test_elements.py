@@ -66,7 +66,7 @@ WAGONS = {
 }
 
 
-def test_a_law_follows_its_points_and_goes_on_as_another_library_interpolates() -> None:
+def test_force_law_against_scipy_interpolation() -> None:
     x = np.linspace(-0.08, 0.08, 1001)
     peer = interp1d(*np.array(UNEVEN.points).T, fill_value="extrapolate")
     np.testing.assert_allclose(UNEVEN(x), peer(x), rtol=1e-12, atol=1e-9)
@@ -82,7 +82,7 @@ def test_a_law_follows_its_points_and_goes_on_as_another_library_interpolates() 
 
 
 @pytest.mark.parametrize("law", [UNEVEN, VALVE, Wagon().bumpstop], ids=["uneven", "valve", "bumpstop"])
-def test_energy_of_a_law_is_its_integral(law: ForceLaw) -> None:
+def test_energy_of_a_force_law_is_its_integral(law: ForceLaw) -> None:
     for end in (-0.7, -0.033, -0.004, 0.0, 0.02, 0.0625, 0.9):
         kinks = [x for x in (s * k for k, _ in law.points for s in (1, -1)) if 0 < abs(x) < abs(end) and x * end > 0]
         expected = quad(lambda x: float(law(x)), 0.0, end, points=kinks or None, limit=200)[0]
@@ -101,7 +101,7 @@ def test_energy_of_a_law_is_its_integral(law: ForceLaw) -> None:
         ((0.0, 0.0, 0.0), (0.01, 1.0, 1.0)),
     ],
 )
-def test_senseless_points_are_refused(points: tuple[tuple[float, float], ...]) -> None:
+def test_invalid_points_are_rejected(points: tuple[tuple[float, float], ...]) -> None:
     with pytest.raises(ValueError, match="points"):
         ForceLaw(points)
 
@@ -124,7 +124,7 @@ def test_a_linear_law_by_points_is_the_number() -> None:
     np.testing.assert_allclose(tabled.force, plain.force, rtol=1e-12, atol=1e-9)
 
 
-def test_scaling_takes_forces_and_not_deflections() -> None:
+def test_scaling_applies_to_forces() -> None:
     whole, plane = WAGONS["both"].secondary, WAGONS["both"].plane.secondary
     assert isinstance(plane.vertical_stiffness, ForceLaw)
     assert float(plane.vertical_stiffness(0.03)) == 0.5 * float(whole.vertical_stiffness(0.03))  # type: ignore[operator]
@@ -139,7 +139,7 @@ def motion(rng: np.random.Generator, shape: tuple[int, ...], size: int = 20) -> 
 
 
 @pytest.mark.parametrize("name", WAGONS)
-def test_energy_is_stored_dissipated_or_given_to_the_bodies(name: str) -> None:
+def test_energy_balance_of_elements(name: str) -> None:
     """d(stored)/dt + power on the bodies + power of the dampers = 0 along any motion, by a central difference."""
     assembly, h = Assembly.of(WAGONS[name]), 1e-6
     m = assembly.laws.states
@@ -158,7 +158,7 @@ def test_energy_is_stored_dissipated_or_given_to_the_bodies(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", WAGONS)
-def test_the_mirror_image_has_mirrored_forces_to_the_last_bit(name: str) -> None:
+def test_mirrored_forces_are_bitwise_identical(name: str) -> None:
     d = Dynamics(WAGONS[name], Track(), CONTACT, V)
     frame, rng = d.track.frame(0.0, V), np.random.default_rng(2)
     wrench = Wrench(np.array([1e3, 2e3, 1e5]), np.array([300.0, 50.0, 20.0]))
@@ -185,7 +185,7 @@ def frequency_response(stiffness: float, damping: float, omega: float) -> comple
     return -float(laws.force(still, still, e1)[0, 1]) * stretch
 
 
-def test_a_damper_on_a_spring_answers_as_the_complex_stiffness_says() -> None:
+def test_maxwell_element_has_its_complex_stiffness() -> None:
     k, c = 6e6, 32e3
     for omega in 2 * np.pi * np.array([0.1, 1.0, 10.0, 30.0, 100.0, 1e3]):
         assert frequency_response(k, c, omega) == pytest.approx(1j * omega * c * k / (k + 1j * omega * c), rel=1e-12)
@@ -208,7 +208,7 @@ def free_modes(wagon: Wagon) -> np.ndarray:
     return np.sort_complex(1j * values[values.imag > 1.0])[::-1]
 
 
-def test_stiffer_springs_in_series_lead_to_the_plain_damper() -> None:
+def test_stiff_maxwell_element_tends_to_the_damper() -> None:
     """The eigenvalues' difference falls as 1/stiffness."""
     plain, factors = free_modes(Wagon()), np.array([4.0, 8.0, 16.0, 32.0])
     errors = [np.abs(free_modes(with_series(Wagon(), f)) - plain) for f in factors]
@@ -217,7 +217,7 @@ def test_stiffer_springs_in_series_lead_to_the_plain_damper() -> None:
         assert np.polyfit(np.log(factors), np.log(error), 1)[0] == pytest.approx(-1.0, abs=0.05)
 
 
-def test_what_a_damper_on_a_spring_takes_is_force_squared_over_damping() -> None:
+def test_dissipation_of_a_maxwell_element() -> None:
     """Over a cycle of a sinusoidal deflection the work done is the integral of F2/c, and that of the closed form."""
     k, c, omega, size = 1e6, 4e3, 2 * np.pi * 12.0, 5e-3
     laws = ForceElements.of([ForceElement(ElementPair(0, 0, 1), damper=c, series=k)], 1)
@@ -255,7 +255,7 @@ def test_right_hand_curve_is_the_mirror_image(name: str) -> None:
     assert abs(left[0]) > 5e-3
 
 
-def test_the_jacobian_sees_the_springs_in_series() -> None:
+def test_jacobian_of_maxwell_elements() -> None:
     wagon = WAGONS["series"]
     d = Dynamics(wagon, LEFT, CONTACT, V)
     position, rate, series = motion(np.random.default_rng(3), (), d.size)
@@ -275,7 +275,7 @@ def test_the_jacobian_sees_the_springs_in_series() -> None:
 
 
 @pytest.mark.parametrize("method", ["ode23", "rosenbrock"])
-def test_a_run_with_tables_and_springs_in_series(method: str) -> None:
+def test_run_with_force_laws_and_maxwell_elements(method: str) -> None:
     dynamics = Dynamics(WAGONS["both"], LEFT, CONTACT, V)
     found = simulate(dynamics, (0.0, 0.3), steps=StepSettings(method), recording=Recording(0.1))
     assert found.status == "completed"

@@ -85,7 +85,7 @@ def test_strips_of_a_half_space_by_quadrature() -> None:
 
 @pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
 @pytest.mark.parametrize("place", [0.0, 0.37])
-def test_cells_of_any_size_and_place(bodies: Bodies, place: float) -> None:
+def test_cells_of_any_size_and_position(bodies: Bodies, place: float) -> None:
     # a cell on itself and on its neighbours, beside Boussinesq's and Cerruti's closed form at 8 x 8 points of each
     kernel: HalfSpaceInfluence = pair(bodies=bodies).operators.upper
     G = STEEL.E / 2 / (1 + STEEL.nu)
@@ -114,7 +114,7 @@ def test_cells_of_any_size_and_place(bodies: Bodies, place: float) -> None:
         )
 
 
-def test_ends_of_a_line_contact() -> None:
+def test_edge_rule_of_a_line_contact() -> None:
     # the pressure of cells that are too short, or too long, tells by how much
     for rolling in (False, True):
         t = marks(16, rolling=rolling)
@@ -137,7 +137,7 @@ def test_line_contact_is_hertz() -> None:
 
 
 @pytest.mark.parametrize("end", [-0.3, 0.0, 0.2])
-def test_tip_of_a_parabola(end: float) -> None:
+def test_lateral_end_of_a_parabola(end: float) -> None:
     # loads of strips whose contact ends at -end, 10 wide
     edge = np.arange(7.0)
     whole = (edge + end) ** 2 / 2 * 10 - (edge + end) ** 3 / 3
@@ -219,7 +219,7 @@ def test_result_fulfils_the_laws_and_balances() -> None:
     np.testing.assert_allclose((local[:, None] @ fields.axes)[:, 0].sum(axis=0), result.force, rtol=1e-12)
 
 
-def test_the_guess_changes_nothing() -> None:
+def test_cold_results_are_independent_of_the_guess() -> None:
     model, pose = pair(0.3), hertz_pose(exact().approach)
     first = model(pose, flowing(1e-3), None)
     again = model(pose, flowing(1e-3), model(hertz_pose(0.7 * exact().approach), flowing(), None))
@@ -242,7 +242,7 @@ def test_error_estimate_covers_the_error() -> None:
     assert abs(plain.patches[0].max_pressure - fine.patches[0].max_pressure) < 2 * estimate.max_pressure
 
 
-def test_penalty_and_other_misfits_are_refused() -> None:
+def test_incompatible_options_are_rejected() -> None:
     with pytest.raises(ValueError, match="exact normal law"):
         replace(pair(), laws=ContactLaws.penalty())
     with pytest.raises(ValueError, match="fitted"):
@@ -265,7 +265,7 @@ def wheelset(friction: float) -> WheelsetContact:
     return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
 
 
-def test_a_second_patch_does_not_make_forces_jump() -> None:
+def test_forces_are_continuous_as_a_second_patch_appears() -> None:
     # the left wheel lowered by the same amount while the wheelset moves to the flange: first one patch, then two
     contact = wheelset(0.0)
     y = np.arange(4.7e-3, 5.02e-3, 0.04e-3)
@@ -293,7 +293,7 @@ def test_left_and_right_are_mirror_images() -> None:
     np.testing.assert_array_equal(left.force, [1, -1, 1] * right.force)
 
 
-def test_warm_cells_follow_the_contact() -> None:
+def test_warm_start_tracks_the_contact() -> None:
     # 12 poses on the way of a wheelset across the rail, each starting from the one before
     contact = wheelset(0.3)
     warm = replace(contact, model=replace(contact.model, warm=True))  # type: ignore[type-var]
@@ -316,7 +316,7 @@ def test_warm_cells_follow_the_contact() -> None:
     assert kept >= 4  # compliance gathered once serves several poses
 
 
-def test_warm_cells_from_far_away_do_no_harm() -> None:
+def test_distant_warm_start_converges() -> None:
     contact = wheelset(0.3)
     warm = replace(contact, model=replace(contact.model, warm=True))  # type: ignore[type-var]
     rolls = {"speed": 10.0, "pitch_rate": 10 / 0.46}
@@ -338,7 +338,7 @@ def test_equal_steels_share_one_compliance() -> None:
     np.testing.assert_allclose(one.force, two.force, rtol=1e-6, atol=1e-3)
 
 
-def test_patches_are_summed_up_when_asked_for() -> None:
+def test_patches_are_computed_on_request() -> None:
     result = pair()(hertz_pose(exact().approach), flowing(), None)
     assert isinstance(result.patches, LazyPatches)
     (patch,) = result.patches
@@ -351,7 +351,7 @@ def test_patches_are_summed_up_when_asked_for() -> None:
 
 
 @pytest.mark.parametrize("slope", [-1.5, -0.6, 0.4])
-def test_two_rounds_tell_where_friction_moves_the_overlap_no_more(slope: float) -> None:
+def test_anderson_acceleration_of_the_frictional_penetration(slope: float) -> None:
     """Of what answers in a straight line, r = c + slope r; where a round answers as before it is not followed afar."""
     sides = np.column_stack([np.arange(4.0), np.arange(1.0, 5.0)]) * 1e-3
     layout = StripLayout(sides, np.tile([-3e-3, 5e-3], (4, 1)), np.zeros(4, dtype=int), marks(6, rolling=True))

@@ -21,7 +21,7 @@ from wheelrail.support.arrays import Array
 SHARE = 0.04  # of the approach
 
 
-def test_where_rounds_do_not_rest_warm_solves_stay_on_one_branch(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unconverged_warm_solves_stay_on_one_branch(monkeypatch: pytest.MonkeyPatch) -> None:
     """Friction that presses bodies together on narrow cells, apart on wide ones: none agree with their answer."""
     model = replace(pair(0.3, resolution=Resolution(4, 10)), warm=True)
     depths = exact().approach * (1 + 2e-4 * np.arange(8))

@@ -63,7 +63,7 @@ def state(y: float, z: float = 0.0) -> WheelsetState:
 
 @pytest.mark.parametrize("size", [1e-3, 2e-3, 3e-3])
 @pytest.mark.parametrize("overlap", [0.2e-3, 0.4e-3, 0.8e-3])
-def test_points_and_their_upstream_reach_as_far_as_the_overlap(size: float, overlap: float) -> None:
+def test_contact_points_cover_the_penetration_and_upstream(size: float, overlap: float) -> None:
     geometry = pair(size).geometry
     pose, _ = MOUNTING.left_pair(state(6.25e-3, 1e-4))
     _, there = geometry.contact_points(pose, 0)
@@ -99,7 +99,7 @@ def test_wheel_loads_on_the_flange_root(y: float, approach: float, lateral: floa
     assert max(watched.approaches) < 1.2 * found.approach
 
 
-def test_without_friction_points_reach_as_far() -> None:
+def test_contact_points_without_friction_cover_the_same_region() -> None:
     contact = WheelsetContact(pair(3e-3, 0.0), MOUNTING)
     found = wheel_under_load(contact, state(6.5e-3), "left", LOAD, expected=EXPECTED).results["left"]
     assert found.force[2] == pytest.approx(LOAD, rel=1e-6)
@@ -114,7 +114,7 @@ def test_without_friction_points_reach_as_far() -> None:
         (-0.03, -1e-3, "towards the end of the tread"),
     ],
 )
-def test_overlaps_beyond_the_points_say_where(y: float, z: float, way: str) -> None:
+def test_penetration_beyond_the_points_names_the_direction(y: float, z: float, way: str) -> None:
     pose, _ = MOUNTING.left_pair(state(y, z))
     with pytest.raises(OutsideSurface, match=r"carries contact points: [0-9.]+ mm deep, it ") as caught:
         pair(2e-3).geometry.contact_points(pose, 2)

@@ -55,7 +55,7 @@ def solve(operator: Array, creepages: tuple[float, float, float], laws: ContactL
 
 
 @pytest.mark.parametrize("operator", [ALIKE, UNLIKE], ids=["alike", "unlike"])
-def test_friction_that_falls_to_all_of_itself_is_coulomb(operator: Array) -> None:
+def test_falling_friction_with_full_fraction_is_coulomb(operator: Array) -> None:
     for eps in (0.0, 1e-4):
         falling, plain = (
             ContactLaws(friction=FallingFriction(0.3, 1.0, 5.0), regularisation=eps),
@@ -210,7 +210,7 @@ def test_random_laws_never_fail() -> None:
     assert most < 60
 
 
-def test_full_steps_cross_a_kink_where_descent_creeps() -> None:
+def test_full_newton_steps_cross_a_kink() -> None:
     """Three points whose pressures follow friction, as on a flange that presses hard."""
     slip = np.array(
         [

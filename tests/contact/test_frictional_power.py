@@ -39,7 +39,7 @@ def test_power_is_force_times_creepage_and_moment_times_spin() -> None:
     assert patch.mirrored().creepage == (xi, -eta, -phi)
 
 
-def test_full_sliding_turns_the_whole_work_of_friction_into_heat() -> None:
+def test_full_sliding_dissipates_the_whole_work() -> None:
     (patch,) = rolling(flowing(xi=2e-2)).patches
     assert patch.frictional_power == pytest.approx(0.3 * LOAD * 2e-2 * SPEED, rel=1e-4)
 
@@ -57,7 +57,7 @@ def test_local_slip_tends_to_the_same_power() -> None:
     assert -2.2 < slope < -1.6  # second order
 
 
-def test_without_friction_or_motion_there_is_none() -> None:
+def test_no_power_without_friction_or_motion() -> None:
     model = pair(0.0)
     (patch,) = hertz_under_load(model, flowing(xi=1e-3), LOAD, expected=exact().approach).results[0].patches
     assert (patch.creepage, patch.frictional_power) == ((0.0, 0.0, 0.0), 0.0)

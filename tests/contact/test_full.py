@@ -92,7 +92,7 @@ def test_full_and_condensed_agree(case: str) -> None:
     ids=["difference", "cholesky", "icc", "cholesky, difference"],
 )
 @pytest.mark.parametrize("laws", [FRICTIONLESS, ROLLING], ids=["frictionless", "rolling"])
-def test_every_way_to_the_solution_ends_in_the_same_place(laws: ContactLaws, options: FullOptions) -> None:
+def test_all_solver_options_give_the_same_solution(laws: ContactLaws, options: FullOptions) -> None:
     motion = CREEP if laws.frictional else AT_REST
     sphere = (RADIUS, RADIUS)
     usual = full(TETRAHEDRA, sphere, size=SIZE, laws=laws)(pose(3.2), motion)
@@ -138,7 +138,7 @@ def test_residual_of_the_solution_vanishes_on_both_bodies() -> None:
     assert count.residual <= 1e-9
 
 
-def test_warm_start_saves_steps_and_changes_nothing() -> None:
+def test_warm_start_saves_steps_without_changing_the_result() -> None:
     model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)
     cold = model(pose(3.2), CREEP)
     again = model(pose(3.2), CREEP, cold)
@@ -150,7 +150,7 @@ def test_warm_start_saves_steps_and_changes_nothing() -> None:
     assert_agree(near, fresh, 1e-6)
 
 
-def test_a_solve_that_fails_says_so_and_gives_no_force() -> None:
+def test_failed_solve_has_status_and_no_force() -> None:
     sphere = (RADIUS, RADIUS)
     lazy = FullOptions(iterations=1, tolerance=1e-13)
     results = {
@@ -165,14 +165,14 @@ def test_a_solve_that_fails_says_so_and_gives_no_force() -> None:
         assert not result.force.any()
 
 
-def test_no_overlap_no_force() -> None:
+def test_no_force_without_penetration() -> None:
     result = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)(hertz_pose(-1e-6), CREEP)
     assert result.status == "separated"
     assert not result.force.any()
     assert result.approach == pytest.approx(-1e-6)
 
 
-def test_a_solve_depends_on_its_guess_and_on_nothing_solved_before() -> None:
+def test_solve_depends_on_its_guess_only() -> None:
     """To the last bit: as two wheels share a model, and a run goes on in another process."""
     sphere, near, other = (RADIUS, RADIUS), rolling(1.1e-3, -5e-4, 0.3), rolling(-1e-3, 2e-3, 0.0)
     model = full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)

@@ -68,7 +68,7 @@ def test_hexahedra(load: float, laws: ContactLaws, radii: tuple[float, float]) -
         assert result.patches[0].max_pressure == pytest.approx(expected.peak, rel=0.004)
 
 
-def test_what_the_penalty_costs() -> None:
+def test_error_of_the_penalty() -> None:
     # Elastic half-spaces with and without the penalty, at 16 cells across the patch, against the same on the mesh
     for load, cost in ((10e3, -0.023), (60e3, -0.013)):
         expected = hertzian(SPHERE, load)
@@ -160,7 +160,7 @@ def contact_errors(mesh: Block, radius: float) -> Array:
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-def test_errors_fall_with_the_mesh(name: str) -> None:
+def test_errors_decrease_with_mesh_size(name: str) -> None:
     cell, degree, levels = FAMILIES[name]
     radii = [radius for radius, _ in levels]
     meshes = [family(cell, degree, radius, growth) for radius, growth in levels]
@@ -190,7 +190,7 @@ def test_pair_of_a_scene() -> None:
     assert 0.97 * expected.approach < result.approach < expected.approach
 
 
-def test_patch_is_where_and_what_it_should_be() -> None:
+def test_patch_position_and_size() -> None:
     result, expected = loaded(FINE["tetrahedron"], ELLIPSOID, 30e3, EXACT, 10.2)
     (patch,) = result.patches
     np.testing.assert_allclose(result.force, [0.0, 0.0, 30e3], rtol=1e-8, atol=1e-6)

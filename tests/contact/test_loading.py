@@ -46,7 +46,7 @@ def test_hertz_depth_is_exact_in_few_solves(load: float) -> None:
     assert found.trials == len(model.calls) <= 3  # F^(2/3) is a straight line here
 
 
-def test_each_solve_starts_from_the_one_before() -> None:
+def test_each_solve_starts_from_the_previous_result() -> None:
     model = SpringContact(stiffness=STIFFNESS)
     hertz_under_load(model, STILL, 20e3, expected=1e-5)
     assert model.calls[0] is None
@@ -55,7 +55,7 @@ def test_each_solve_starts_from_the_one_before() -> None:
 
 @pytest.mark.parametrize("start", [-5e-3, -1e-4, 0.0, 2e-4, 3e-4])
 @pytest.mark.parametrize("knows_gap", [True, False])
-def test_start_above_or_below_the_answer(start: float, knows_gap: bool) -> None:
+def test_start_above_or_below_the_solution(start: float, knows_gap: bool) -> None:
     touch, solves = 1.82e-4, 0
 
     def contact(depth: float, guess: object) -> tuple[ContactResult, ...]:
@@ -81,7 +81,7 @@ def test_penalty_and_second_patch_do_not_slow_it_down() -> None:
     assert found.trials <= 8
 
 
-def test_noise_of_the_contact_does_not_keep_it_running() -> None:
+def test_search_ends_despite_contact_noise() -> None:
     noise = np.random.default_rng(1)
 
     def contact(depth: float, guess: object) -> tuple[ContactResult, ...]:
@@ -127,7 +127,7 @@ def test_wheel_under_load(side: Side, roll: float) -> None:
     assert seat.solves == len(model.calls)
 
 
-def test_axle_under_load_with_roll_shares_it_unevenly() -> None:
+def test_axle_under_load_with_roll_has_unequal_wheel_loads() -> None:
     model = SpringContact(touch=0.46, stiffness=STIFFNESS)
     seat = axle_under_load(WheelsetContact(model, MOUNTING), WheelsetState(roll=2e-5), 114e3, expected=8e-5)
     left, right = (seat.results[side].force[2] for side in ("left", "right"))
@@ -174,7 +174,7 @@ def test_balance_solves_a_coupled_pair_superlinearly() -> None:
     assert trials <= 9
 
 
-def test_placed_solves_each_side_once() -> None:
+def test_wheelset_at_state_solves_each_side_once() -> None:
     model = SpringContact(touch=0.46, stiffness=STIFFNESS)
     seat = wheelset_at_state(WheelsetContact(model, MOUNTING), WheelsetState(z=-1e-4), ("right",))
     assert list(seat.results) == ["right"]

@@ -31,7 +31,7 @@ def body() -> ElasticBody:
     return ElasticBody(solid(TETRAHEDRA)[0].mapped(lambda points: SIZE * points), STEEL)
 
 
-def test_a_body_takes_its_matrix_and_factor_with_it() -> None:
+def test_deleted_body_frees_matrix_and_factor() -> None:
     gone = body()
     gone.respond(np.array([3]), 2)
     held: list[Any] = [gone.stiffness, gone.factor]
@@ -42,7 +42,7 @@ def test_a_body_takes_its_matrix_and_factor_with_it() -> None:
 
 
 @pytest.mark.parametrize("preconditioner", ["corrected", "cholesky", "gamg"])
-def test_a_full_model_takes_its_solver_with_it(preconditioner: Preconditioner) -> None:
+def test_deleted_full_model_frees_its_solver(preconditioner: Preconditioner) -> None:
     laws = ContactLaws(1e15, friction=0.3, regularisation=1e-5)
     geometry = quadrics(TETRAHEDRA, (RADIUS, RADIUS), FLAT, SIZE)
     model = FullContact(geometry, body(), body(), laws, options=FullOptions(preconditioner=preconditioner))
@@ -58,7 +58,7 @@ def test_a_full_model_takes_its_solver_with_it(preconditioner: Preconditioner) -
     assert result.ok  # and needs nothing of it
 
 
-def test_solutions_do_not_keep_what_solved_them() -> None:
+def test_results_do_not_reference_their_solvers() -> None:
     solutions, gone = [], []
     for radius in (0.45, 0.46, 0.47):
         pair = wr.Hertz((radius, np.inf), friction=0.0, bodies="half-space", strips=4, cells=8)
@@ -71,7 +71,7 @@ def test_solutions_do_not_keep_what_solved_them() -> None:
     assert all(solution.patches.max_pressure.iloc[0] > 9e8 for solution in solutions)
 
 
-def test_parts_of_a_surface_are_kept_up_to_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cached_surface_parts_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     # the block that the elements' error is measured on, too
     block, grid = block_waveguide((1, 2 * FAR), Material(1.0, 0.3), size=1.0, half_width=512.0, degree=2)
     lines, error = grid.position[0, :, 1:], partial(surface_error, 0.3, 2)

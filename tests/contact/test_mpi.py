@@ -47,7 +47,7 @@ TOLERANCE = {"paper": 1e-9, "warm": 1e-9, "exact": 1e-8, "multigrid": 1e-8, "loa
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_two_ranks_find_what_one_finds(case: str, ranks: list[dict[str, Any]], alone: dict[str, Any]) -> None:
+def test_two_ranks_give_the_result_of_one(case: str, ranks: list[dict[str, Any]], alone: dict[str, Any]) -> None:
     one = alone[case]
     for name in ("force", "moment", "peak", "stick", "pressure", "traction", "moved", "displacement"):
         expected, found = np.array(one[name]), np.array(ranks[0][case][name])
@@ -60,9 +60,7 @@ def test_two_ranks_find_what_one_finds(case: str, ranks: list[dict[str, Any]], a
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_both_ranks_know_the_same_and_own_half_of_each_body(
-    case: str, ranks: list[dict[str, Any]], alone: dict[str, Any]
-) -> None:
+def test_ranks_agree_and_own_half_of_each_body(case: str, ranks: list[dict[str, Any]], alone: dict[str, Any]) -> None:
     first, second = (rank[case] for rank in ranks)
     assert {k: v for k, v in first.items() if k != "owned"} == {k: v for k, v in second.items() if k != "owned"}
     for mine, other, whole in zip(first["owned"], second["owned"], alone[case]["owned"], strict=True):
@@ -81,7 +79,7 @@ def test_an_error_on_one_rank_ends_the_other() -> None:
     assert "MemoryError: out of memory on one rank" in done.stderr
 
 
-def test_the_command_refuses_what_is_not_split() -> None:
+def test_command_rejects_models_that_are_not_distributed() -> None:
     done = mpirun("-m", "wheelrail.cli", "contact", "scenes/hertz.toml", "--json")
     assert done.returncode == 2
     assert done.stdout == ""
@@ -89,7 +87,7 @@ def test_the_command_refuses_what_is_not_split() -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_the_command_speaks_once(tmp_path: Path) -> None:
+def test_command_prints_on_the_first_rank_only(tmp_path: Path) -> None:
     scene = tmp_path / "full.toml"
     body = "radii = [0.3, 0.3]\nE = 210e9\nnu = 0.3\n"
     scene.write_text(

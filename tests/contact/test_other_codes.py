@@ -66,7 +66,7 @@ def test_run_through_a_transition(lagrange: Lagrange) -> None:
     assert relative(history.state[:, :9], there.y[:9].T).max() < 1e-6
 
 
-def test_trajectory_beside_samples_of_exudyn() -> None:
+def test_trajectory_against_samples_of_exudyn() -> None:
     """5 s of free motion in which the bumpstop is struck from both sides; samples of Exudyn 1.13.6."""
     stored = json.loads(REFERENCE.read_text(encoding="utf-8"))
     assert stored["source"].startswith("Exudyn 1.13.6")

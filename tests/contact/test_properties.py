@@ -87,7 +87,7 @@ def dissipated(result: ContactResult, speed: float) -> float:
 
 @FEW
 @given(ratios, depths, frictions, creepages, creepages, spins, st.sampled_from((0.0, 1e-5, 1e-3)))
-def test_laws_hold_and_friction_never_feeds(
+def test_laws_hold_and_friction_dissipates(
     ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float, eps: float
 ) -> None:
     model = replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, eps))
@@ -115,7 +115,7 @@ def test_mirror_symmetry(ratio: float, depth: float, mu: float, xi: float, eta: 
     assert unlike_mirrored(model, depth, xi, eta, phi) < EXACT
 
 
-def test_what_blocks_lack_of_mirror_symmetry_is_their_triangles() -> None:
+def test_asymmetry_of_blocks_is_due_to_their_triangulation() -> None:
     """The same blocks with a spectrum that is the mean of itself and its mirror image lack none."""
     model = replace(frictionless(0.4, bodies="waveguide"), laws=ContactLaws(np.inf, 0.5, 0.0))
     given = 3e-5, 1e-3, 2e-3, 0.4
@@ -136,9 +136,7 @@ def test_what_blocks_lack_of_mirror_symmetry_is_their_triangles() -> None:
 
 @FEW
 @given(ratios, depths, frictions, creepages, creepages, spins)
-def test_the_same_question_has_the_same_answer(
-    ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float
-) -> None:
+def test_results_are_deterministic(ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float) -> None:
     """To the last bit, whatever was asked before, and whatever the guess."""
     model, pose, motion = (
         replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, 0.0)),
@@ -155,9 +153,7 @@ def test_the_same_question_has_the_same_answer(
 
 @FEW
 @given(ratios, depths, frictions, st.sampled_from((-4e-2, 4e-2)), st.sampled_from((-4e-2, 4e-2)))
-def test_motion_feeds_what_full_sliding_dissipates(
-    ratio: float, depth: float, mu: float, xi: float, eta: float
-) -> None:
+def test_power_balance_of_full_sliding(ratio: float, depth: float, mu: float, xi: float, eta: float) -> None:
     """Where everything slides one way the tractions are mu p along it, and elastic energy is only carried through:
     the rigid motion's power and the power lost differ by what cells' ends make of that integral.
     """

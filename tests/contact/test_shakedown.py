@@ -26,7 +26,7 @@ def test_shear_is_that_of_flamants_line_loads(x: float, z: float, friction: floa
     assert float(surface_shear(x, z, friction)) == pytest.approx(expected, abs=1e-9)
 
 
-def test_at_the_surface_it_is_the_traction() -> None:
+def test_shear_at_the_surface_is_the_traction() -> None:
     x = np.linspace(-0.9, 0.9, 7)
     assert surface_shear(x, np.zeros(7), 0.4) == pytest.approx(-0.4 * np.sqrt(1 - x * x))
 

@@ -55,7 +55,7 @@ def test_elliptic_integrals(k: float) -> None:
         assert pytest.approx((ellipkm1(k * k) - ellipe(m)) / m, rel=1e-9) == D
 
 
-def test_a_strip_seen_from_beside_it() -> None:
+def test_deflection_beside_a_strip() -> None:
     from scipy.integrate import quad
 
     for away in (1e-3, 4e-3):
@@ -163,7 +163,7 @@ def test_fastsim_s_sliding_cells_are_of_second_order() -> None:
     assert np.polyfit(np.log(cells), np.log(error), 1)[0] < -1.5
 
 
-def test_saturation_and_what_friction_dissipates() -> None:
+def test_saturation_and_dissipation() -> None:
     for way in ("fastsim", "polach"):
         model = pair((0.46, 0.3), tangential=way)
         result = model(hertz_pose(6e-5), rolling(0.3, 0.4, 0.0))
@@ -231,7 +231,7 @@ def test_patches_of_a_wheelset(y: float, side: str, place: float, peak: float, a
     assert 1e6 * patch.area == pytest.approx(area, rel=0.08)
 
 
-def test_two_contacts_share_the_load() -> None:
+def test_load_of_two_contacts() -> None:
     state = WheelsetState(y=-5e-3, roll=ROLL[5.0], pitch_rate=45 / 0.46, speed=45.0)
     seat = wheel_under_load(wheel_on_rail(), state, "right", 57e3, expected=1e-4)
     flange, tread = seat.results["right"].patches
@@ -277,7 +277,7 @@ def sweep(contact: WheelsetContact, ys: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("normal", ["hertz", "kik-piotrowski"])
-def test_forces_do_not_jump(normal: str) -> None:
+def test_forces_are_continuous(normal: str) -> None:
     """Four times shorter steps change the force by about a quarter, where humps merge and where they appear."""
     contact = wheel_on_rail(normal=normal)
     coarse = np.linspace(-2e-3, 6e-3, 2001)
@@ -287,7 +287,7 @@ def test_forces_do_not_jump(normal: str) -> None:
         assert np.linalg.norm(np.diff(sweep(contact, fine), axis=0), axis=1).max() < 0.3 * step[worst]
 
 
-def test_nothing_but_numbers_anywhere() -> None:
+def test_results_are_finite_everywhere() -> None:
     rng = np.random.default_rng(0)
     contacts = [wheel_on_rail(normal=n, tangential=t) for n, t in (("hertz", "polach"), ("kik-piotrowski", "fastsim"))]
     statuses = set()
@@ -307,7 +307,7 @@ def test_nothing_but_numbers_anywhere() -> None:
     assert contacts[0](replace(STATE, y=0.3), "left").status.split(":")[0] in ("separated", "failed")
 
 
-def test_the_guess_changes_nothing() -> None:
+def test_results_are_independent_of_the_guess() -> None:
     contact = wheel_on_rail()
     first = contact(STATE, "left")
     again = contact(STATE, "left", contact(replace(STATE, y=0.0), "left"))

@@ -116,7 +116,7 @@ def test_laws_hold_at_every_point(creepages: tuple[float, float, float], eps: fl
         assert slides.sum() == (p > 0).sum()
 
 
-def test_slip_is_what_the_operator_makes_of_the_tractions() -> None:
+def test_slip_agrees_with_the_operator() -> None:
     found = COARSE.solve(OPERATOR, (5e-4, 0.0, 0.2))
     n = len(COARSE.penetration)
     loads = np.concatenate([*found.tangential.T, -found.pressure])
@@ -343,7 +343,7 @@ def test_points_of_different_area() -> None:
     np.testing.assert_allclose(pressure * area, reference_pressure(compliance, overlap), atol=1e-9)
 
 
-def test_nothing_presses_where_nothing_overlaps() -> None:
+def test_no_pressure_without_penetration() -> None:
     compliance = random_compliance(np.random.default_rng(5), 12, "points")
     for overlap in (np.zeros(12), -np.ones(12)):
         pressure, active = normal_contact(compliance, overlap, np.ones(12, dtype=bool), IterationCount())
@@ -351,6 +351,6 @@ def test_nothing_presses_where_nothing_overlaps() -> None:
         assert not active.any() or not overlap.any()
 
 
-def test_running_out_of_steps_is_an_error() -> None:
+def test_exceeded_iterations_are_an_error() -> None:
     with pytest.raises(NotConverged, match="Newton steps"):
         COARSE.solve(OPERATOR, (1e-3, 5e-4, 0.5), options=NewtonOptions(iterations=1))

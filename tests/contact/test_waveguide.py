@@ -120,7 +120,7 @@ def test_elimination_agrees_with_a_direct_solve(degree: int) -> None:
     )
 
 
-def test_without_a_clamp_there_is_no_compliance() -> None:
+def test_unclamped_body_is_rejected() -> None:
     mesh = block_mesh(2, 6.0)
     loose = WaveguideSection(SectionMesh(mesh.points, mesh.cells, mesh.surface, np.zeros_like(mesh.clamped)), UNIT)
     with pytest.raises(np.linalg.LinAlgError):
@@ -156,7 +156,7 @@ def test_interpolation_error_bounds_the_true_one(name: str) -> None:
     assert coarse.error < 50 * true
 
 
-def test_once_round_a_wheel_harmonics_are_whole() -> None:
+def test_harmonics_of_a_wheel_are_integers() -> None:
     """A ring's compliance is the sum over whole harmonics, sampled exactly; the integral would be 3 % off and more."""
     outline, size = wheel_outline(named_profile("S1002"), 0.46), 8e-3
     body = wheel_body(outline, UNIT, size=size)
@@ -177,7 +177,7 @@ def test_once_round_a_wheel_harmonics_are_whole() -> None:
     assert abs(continuous[0, 0, 0] / exact[0, 0, 0] - 1) > 0.03
 
 
-def test_a_wheel_bends_more_than_its_rim() -> None:
+def test_wheel_is_more_compliant_than_its_rim() -> None:
     """Web and hub add to the rim's compliance, sideways most, and change what is near the contact by little."""
     outlines = rim_outline(named_profile("S1002"), 0.46), wheel_outline(named_profile("S1002"), 0.46)
     own, relative = [], []
@@ -193,7 +193,7 @@ def test_a_wheel_bends_more_than_its_rim() -> None:
     np.testing.assert_allclose(relative[1], relative[0], rtol=0.05)
 
 
-def test_elimination_finds_the_inside_too() -> None:
+def test_elimination_recovers_internal_displacements() -> None:
     body = WaveguideSection(block_mesh(6, 60.0), UNIT, degree=2)
     values = body.stiffness(0.3)
     load = np.random.default_rng(2).normal(size=(3 * len(body.surface), 2))
@@ -210,7 +210,7 @@ def test_elimination_finds_the_inside_too() -> None:
     assert np.abs(rest).max() < 1e-10
 
 
-def test_interpolation_error_is_estimated_honestly() -> None:
+def test_interpolation_error_estimate_is_reliable() -> None:
     body = WaveguideSection(block_mesh(4, 200.0, grading=Grading(1.0, 0.4, 50.0)), UNIT, degree=1)
     x, step = np.arange(9.0), 1.0
 
@@ -229,7 +229,7 @@ def test_interpolation_error_is_estimated_honestly() -> None:
         assert true < error
 
 
-def test_the_cut_at_the_largest_wavenumber_does_not_matter() -> None:
+def test_truncation_at_the_largest_wavenumber() -> None:
     body = WaveguideSection(block_mesh(4, 200.0, grading=Grading(1.0, 0.4, 50.0)), UNIT, degree=1)
     own = []
     for reach in (4 * np.pi, 16 * np.pi):
@@ -310,7 +310,7 @@ def test_reciprocity() -> None:
 
 
 @pytest.mark.parametrize("name", ["rail", "wheel"])
-def test_three_dimensional_meshes_come_nearer(name: str) -> None:
+def test_three_dimensional_meshes_converge_to_the_waveguide(name: str) -> None:
     """Tetrahedra on the same sections approach the compliance by wavenumbers, axes and signs included."""
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
@@ -436,7 +436,7 @@ def turned_wheel(outline: Outline, size: float, *, largest: float, section_size:
     return places, found
 
 
-def test_spectra_are_kept_and_damaged_ones_rebuilt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_spectra_are_cached_and_damaged_ones_rebuilt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
     sampled: list[float] = []
     flexibility = WaveguideSection.flexibility

@@ -123,7 +123,7 @@ def test_candidates_are_the_points_inside_the_rail(name: str, cell: Cell, degree
     np.testing.assert_allclose(points.area, shapes.wheel_grid.weight.ravel()[points.node])
 
 
-def test_points_and_axes_lie_on_the_turned_wheel() -> None:
+def test_points_and_axes_of_the_rotated_wheel() -> None:
     pose = left_pose(POSES["turned"])
     shapes = geometry()
     points, _ = shapes.contact_points(pose, 2)
@@ -193,7 +193,7 @@ def test_every_wheel_position_has_candidates_or_a_distance() -> None:
 
 
 @pytest.mark.parametrize(("y", "z"), [(0.03, -2e-3), (-0.04, -2e-3), (0.002, -4e-3)])
-def test_overlap_beyond_the_strip_is_refused(y: float, z: float) -> None:
+def test_penetration_beyond_the_strip_is_rejected(y: float, z: float) -> None:
     state = replace(STATE, y=y, z=z, yaw=0.0, roll=0.0)
     with pytest.raises(OutsideSurface, match="beyond the part of its surface"):
         geometry().contact_points(left_pose(state), 2)

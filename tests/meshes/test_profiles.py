@@ -74,7 +74,7 @@ def test_sections_have_their_radii() -> None:
     np.testing.assert_allclose(wheel.curvature(s), expected, atol=1e-6)
 
 
-def test_wheel_repeats_the_polynomials_of_the_standard() -> None:
+def test_wheel_agrees_with_the_polynomials_of_the_standard() -> None:
     # section B in mm and dF/ds of EN 13715 at three places, evaluated apart; A is the line 1:15
     b = [0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15]
     b += [-5.957839843e-12, 2.646656573e-13]
@@ -135,7 +135,7 @@ def nearest(p: Profile, q: np.ndarray) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_closest_against_the_slow_path(name: str) -> None:
+def test_closest_point_against_dense_search(name: str) -> None:
     p = named_profile(name)
     rng = np.random.default_rng(3)
     q = np.stack([rng.uniform(-0.09, 0.09, 60), rng.uniform(-0.06, 0.05, 60)], axis=1)
@@ -180,7 +180,7 @@ def test_closest_at_corner_and_ends() -> None:
     assert p.closest(np.zeros((0, 2))).s.shape == (0,)
 
 
-def test_laid_rail_stands_on_its_highest_point() -> None:
+def test_inclined_rail_has_its_origin_at_the_highest_point() -> None:
     rail = named_profile("60E1")
     laid = rail.laid(INCLINED)
     np.testing.assert_allclose(laid.point(0.0), 0.0, atol=1e-15)
@@ -211,7 +211,7 @@ def test_gauge_is_measured_below_the_top() -> None:
         rail.gauge_offset(1.435, 0.1)
 
 
-def test_s_at_y_inverts_and_refuses() -> None:
+def test_s_at_y_inverts_y_and_rejects_other_values() -> None:
     p = named_profile("S1002")
     y = np.linspace(-0.0699, 0.0649, 200)
     np.testing.assert_allclose(p.point(p.s_at_y(y))[:, 0], y, atol=1e-15)
@@ -221,7 +221,7 @@ def test_s_at_y_inverts_and_refuses() -> None:
         p.point(1.0)
 
 
-def test_digest_sees_shape_and_placement_and_profiles_do_not_change() -> None:
+def test_digest_depends_on_shape_and_placement() -> None:
     rail = named_profile("60E1")
     same = from_sections_again()
     assert same.digest() == rail.digest()
@@ -405,7 +405,7 @@ def test_bad_simpack_files(tmp_path: Path) -> None:
         read_profile(smoothed, "rail")
 
 
-def test_names(tmp_path: Path) -> None:
+def test_names_of_profiles(tmp_path: Path) -> None:
     assert load_profile("S1002", "wheel") is named_profile("S1002")
     with pytest.raises(ValueError, match="60E1, UIC60-benchmark"):
         load_profile("S1002", "rail")
@@ -418,7 +418,7 @@ def test_names(tmp_path: Path) -> None:
         load_profile(tmp_path / "a.xyz", "rail")
 
 
-def test_a_file_is_read_once_as_long_as_it_stays_as_it_is(tmp_path: Path) -> None:
+def test_unchanged_file_is_read_once(tmp_path: Path) -> None:
     first = named_profile("S1002")
     y = np.linspace(-0.069, 0.06, 200)
     points = 1e3 * first.point(first.s_at_y(y))

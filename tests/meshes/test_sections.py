@@ -63,7 +63,7 @@ def test_chord_error_falls_with_its_square_of_segments() -> None:
 
 
 @pytest.mark.parametrize("profile", [named_profile("60E1").laid(INCLINED), named_profile("UIC60-benchmark")])
-def test_inclined_rail_is_the_upright_one_turned(profile: Profile) -> None:
+def test_inclined_rail_is_the_rotated_upright_one(profile: Profile) -> None:
     outline, upright = rail_outline(profile), rail_outline(named_profile("60E1"))
     polygon = outline.polygon(1e-3)
     assert simple(polygon)
@@ -78,7 +78,7 @@ def test_inclined_rail_is_the_upright_one_turned(profile: Profile) -> None:
     np.testing.assert_allclose(outline.surface(outline.surface_range[1]), outline.rest[0], atol=1e-15)
 
 
-def test_rail_worn_and_cut_short_is_joined_to_the_standard_rest(tmp_path: Path) -> None:
+def test_worn_rail_is_joined_to_the_standard_section(tmp_path: Path) -> None:
     new = named_profile("60E1").laid(INCLINED)
     points = new.point(np.linspace(new.s_range[0] + 12e-3, new.s_range[1] - 14e-3, 300)) * 1e3
     worn = points + np.stack([2.0 * (points[:, 0] < -20), np.zeros(300)], axis=1) * np.clip(
@@ -96,7 +96,7 @@ def test_rail_worn_and_cut_short_is_joined_to_the_standard_rest(tmp_path: Path) 
     np.testing.assert_allclose(foot, standard, atol=2e-6)  # the field side tells where the section stands
 
 
-def test_rail_that_does_not_fit_is_refused(tmp_path: Path) -> None:
+def test_incompatible_rail_is_rejected(tmp_path: Path) -> None:
     new = named_profile("60E1")
     points = new.point(np.linspace(*new.s_range, 300)) * (1.4e3, 1e3)
     path = tmp_path / "broad.csv"
@@ -135,7 +135,7 @@ def test_wheel_without_chamfer_is_continued_to_its_faces(tmp_path: Path) -> None
     np.testing.assert_allclose(held, [[0.065, 0.395], [-0.07, 0.395]])
 
 
-def test_wheels_that_do_not_fit_are_refused() -> None:
+def test_incompatible_wheels_are_rejected() -> None:
     wheel = named_profile("S1002")
     with pytest.raises(ValueError, match="into a rim"):
         rim_outline(wheel, 0.46, rim_thickness=0.01)
@@ -167,7 +167,7 @@ def test_wheel_with_web_and_hub() -> None:
     assert middle[0] - middle[1] == pytest.approx(0.0275, abs=2e-4)
 
 
-def test_fillets_touch_both_sides() -> None:
+def test_fillets_are_tangent_on_both_sides() -> None:
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.5, 1.0]])
     radius = 0.3
     found = rounded(corners, np.array([0.0, radius, 0.0]), chord_error=1e-6)
@@ -182,7 +182,7 @@ def test_fillets_touch_both_sides() -> None:
         rounded(corners, np.array([0.0, 3.0, 0.0]))
 
 
-def test_wheel_shapes_that_cannot_be_are_refused() -> None:
+def test_invalid_wheel_shapes_are_rejected() -> None:
     wheel = named_profile("S1002")
     with pytest.raises(ValueError, match="bore"):
         WheelShape(bore_radius=0.14)

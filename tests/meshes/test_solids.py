@@ -59,7 +59,7 @@ def corner_jacobians(solid: Solid) -> Array:
     return np.asarray(np.linalg.det(edges) / np.linalg.norm(edges, axis=3).prod(axis=2))
 
 
-def test_layers_are_equal_on_the_strip_and_grow_beyond_it() -> None:
+def test_layers_are_uniform_on_the_strip_and_grow_outside() -> None:
     x = layers(5, 0.5, 20.0, growth=1.35, largest=3.0)
     np.testing.assert_allclose(x, -x[::-1], atol=1e-14)
     assert x[0] == pytest.approx(-20.0)
@@ -74,7 +74,7 @@ def test_layers_are_equal_on_the_strip_and_grow_beyond_it() -> None:
 
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("name", ["block", "sphere", "rail", "wheel"])
-def test_no_cell_is_flat_or_turned_inside_out(cell: Cell, name: str) -> None:
+def test_all_cells_have_positive_volume(cell: Cell, name: str) -> None:
     solid = solids(cell)[name]
     jacobian = corner_jacobians(solid)
     # slivers only in the rounded corners of a rail's foot, 2 mm small in layers of 40 mm
@@ -86,7 +86,7 @@ def test_no_cell_is_flat_or_turned_inside_out(cell: Cell, name: str) -> None:
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_cells_meet_face_to_face(cell: Cell) -> None:
+def test_mesh_is_conforming(cell: Cell) -> None:
     solid = rail_of(cell)[0]
     local = (
         [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
@@ -126,7 +126,7 @@ def test_volume(cell: Cell) -> None:
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_block_strip_is_equal_and_flat_and_the_bottom_clamped(cell: Cell) -> None:
+def test_block_strip_is_uniform_and_flat_and_the_bottom_clamped(cell: Cell) -> None:
     solid = flat(cell)
     grid = solid.points[solid.grid]
     line = 0.1 * np.arange(-4, 5)
@@ -206,7 +206,7 @@ def test_wheel_strip_lies_on_the_surface_of_revolution(cell: Cell) -> None:
     np.testing.assert_array_equal(solid.clamped, radius < RADIUS - 0.065 + 1e-9)
 
 
-def test_a_strip_that_does_not_fit_is_an_error() -> None:
+def test_too_large_strip_is_rejected() -> None:
     with pytest.raises(ValueError, match="does not fit on a block"):
         block((40, 4), size=0.1, half_width=2.0)
 

@@ -100,7 +100,7 @@ def page(file: Path) -> Page:
     return found
 
 
-def test_pages_are_there_and_all_links_lead_somewhere(site: Path) -> None:
+def test_pages_exist_and_links_resolve(site: Path) -> None:
     wanted = [p.relative_to(DOCS).with_suffix(".html") for p in DOCS.rglob("*") if p.suffix in (".md", ".rst")]
     assert len(wanted) > 30
     assert all((site / name).is_file() for name in wanted)
@@ -121,7 +121,7 @@ def test_pages_need_no_network(site: Path) -> None:
     assert not foreign
 
 
-def test_equations_are_drawn(site: Path) -> None:
+def test_equations_are_rendered(site: Path) -> None:
     """Every equation of the sources is MathML on its page, and none is left as LaTeX."""
     for source in (DOCS / "theory").glob("*.md"):
         text = source.read_text(encoding="utf-8")
@@ -132,7 +132,7 @@ def test_equations_are_drawn(site: Path) -> None:
         assert not re.search(r"\\[a-z]+\b|\$", shown.text), source.name
 
 
-def test_an_equation_that_is_not_understood_ends_the_build(tmp_path: Path) -> None:
+def test_unsupported_equation_ends_the_build(tmp_path: Path) -> None:
     (tmp_path / "conf.py").write_text(
         f"import sys\nsys.path.insert(0, {str(DOCS)!r})\n"
         'extensions = ["myst_parser", "extensions.mathml"]\n'
@@ -175,7 +175,7 @@ def test_every_key_of_a_scene_has_its_row(site: Path) -> None:
 STUDIES = {"StudyTable", "LatinHypercube", "Between", "Convergence"}  # tables of studies
 
 
-def test_every_key_has_a_sentence_and_every_sentence_a_key() -> None:
+def test_every_key_is_described() -> None:
     known = tomllib.loads(keys.SENTENCES.read_text(encoding="utf-8"))
     tables = {table.__name__: table for table in keys.models((*KINDS.values(), *keys.study_models()))}
     if not keys.study_models():
@@ -291,7 +291,7 @@ def test_files_and_functions_named_in_the_text_exist() -> None:
     assert not missing
 
 
-def test_scenes_in_the_text_are_known_tables() -> None:
+def test_scenes_in_the_text_are_valid_tables() -> None:
     """Keys of TOML in the how-to pages are keys of scenes, or of the wagon."""
     from dataclasses import fields
 
@@ -339,7 +339,7 @@ def test_docstrings_are_text() -> None:
     assert "    >>> f(x)" in found
 
 
-def test_the_front_page_leads_to_pages_that_exist() -> None:
+def test_links_of_the_front_page_resolve() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     links = [link for link in re.findall(r"\]\(([^)#]+)\)", readme) if "://" not in link]
     assert {"docs/validation.md", "docs/limits.md", "CONTRIBUTING.md"} <= set(links)

@@ -177,11 +177,11 @@ def test_imports_point_one_way(path: Path) -> None:
     assert not packages - MAY_IMPORT[package] - {package}
 
 
-def test_no_modules_import_one_another_in_a_circle() -> None:
+def test_no_circular_imports_of_modules() -> None:
     assert circle({name: ours(path) - {name} for name, path in MODULES.items()}) == []
 
 
-def test_no_packages_import_one_another_in_a_circle() -> None:
+def test_no_circular_imports_of_packages() -> None:
     graph: dict[str, set[str]] = {package: set() for package in MAY_IMPORT}
     for path in FILES:
         if path.stem != "__init__":
@@ -190,12 +190,12 @@ def test_no_packages_import_one_another_in_a_circle() -> None:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_import_of_ours_begins_with_the_package(path: Path) -> None:
+def test_own_imports_are_absolute(path: Path) -> None:
     assert not roots(path, nested=True) & {*SCIENCE, "scenes", "support", "api", "cli", "benchmarks", "tests"}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_heavy_libraries_stay_where_they_belong(path: Path) -> None:
+def test_heavy_libraries_are_imported_by_few_modules(path: Path) -> None:
     top = module_of(path).split(".")[0]
     anywhere, at_once = roots(path, nested=True) & HEAVY, roots(path, nested=False) & HEAVY
     assert "gmsh" not in at_once
@@ -215,13 +215,13 @@ def test_a_solve_from_the_cache_loads_no_heavy_library(name: str) -> None:
     assert not roots(ROOT / name, nested=False) & HEAVY
 
 
-def test_differences_between_versions_live_in_one_file() -> None:
+def test_version_differences_are_in_one_file() -> None:
     asking = [path for path in FILES if "dolfinx.__version__" in path.read_text(encoding="utf-8")]
     assert [path.name for path in asking] == ["compat.py"]
 
 
 @pytest.mark.parametrize("package", sorted(MAY_IMPORT))
-def test_packages_say_what_they_are_and_have_a_size_to_survey(package: str) -> None:
+def test_packages_have_docstrings_and_at_most_15_modules(package: str) -> None:
     (init,) = (path for path in FILES if path.stem == "__init__" and module_of(path) == package)
     assert ast.get_docstring(ast.parse(init.read_text(encoding="utf-8")))
     modules = [path for path in FILES if package_of(path) == package and path.stem not in ("__init__", "__main__")]
@@ -236,7 +236,7 @@ def test_no_public_name_of_a_package_hides_one_of_its_modules(package: str) -> N
     assert not names & inside
 
 
-def test_the_check_sees_what_it_should(tmp_path: Path) -> None:
+def test_the_import_check_detects_violations(tmp_path: Path) -> None:
     file = tmp_path / "sample.py"
     file.write_text(
         "from typing import TYPE_CHECKING\nimport numpy\nif TYPE_CHECKING:\n    import gmsh\n"

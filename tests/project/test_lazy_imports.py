@@ -82,7 +82,7 @@ assert not [name for name in wrong if f"wheelrail.contact.{{name}}" in sys.modul
     assert heavy_after(script + "\nsolve_contact(scene)\n") == {"xarray"}  # the result is a Dataset
 
 
-def test_an_empty_cache_asks_for_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_empty_cache_imports_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # the check above must be able to fail
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
     script = """
@@ -106,7 +106,7 @@ def test_the_vehicle_imports_neither_meshes_nor_finite_elements() -> None:
     assert heavy_after(script) == set()
 
 
-def test_the_command_line_imports_nothing_heavy_to_explain_itself() -> None:
+def test_help_imports_no_heavy_library() -> None:
     script = """
 import contextlib, io
 from typer.testing import CliRunner
@@ -149,7 +149,7 @@ def watch_friction(counter: Counter) -> None:
     counter.watch(SurfaceCompliance, "_fill")
 
 
-def test_no_friction_no_tangential_work(counter: Counter) -> None:
+def test_no_tangential_problem_without_friction(counter: Counter) -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty(0.0))
     watch_friction(counter)
     result = model(TOUCHING, CREEP)
@@ -163,7 +163,7 @@ def test_no_friction_no_tangential_work(counter: Counter) -> None:
     assert {direction for _, _, direction in counter.calls["_fill"]} == {2}
 
 
-def test_friction_does_it_all_and_is_counted(counter: Counter) -> None:
+def test_tangential_problem_is_solved_and_counted(counter: Counter) -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty())
     watch_friction(counter)
     model(TOUCHING, CREEP)
@@ -172,7 +172,7 @@ def test_friction_does_it_all_and_is_counted(counter: Counter) -> None:
     assert {direction for _, _, direction in counter.calls["_fill"]} == {0, 1, 2}
 
 
-def test_full_without_friction_solves_for_overlaps_alone(counter: Counter) -> None:
+def test_full_without_friction_has_normal_unknowns_only(counter: Counter) -> None:
     model = full(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty(0.0))
     watch_friction(counter)
     assert model(TOUCHING, AT_REST).status == "converged"  # nor does it need to roll
@@ -190,7 +190,7 @@ class Untouchable:
         raise AssertionError(f"{name} was asked for")
 
 
-def test_no_overlap_returns_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_solve_without_penetration(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*args: Any, **options: Any) -> Any:
         raise AssertionError("called without an overlap")
 
@@ -208,7 +208,7 @@ def test_no_overlap_returns_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "law" not in vars(both)
 
 
-def test_a_wheel_above_its_rail_costs_one_look(counter: Counter) -> None:
+def test_wheel_above_its_rail_takes_one_projection(counter: Counter) -> None:
     from dataclasses import replace
 
     from wheelrail.meshes.curves.curve import Curve
@@ -226,7 +226,7 @@ def test_a_wheel_above_its_rail_costs_one_look(counter: Counter) -> None:
     assert len(counter.calls["block"]) == 2
 
 
-def test_stress_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stress_is_computed_on_request_only(monkeypatch: pytest.MonkeyPatch) -> None:
     from wheelrail.forms import elasticity
 
     pair, both = (make(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty()) for make in (condensed, full))
@@ -243,7 +243,7 @@ def test_stress_is_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not any("stress" in name for name in vars(again))
 
 
-def test_compliance_is_gathered_for_the_candidates_only(counter: Counter) -> None:
+def test_compliance_is_assembled_for_candidates_only(counter: Counter) -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=1e-3, laws=ContactLaws.penalty(0.0))
     counter.watch(SurfaceCompliance, "block")
     result = model(TOUCHING, AT_REST)

@@ -58,7 +58,7 @@ def _contents(wheel: Path) -> set[str]:
     return {name for name in ZipFile(wheel).namelist() if ".dist-info/" not in name}
 
 
-def test_wheel_carries_all_code_and_data_under_one_name(wheel: Path) -> None:
+def test_wheel_contains_all_code_and_data(wheel: Path) -> None:
     wanted = {"wheelrail/py.typed"}
     for top in ("wheelrail", *SCIENCE):
         for folder, _, names in os.walk(ROOT / top):  # which does not follow links
@@ -70,7 +70,7 @@ def test_wheel_carries_all_code_and_data_under_one_name(wheel: Path) -> None:
     assert {"wheelrail/contact/models/condensed.py", "wheelrail/scenes/examples/hertz.toml"} <= wanted
 
 
-def test_a_source_distribution_makes_the_same_wheel(tree: Path, wheel: Path) -> None:
+def test_source_distribution_builds_the_same_wheel(tree: Path, wheel: Path) -> None:
     build = "from setuptools.build_meta import build_sdist; build_sdist('sdist')"
     subprocess.run([sys.executable, "-c", build], cwd=tree, check=True, timeout=120, capture_output=True)
     (archive,) = (tree / "sdist").glob("*.tar.gz")
@@ -108,7 +108,7 @@ def _output(command: Iterable[Any], folder: Path) -> str:
     ).stdout
 
 
-def test_examples_are_printed_as_they_are() -> None:
+def test_examples_are_printed_unchanged() -> None:
     listed = CliRunner().invoke(app, ["example"])
     assert listed.exit_code == 0
     assert [line.split()[0] for line in listed.stdout.splitlines()] == list(examples())
@@ -119,7 +119,7 @@ def test_examples_are_printed_as_they_are() -> None:
         assert parse(printed.stdout, name)
 
 
-def test_unknown_example_is_told() -> None:
+def test_unknown_example_is_an_error() -> None:
     outcome = CliRunner().invoke(app, ["example", "herz"])
     assert outcome.exit_code == 2
     assert outcome.stderr.startswith("NAME = 'herz': must be one of curve, hertz, ")
@@ -146,7 +146,7 @@ def test_conda_environment_names_the_same_libraries_and_versions() -> None:
     assert {"fenics-dolfinx", "petsc4py", "mpi4py"} <= conda.keys()
 
 
-def test_another_debian_is_refused_unless_known() -> None:
+def test_unknown_debian_release_is_rejected() -> None:
     outcome = subprocess.run(["tests/debian.sh", "woody"], cwd=ROOT, capture_output=True, text=True, timeout=20)
     assert outcome.returncode == 2
     assert "RELEASE=woody: must be trixie (Debian 13, dolfinx 0.9) or sid" in outcome.stderr

@@ -54,7 +54,7 @@ def test_example_in_python(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == said[1] + "\n"
 
 
-def test_peak_pressure_quoted_beside_the_example_is_hertz() -> None:
+def test_quoted_hertz_peak_pressure() -> None:
     exact = hertz(0.5 / 0.46, 0.5 / 0.3, modulus(STEEL, STEEL), force=60e3)
     assert f"(Hertz: {exact.peak / 1e6:.0f} MPa)" in README
 

@@ -31,7 +31,7 @@ def data(rows: int = 40) -> Dataset:
     return made.assign(wear(made, 300e6))
 
 
-def test_differences_are_those_of_the_series_as_they_are() -> None:
+def test_differences_are_unshifted_and_unfiltered() -> None:
     one = data(2001)
     time = one["time"].values
     wave = 3e-3 * np.sin(2 * np.pi * time)
@@ -45,7 +45,7 @@ def test_differences_are_those_of_the_series_as_they_are() -> None:
     assert found["vertical force, right"].worst == 0.0
 
 
-def test_runs_are_compared_where_both_have_samples() -> None:
+def test_runs_are_compared_over_their_common_time() -> None:
     """The second run is shorter, and its samples lie elsewhere: a straight line is met on the way."""
     one = data(401)
     other = data(401).isel(time=slice(0, 301, 3))
@@ -62,7 +62,7 @@ def test_rms_is_over_time_and_not_over_samples() -> None:
     assert found[0].rms == pytest.approx(np.sqrt(0.5), rel=0.06)
 
 
-def test_scatter_leaves_noise_and_takes_away_what_is_smooth() -> None:
+def test_residual_noise_excludes_smooth_signals() -> None:
     time = np.linspace(0.0, 2.0, 4001)
     smooth = 1e4 * np.sin(2.0 * time)
     noise = np.random.default_rng(1).normal(0.0, 50.0, len(time))
@@ -70,7 +70,7 @@ def test_scatter_leaves_noise_and_takes_away_what_is_smooth() -> None:
     assert float(scatter(time, smooth + noise).std()) == pytest.approx(50.0, rel=0.05)
 
 
-def test_wear_is_power_over_speed_and_the_place_on_the_map() -> None:
+def test_t_gamma_and_shakedown_map() -> None:
     made = dataset(history())
     power = made["patch_frictional_power"] * 0 + 90.0
     found = wear(made.assign(patch_frictional_power=power), 250e6)
@@ -87,7 +87,7 @@ def test_wear_is_power_over_speed_and_the_place_on_the_map() -> None:
     assert all(values.attrs["units"] and values.attrs["long_name"] for values in found.values())
 
 
-def test_pictures_show_both(tmp_path: Path) -> None:
+def test_figures_show_both_runs(tmp_path: Path) -> None:
     runs = data(), data().assign(wheelset_y=data()["wheelset_y"] + 1e-3)
     files = list(draw_comparison(runs, ("condensed", "standard"), tmp_path))
     assert [file.stem for file in files] == list(PICTURES)
@@ -112,7 +112,7 @@ def test_table_and_file_have_every_channel() -> None:
 
 
 @pytest.mark.parametrize("name", ["curve", "paper_curve"])
-def test_a_scene_takes_another_model(name: str) -> None:
+def test_scene_with_another_model(name: str) -> None:
     text = (FOLDER / f"{name}.toml").read_text()
     assert parse_scene(with_model(text, "condensed")) == load_scene(FOLDER / f"{name}.toml")
     scene, other = load_scene(FOLDER / f"{name}.toml"), parse_scene(with_model(text, "standard"))
@@ -168,7 +168,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert models == ["condensed", "standard"] * 2
 
 
-def test_what_cannot_be_compared(tmp_path: Path) -> None:
+def test_invalid_comparisons(tmp_path: Path) -> None:
     for arguments, says in (
         ([str(FOLDER / "hertz.toml")], 'must be "run"'),
         ([str(FOLDER / "curve.toml"), "--with", "condensed"], "must differ"),

@@ -110,7 +110,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_file_is_whole_or_the_old_one(tmp_path: Path) -> None:
+def test_files_are_written_atomically(tmp_path: Path) -> None:
     file = tmp_path / "folder" / "file.txt"
     with atomic_file(file) as part:
         part.write_text("old")
@@ -121,7 +121,7 @@ def test_a_file_is_whole_or_the_old_one(tmp_path: Path) -> None:
     assert [place.name for place in file.parent.iterdir()] == ["file.txt"]
 
 
-def test_leftovers_of_killed_writers_go_after_a_day(tmp_path: Path) -> None:
+def test_stale_temporaries_are_removed_after_a_day(tmp_path: Path) -> None:
     young, old = (tmp_path / f"{PART}{name}" for name in ("young", "old"))
     for part in (young, old):
         part.write_text("half")
@@ -142,7 +142,7 @@ def small_files() -> object:
     signal.signal(signal.SIGXFSZ, handler)
 
 
-def test_full_disk_leaves_the_old_cache(
+def test_full_disk_keeps_the_previous_cache(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
@@ -154,7 +154,7 @@ def test_full_disk_leaves_the_old_cache(
     assert os.listdir(tmp_path) == ["name.npz"]
 
 
-def test_full_disk_leaves_the_old_results(tmp_path: Path, small_files: object) -> None:
+def test_full_disk_keeps_the_previous_results(tmp_path: Path, small_files: object) -> None:
     (tmp_path / "run.nc").write_text("old")
     with pytest.raises(OSError, match=r"run\.nc|File too large"):
         write(Dataset({"values": ("n", np.random.default_rng(1).random(10_000))}), tmp_path / "run.nc")
@@ -162,7 +162,7 @@ def test_full_disk_leaves_the_old_results(tmp_path: Path, small_files: object) -
     assert (tmp_path / "run.nc").read_text() == "old"
 
 
-def test_run_on_a_full_disk_goes_on_from_its_checkpoints(tmp_path: Path, undisturbed: Path) -> None:
+def test_run_on_a_full_disk_resumes_from_its_checkpoints(tmp_path: Path, undisturbed: Path) -> None:
     quick(tmp_path)
     full = (
         "import wheelrail.scenes.datasets.netcdf as n\n"
@@ -190,7 +190,7 @@ def test_results_that_cannot_be_printed_are_an_error(tmp_path: Path, options: tu
 
 
 @pytest.mark.parametrize("spoiled", [b"", b"\x89HDF\r\n\x1a\n half", None])
-def test_spoiled_results_are_computed_anew(tmp_path: Path, undisturbed: Path, spoiled: bytes | None) -> None:
+def test_damaged_results_are_recomputed(tmp_path: Path, undisturbed: Path, spoiled: bytes | None) -> None:
     quick(tmp_path)
     whole = (undisturbed / "run.nc").read_bytes()
     (tmp_path / "run.nc").write_bytes(whole[: len(whole) // 2] if spoiled is None else spoiled)
@@ -235,9 +235,7 @@ def after(kept, count):
 
 @pytest.mark.parametrize("phase", PHASES)
 @pytest.mark.parametrize("how", ["SIGINT", "SIGKILL"])
-def test_run_stopped_in_any_phase_ends_as_if_it_had_not_been(
-    tmp_path: Path, undisturbed: Path, how: str, phase: str
-) -> None:
+def test_interrupted_run_resumes_to_identical_results(tmp_path: Path, undisturbed: Path, how: str, phase: str) -> None:
     quick(tmp_path)
     status, said = stopped(tmp_path, STOP.format(signal=how) + PHASES[phase])
     assert "Traceback" not in said
@@ -265,7 +263,7 @@ def gone(process: int) -> bool:
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_no_second_process_is_left(tmp_path: Path, how: signal.Signals) -> None:
+def test_no_worker_process_remains(tmp_path: Path, how: signal.Signals) -> None:
     scene = quick(tmp_path, ("curve = 1.0", "curve = 900.0"))
     scene.write_text(scene.read_text().replace("[solver]", "[solver]\nworkers = 2"))
     script = "from wheelrail.cli.entry import main\nmain()"
@@ -305,7 +303,7 @@ print(*map(made, sys.argv[1:]))
 """
 
 
-def test_damaged_machine_code_is_made_again(tmp_path: Path) -> None:
+def test_damaged_machine_code_is_recompiled(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(COMPILED)
 
@@ -342,7 +340,7 @@ def test_damaged_machine_code_is_made_again(tmp_path: Path) -> None:
     assert found == [0, 1, 1] * len(spoiled)
 
 
-def test_machine_code_cut_off_before_any_checksum_is_made_again(tmp_path: Path) -> None:
+def test_truncated_machine_code_without_checksum_is_recompiled(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(COMPILED)
 

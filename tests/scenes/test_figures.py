@@ -64,7 +64,7 @@ def history(rows: int = N, curvature: float = 1 / 1200) -> History:
     )
 
 
-def test_dataset_holds_the_history() -> None:
+def test_dataset_contains_the_history() -> None:
     run = history()
     data = dataset(run, scene='kind = "run"')
     assert data["vertical_force"].sel(side="right").values == pytest.approx(run.outputs.force[:, 1, 2])
@@ -112,7 +112,7 @@ def test_round_trip_through_netcdf(tmp_path: Path, rows: int) -> None:
         assert back["patch_area"].attrs == data["patch_area"].attrs
 
 
-def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_write_keeps_the_previous_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "run.nc"
     write(dataset(history(3)), file)
     before = file.read_bytes()
@@ -128,13 +128,13 @@ def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pyt
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_pictures_are_written(tmp_path: Path) -> None:
+def test_figures_are_written(tmp_path: Path) -> None:
     files = list(figures.draw_figures(dataset(history()), tmp_path))
     assert [file.stem for file in files] == list(figures.PICTURES)
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
 
 
-def test_one_sample_makes_no_picture(tmp_path: Path) -> None:
+def test_no_figures_for_one_sample(tmp_path: Path) -> None:
     assert list(figures.draw_figures(dataset(history(1)), tmp_path)) == []
 
 
@@ -149,7 +149,7 @@ def test_axes_name_quantity_and_unit(name: str) -> None:
 
 
 @pytest.mark.parametrize(("curvature", "inner"), [(1 / 1200, "left"), (-1 / 1200, "right"), (0.0, "")])
-def test_inner_and_outer_follow_the_curve(curvature: float, inner: str) -> None:
+def test_inner_and_outer_side_of_a_curve(curvature: float, inner: str) -> None:
     data = dataset(history(curvature=curvature))
     for side in ("left", "right"):
         word = "" if not inner else " (inner)" if side == inner else " (outer)"
@@ -178,7 +178,7 @@ def test_strips_cover_every_patch_once() -> None:
     assert width[first].sum() == pytest.approx(distance[-1] - distance[0])
 
 
-def test_pictures_touch_no_global_state_of_matplotlib(tmp_path: Path) -> None:
+def test_figures_leave_matplotlibs_global_state_unchanged(tmp_path: Path) -> None:
     code = (
         "import sys, matplotlib; from test_figures import *; before = matplotlib.rcParams.copy();"
         f"list(figures.draw_figures(dataset(history()), Path({str(tmp_path)!r})));"
@@ -229,7 +229,7 @@ def test_cells_are_drawn_in_their_true_lengths() -> None:
     np.testing.assert_allclose(cells.traction[0], [-0.3e8, 0.0], atol=1e-6)
 
 
-def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
+def test_stick_slip_boundary_follows_cell_edges() -> None:
     cells = PatchCells.of(contact_dataset({"left": strips()}, ContactLaws(friction=0.3)), "left", 0)
     assert cells.sticks.tolist() == [False, True, True, False, False, True]
     pieces = cells.stick_edge()
@@ -240,7 +240,7 @@ def test_the_line_between_stick_and_slip_follows_the_cells() -> None:
     assert np.ptp(pieces[along][..., 0], axis=1).sum() == pytest.approx(2e-3)
 
 
-def test_picture_of_patches(tmp_path: Path) -> None:
+def test_figure_of_patches(tmp_path: Path) -> None:
     results = {"left": strips(), "right": strips(-0.1)}
     data = contact_dataset(results, ContactLaws(friction=0.3))
     draw_patches(data, tmp_path / "patches.png")

@@ -48,7 +48,7 @@ def test_a_pair_of_blocks_has_no_wheel(data: Dataset) -> None:
         assert section(found, "x").get_ylabel() == f"on the {body} [MPa]"
 
 
-def test_the_map_shows_every_cell_and_its_pressure(data: Dataset) -> None:
+def test_pressure_map_shows_all_cells(data: Dataset) -> None:
     ax = pressure_map(data, "right")
     own = (data["point_side"] == "right") & (data["point_patch"] == 0)
     (cells,) = (artist for artist in ax.collections if isinstance(artist, PolyCollection))
@@ -71,7 +71,7 @@ def test_slip_arrows_are_in_the_slip_region_and_against_the_traction(data: Datas
     assert regions == {"stick", "slip"}
 
 
-def test_the_section_goes_through_the_middle_beside_hertz(data: Dataset) -> None:
+def test_section_through_the_centre_with_hertz(data: Dataset) -> None:
     ax = section(data, "x", side="right")
     lines = {str(line.get_label()).split(",")[0]: line for line in ax.lines}
     assert set(lines) == {"pressure", "traction", "friction bound", "Hertz"}
@@ -99,14 +99,14 @@ def test_contact_points_lie_on_wheel_and_rail(data: Dataset, side: str) -> None:
     assert (wheel[:, 0].argmin() < wheel[:, 0].argmax()) == (side == "left")  # flanges are inside
 
 
-def test_a_side_or_a_patch_that_is_not_there_is_named(data: Dataset) -> None:
+def test_missing_side_or_patch_is_an_error(data: Dataset) -> None:
     with pytest.raises(ValueError, match="side = 'inner', patch = 0: must be side = 'left'"):
         pressure_map(data, "inner")
     with pytest.raises(ValueError, match="must be 'left' or 'right'"):
         profiles_in_contact(data, "inner")
 
 
-def test_slopes_are_fitted_and_named() -> None:
+def test_fitted_slopes_are_labelled() -> None:
     size = [1e-3, 2e-3, 4e-3]
     ax = convergence(size, {"second": [3.0 * h**2 for h in size], "one": [1e-3, float("nan"), 0.0]})
     assert ax.get_legend_handles_labels()[1] == ["second, slope 2.00", "one"]
@@ -117,7 +117,7 @@ def test_slopes_are_fitted_and_named() -> None:
         convergence(size, {"short": [1.0, 2.0]})
 
 
-def test_work_and_precision_are_those_given() -> None:
+def test_work_precision_plots_its_data() -> None:
     ax = work_precision({"a": ([1e-3, 1e-2], [-1e-2, 1e-3]), "b": ([1.0], [0.1])})
     assert [line.get_label() for line in ax.lines] == ["a", "b"]
     np.testing.assert_array_equal(ax.lines[0].get_ydata(), [1e-2, 1e-3])

@@ -155,7 +155,7 @@ def opened(page: str, folder: Path, *flags: str) -> tuple[dict[str, Any], list[s
     return json.loads(found[1].replace('\\"', '"')), errors, imread(folder / "page.png")
 
 
-def test_a_browser_shows_all_of_a_run(run_page: str, tmp_path: Path) -> None:
+def test_run_page_in_a_browser(run_page: str, tmp_path: Path) -> None:
     """Every picture is there, the view is drawn, nothing is asked of a network, and the console stays empty."""
     found, errors, picture = opened(run_page, tmp_path)
     assert errors == []
@@ -171,7 +171,7 @@ def test_a_browser_shows_all_of_a_run(run_page: str, tmp_path: Path) -> None:
     assert len(np.unique(view.reshape(-1, 3), axis=0)) > 300
 
 
-def test_a_browser_without_graphics_shows_a_picture(run_page: str, tmp_path: Path) -> None:
+def test_still_image_without_webgl(run_page: str, tmp_path: Path) -> None:
     found, errors, _ = opened(run_page, tmp_path, "--disable-3d-apis")
     assert errors == []
     assert found["canvases"] == []
@@ -179,7 +179,7 @@ def test_a_browser_without_graphics_shows_a_picture(run_page: str, tmp_path: Pat
     assert all(width > 300 for _, width in found["images"])
 
 
-def test_a_browser_would_have_complained(tmp_path: Path) -> None:
+def test_browser_errors_are_detected(tmp_path: Path) -> None:
     """What is wrong with a page is seen: a picture that does not load, errors of scripts, and no view."""
     script = "<script>console.error('this, too'); missing()</script>"
     page = f'<html><head></head><body><img alt="a" src="https://example.org/a.png">{script}</body></html>'
@@ -194,7 +194,7 @@ def test_a_browser_would_have_complained(tmp_path: Path) -> None:
 # What a page holds
 
 
-def test_a_run_says_what_it_was(run_page: str) -> None:
+def test_run_page_contents(run_page: str) -> None:
     page = Reader(run_page)
     assert machine() in page.text
     assert "completed at 90.0 m" in page.text
@@ -209,7 +209,7 @@ def test_a_run_says_what_it_was(run_page: str) -> None:
     assert rows["vertical force Q, minimum [kN]"][:2] == ["37", "90.0"]
 
 
-def test_a_page_is_one_file_and_can_be_read_by_ear(run_page: str) -> None:
+def test_page_is_self_contained_and_accessible(run_page: str) -> None:
     page = Reader(run_page)
     assert not re.search(r"<(?:script|link|img|iframe|a)\b[^>]*\b(?:src|href)\s*=\s*[\"']?(?:https?:)?//", run_page)
     assert all(one["src"].startswith("data:image/") and one["alt"] for one in page.of("img"))
@@ -238,7 +238,7 @@ def test_extremes_are_those_of_the_data() -> None:
     assert extreme(data.sel(side="right"), row)[0] == "-2e+04"
 
 
-def test_the_moment_is_that_of_the_largest_lateral_force() -> None:
+def test_view_shows_the_largest_lateral_force() -> None:
     data = run_data()
     assert largest_force_sample(data) == data.sizes["time"] - 1
     force = data["lateral_force"].copy()
@@ -313,7 +313,7 @@ def test_a_study(study_folder: Path) -> None:
     assert 'No 3D view: model = "standard" has no elastic bodies' in page.text
 
 
-def test_a_study_of_runs_shows_the_hardest_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_study_of_runs_shows_the_maximum_peak_pressure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def work(job: Any) -> CaseResult:
         write(run_data(), jobs.run_data(Path(job.folder), job.key))
         return CaseResult("completed", "", 1.0, {"left": {"max_pressure": 1e9 * job.table["friction"]}})
@@ -354,7 +354,7 @@ def test_a_browser_sorts_all_cases_of_a_study(tmp_path: Path) -> None:
     assert status.endswith("converged")
 
 
-def test_of_very_many_cases_the_first_are_shown(tmp_path: Path) -> None:
+def test_long_tables_are_truncated(tmp_path: Path) -> None:
     write(cases_data(6010), tmp_path / "study.nc")
     page = Reader(write_report(tmp_path, view=False).read_text(encoding="utf-8"))
     assert "and 4010 more, in study.nc" in page.text
@@ -379,7 +379,7 @@ def test_of_very_many_cases_the_first_are_shown(tmp_path: Path) -> None:
         ({"differences.json": b'{"first": "a", "second": "b"}'}, "DIR/a/run.nc: file does not exist"),
     ],
 )
-def test_other_folders_are_refused(files: dict[str, Any] | None, complaint: str, tmp_path: Path) -> None:
+def test_folders_without_results_are_rejected(files: dict[str, Any] | None, complaint: str, tmp_path: Path) -> None:
     folder = tmp_path / "given"
     for name, content in (files or {}).items():
         file = folder / name
@@ -398,7 +398,7 @@ def test_other_folders_are_refused(files: dict[str, Any] | None, complaint: str,
     assert not (folder / "report.html").exists()
 
 
-def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_report_is_written_atomically(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "run"
     write(run_data().isel(time=[0]), folder / "run.nc")
     (folder / "report.html").write_text("an older one")
@@ -418,7 +418,7 @@ def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyte
     assert "page.pdf: must end in .html" in refused.stderr
 
 
-def test_words() -> None:
+def test_formatting_of_numbers_and_dates() -> None:
     assert opening("# One\n# two.\n#   a command\n# Three.\nkind = 1\n# four") == "One two. Three."
     assert opening("kind = 1\n# One") == ""
     assert [seconds(v) for v in (0.123, 150.0, 7380.0)] == ["0.123 s", "150 s (2 min 30 s)", "7380 s (2 h 3 min)"]

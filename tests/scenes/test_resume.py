@@ -75,7 +75,7 @@ def assert_same(one: History, other: History) -> None:
 
 @pytest.mark.parametrize("every", [None, 0.007])
 @pytest.mark.parametrize(("method", "steps"), [("ode23", 30), ("rosenbrock", 5)])
-def test_every_checkpoint_leads_to_the_same_end(method: str, steps: int, every: float | None) -> None:
+def test_resuming_from_any_checkpoint_is_bitwise_identical(method: str, steps: int, every: float | None) -> None:
     whole, found = kept(steps, method=method, every=every)
     assert whole.status == "completed"
     assert len(found) > 3
@@ -102,7 +102,7 @@ class Clinging(VehicleContact):
         return found if guess is None else replace(found, force=found.force * (1 + 1e-7 * np.sin(guess.force[2])))
 
 
-def test_no_checkpoint_where_a_contact_cannot_be_solved_from_nothing() -> None:
+def test_no_checkpoint_where_a_cold_contact_solve_fails() -> None:
     whole, found = kept(5, Clinging())
     assert whole.status == "completed"
     assert 3 < len(found) < len(whole) / 6
@@ -110,7 +110,7 @@ def test_no_checkpoint_where_a_contact_cannot_be_solved_from_nothing() -> None:
         assert_same(resumed(5, at, Clinging()), whole)
 
 
-def test_warm_cells_in_two_processes_go_on_to_the_last_bit() -> None:
+def test_warm_cells_in_two_processes_resume_bitwise_identically() -> None:
     options = {"method": "rosenbrock", "rtol": 3e-3, "atol": 3e-6, "span": (0.0, 0.1)}
     with in_parallel(warm_cells()) as contact:
         whole, found = kept(3, contact, **options)
@@ -136,7 +136,7 @@ def written(file: Path) -> tuple[History, CheckpointFile, list[int]]:
     return run(checkpoints=Checkpoints(30, keep)), log, lengths
 
 
-def test_a_file_that_was_torn_or_spoiled_holds_the_checkpoint_before(tmp_path: Path) -> None:
+def test_truncated_or_damaged_file_yields_the_previous_checkpoint(tmp_path: Path) -> None:
     file = tmp_path / "checkpoints"
     whole, _, lengths = written(file)
     content, steps = file.read_bytes(), np.diff(lengths)
@@ -187,7 +187,7 @@ def test_a_flipped_bit_anywhere_is_detected(tmp_path: Path) -> None:
         assert [pickle.dumps(at) for _, _, at in entries(bytes(damaged))] == checkpoints[:intact]
 
 
-def test_entries_of_two_writers_without_locks_do_not_mix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_entries_of_two_writers_are_kept_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def lockf(*given: object) -> None:
         raise OSError(errno.ENOLCK, "No locks available")
 
@@ -203,9 +203,7 @@ def test_entries_of_two_writers_without_locks_do_not_mix(tmp_path: Path, monkeyp
         assert [at.error for _, _, at in entries(file.read_bytes())][1:] == read
 
 
-def test_a_full_disk_does_not_end_a_run_nor_spoil_what_is_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_full_disk_ends_neither_run_nor_checkpoints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     messages: list[str] = []
     log, count, put = checkpoint_file(tmp_path / "checkpoints", messages), 0, os.pwrite
     full = range(3, 5)
@@ -264,7 +262,7 @@ def test_a_checkpoint_file_runs_no_code_and_has_one_writer(tmp_path: Path) -> No
             RestrictedUnpickler(io.BytesIO(b"cvehicle.simulate\n" + imported + b"\n.")).load()
 
 
-def test_what_differs_is_named() -> None:
+def test_differing_keys_are_named() -> None:
     then = {"friction": 0.3, "solver": {"rtol": 1e-3, "workers": 1}, "output": {"figures": True}}
     now = {"friction": 0.3, "solver": {"rtol": 1e-4, "workers": 2}, "output": {"figures": False}, "falling": None}
     assert list(differences(then, now)) == ["solver.rtol: 0.001 before, 0.0001 now"]
@@ -320,7 +318,7 @@ def assert_same_results(one: Path, other: Path) -> None:
             assert mine.attrs[key] == theirs.attrs[key]
 
 
-def test_killed_again_and_again_it_ends_where_the_undisturbed_run_ends(tmp_path: Path) -> None:
+def test_repeatedly_killed_run_gives_identical_results(tmp_path: Path) -> None:
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     assert command(whole).exit_code == 0
     killed(broken, "--resume", at=3)  # before there is anything to go on from
@@ -346,7 +344,7 @@ def test_killed_again_and_again_it_ends_where_the_undisturbed_run_ends(tmp_path:
     assert (other.exit_code, "friction: 0.3 before, 0.2 now" in other.stderr) == (2, True)
 
 
-def test_without_resume_a_run_starts_anew(tmp_path: Path) -> None:
+def test_without_resume_a_run_starts_from_the_beginning(tmp_path: Path) -> None:
     killed(tmp_path, at=400)
     before = (tmp_path / "run.checkpoints").read_bytes()
     done = command(tmp_path, contact=Stopping(5, signal.SIGINT), rtol="2e-3")

@@ -80,7 +80,7 @@ def test_paper_curve_is_that_of_the_paper() -> None:
     assert scene.track.length == 350.0
 
 
-def test_what_may_be_left_out() -> None:
+def test_default_values() -> None:
     text = (
         HERTZ.replace('model = "condensed"', "").replace('laws = "paper"', "").replace("friction = 0.3", "friction = 0")
     )
@@ -117,7 +117,7 @@ def test_scale_of_a_sphere_on_a_plane_is_hertz() -> None:
 SHIFTED = HERTZ.replace("speed = 10.0", "shift = [1e-6, -2e-6]").replace("creepage = [1e-3, 0.0, 0.0]", "")
 
 
-def test_either_law_may_be_exact_alone() -> None:
+def test_exact_normal_or_tangential_law_alone() -> None:
     text = changed(HERTZ, 'laws = "paper"', 'laws = "paper"\nstiffness_per_area = inf\nregularisation = 1e-4')
     assert laws(parse_scene(text)) == ContactLaws(math.inf, 0.3, 1e-4)
     assert laws(parse_scene(text.replace("= inf\n", "= 1e14\n").replace("= 1e-4", "= 0.0"))) == ContactLaws(
@@ -129,7 +129,7 @@ def test_either_law_may_be_exact_alone() -> None:
     assert laws(parse_scene(falling)) == ContactLaws(1e15, FallingFriction(0.3, 0.4, 0.6), 1e-5)
 
 
-def test_a_run_keeps_the_laws_of_the_paper() -> None:
+def test_default_laws_of_a_run_are_the_papers() -> None:
     assert laws(parse_scene(changed(CURVE, 'laws = "paper"', ""), FOLDER / "paper_curve.toml")) == ContactLaws.penalty(
         0.3
     )
@@ -149,7 +149,7 @@ def test_a_shift_moves_the_bodies_apart_and_needs_coulomb() -> None:
 EXACT = changed(HERTZ, 'laws = "paper"', 'laws = "exact"')
 
 
-def test_points_are_fitted_where_they_can_be() -> None:
+def test_fitted_points_are_the_default_with_exact_laws() -> None:
     """Waveguides and the exact normal law take fitted points, unless the scene says otherwise."""
     half = 'laws = "paper"\nstiffness_per_area = inf'
     for text, points in (
@@ -372,7 +372,7 @@ def test_axle_load_needs_both_sides() -> None:
         parse_scene(changed(text, 'sides = ["left", "right"]', 'sides = ["right"]'))
 
 
-def test_profile_file_is_found_beside_the_scene(tmp_path: Path) -> None:
+def test_profile_paths_are_relative_to_the_scene(tmp_path: Path) -> None:
     (tmp_path / "worn.whl").write_text(lines(WHEEL))
     file = tmp_path / "scene.toml"
     file.write_text(changed(WHEELSET, '"S1002" ', '"worn.whl" '))
@@ -412,7 +412,7 @@ def standard(text: str, *more: str) -> str:
     return changed(text, 'model = "condensed"', "\n".join(['model = "standard"', *more]))
 
 
-def test_the_standard_model_takes_scenes_of_the_others_as_they_are() -> None:
+def test_standard_model_accepts_scenes_of_other_models() -> None:
     for text in (HERTZ, WHEELSET, CURVE):
         scene = parse_scene(standard(text), FOLDER / "scene.toml")
         assert (scene.model, scene.normal, scene.tangential) == ("standard", None, None)
@@ -438,7 +438,7 @@ def test_the_standard_model_takes_scenes_of_the_others_as_they_are() -> None:
         (standard(WHEELSET) + "\n[stress]\ndepths = [1e-3]", ("stress", '"condensed" or "full"')),
     ],
 )
-def test_keys_of_one_model_are_refused_by_another(text: str, says: tuple[str, ...]) -> None:
+def test_keys_of_other_models_are_rejected(text: str, says: tuple[str, ...]) -> None:
     with pytest.raises(SceneError) as caught:
         parse_scene(text)
     for part in says:

@@ -124,7 +124,7 @@ def test_parameters_that_change_together_are_one_dimension(here: Here) -> None:
     assert data["friction"].dims == ("load",)
 
 
-def test_a_hypercube_fills_its_ranges_evenly_and_the_same_way_twice(here: Here) -> None:
+def test_hypercube_is_uniform_and_reproducible(here: Here) -> None:
     cube = {
         "samples": 16,
         "seed": 3,
@@ -141,7 +141,7 @@ def test_a_hypercube_fills_its_ranges_evenly_and_the_same_way_twice(here: Here) 
     assert [case.parameters for case in other.cases] != [case.parameters for case in again.cases]
 
 
-def test_whole_numbers_are_drawn_whole_with_both_ends() -> None:
+def test_integer_parameters_are_sampled_as_integers() -> None:
     scene = {**HERTZ, "surface_size": 1e-3, "model": "condensed"}
     del scene["normal"]
     cube = {"samples": 60, "ranges": {"cells": {"low": 4, "high": 9}}}
@@ -162,7 +162,7 @@ def test_sides_of_a_wheelset_and_a_hypercube_for_every_model() -> None:
 
 
 @pytest.mark.parametrize("name", ["study_mesh", "study_curve", "study_samples"])
-def test_studies_that_come_along_are_fine(name: str) -> None:
+def test_shipped_studies_are_valid(name: str) -> None:
     assert plan(load_study(SCENES / f"{name}.toml"), SCENES / f"{name}.toml").cases
 
 
@@ -208,7 +208,7 @@ def test_fitted_cells_converge_to_hertz_at_second_order(here: Here, tmp_path: Pa
     assert (tmp_path / "convergence.png").exists()
 
 
-def test_a_finer_case_is_a_reference_too(here: Here) -> None:
+def test_finer_case_as_reference(here: Here) -> None:
     radii = {"load": [1e4, 2e4, 4e4]}
     data = run_study(study(grid=radii, convergence={"over": "load", "reference": {"load": 8e4}}))
     assert dict(data["area"].sizes) == {"load": 3}
@@ -271,7 +271,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_a_study_that_cannot_be_used_says_why(name: str) -> None:
+def test_invalid_studies_name_the_reason(name: str) -> None:
     what, says = BAD[name]
     with pytest.raises(SceneError) as caught:
         planned(**what)
@@ -279,13 +279,13 @@ def test_a_study_that_cannot_be_used_says_why(name: str) -> None:
     assert all(line.startswith("study: ") for line in str(caught.value).splitlines())
 
 
-def test_huge_studies_are_refused_with_their_number() -> None:
+def test_too_many_cases_are_rejected() -> None:
     many = [1e4 + i for i in range(200)]
     with pytest.raises(SceneError, match=rf"40000 cases \(200 load x 200 friction\): must be at most {MAX_CASES}"):
         planned(grid={"load": many, "friction": [1e-3 * i for i in range(200)]})
 
 
-def test_of_many_bad_values_the_first_are_told() -> None:
+def test_first_of_many_errors_are_reported() -> None:
     with pytest.raises(SceneError) as caught:
         planned(grid={"load": [-1.0 - i for i in range(50)]})
     assert str(caught.value).count("\n") == 5
@@ -307,7 +307,7 @@ LATE = {
 
 
 @pytest.mark.parametrize("name", LATE)
-def test_a_wrong_value_is_found_before_most_cases_are_looked_at(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_invalid_value_is_detected_early(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     grid, says, most = LATE[name]
     looked = list[Any]()
     monkeypatch.setattr(plan_module, "changed", lambda *what: looked.append(what) or changed(*what))
@@ -317,13 +317,13 @@ def test_a_wrong_value_is_found_before_most_cases_are_looked_at(name: str, monke
     assert 1 < len(looked) <= most
 
 
-def test_a_combination_is_looked_at_even_if_it_is_the_last() -> None:
+def test_last_combination_is_validated() -> None:
     says = r"wheelset\.flange_back_distance\[1\] = 1\.5: must be less than the gauge of 1\.435 m"
     with pytest.raises(SceneError, match=says):
         plan(check_study({**RUN, "grid": {"track.gauge": [1.6, 1.435], "wheelset.flange_back_distance": [1.36, 1.5]}}))
 
 
-def test_cases_are_checked_like_scenes_alone() -> None:
+def test_cases_are_validated_like_single_scenes() -> None:
     """A table that was fine in one case is not checked again, and comes out the same."""
     grid = {
         "vehicle.speed": [30.0, 40.0],
@@ -341,7 +341,7 @@ def test_cases_are_checked_like_scenes_alone() -> None:
     assert len({id(case.scene.track) for case in found.cases}) == 2  # type: ignore[union-attr]
 
 
-def test_the_command_refuses_before_it_computes(tmp_path: Path) -> None:
+def test_command_rejects_invalid_studies_before_computing(tmp_path: Path) -> None:
     file = tmp_path / "bad.toml"
     file.write_text(f'scene = "{SCENES / "hertz.toml"}"\n[grid]\nload = [1e4, 6e40]\n')
     found = CliRunner().invoke(app, ["study", str(file), "--out", str(tmp_path / "out")])
@@ -353,7 +353,7 @@ def test_the_command_refuses_before_it_computes(tmp_path: Path) -> None:
 # What is kept
 
 
-def test_only_what_is_missing_is_computed(here: Here, tmp_path: Path) -> None:
+def test_only_missing_cases_are_computed(here: Here, tmp_path: Path) -> None:
     first = run_study(study(grid={"load": [1e4, 2e4]}), tmp_path, pictures=False)
     assert len(here.jobs) == 2
     again = run_study(study(grid={"load": [1e4, 2e4]}), tmp_path, pictures=False)
@@ -367,7 +367,7 @@ def test_only_what_is_missing_is_computed(here: Here, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "other", "garbage"])
-def test_a_damaged_case_is_computed_anew(damage: str, tmp_path: Path, here: Here) -> None:
+def test_damaged_case_is_recomputed(damage: str, tmp_path: Path, here: Here) -> None:
     run_study(study(grid={"load": [1e4, 2e4]}), tmp_path, pictures=False)
     one, two = sorted((tmp_path / "cases").iterdir())
     whole = one.read_bytes()
@@ -385,7 +385,7 @@ def test_a_damaged_case_is_computed_anew(damage: str, tmp_path: Path, here: Here
     np.testing.assert_allclose(data["max_pressure"], [exact(1e4), exact(2e4)], rtol=1e-6)
 
 
-def test_files_that_scenes_name_count_by_what_they_hold(tmp_path: Path) -> None:
+def test_case_key_depends_on_file_contents(tmp_path: Path) -> None:
     scene = SCENES / "curve.toml"
     wagon = tmp_path / "wagon.toml"
     wagon.write_text("roll_bar = 1e6\n")
@@ -401,13 +401,13 @@ def test_files_that_scenes_name_count_by_what_they_hold(tmp_path: Path) -> None:
     assert Job.of(case).key != one.key
 
 
-def test_the_same_scene_twice_is_computed_once(here: Here) -> None:
+def test_identical_scenes_are_computed_once(here: Here) -> None:
     data = run_study(study(latin_hypercube={"samples": 6, "ranges": {"upper.nu": {"low": 0.3, "high": 0.3 + 1e-16}}}))
     assert 1 <= len(here.jobs) < 6
     assert set(data["status"].values.flat) == {"converged"}
 
 
-def test_a_case_that_cannot_be_kept_is_told_and_used(
+def test_case_that_cannot_be_stored_is_reported_and_used(
     here: Here, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "cases").write_text("in the way")
@@ -419,7 +419,7 @@ def test_a_case_that_cannot_be_kept_is_told_and_used(
 # What goes wrong on the way
 
 
-def test_a_failed_case_has_its_error_and_the_rest_goes_on(here: Here, tmp_path: Path) -> None:
+def test_failed_case_has_its_error_and_others_continue(here: Here, tmp_path: Path) -> None:
     scene = json.loads(json.dumps(load_study(SCENES / "study_samples.toml").base(SCENES)[0]))
     fix = {"model": "standard", "laws": "exact", "normal": "hertz", "tangential": "polach"}
     table = {"scene": scene, "set": fix, "grid": {"track.gauge_height": [0.014, 0.049], "wheelset.y": [0.0, 1e-3]}}
@@ -477,7 +477,7 @@ def test_messages_of_workers_are_logged_here(caplog: pytest.LogCaptureFixture) -
     assert sorted(messages) == [("wheelrail.contact.work", "INFO", f"{load:g} N, 5 %") for load in (1e4, 2e4, 3e4)]
 
 
-def test_a_lost_case_is_computed_the_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lost_case_is_recomputed_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     gone = Here(lambda job: CaseResult("failed", "gone", lost=True) if job.table["load"] == 2e4 else solve(job))
     monkeypatch.setattr(run_module, "processes", lambda count: gone)
     data = run_study(study(grid={"load": [1e4, 2e4]}), tmp_path, pictures=False)
@@ -489,7 +489,7 @@ def test_a_lost_case_is_computed_the_next_time(tmp_path: Path, monkeypatch: pyte
     assert list(data["status"].values) == ["converged", "converged"]
 
 
-def test_another_version_on_a_worker_computes_nothing() -> None:
+def test_worker_of_another_version_is_rejected() -> None:
     job = cases(1e4)[0]
     found = solve(replace(job, computer={**job.computer, "sources": "another"}))
     assert found.lost
@@ -542,7 +542,7 @@ friction = [0.10, 0.14, 0.18, 0.22, 0.24, 0.26, 0.30, 0.34, 0.38, 0.40]
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
-def test_a_stopped_study_goes_on_and_leaves_no_process(how: signal.Signals, tmp_path: Path, here: Here) -> None:
+def test_interrupted_study_resumes_and_leaves_no_process(how: signal.Signals, tmp_path: Path, here: Here) -> None:
     file, out = tmp_path / "slow.toml", tmp_path / "out"
     file.write_text(SLOW.replace("SCENE", str(SCENES / "hertz.toml")))
     process = started(file, out)
@@ -610,9 +610,7 @@ def numbers(data: Dataset) -> Dataset:
     return data.drop_vars([name for name in data if "seconds" in str(name)]).assign_attrs(created="")
 
 
-def test_a_run_that_was_killed_goes_on_from_its_checkpoint(
-    tmp_path: Path, here: Here, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_killed_run_resumes_from_its_checkpoint(tmp_path: Path, here: Here, monkeypatch: pytest.MonkeyPatch) -> None:
     solved, made = list[Counted](), scene_run.wheelset_contact
     monkeypatch.setattr(scene_run, "wheelset_contact", lambda scene: solved.append(Counted(made(scene))) or solved[-1])
     file = tmp_path / "curve.toml"
@@ -651,7 +649,7 @@ def test_a_run_that_was_killed_goes_on_from_its_checkpoint(
 # A cluster
 
 
-def test_a_cluster_gives_the_same_and_survives_a_dead_worker(tmp_path: Path) -> None:
+def test_cluster_gives_identical_results_despite_a_killed_worker(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     from dask import config
 
@@ -673,7 +671,7 @@ def test_a_cluster_gives_the_same_and_survives_a_dead_worker(tmp_path: Path) -> 
     np.testing.assert_allclose(data["max_pressure"], [exact(load) for load in data["load"].values], rtol=1e-6)
 
 
-def test_a_scheduler_that_dies_ends_the_study_and_keeps_what_is_done(
+def test_lost_scheduler_ends_the_study_and_keeps_finished_cases(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Dying(Here):

@@ -98,7 +98,7 @@ def test_a_contact_scene() -> None:
     assert RANGES[MISES] == pytest.approx((0.0, 800.0))
 
 
-def test_a_page_needs_no_network() -> None:
+def test_html_page_is_self_contained() -> None:
     """All scripts and styles stand in the page itself, and so does the title, with its signs made harmless."""
     page = drawn()
     head = page[: page.index("<body>")]
@@ -118,7 +118,7 @@ def test_fields_on_a_mesh() -> None:
     assert mesh.volume == pytest.approx(40.0**3)
 
 
-def test_the_patch_lies_where_the_contact_is() -> None:
+def test_patch_position() -> None:
     """On top of the rail, left of its middle; right of it in the mirror; down with the rail that gives way."""
     fields = result().fields
     assert fields is not None
@@ -173,7 +173,7 @@ def run_data() -> Dataset:
     )
 
 
-def test_a_film_of_a_run(tmp_path: Path) -> None:
+def test_animation_of_a_run(tmp_path: Path) -> None:
     """As many frames as asked for, no two of them alike; films of both kinds; bad wishes are refused at once."""
     import imageio.v3 as imageio
 
@@ -206,22 +206,22 @@ def test_a_film_of_a_run(tmp_path: Path) -> None:
         (["animate", "nowhere", "--out", "a.gif"], "nowhere: file does not exist"),
     ],
 )
-def test_bad_wishes_are_refused(command: list[str], complaint: str) -> None:
+def test_invalid_options_are_rejected(command: list[str], complaint: str) -> None:
     outcome = CliRunner().invoke(app, command)
     assert outcome.exit_code == 2
     assert complaint in outcome.stderr
 
 
-def test_scales_are_round() -> None:
+def test_default_scale_is_a_round_number() -> None:
     assert [round_scale(v) for v in (1.0, 1.9, 2.1, 49.0, 99.9, 501.0)] == [1, 1, 2, 20, 50, 500]
 
 
-def test_pictures_end_in_png_or_html(tmp_path: Path) -> None:
+def test_view_file_endings(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="must end in"):
         save_view(None, tmp_path / "a.jpg")
 
 
-def test_a_notebook_shows_a_scene_to_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) -> None:
     """In a real kernel a plotter shows itself as a widget with a page of its own server in it."""
     import nbclient
     import nbformat

@@ -44,7 +44,7 @@ def test_shipped_wagon_is_the_built_in_one_and_complete() -> None:
     assert keys(parse(file.read_text(), file)) == keys(parse(wagon_toml(Wagon()), "text"))
 
 
-def test_shipped_springs_in_series() -> None:
+def test_shipped_maxwell_elements() -> None:
     found = load_wagon(FOLDER / "manchester_series.toml")
     stages = found.primary, found.secondary
     values = [(stage.lateral_series_stiffness, stage.vertical_series_stiffness) for stage in stages]
@@ -54,7 +54,7 @@ def test_shipped_springs_in_series() -> None:
 
 
 @pytest.mark.parametrize("wagon", [Wagon(), OTHER], ids=["manchester", "other"])
-def test_a_wagon_written_and_read_is_the_same(wagon: Wagon, tmp_path: Path) -> None:
+def test_wagon_file_round_trip(wagon: Wagon, tmp_path: Path) -> None:
     file = tmp_path / "wagon.toml"
     text = wagon_toml(wagon)
     file.write_text(text)
@@ -62,7 +62,7 @@ def test_a_wagon_written_and_read_is_the_same(wagon: Wagon, tmp_path: Path) -> N
     assert "None" not in text  # every value has its unit
 
 
-def test_a_scene_names_a_wagon_and_replaces_values_in_it(tmp_path: Path) -> None:
+def test_scene_overrides_values_of_a_wagon_file(tmp_path: Path) -> None:
     (tmp_path / "my.toml").write_text("roll_bar = 1e6\n[car_body]\nmass = 40e3\n[secondary]\nturn = 0.5\n")
     text = CURVE.replace(SPEED, 'wagon = "my.toml"\ncar_body = {mass = 36e3}\n' + SPEED)
     scene = parse_scene(text, tmp_path / "scene.toml")
@@ -76,7 +76,7 @@ def test_a_scene_names_a_wagon_and_replaces_values_in_it(tmp_path: Path) -> None
     assert plain.vehicle.changed is False
 
 
-def test_the_wagon_rolls_on_the_scenes_wheels(tmp_path: Path) -> None:
+def test_wheel_radius_of_wagon_and_scene_must_agree(tmp_path: Path) -> None:
     smaller = CURVE.replace("radius = 0.46 ", "radius = 0.42 ")
     scene = parse_scene(smaller.replace(SPEED, "roll_bar = 1e6\n" + SPEED))
     assert isinstance(scene, RunScene)
@@ -120,7 +120,7 @@ def test_the_wagon_rolls_on_the_scenes_wheels(tmp_path: Path) -> None:
         ("[primary", ("not valid TOML",)),
     ],
 )
-def test_faults_name_file_key_value_and_what_is_allowed(text: str, says: tuple[str, ...], tmp_path: Path) -> None:
+def test_errors_name_file_key_value_and_allowed_values(text: str, says: tuple[str, ...], tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(text)
     scene = CURVE.replace(SPEED, 'wagon = "my.toml"\n' + SPEED)
@@ -132,7 +132,7 @@ def test_faults_name_file_key_value_and_what_is_allowed(text: str, says: tuple[s
     assert 'vehicle.wagon = "my.toml"' in str(error.value)
 
 
-def test_a_missing_file_is_said_to_be_missing(tmp_path: Path) -> None:
+def test_missing_wagon_file(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r'vehicle\.wagon = "nowhere\.toml".*cannot be read'):
         parse_scene(CURVE.replace(SPEED, 'wagon = "nowhere.toml"\n' + SPEED), tmp_path / "scene.toml")
 

@@ -45,7 +45,7 @@ def same(found: Any, expected: Any) -> bool:
     )
 
 
-def test_what_was_stored_is_found_again(folder: Path) -> None:
+def test_stored_arrays_are_loaded(folder: Path) -> None:
     assert load("kind/name") is None
     store("kind/name", ARRAYS)
     assert same(load("kind/name"), ARRAYS)
@@ -89,9 +89,7 @@ def test_half_written_files_are_never_read(before: Any, breaking: Callable[[Base
     assert found is None if before is None else same(found, before)  # an older file stays whole
 
 
-def test_full_disk_only_warns_and_leaves_nothing_behind(
-    folder: Path, breaking: Callable[[BaseException], None]
-) -> None:
+def test_full_disk_warns_and_leaves_no_file(folder: Path, breaking: Callable[[BaseException], None]) -> None:
     breaking(OSError(errno.ENOSPC, "No space left on device"))
     with pytest.warns(UserWarning, match="cannot be written"):
         store("kind/name", ARRAYS)
@@ -106,7 +104,7 @@ def test_cache_that_cannot_be_written_only_warns(tmp_path: Path, monkeypatch: py
         assert same(cached("kind/name", lambda: ARRAYS, list(ARRAYS)), ARRAYS)
 
 
-def test_read_only_cache_serves_and_only_warns(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_read_only_cache_is_used_with_a_warning(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store("kind/old", ARRAYS)
 
     def denied(**options: Any) -> None:  # chmod would not stop root
@@ -132,7 +130,7 @@ def test_truncated_file_is_rebuilt(folder: Path) -> None:
     assert same(load("kind/name"), ARRAYS)
 
 
-def test_any_flipped_bit_is_noticed_or_harmless(folder: Path) -> None:
+def test_any_flipped_bit_is_detected_or_harmless(folder: Path) -> None:
     store("kind/name", ARRAYS)
     path = folder / "kind" / "name.npz"
     whole = path.read_bytes()
@@ -155,7 +153,7 @@ def test_wrong_arrays_are_rebuilt(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", ["truncate", "flip", "empty", "other", "pickle"])
-def test_damaged_mesh_is_made_again(folder: Path, damage: str) -> None:
+def test_damaged_mesh_is_regenerated(folder: Path, damage: str) -> None:
     solid, key = block((2, 2), half_width=4.0, grading=COARSE)
     path = folder / "mesh" / f"{key}.npz"
     whole = path.read_bytes()
@@ -175,7 +173,7 @@ def test_damaged_mesh_is_made_again(folder: Path, damage: str) -> None:
     assert same(load(f"mesh/{key}"), vars(solid))
 
 
-def test_cached_mesh_is_not_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cached_mesh_is_not_regenerated(monkeypatch: pytest.MonkeyPatch) -> None:
     first, key = block((2, 2), half_width=4.0, grading=COARSE)
     monkeypatch.setattr(bodies, "triangulate", lambda *args, **options: pytest.fail("meshed again"))
     second, same_key = block((2, 2), half_width=4.0, grading=COARSE)
@@ -185,7 +183,7 @@ def test_cached_mesh_is_not_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
         block((2, 2), half_width=4.5, grading=COARSE)
 
 
-def test_long_work_logs_its_memory_and_the_time_left(
+def test_long_computations_log_memory_and_remaining_time(
     folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     solid, key = block((2, 2), half_width=4.0, grading=COARSE)
@@ -207,7 +205,7 @@ def test_long_work_logs_its_memory_and_the_time_left(
     assert len(heard) == groups
 
 
-def test_sampling_a_spectrum_logs_the_time_left(
+def test_sampling_a_spectrum_logs_the_remaining_time(
     folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     clock = count(0, 10)  # s, ten for each wavenumber

@@ -33,7 +33,7 @@ def said(folder: Path) -> str:
     return run.stdout.strip()
 
 
-def test_a_change_in_a_called_file_is_seen(tmp_path: Path) -> None:
+def test_change_in_a_called_file_is_detected(tmp_path: Path) -> None:
     root = tmp_path / "wheelrail"
     for package in (root, root / "support", root / "meshes", root / "contact", root / "contact" / "deep"):
         package.mkdir()
@@ -74,7 +74,7 @@ print(folder(), twice.stats.cache_path)
 """
 
 
-def test_where_no_cache_can_be_written_the_next_folder_is_taken_or_none(tmp_path: Path) -> None:
+def test_fallback_without_a_writable_cache_folder(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("not a folder")
     script = tmp_path / "script.py"

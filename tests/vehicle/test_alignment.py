@@ -28,7 +28,7 @@ S_CURVE = [
 
 
 @pytest.mark.parametrize("shape", ["quintic", "clothoid", "bloss"])
-def test_courses_integrate_exactly(shape: Shape) -> None:
+def test_piecewise_functions_integrate_exactly(shape: Shape) -> None:
     course = PiecewiseFunction((10.0, 60.0, 90.0, 120.0), (0.3, 1.0, 1.0, -0.5), shape=shape, corner=4.0)
     for s in (-5.0, 5.0, 11.0, 33.0, 58.0, 75.0, 100.0, 118.5, 150.0):
         parts = sorted({0.0, s, *(b for b in course.breaks if min(0.0, s) < b < max(0.0, s))}, reverse=s < 0.0)
@@ -36,7 +36,7 @@ def test_courses_integrate_exactly(shape: Shape) -> None:
         assert course.integral(s) == pytest.approx(exact, abs=1e-12)
 
 
-def test_bloss_is_its_formula_with_its_jumps() -> None:
+def test_bloss_transition() -> None:
     course = PiecewiseFunction((0.0, 80.0), (0.0, 2e-3), shape="bloss")
     u = np.linspace(0.01, 0.99, 9)
     np.testing.assert_allclose([course(80 * x)[0] for x in u], 2e-3 * (3 * u**2 - 2 * u**3), rtol=1e-14)
@@ -46,7 +46,7 @@ def test_bloss_is_its_formula_with_its_jumps() -> None:
     assert course(-1e-9)[2] == 0.0
 
 
-def test_segments_give_curvature_lift_and_gradient() -> None:
+def test_segments_give_curvature_superelevation_and_gradient() -> None:
     curvature, superelevation, gradient = track_functions(S_CURVE)
     for s, k, h in (
         (-1.0, 0.0, 0.0),
@@ -85,7 +85,7 @@ def test_the_short_form_is_the_same_segments() -> None:
     )
 
 
-def test_the_other_hand_is_the_mirror_image_to_the_last_bit() -> None:
+def test_right_hand_track_is_the_mirror_image_bitwise() -> None:
     from dataclasses import replace
 
     other = [replace(s, curvature=None if s.curvature is None else -s.curvature) for s in S_CURVE]
@@ -120,7 +120,7 @@ T, A = Segment("tangent", 10.0), Segment("arc", 10.0, 1e-3, 0.05)
         ([T, Segment("tangent", 5.0, gradient=0.01, vertical_radius=-1.0)], 1, "vertical_radius", "greater than 0"),
     ],
 )
-def test_segments_that_make_no_track(segments: list[Segment], index: int, key: str, says: str) -> None:
+def test_invalid_segments(segments: list[Segment], index: int, key: str, says: str) -> None:
     with pytest.raises(AlignmentError, match=f"segment {index}") as caught:
         track_functions(segments)
     assert (caught.value.index, caught.value.key) == (index, key)
@@ -186,7 +186,7 @@ def test_frame_on_segments_at_changing_speed_against_differences(at: float) -> N
     np.testing.assert_allclose(frame.rate_dot, change, atol=3e-7)
 
 
-def test_drives_go_where_their_speed_takes_them() -> None:
+def test_distance_is_the_integral_of_the_speed() -> None:
     profile = SpeedProfile.through((1.0, 4.0, 9.0), (30.0, 45.0, 20.0))
     for t in (0.5, 2.0, 3.9, 6.5, 12.0):
         exact = quad(lambda x: profile(x).speed, 0.0, t, points=[p for p in (1.0, 4.0, 9.0) if p < t], epsabs=1e-11)[0]

@@ -117,7 +117,7 @@ def found_in(steady: SteadyCurving) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("speed", [15.0, 30.0, 45.0, 55.0])
-def test_statics_on_paper(speed: float) -> None:
+def test_statics_in_closed_form(speed: float) -> None:
     """What statics leave out: squares of the angles, bodies that sink by 2 mm, speeds that differ over the height."""
     curve = replace(PAPER, speed=speed)
     found, expected = found_in(curving(WAGON, SPRINGS, curve)), on_paper(curve)
@@ -185,7 +185,7 @@ def test_right_hand_curve_is_the_mirror_image(contact) -> None:  # type: ignore[
     assert left.derailment_quotient["right"] == outer[1] / outer[2]
 
 
-def test_over_speeds_each_from_the_one_before() -> None:
+def test_continuation_over_speeds() -> None:
     speeds = np.linspace(20.0, 50.0, 7)
     curves = [replace(PAPER, speed=float(v)) for v in speeds]
     together, alone = CountedContact(CONTACT), CountedContact(CONTACT)
@@ -201,7 +201,7 @@ def test_over_speeds_each_from_the_one_before() -> None:
     assert [s.bumpstop_force > 0.0 for s in wider] == [True, True, False]
 
 
-def test_a_run_into_the_curve_shows_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None:
     expected, starts = curving(WAGON, CONTACT, PAPER), []
     newton = wheelrail.vehicle.steady.equilibrium._newton
 
@@ -219,7 +219,7 @@ def test_a_run_into_the_curve_shows_the_way(monkeypatch: pytest.MonkeyPatch) -> 
     assert found.equilibrium.iterations <= 6
 
 
-def test_no_steady_position_is_told_with_its_curve() -> None:
+def test_no_equilibrium_names_the_curve() -> None:
     @FunctionContact
     def nothing(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         return ContactResult.separated()
@@ -238,7 +238,7 @@ def test_no_steady_position_is_told_with_its_curve() -> None:
         ({"cant": 2.0}, "cant = 2.0: must be less than"),
     ],
 )
-def test_senseless_curves_are_refused(change: dict[str, float], text: str) -> None:
+def test_invalid_curves_are_rejected(change: dict[str, float], text: str) -> None:
     with pytest.raises(ValueError, match=text):
         replace(PAPER, **change)
 

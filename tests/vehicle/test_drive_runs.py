@@ -25,7 +25,7 @@ def no_contact(state: WheelsetState, side: Side, guess: ContactResult | None = N
     return ContactResult.separated()
 
 
-def test_a_wheel_that_nothing_turns_keeps_its_spin() -> None:
+def test_free_wheel_keeps_its_spin() -> None:
     dynamics = Dynamics(Wagon(), Track(), no_contact, BRAKES)
     run = simulate(dynamics, (0.0, 3.0), initial=np.zeros(2 * COUNT), steps=StepSettings("ode45"))
     assert run.status == "completed"
@@ -33,7 +33,7 @@ def test_a_wheel_that_nothing_turns_keeps_its_spin() -> None:
     np.testing.assert_allclose(run.wheelset[:, 3], 40.0 / 0.46 * run.time, rtol=1e-4, atol=1e-6)
 
 
-def test_rails_turn_the_wheelset_slower_while_the_vehicle_brakes() -> None:
+def test_rails_decelerate_the_wheelset_during_braking() -> None:
     """Both contacts together push forward by -J dV/dt / r^2; the pitch is what was rolled, but for the creepage."""
     dynamics, steps = Dynamics(Wagon(), Track(), CONTACT, BRAKES), StepSettings("rosenbrock", 1e-5, 1e-8)
     run = simulate(dynamics, (0.0, 4.5), steps=steps, recording=Recording(0.05))
@@ -48,7 +48,7 @@ def test_rails_turn_the_wheelset_slower_while_the_vehicle_brakes() -> None:
     assert run.distance[-1] == pytest.approx(0.5 * (40 + 30) * 4.0 + 30 * 0.5, rel=1e-14)
 
 
-def test_constant_speed_is_the_same_as_a_drive_that_never_changes_it() -> None:
+def test_constant_speed_equals_a_constant_profile() -> None:
     one, other = (
         simulate(Dynamics(Wagon(), Track(), CONTACT, speed), (0.0, 0.1), steps=StepSettings("rosenbrock"))
         for speed in (40.0, SpeedProfile.of(40.0))

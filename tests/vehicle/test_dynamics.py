@@ -112,14 +112,14 @@ def test_equilibrium_with_a_second_contact_point(radius: float, speed: float, sl
     assert contact.costs["left"].solves <= 150
 
 
-def test_equilibrium_does_without_contacts_deeper_than_the_model_goes() -> None:
+def test_equilibrium_avoids_depths_beyond_the_model() -> None:
     rest = equilibrium(dynamics()).contacts["left"].approach
     for deepest in (1.01 * rest, 1.1 * rest):
         shallow = WheelsetContact(TwoPointContact(deepest=deepest), CONTACT.mounting)
         assert equilibrium(dynamics(contact=shallow)).residual < 1e-6
 
 
-def test_equilibrium_goes_on_from_a_guess() -> None:
+def test_equilibrium_from_an_initial_guess() -> None:
     first = equilibrium(dynamics(), time=IN_CURVE)
     counted = CountedContact(CONTACT)
     again = equilibrium(dynamics(contact=counted), time=IN_CURVE, guess=first.state)
@@ -127,7 +127,7 @@ def test_equilibrium_goes_on_from_a_guess() -> None:
     assert counted.costs["left"].solves == 1
 
 
-def test_without_rest_there_is_an_error() -> None:
+def test_no_equilibrium_is_an_error() -> None:
     with pytest.raises(EquilibriumError, match="50 mm"):
         equilibrium(dynamics(contact=no_contact))
     slippery = WheelsetContact(SmoothContact(cone=0.0, flange=0.0), CONTACT.mounting)
@@ -219,7 +219,7 @@ def test_energy_of_the_undamped_free_wagon(track: Track) -> None:
     assert np.ptp([conserved(d, frame, start), *energies]) < 1e-5 * scale
 
 
-def test_failed_or_senseless_contact_results_are_not_used() -> None:
+def test_failed_or_non_finite_contact_results_are_rejected() -> None:
     @FunctionContact
     def failing(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         return replace(ContactResult.separated(), status="failed: no convergence")
@@ -247,7 +247,7 @@ def test_failed_or_senseless_contact_results_are_not_used() -> None:
         Dynamics(Wagon(), CURVE, CONTACT, 0.0)
 
 
-def test_the_contact_sees_the_wheelset_and_the_frame() -> None:
+def test_contact_receives_wheelset_and_frame_motion() -> None:
     seen: list[WheelsetState] = []
 
     @FunctionContact

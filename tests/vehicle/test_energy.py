@@ -45,7 +45,7 @@ def series_wagon() -> Wagon:
     ],
     ids=["curve and slope", "irregular rails", "braking", "dampers on springs"],
 )
-def test_it_closes(wagon: Wagon, track: Track, speed: float | SpeedProfile) -> None:
+def test_energy_balance_closes(wagon: Wagon, track: Track, speed: float | SpeedProfile) -> None:
     history = run(wagon, track, speed, 1e-5)
     assert history.status == "completed"
     found = energy_balance(history, wagon, track)
@@ -55,13 +55,13 @@ def test_it_closes(wagon: Wagon, track: Track, speed: float | SpeedProfile) -> N
     assert (found.power[:, POWERS.index("dampers")] <= 0.0).all()
 
 
-def test_gap_fades_with_the_tolerance() -> None:
+def test_gap_decreases_with_the_tolerance() -> None:
     runs = (run(Wagon(), CURVE, 45.0, rtol, "rosenbrock") for rtol in (1e-2, 1e-3, 1e-4))
     errors = [energy_balance(history, Wagon(), CURVE).error for history in runs]
     assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2]
 
 
-def test_a_force_that_is_left_out_shows() -> None:
+def test_omitted_force_opens_the_balance() -> None:
     history = run(Wagon(), CURVE, 45.0, 1e-5)
     found = energy_balance(history, Wagon(), CURVE)
     for cause in range(len(POWERS)):
@@ -70,7 +70,7 @@ def test_a_force_that_is_left_out_shows() -> None:
         assert EnergyBalance(found.time, found.energy, power).error > 5.0 * found.error
 
 
-def test_gravity_works_on_what_sinks() -> None:
+def test_work_of_gravity() -> None:
     """On a straight level track the work of gravity is the weight times the way down."""
     wagon, plane = Wagon(), Wagon().plane
     dynamics = Dynamics(wagon, Track(), CONTACT, 45.0)
@@ -85,7 +85,7 @@ def test_gravity_works_on_what_sinks() -> None:
     assert found.error < 1e-4
 
 
-def test_results_carry_it() -> None:
+def test_results_contain_the_energy_balance() -> None:
     history = run(Wagon(), CURVE, 45.0, 1e-4)
     data = with_energy(dataset(history), history, Wagon(), CURVE)
     assert data["power"].sel(cause="dampers").max() <= 0.0

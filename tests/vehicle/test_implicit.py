@@ -204,7 +204,7 @@ def test_accuracy_and_cost_of_a_run(plain: History, tight: History) -> None:
     assert explicit.cost.steps.evaluations > 10 * run(span=(0.0, 0.5)).cost.steps.evaluations
 
 
-def test_a_scene_may_ask_for_it(plain: History) -> None:
+def test_method_in_a_scene(plain: History) -> None:
     asked = SolverTable(method="rosenbrock", workers=2)
     assert (asked.method, asked.workers, SolverTable().workers) == ("rosenbrock", 2, 1)
     for wrong in ({"workers": 3}, {"method": "radau"}):
@@ -259,7 +259,7 @@ def test_noise_and_jumps_do_not_collapse_the_step(rough: Rough, plain: History, 
     assert np.abs(np.interp(plain.time, history.time, history.wheelset[:, 0]) - plain.wheelset[:, 0]).max() < 5e-5
 
 
-def test_states_where_the_contact_fails_are_stepped_round(tight: History) -> None:
+def test_steps_avoid_states_where_the_contact_fails(tight: History) -> None:
     """The largest lateral speed of the run, and not much more, is allowed: what long steps try is beyond."""
     fastest = np.abs(tight.state[:, 16]).max()
     history = run(WheelsetContact(Rough(0.0, 0.0, fails=1.05 * fastest), MOUNTING), rtol=1e-2, atol=1e-4)
@@ -273,7 +273,7 @@ def test_states_where_the_contact_fails_are_stepped_round(tight: History) -> Non
     assert np.isfinite(ended.state).all()
 
 
-def test_each_evaluation_is_handed_the_one_before() -> None:
+def test_each_evaluation_receives_the_previous_one() -> None:
     calls: list[tuple[Rate | None, Rate]] = []
 
     def rhs(t: float, x: np.ndarray, previous: Rate | None) -> Rate:
@@ -300,7 +300,7 @@ def test_tolerances_of_rates() -> None:
     assert tolerances("ode23", 1e-6) == 1e-6
 
 
-def test_an_interrupted_implicit_run_keeps_everything() -> None:
+def test_interrupted_implicit_run_returns_its_history() -> None:
     @dataclass
     class Impatient(VehicleContact):
         calls: list[Side] = field(default_factory=list)
@@ -332,7 +332,7 @@ class Remembering(VehicleContact):
         return replace(found, approach=0.0 if guess is None else guess.approach + 1.0, fields=(side,))  # type: ignore[arg-type]
 
 
-def test_two_processes_give_the_same_to_the_last_bit(plain: History) -> None:
+def test_two_processes_are_bitwise_identical(plain: History) -> None:
     with in_parallel(Tangential()) as contact:
         history = run(contact)
         assert not contact.released or len(contact.released) < 50
@@ -482,7 +482,7 @@ def test_the_right_side_is_announced_before_the_left_one_through_a_counted_conta
     assert [(cost.solves, cost.tangents) for cost in counted.costs.values()] == [(1, 1), (1, 1)]
 
 
-def test_a_contact_without_a_tangent_says_so_through_a_counted_contact() -> None:
+def test_counted_contact_without_tangent_raises() -> None:
     state = WheelsetState(z=-6e-5, pitch_rate=V / 0.46, speed=V)
     counted = CountedContact(Pid())
     result = counted(state, "left")

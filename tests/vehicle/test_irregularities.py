@@ -34,7 +34,7 @@ def plateau(values: list[float], length: float = 300.0) -> Irregularities:
     return Irregularities.faded(stations, np.tile(values, (1501, 1)))
 
 
-def test_spectra_are_those_of_other_programs() -> None:
+def test_spectra_against_other_programs() -> None:
     """ORE B176 high as given in the manual of GENSYS (program TRC_IPSD), in m2/(1/m)."""
     f = np.array([0.0200, 0.1000, 0.2000])
     found = 2 * np.pi * ERRI["high"](2 * np.pi * f)
@@ -63,7 +63,7 @@ def test_realisations_have_their_spectrum_and_variance() -> None:
     assert density[:, outside].max() < 1e-3 * density[:, inside].min()
 
 
-def test_a_seed_names_a_track_however_long() -> None:
+def test_seed_determines_the_track_for_any_length() -> None:
     short, long, other = (
         ERRI["low"].irregularities(length, seed=seed) for length, seed in ((150.0, 3), (300.0, 3), (150.0, 4))
     )
@@ -96,7 +96,7 @@ def test_a_shift_of_both_rails_is_one_of_the_wheelset() -> None:
         np.testing.assert_allclose(other.moment, one.moment, rtol=1e-9, atol=1e-9)
 
 
-def test_shifts_in_the_mirror() -> None:
+def test_mirrored_shifts() -> None:
     state = WheelsetState(y=1e-3, z=-1e-4, pitch_rate=98.0, speed=45.0, rail_shift=SHIFT)
     assert state.mirrored().rail_shift == ((5e-4, 3e-4), (-1e-3, -2e-3))
     assert state.mirrored().mirrored() == state
@@ -165,7 +165,7 @@ def test_vertical_response_is_that_of_three_masses() -> None:
     assert found[0] == pytest.approx(expected[0], abs=0.02 * size)
 
 
-def test_derivative_by_time_knows_the_rails() -> None:
+def test_derivative_by_time_includes_rail_motion() -> None:
     track = Track(irregularities=ERRI["high"].irregularities(200.0, seed=1))
     d = Dynamics(Wagon(), track, CONTACT, 45.0)
     t, state = 1.3, 1e-4 * np.random.default_rng(1).normal(size=2 * COUNT)
@@ -177,7 +177,7 @@ def test_derivative_by_time_knows_the_rails() -> None:
     assert np.abs(exact).max() > 1e3
 
 
-def test_smooth_rails_are_not_asked_for_anything() -> None:
+def test_smooth_rails_are_not_evaluated() -> None:
     frame = Track.curve(curvature=1e-3, transition=10.0, length=10.0).frame(5.0, 40.0)
     assert frame.rails is None
     assert Dynamics(Wagon(), Track(), CONTACT, 45.0).wheelset_state(frame, np.zeros(20)).rail_shift is None
@@ -209,7 +209,7 @@ def test_files_with_and_without_names(tmp_path: Path) -> None:
         ("s, level\n0, 0\n1, 3.5\n", "row 3, level = 3.5: must be from -0.1 to 0.1 m"),
     ],
 )
-def test_files_that_cannot_be_used(text: str, says: str, tmp_path: Path) -> None:
+def test_invalid_files(text: str, says: str, tmp_path: Path) -> None:
     file = tmp_path / "track.csv"
     file.write_text(text)
     with pytest.raises(IrregularityFileError) as caught:
@@ -218,7 +218,7 @@ def test_files_that_cannot_be_used(text: str, says: str, tmp_path: Path) -> None
     assert says in str(caught.value)
 
 
-def test_a_missing_file_and_samples_that_make_no_track(tmp_path: Path) -> None:
+def test_missing_file_and_invalid_samples(tmp_path: Path) -> None:
     with pytest.raises(IrregularityFileError, match="cannot be read"):
         read_irregularities(tmp_path / "none.csv")
     for stations, values in (

@@ -147,7 +147,7 @@ def test_creep_damps_the_wheelset(speed: float) -> None:
     assert all(m.eigenvalue.real < 0.0 for m in found)
 
 
-def test_shapes_solve_the_linear_equations_and_are_symmetric_or_not() -> None:
+def test_mode_shapes_are_eigenvectors_with_symmetry() -> None:
     mass, damping, stiffness = linear()
     for mode in modes(Dynamics(WAGON, Track(), SPRINGS, 30.0)):
         x, v = mode.shape[:9], mode.eigenvalue
@@ -159,5 +159,5 @@ def test_shapes_solve_the_linear_equations_and_are_symmetric_or_not() -> None:
         assert min(mode.energy_fraction[even].sum(), mode.energy_fraction[~even].sum()) < 1e-12
 
 
-def test_a_mode_reads_well() -> None:
+def test_text_of_a_mode() -> None:
     assert str(held_modes(WAGON)[1]) == "     1.08 Hz  damping  0.1345  car_body_z 100%"

@@ -111,7 +111,7 @@ def test_recorded_forces_belong_to_the_recorded_states(plain: History) -> None:
         assert plain.outputs.yaw_reaction[i] == fresh.yaw_reaction
 
 
-def test_contact_starts_from_the_results_before(plain: History) -> None:
+def test_contact_starts_from_the_previous_results(plain: History) -> None:
     """Each guess is a result of the same side, the one of the call before but for the first stage of repeated steps."""
     watched = Watched()
     history = run(watched)
@@ -150,7 +150,7 @@ def test_right_hand_curve_is_the_mirror_image(plain: History) -> None:
     np.testing.assert_allclose(own.state[-1, :9], (plain.state * MIRROR)[-1, :9], atol=1e-6)
 
 
-def test_even_times(plain: History) -> None:
+def test_equal_intervals(plain: History) -> None:
     even = run(interval=0.01)
     np.testing.assert_allclose(even.time, np.arange(16) * 0.01, atol=1e-15)
     assert even.cost.steps == plain.cost.steps
@@ -161,14 +161,14 @@ def test_even_times(plain: History) -> None:
     np.testing.assert_allclose(even.outputs.force[:, 0, 1], expected, rtol=1e-9, atol=1e-6)
 
 
-def test_a_run_goes_on_from_a_state(plain: History) -> None:
+def test_run_from_a_given_state(plain: History) -> None:
     half = run(span=(0.0, 0.08))
     rest = run(span=(0.08, 0.15), initial=half.state[-1])
     assert rest.time[0] == 0.08
     np.testing.assert_allclose(rest.state[-1, :9], plain.state[-1, :9], atol=2e-6)
 
 
-def test_a_contact_that_fails_once_costs_a_shorter_step(plain: History) -> None:
+def test_failed_contact_shortens_the_step(plain: History) -> None:
     watched = Watched(fail_at=range(100, 104))
     history = run(watched)
     assert history.status == "completed"
@@ -178,7 +178,7 @@ def test_a_contact_that_fails_once_costs_a_shorter_step(plain: History) -> None:
     np.testing.assert_allclose(history.state[-1, :9], plain.state[-1, :9], atol=2e-6)
 
 
-def test_a_contact_that_keeps_failing_ends_the_run_and_keeps_what_was_computed() -> None:
+def test_repeated_failure_ends_the_run_with_its_history() -> None:
     history = run(Watched(fail_from=2e-5), span=(0.0, 1.0))
     assert history.status.startswith("failed: ")
     assert "20 Newton steps" in history.status
@@ -197,7 +197,7 @@ def test_no_equilibrium_leaves_an_empty_history() -> None:
     assert history.wheelset.shape == (0, 4)
 
 
-def test_interruption_keeps_everything() -> None:
+def test_interrupted_run_returns_its_history() -> None:
     history = run(Watched(interrupt_at=150))
     assert history.status == "interrupted"
     assert len(history) == history.cost.steps.accepted + 1 > 5
@@ -213,7 +213,7 @@ def test_interruption_keeps_everything() -> None:
     assert run(Watched(interrupt_at=3)).status == "interrupted"  # within the equilibrium
 
 
-def test_progress_is_told() -> None:
+def test_progress_is_reported() -> None:
     told: list[tuple[float, Mapping[str, float]]] = []
     history = run(progress=lambda fraction, info: told.append((fraction, info)))
     assert len(told) == history.cost.steps.accepted
@@ -224,7 +224,7 @@ def test_progress_is_told() -> None:
     assert told[-1][1]["solves"] == sum(c.solves for c in history.cost.contact.values())
 
 
-def test_mistakes_are_not_swallowed() -> None:
+def test_programming_errors_are_raised() -> None:
     @FunctionContact
     def wrong(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         raise TypeError("a mistake in the program")

@@ -121,7 +121,7 @@ def test_states_between_steps_are_of_fourth_order() -> None:
     assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.3)
 
 
-def test_smooth_control_wastes_fewer_steps_at_the_limit_of_stability() -> None:
+def test_step_control_at_the_limit_of_stability() -> None:
     def stiff(t: float, x: np.ndarray) -> np.ndarray:
         return -1000.0 * (x - np.cos(t)) - np.sin(t)
 
@@ -152,7 +152,7 @@ def test_a_failure_shortens_the_step() -> None:
     assert steps[-1].x[0] == pytest.approx(1 / (0.25 + 2.0), rel=1e-5)
 
 
-def test_a_failure_that_stays_ends_with_an_error_that_names_it() -> None:
+def test_repeated_failure_is_an_error_with_its_reason() -> None:
     reached: list[float] = []
 
     def cliff(t: float, x: np.ndarray, previous: Rate | None) -> Rate:
@@ -168,7 +168,7 @@ def test_a_failure_that_stays_ends_with_an_error_that_names_it() -> None:
     assert counts.failed > 5
 
 
-def test_rates_that_are_not_finite_and_jumps_do_not_pass() -> None:
+def test_non_finite_rates_and_jumps_are_rejected() -> None:
     holes = plain(lambda t, x: np.full(1, np.nan if t > 0.5 else 1.0))
     with pytest.raises(StepTooSmall, match="not finite"):
         list(integrate(holes, 0.0, np.zeros(1), 1.0, StepSettings("ode23")))
@@ -177,7 +177,7 @@ def test_rates_that_are_not_finite_and_jumps_do_not_pass() -> None:
         list(integrate(blow_up, 0.0, np.ones(1), 2.0, StepSettings("ode45", min_step=1e-6)))
 
 
-def test_each_evaluation_is_handed_the_one_before() -> None:
+def test_each_evaluation_receives_the_previous_one() -> None:
     """Stages get the stage before; the first stage of a step, also of one that is tried again, the accepted state."""
     calls: list[tuple[float, Rate | None, Rate]] = []
 
@@ -205,7 +205,7 @@ def test_each_evaluation_is_handed_the_one_before() -> None:
     assert step is None
 
 
-def test_senseless_input_is_refused() -> None:
+def test_invalid_input_is_rejected() -> None:
     for wrong in ({"method": "euler"}, {"rtol": -1.0}, {"atol": 0.0}, {"min_step": 0.0}, {"max_step": 1e-9}):
         with pytest.raises(ValueError):
             StepSettings(**wrong)  # type: ignore[arg-type]

@@ -14,7 +14,7 @@ EASED = PiecewiseFunction((10.0, 60.0, 90.0, 120.0), (0.0, 1.0, 1.0, -0.5), shap
 
 
 @pytest.mark.parametrize("course", [RISE, EASED])
-def test_courses_meet_their_values_and_their_derivatives(course: PiecewiseFunction) -> None:
+def test_piecewise_functions_and_their_derivatives(course: PiecewiseFunction) -> None:
     for s, v in zip(course.stations, course.values, strict=True):
         assert course(s)[0] == pytest.approx(v, abs=1e-14)
         assert abs(course(s)[1]) < 1e-14
@@ -35,7 +35,7 @@ def test_clothoid_is_a_straight_ramp_between_its_corners() -> None:
     assert EASED(35.0)[0] == pytest.approx(0.5, abs=1e-15)
 
 
-def test_what_cannot_be_is_refused() -> None:
+def test_invalid_values_are_rejected() -> None:
     for wrong in (
         lambda: PiecewiseFunction((0.0, 0.0), (1.0, 2.0)),
         lambda: PiecewiseFunction((), ()),

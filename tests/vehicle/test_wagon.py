@@ -57,7 +57,7 @@ def test_any_value_can_be_changed_and_is_checked() -> None:
             wrong()
 
 
-def test_bumpstop_follows_its_table_both_ways_and_beyond() -> None:
+def test_bumpstop_law_in_both_directions_and_beyond() -> None:
     for d, f in BUMPSTOP.points:
         assert BUMPSTOP(d) == pytest.approx(f)
         assert BUMPSTOP(-d) == pytest.approx(-f)
@@ -114,7 +114,7 @@ def test_spring_forces_derive_from_a_potential_and_cancel(turn: float) -> None:
     assert ((moving - found) * rate).sum() < 0.0  # dampers take energy out
 
 
-def test_nominal_position_is_at_rest() -> None:
+def test_nominal_position_is_in_equilibrium() -> None:
     on_bodies = Assembly.of(Wagon()).forces(np.zeros((3, 3)), np.zeros((3, 3))).on_bodies
     p = Wagon().plane
     np.testing.assert_allclose(on_bodies[:2, 1], [p.car_body.mass * 9.81, p.bogie.mass * 9.81], rtol=1e-13)
