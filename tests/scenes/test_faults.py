@@ -429,7 +429,7 @@ def study_of_four(folder: Path, code: str) -> tuple[int, str]:
             0,
             130,
         ),
-        ("import wheelrail.scenes.studies.store as m; m.Store.keep = after(m.Store.keep, 2)", 1, 130),
+        ("import wheelrail.scenes.studies.store as m; m.Store.save = after(m.Store.save, 2)", 1, 130),
         ("import os; os.replace = after(os.replace, 3)", 2, 130),
         ("import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)", 4, 0),
         (DRAWN, 4, 130),
