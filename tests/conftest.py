@@ -1,4 +1,4 @@
-"""One thread, quiet compilers, and a cache of their own for all tests."""
+"""One thread, quiet compilers, and a separate cache for all tests."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ for _logger in ("", "FFCX", "UFL"):
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """A cache that starts empty and goes with the session, for this process and all that it starts, those that run
-    tests side by side included. $WHEELRAIL_TEST_CACHE keeps one from run to run instead.
+    """Cache that is empty at the start and removed after the session, for all processes of the session.
+    $WHEELRAIL_TEST_CACHE names a permanent one instead.
     """
     if hasattr(config, "workerinput"):
         return  # started by one that has made it

@@ -1,4 +1,4 @@
-"""The public package: a few lines give known numbers, results are kept and drawn, wrong arguments are named."""
+"""The public package: short examples with known results, saving, figures, and errors for invalid arguments."""
 
 from __future__ import annotations
 
@@ -239,7 +239,7 @@ def test_stress_and_error_estimate_on_demand(pressed: wr.Solution) -> None:
 
 
 def test_rolling_radii_of_cones() -> None:
-    """A cone of slope 1/40 below a crowned rail: every figure of its contact is known."""
+    """Cone of slope 1/40 on a crowned rail, in closed form."""
     from wheelrail.meshes.curves.arc_length import arc, line
 
     slope, radius = 1.0 / 40.0, 0.3

@@ -1,4 +1,4 @@
-"""Notebooks 01 to 04 at a reduced size, and that Jupyter takes all of them as they are."""
+"""Notebooks 01 to 04 at a reduced size, and their conversion by Jupyter."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_notebook_reduced(name: str, check: Any) -> None:
 
 @pytest.mark.parametrize("notebook", ALL, ids=lambda path: path.stem[:2])
 def test_notebook_pairs(notebook: Any) -> None:
-    """As .ipynb and back nothing changes; it says how it is paired, and which of its cells has the parameters."""
+    """Conversion to .ipynb and back is lossless; pairing and the tag of the parameters cell are in the metadata."""
     import jupytext
     import nbformat
 
@@ -91,7 +91,7 @@ def test_notebook_pairs(notebook: Any) -> None:
 
 
 def test_notebook_in_jupyter(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A kernel runs a notebook: tables in HTML and pictures come back."""
+    """Execution by a kernel returns HTML tables and figures."""
     import nbclient
 
     root = str(NOTEBOOKS.parent)

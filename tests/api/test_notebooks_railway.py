@@ -1,4 +1,4 @@
-"""Notebooks on railways run from top to bottom at a reduced size, and their numbers hold."""
+"""Notebooks on railways, executed at a reduced size, with checks of their numbers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from notebook_runner import executed
 
 
 def test_manchester_contact_benchmark() -> None:
-    """Against CONTACT, which the notebook itself holds to; what finite bodies do to the flange is not a small thing."""
+    """Differences from CONTACT within the notebook's bounds; finite bodies change flange contact considerably."""
     names = executed("05_manchester_contact_benchmark.py", PLACES=(0.0, 3.0, 5.0), SURFACE_SIZE=4e-3, STRIPS=6, CELLS=8)
     assert names["errors"].loc["half-spaces", "peak"] < 2.0
     assert names["flange"]["CONTACT"] == pytest.approx(33.62, abs=0.01)  # kN

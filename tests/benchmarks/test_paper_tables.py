@@ -1,4 +1,4 @@
-"""The paper's tables: what is compared with what, and that errors and failures are told as they are."""
+"""The paper's tables: compared quantities, errors and failures."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_errors_and_counts_of_a_run(part: TrackSegment) -> None:
 
 
 def test_options_are_those_of_the_form() -> None:
-    """Eq. (12) and (15) take different ones."""
+    """Eq. (12) and (15) have different options."""
     assert FullOptions(**dict(sparse("difference"))).jacobian == "difference"
     assert NewtonOptions(**dict(krylov(0.5))).forcing == 0.5
     assert NewtonOptions(**dict(LU)).linear == "lu"

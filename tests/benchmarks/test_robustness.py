@@ -1,4 +1,6 @@
-"""Runs at the edge: a wheel in the air, overturning, climbing, slippery, fast and rough. They go on, or say why not."""
+"""Runs at the limits: wheel lift, overturning, flange climb, low friction, high speed, irregular track. They complete,
+or their status names the reason.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,7 @@ def standard(friction: float = 0.3) -> WheelsetContact:
 
 
 def kicked(contact: VehicleContact, **rates: float) -> np.ndarray:
-    """Rest on straight track, and rates m/s or rad/s given at once."""
+    """State at rest on straight track with additional rates, m/s or rad/s."""
     state = equilibrium(Dynamics(Wagon(), Track(), contact, V)).state
     for name, rate in rates.items():
         state[COUNT + COORDINATES.index(name)] += rate
@@ -115,7 +117,7 @@ def test_a_wagon_that_overturns_ends_the_run() -> None:
 
 
 def test_flange_climb_ends_the_run() -> None:
-    """Where the contact has no answer beyond the flange the status tells how high it has climbed."""
+    """Where the contact has no solution beyond the flange, the status contains the height of the wheel."""
     history = run(standard(), 0.2, initial=kicked(standard(), car_body_roll=2.5))
     assert "left contact: failed: the wheel overlaps the rail beyond" in history.status
     assert "the left wheel is " in history.status
@@ -138,7 +140,7 @@ def test_derailment_ends_the_run(rates: dict[str, float], limits: Limits, says: 
 
 
 def test_wheel_positions() -> None:
-    """Turned about the right rail, level with it, the right wheel stays where it was."""
+    """After a rotation about the right rail the right wheel is in its place."""
     state, roll = np.zeros(20), 0.2
     c, s = np.cos(roll), np.sin(roll)
     state[[Y, Z, ROLL]] = -0.75 * (1 - c) - 0.46 * s, 0.75 * s - 0.46 * (1 - c), roll
@@ -175,7 +177,7 @@ def test_limits() -> None:
 
 @pytest.mark.parametrize("friction", [0.05, 0.6])
 def test_high_speed_and_low_friction(friction: float) -> None:
-    """60 m/s into 1200 m with 60 mm of cant, 3.0 m/s2 less 0.4 of cant: the inner wheel keeps a share of its load."""
+    """60 m/s, 1200 m, 60 mm of cant: 2.6 m/s2 in the plane of the rails; the inner wheel remains loaded."""
     track = Track.curve(curvature=1 / 1200, cant=0.06, tangent=5.0, transition=90.0, length=200.0)
     history = run(standard(friction), 2.0, track, speed=60.0)
     assert history.status == "completed"

@@ -1,4 +1,4 @@
-"""The scaling benchmark: its fits on made-up data, its products by FFT beside dense ones, and that it runs."""
+"""The scaling benchmark: fits of synthetic data, products by FFT against dense ones, and a complete run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A short part of the random stress test: every case converges, and its result holds together."""
+"""Part of the random stress test: every case converges to a consistent result."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ COUNT, SEED = 10, 7
 
 @cache
 def outcomes() -> tuple[SolveOutcome, ...]:
-    """Twins, of cases whose cells did not settle, are finer on the same lines, whose spectra are there."""
+    """Twins of unconverged cases have finer cells on the same lines, whose spectra are cached."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(stability_run, "SIZES", (SIZE,))
         return tuple(attempt(replace(case, size=SIZE), twin=False) for case in cases(COUNT, SEED))
@@ -141,7 +141,7 @@ def test_deviations_from_the_twin_are_detected() -> None:
 
 @dataclass(frozen=True)
 class Loose(Statistics):
-    """Of a fit that did not settle."""
+    """Statistics of an unconverged patch-edge iteration."""
 
     settled: bool = False
 
@@ -169,7 +169,7 @@ def test_no_force_despite_penetration_is_a_failure(monkeypatch: pytest.MonkeyPat
 
 
 def test_results_are_deterministic() -> None:
-    """To the last bit by the same model; by a new one, whose tables hold other lines, to round-off."""
+    """Bitwise for one model; to round-off for a new model, whose tables have other lines."""
     case, depth, _ = rubbing()
     pose, motion = case.at(depth)
     one, again = (model_of(case)(pose, motion, None) for _ in range(2))

@@ -1,4 +1,4 @@
-"""Input that cannot be used: one complaint with file, place, value and what is allowed, exit status 2, at once."""
+"""Invalid input: one error with file, location, value and what is allowed, exit code 2, immediately."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command `wheelrail`: what it prints, where, and with which exit code."""
+"""The command `wheelrail`: output and exit codes."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_modes_are_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_curving_is_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures of the paper's curve; the stand-in contact has no patches."""
+    """Values of the paper's curve; the stand-in contact has no patches."""
     outcome = vehicle("curving", monkeypatch, "--speed", "20", "--speed", "45")
     assert outcome.exit_code == 0
     assert re.search(r"cant deficiency \(mm\) +. +-9\.0 . +198\.0", outcome.stdout)
@@ -178,7 +178,7 @@ SLOWER = ("surface_size = 0.5e-3", "surface_size = 1e-3")
 
 
 def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
-    """One solve of fitted points, on endless blocks: what is asked for is there, and what is not is not."""
+    """One solve of fitted points on waveguide blocks: requested outputs only."""
     scene = edited(tmp_path, HERTZ, FITTED, STRESSED, SLOWER)
     outcome = contact(scene, "--json", "--picture", str(tmp_path / "patch.png"))
     assert outcome.exit_code == 0, outcome.stderr

@@ -1,4 +1,4 @@
-"""Ctrl-C where it does no harm: in compiled code, in callbacks, while the command is loaded, hammered upon."""
+"""Ctrl-C in compiled code, in callbacks, while the command is loaded, and repeatedly."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def ctrl_c() -> None:
 
 @pytest.fixture(autouse=True)
 def handler() -> Iterator[object]:
-    """Each test leaves the handler of Ctrl-C as it was, which is Python's own."""
+    """Restores Python's handler of Ctrl-C after each test."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     after = signal.signal(signal.SIGINT, before)
@@ -100,7 +100,7 @@ class Pair(NamedTuple):
 
 
 def test_compiled_code_completes_its_results(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Numba calls Python to make named tuples, and goes on with nothing when that raises."""
+    """Numba calls Python to create named tuples and ignores exceptions there."""
 
     @numba.njit
     def twice(x: float) -> tuple[Pair, float]:

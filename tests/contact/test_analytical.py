@@ -1,4 +1,4 @@
-"""Closed forms and tables that the contact models are measured by, each against an identity of its own."""
+"""Closed forms and tables used as references, each checked by an identity."""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
-"""Displacement and stress all over a body: Hertz below the patch, Boussinesq far from it, what the contact itself says,
-and the same on solids."""
+"""Displacement and stress in a body: Hertz below the patch, Boussinesq far from it, the displacements of the contact,
+and the same on solids.
+"""
 
 from __future__ import annotations
 
@@ -78,8 +79,9 @@ def boussinesq(points: Array, places: Array, force: Array) -> Array:
 
 
 def test_displacement_is_boussinesqs() -> None:
-    """To a motion of the whole, by which a block held at its bottom differs from a half-space: between 1.5 and 8
-    radii."""
+    """Up to a rigid motion, by which a block clamped at its bottom differs from a half-space: between 1.5
+    and 8 radii.
+    """
     result, exact = pressed()
     fields, radius = result.fields, exact.semi_axes[0]
     assert fields is not None
@@ -95,7 +97,7 @@ def test_displacement_is_boussinesqs() -> None:
 
 
 def test_surface_displacements_agree_with_the_contact() -> None:
-    """Wheel minus rail at the contact points, to the motion of the whole of these blocks, 2 % of what they move."""
+    """Wheel minus rail at the contact points, up to a rigid motion, within 2 %."""
     result, _ = pressed()
     fields = result.fields
     assert fields is not None
@@ -126,7 +128,7 @@ def test_the_mirror_image_of_fields() -> None:
 
 
 def test_solids_deform_alike_in_both_models() -> None:
-    """Full and condensed to the solver's residual, tetrahedra and hexahedra; the bodies give way."""
+    """Full and condensed to the solver's residual, for tetrahedra and hexahedra."""
     laws, size, radii = ContactLaws.penalty(), 1e-3, (0.3, 0.3)
     pose = hertz_pose((3.2 * size) ** 2 / (2 * 0.3))
     for mesh in (TETRAHEDRA, BRICKS):

@@ -1,4 +1,4 @@
-"""The condensed model: compliance against the slow obvious way, the laws at its points, rolling against CONTACT."""
+"""The condensed model: compliance against direct solves, the laws at its points, rolling against CONTACT."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ SPHERE = (RADIUS, RADIUS)
 
 
 def pose(radius: float) -> Pose:
-    """Overlap of a sphere on a plane within a circle of so many cells."""
+    """Pose of a sphere that penetrates a plane within a circle of a number of cells."""
     return hertz_pose((radius * SIZE) ** 2 / (2 * RADIUS))
 
 
@@ -229,7 +229,7 @@ def test_patches_are_connected_over_corners() -> None:
 
 
 def test_two_patches() -> None:
-    """A hollow lower body, more closely curved than the upper one is round: touches on both sides."""
+    """Concave lower body with a smaller radius than the upper one: contact on both sides."""
 
     class Saddle:
         """Two bumps across the rolling direction on the plane grid of a pair."""

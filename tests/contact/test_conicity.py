@@ -45,7 +45,7 @@ def test_conicity_of_a_cubic_radius_difference() -> None:
 
 
 def test_a_narrower_track_makes_s1002_more_conical() -> None:
-    """As its wear-adapted shape is known for: the flange's root comes nearer to the rail."""
+    """Known for its wear-adapted shape: the flange root is closer to the rail."""
     found = [
         wr.contact_geometry("S1002", "60E1", [3e-3], gauge=gauge).equivalent_conicity.item()
         for gauge in (1.432, 1.435, 1.438)

@@ -1,4 +1,4 @@
-"""What acts on one body reacts on the other, left mirrors right, and a constant stress passes through the interface."""
+"""Action and reaction, mirror symmetry, and patch tests of constant stress."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ def test_velocities_of_the_right_hand_pair() -> None:
 
 
 def box(cells: int, cell: Cell, width: float = 1.0, depth: float = 1.0) -> Solid:
-    """Cube whose whole top is the strip, clamped at its bottom."""
+    """Cube with the strip on its whole top, clamped at its bottom."""
     line = np.linspace(-0.5 * width, 0.5 * width, cells + 1)
     down = -np.linspace(0.0, depth, 3)
     y, z = np.meshgrid(line, down)
@@ -300,10 +300,8 @@ def test_constant_pressure_gives_consistent_loads(cell: Cell, degree: int) -> No
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 @pytest.mark.parametrize("shift", [(0.5, 0.5), (0.3, 0.8)])
 def test_constant_pressure_between_grids_that_do_not_match(cell: Cell, shift: tuple[float, float]) -> None:
-    """A rail's grid of the same spacing, moved by part of a cell: its inner nodes still carry their own area.
-
-    This is what a wheel's and a rail's strips are to each other. Spacings that differ would not pass: the law is held
-    at the wheel's points, and only at them.
+    """Rail grid of equal spacing, shifted by part of a cell: inner nodes have loads of their own area, as for the
+    strips of wheel and rail. Different spacings would fail: the law is enforced at the wheel's points only.
     """
     grid = ContactGrid.on(box(8, cell), 1)
     points, _ = Flat(grid, shift).contact_points(hertz_pose(1.0), 0)

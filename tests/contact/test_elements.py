@@ -1,4 +1,4 @@
-"""Force laws by points, dampers in series with a spring, energy of the suspension."""
+"""Piecewise linear force laws, Maxwell elements, energy of the suspension."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ def test_maxwell_element_has_its_complex_stiffness() -> None:
 
 
 def free_modes(wagon: Wagon) -> np.ndarray:
-    """Eigenvalues of the swinging modes of car body and bogie above a held wheelset, slowest first, 1/s."""
+    """Eigenvalues of the oscillating modes of car body and bogie above a fixed wheelset, in ascending order, 1/s."""
     assembly, plane = Assembly.of(wagon), wagon.plane
     masses = np.array([[b.mass, b.mass, b.roll_inertia] for b in (plane.car_body, plane.bogie)])
     size = 12 + assembly.laws.states
@@ -233,7 +233,7 @@ def test_dissipation_of_a_maxwell_element() -> None:
 
 @pytest.mark.parametrize("name", WAGONS)
 def test_static_loads_of_the_springs(name: str) -> None:
-    """39.24 kN on each secondary and 45.65 kN on each primary spring of the plane wagon, whatever their laws."""
+    """39.24 kN on each secondary and 45.65 kN on each primary spring of the plane wagon, for any law."""
     d = Dynamics(WAGONS[name], Track(), CONTACT, V)
     found = equilibrium(d)
     assert found.residual < 1e-6

@@ -1,4 +1,4 @@
-"""Cells fitted to the patch: kernels, ends, tips, convergence, and the same answers as grids and half-spaces give."""
+"""Cells fitted to the patch: kernels, edges, convergence, and agreement with grids and half-spaces."""
 
 from __future__ import annotations
 
@@ -352,7 +352,7 @@ def test_patches_are_computed_on_request() -> None:
 
 @pytest.mark.parametrize("slope", [-1.5, -0.6, 0.4])
 def test_anderson_acceleration_of_the_frictional_penetration(slope: float) -> None:
-    """Of what answers in a straight line, r = c + slope r; where a round answers as before it is not followed afar."""
+    """Exact for a linear response r = c + slope r; bounded where two iterations give equal residuals."""
     sides = np.column_stack([np.arange(4.0), np.arange(1.0, 5.0)]) * 1e-3
     layout = StripLayout(sides, np.tile([-3e-3, 5e-3], (4, 1)), np.zeros(4, dtype=int), marks(6, rolling=True))
     rest = FrictionPenetration.by(layout, layout.middle[:, None] * [0.3] * 6 + 2e-3 * layout.edges[:, 1:])

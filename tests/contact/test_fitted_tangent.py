@@ -1,4 +1,4 @@
-"""The tangent on fitted cells against differences of the forces, whose cells move: to what the cells resolve."""
+"""The tangent on fitted cells against differences of the forces, to the resolution of the moving cells."""
 
 from __future__ import annotations
 

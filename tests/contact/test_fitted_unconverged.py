@@ -1,4 +1,4 @@
-"""Warm solves on fitted cells where friction leaves no cells at rest."""
+"""Warm solves on fitted cells whose fixed-point iteration with friction does not converge."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHARE = 0.04  # of the approach
 
 
 def test_unconverged_warm_solves_stay_on_one_branch(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Friction that presses bodies together on narrow cells, apart on wide ones: none agree with their answer."""
+    """Friction increases the penetration on narrow cells and reduces it on wide ones: no layout is consistent."""
     model = replace(pair(0.3, resolution=Resolution(4, 10)), warm=True)
     depths = exact().approach * (1 + 2e-4 * np.arange(8))
     motion = flowing(5e-3)

@@ -1,4 +1,6 @@
-"""Deep overlaps on the flange root: bodies that bend let undeformed surfaces overlap far along the rail."""
+"""Large penetration at the flange root: the undeformed surfaces of compliant bodies interpenetrate far
+along the rail.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ EXPECTED = sphere_approach(LOAD, radius=0.3, modulus=0.5 * Material().E / (1 - M
 
 @cache
 def pair(size: float, friction: float = 0.3) -> CondensedContact:
-    """The paper's laws on waveguides; spectra of lines 3 mm apart take a second, none is needed for points alone."""
+    """The paper's laws on waveguides; spectra of lines 3 mm apart take a second, points alone need none."""
     laws = ContactLaws.penalty() if friction else ContactLaws(1e15, 0.0, 0.0)
     how = Discretisation(size, bodies="waveguide")
     made = wheel_rail_pair((WHEEL, RAIL), RADIUS, (Material(), Material()), laws, how)
@@ -42,7 +44,7 @@ def pair(size: float, friction: float = 0.3) -> CondensedContact:
 
 @dataclass
 class Watched:
-    """A model that notes how deep it was asked to look."""
+    """Model that records the largest depth of its calls."""
 
     model: CondensedContact
     approaches: list[float] = field(default_factory=list)

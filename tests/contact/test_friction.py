@@ -1,4 +1,4 @@
-"""Friction that falls with slip, one step of tangential loading, and solves that never fail."""
+"""Falling friction, one step of tangential loading, and robustness of the solver."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FALLING = ContactLaws(friction=FallingFriction(0.3, 0.4, 0.6))
 
 
 def sphere(across: float, *, shift: float = 0.0) -> tuple[Cells, Array]:
-    """Cells of a sphere on a plane that overlap, and by how much [m]; the grid moved by so many cells."""
+    """Penetrating cells of a sphere on a plane and their penetration [m]; grid shifted by a number of cells."""
     size = 2 * PATCH.semi_axes[0] / across
     half = int(np.ceil(0.75 * across))
     line = (np.arange(-half, half + 1) + shift) * size
@@ -211,7 +211,7 @@ def test_random_laws_never_fail() -> None:
 
 
 def test_full_newton_steps_cross_a_kink() -> None:
-    """Three points whose pressures follow friction, as on a flange that presses hard."""
+    """Three points whose pressures depend on friction, as in heavily loaded flange contact."""
     slip = np.array(
         [
             [0.8, 0.1, 0.1, 0.0, 0.1, -0.3],

@@ -1,4 +1,4 @@
-"""Heat of a patch: work of tractions over rigid slip, and what local slip makes of it."""
+"""Frictional power of a patch: tractions on the rigid slip, compared with the local slip."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_full_sliding_dissipates_the_whole_work() -> None:
 
 
 def test_local_slip_tends_to_the_same_power() -> None:
-    """The elastic part of the slip does no work in steady rolling, which finer cells come to know."""
+    """The elastic part of the slip does no work in steady rolling, in the limit of fine cells."""
     apart = []
     cells = (8, 16, 32)
     for count in cells:

@@ -1,4 +1,4 @@
-"""The full two-body problem (12) against the condensed one (15): other unknowns, other solver, same answer."""
+"""The full two-body problem (12) against the condensed one (15): other unknowns and solver, same solution."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DISSIMILAR = (Material(210e9, 0.1), Material(180e9, 0.3))
 
 
 def pose(radius: float) -> Pose:
-    """Overlap of a sphere on a plane within a circle of so many cells."""
+    """Pose of a sphere that penetrates a plane within a circle of a number of cells."""
     return hertz_pose((radius * SIZE) ** 2 / (2 * RADIUS))
 
 
@@ -173,7 +173,7 @@ def test_no_force_without_penetration() -> None:
 
 
 def test_solve_depends_on_its_guess_only() -> None:
-    """To the last bit: as two wheels share a model, and a run goes on in another process."""
+    """Bitwise, for two wheels that use one model and for resumed runs."""
     sphere, near, other = (RADIUS, RADIUS), rolling(1.1e-3, -5e-4, 0.3), rolling(-1e-3, 2e-3, 0.0)
     model = full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)
     start = model(pose(3.2), CREEP)

@@ -1,4 +1,4 @@
-"""Hertz's contacts by finite elements: peak pressure, semi-axes, and how the errors fall with the mesh."""
+"""Hertz contacts by finite elements: peak pressure, semi-axes, and convergence with the mesh."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ def test_errors_decrease_with_mesh_size(name: str) -> None:
 
 
 def test_pair_of_a_scene() -> None:
-    """The pair that scenes ask for, on its own large blocks, with only 5 points across."""
+    """Pair of a scene on its large blocks, with 5 points across."""
     A, B = curvature((0.46, 0.3)) + curvature((np.inf, 0.3))
     expected = hertz(A, B, E_STAR, force=10e3)
     how = Discretisation(min(expected.semi_axes) / 2.5, bodies="solid")

@@ -1,4 +1,4 @@
-"""Depth for a load: right against closed forms, in few solves, and a clear error where there is no answer."""
+"""Depth for a load: against closed forms, number of solves, and errors where there is no solution."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def test_axle_under_load_with_roll_has_unequal_wheel_loads() -> None:
 
 
 def test_wheels_under_load_find_height_and_roll() -> None:
-    """The left wheel stands 0.3 mm lower: the height is the mean, the roll half the difference over the base."""
+    """Left wheel 0.3 mm lower: the height is the mean, the roll half the difference over the base."""
 
     class Uneven(SpringContact):
         def __call__(self, pose, motion, guess):  # type: ignore[no-untyped-def]
@@ -157,7 +157,7 @@ def test_wheels_under_load_find_height_and_roll() -> None:
 
 
 def test_balance_solves_a_coupled_pair_superlinearly() -> None:
-    """Each wheel feels a fifth of the other's depth: against the linear solution in F^(2/3)."""
+    """A fifth of each depth acts on the other wheel; against the linear solution in F^(2/3)."""
     mix = np.array([[1.0, 0.2], [0.15, 1.1]])
     loads = np.array([57e3, 40e3])
 

@@ -1,4 +1,4 @@
-"""What was solved goes with its last name, and what is kept has a bound."""
+"""Memory: solvers are freed with their last reference, caches are bounded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`full` on two ranks of mpirun against one process: the same results, each rank with a part of both meshes."""
+"""`full` on two ranks of mpirun against one process: equal results, each rank with a part of both meshes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is
 
 
 def mpirun(*command: str) -> subprocess.CompletedProcess[str]:
-    """A command of Python on two ranks, wherever they find room."""
+    """Runs Python on two ranks, on any number of cores."""
     allowed = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     patient = {"OMPI_MCA_mpi_yield_when_idle": "1"}  # a rank that waits gives its core away: others may be at work
     env = {**os.environ, **allowed, **patient, "PYTHONPATH": str(ROOT)}

@@ -1,4 +1,4 @@
-"""The plane wagon on linear contact springs beside Lagrange's equations by SymPy and beside Exudyn."""
+"""The plane wagon on linear contact springs against Lagrange's equations by SymPy and against Exudyn."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def lagrange() -> Lagrange:
 
 @pytest.mark.parametrize("s", [2.0, 15.0, 35.0, 80.0])
 def test_equations_of_motion(lagrange: Lagrange, s: float) -> None:
-    """At random states with large rolls, in a curve on a slope whose cant changes; frames from elsewhere, too."""
+    """Random states with large rolls, in a curve with varying cant on a gradient; also with prescribed frames."""
     rng = np.random.default_rng(int(s))
     dynamics = Dynamics(WAGON, CURVE, CONTACT, V)
     frames = [CURVE.frame(s, V), Frame(V, 0.0, *(tuple((x * rng.normal(size=3)).tolist()) for x in (0.3, 1.0, 1.0)))]
@@ -50,7 +50,7 @@ def test_equations_of_motion(lagrange: Lagrange, s: float) -> None:
 
 
 def test_run_through_a_transition(lagrange: Lagrange) -> None:
-    """A run beside an integration of order 8 of Lagrange's equations: 1e-6 of each channel's largest value."""
+    """A run against an integration of order 8 of Lagrange's equations: 1e-6 of each channel's maximum."""
     end = 1.0
     dynamics, steps = Dynamics(WAGON, CURVE, CONTACT, V), StepSettings("ode45", 1e-7, 1e-10)
     history = simulate(dynamics, (0.0, end), initial=0.3 * initial(), steps=steps, recording=Recording(0.1))

@@ -1,7 +1,5 @@
-"""Properties that no contact may lack whatever its radii, approach, creepage and laws: Hertz pairs drawn at random.
-
-On half-spaces, which have no mesh: symmetry and scaling hold there to round-off. Endless blocks are meshed, and their
-triangles are no mirror images of each other.
+"""General properties of randomly sampled Hertz pairs, creepages and laws. On half-spaces, which have no mesh, symmetry
+and scaling hold to round-off; the triangulation of waveguide blocks is not symmetric.
 """
 
 from __future__ import annotations
@@ -116,7 +114,7 @@ def test_mirror_symmetry(ratio: float, depth: float, mu: float, xi: float, eta: 
 
 
 def test_asymmetry_of_blocks_is_due_to_their_triangulation() -> None:
-    """The same blocks with a spectrum that is the mean of itself and its mirror image lack none."""
+    """The same blocks with a symmetrised spectrum are symmetric."""
     model = replace(frictionless(0.4, bodies="waveguide"), laws=ContactLaws(np.inf, 0.5, 0.0))
     given = 3e-5, 1e-3, 2e-3, 0.4
     assert EXACT < unlike_mirrored(model, *given) < 1e-3
@@ -137,7 +135,7 @@ def test_asymmetry_of_blocks_is_due_to_their_triangulation() -> None:
 @FEW
 @given(ratios, depths, frictions, creepages, creepages, spins)
 def test_results_are_deterministic(ratio: float, depth: float, mu: float, xi: float, eta: float, phi: float) -> None:
-    """To the last bit, whatever was asked before, and whatever the guess."""
+    """Bitwise, independent of previous solves and of the guess."""
     model, pose, motion = (
         replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, 0.0)),
         hertz_pose(depth),
@@ -154,8 +152,8 @@ def test_results_are_deterministic(ratio: float, depth: float, mu: float, xi: fl
 @FEW
 @given(ratios, depths, frictions, st.sampled_from((-4e-2, 4e-2)), st.sampled_from((-4e-2, 4e-2)))
 def test_power_balance_of_full_sliding(ratio: float, depth: float, mu: float, xi: float, eta: float) -> None:
-    """Where everything slides one way the tractions are mu p along it, and elastic energy is only carried through:
-    the rigid motion's power and the power lost differ by what cells' ends make of that integral.
+    """In full sliding the tractions are mu p in one direction, and the elastic energy is constant: the power of the
+    rigid motion and the dissipated power differ by the discretisation at the ends of cells.
     """
     model = replace(frictionless(ratio), laws=ContactLaws(np.inf, mu, 0.0))
     result = solved(model, hertz_pose(depth), rolling(xi, eta, 0.0))
@@ -182,8 +180,8 @@ def test_force_is_the_slope_of_the_elastic_energy(ratio: float) -> None:
 @pytest.mark.parametrize(("bodies", "off"), [("half-space", 1e-5), ("waveguide", 6e-3)])
 @pytest.mark.parametrize("ratio", [0.4, 1.0])
 def test_force_grows_like_the_approach_to_three_halves(bodies: Bodies, off: float, ratio: float) -> None:
-    """A fitted slope; blocks end after 40 to 80 semi-axes and lack about 1 % of the approach, the larger the patch the
-    more: 0.3 to 0.5 % of the slope.
+    """Fitted slope; blocks end after 40 to 80 semi-axes, which reduces the approach by about 1 %, more for larger
+    patches: 0.3 to 0.5 % of the slope.
     """
     at = APPROACH * np.geomspace(0.1, 1.0, 5)
     model = frictionless(ratio, bodies=bodies)

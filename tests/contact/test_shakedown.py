@@ -1,4 +1,4 @@
-"""Shakedown map: the stress below line contact by quadrature, Johnson's limits, the index of surface fatigue."""
+"""Shakedown map: stress below line contact by quadrature, Johnson's limits, the surface fatigue index."""
 
 from __future__ import annotations
 

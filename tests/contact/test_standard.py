@@ -1,4 +1,4 @@
-"""The contact of multibody codes: against Hertz, Kalker's table, CONTACT's creep curves, and itself at other poses."""
+"""The contact of multibody codes: against Hertz, Kalker's table, CONTACT's creep curves, and its own symmetry."""
 
 from __future__ import annotations
 
@@ -278,7 +278,7 @@ def sweep(contact: WheelsetContact, ys: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("normal", ["hertz", "kik-piotrowski"])
 def test_forces_are_continuous(normal: str) -> None:
-    """Four times shorter steps change the force by about a quarter, where humps merge and where they appear."""
+    """Steps of a quarter of the length change the force by about a quarter, where local maxima merge and appear."""
     contact = wheel_on_rail(normal=normal)
     coarse = np.linspace(-2e-3, 6e-3, 2001)
     step = np.linalg.norm(np.diff(sweep(contact, coarse), axis=0), axis=1)

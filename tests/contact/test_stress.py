@@ -1,4 +1,6 @@
-"""Stress inside bodies under given tractions: Hertz on the axis, point loads, wheels, von Mises and principal."""
+"""Stress inside bodies under given tractions: Hertz on the axis, point loads, wheels, von Mises and
+principal stress.
+"""
 
 from __future__ import annotations
 
@@ -74,7 +76,7 @@ def test_hertz_on_the_axis(body: WaveguideSection) -> None:
 
 @pytest.mark.parametrize("middle", [0.0, 7.0])
 def test_loads_in_all_directions(middle: float) -> None:
-    """Tractions on horizontal planes of a half-space are radial, whatever the force (Johnson, eqs. 3.19 and 3.76)."""
+    """Tractions on horizontal planes of a half-space are radial for any force (Johnson, eqs. 3.19 and 3.76)."""
     body = block_body(HALF, STEEL, size=1.0, half_width=512.0, grading=Grading(0.5, 0.25))
     force = (0.4, -0.3, -1.0)
     loads = cells(np.outer(*2 * [np.cos(np.pi * np.arange(-4, 5) / 10) ** 2]), force, middle=middle)
@@ -111,7 +113,7 @@ def revolved(radius: float) -> WaveguideSection:
 
 
 def test_stress_in_a_wheel() -> None:
-    """A drum turned with its load carries the turned stress; one of a large radius is nearly a block."""
+    """The stress in a drum rotates with its load; a drum of large radius approximates a block."""
     loads = cells(hertz_cells(6.0), (0.2, 0.3, 1.0))  # the wheel's contact points down, loads push up
     places = np.array([[0.0, 0.0, 3.0], [2.0, -1.0, 2.5], [-4.0, 2.0, 5.0]])
     flat = block_body(HALF, STEEL, size=1.0, half_width=128.0)
@@ -183,7 +185,7 @@ def test_below_a_hertz_contact(points: str) -> None:
 
 
 def strips(centre: float, lean: float) -> Fields:
-    """A made-up patch of 3 strips of 4 cells on a wheel's tread, with traction, in the frame of the rail."""
+    """Synthetic patch of 3 strips of 4 cells on a wheel's tread, with traction, in the frame of the rail."""
     x, y = (v.ravel() for v in np.meshgrid(np.array([-3, -1, 1.5, 4.5]) * 1e-3, centre + np.arange(-1, 2) * 2e-3))
     step = np.tile(np.array([2, 2, 3, 3]) * 1e-3, 3)
     normal = np.array([0.0, np.sin(lean), -np.cos(lean)])
@@ -198,8 +200,7 @@ def strips(centre: float, lean: float) -> Fields:
 
 
 def test_loads_are_action_and_reaction() -> None:
-    """On wheel and rail alike: the whole force, where it acts, and what the one has the other has with the sign turned;
-    a wheel turned by a yaw has the same, in its axes."""
+    """Resultants on wheel and rail are equal and opposite; those of a yawed wheel agree in its axes."""
     from wheelrail.contact.elasticity.waveguide.bodies import rail_body, wheel_body
 
     fields = strips(0.0, 0.02)
@@ -225,7 +226,9 @@ def test_loads_are_action_and_reaction() -> None:
 
 
 def test_cells_are_spread_over_the_lines_they_cover(body: WaveguideSection) -> None:
-    """Force and place are kept wherever the sides lie; a cell as wide as many lines loads them evenly."""
+    """Force and position are conserved for any cell boundaries; a cell as wide as several lines loads them
+    uniformly.
+    """
     force = np.array([[0.3, -0.2, -1.0]])
     for y, width in ((0.0, 1.0), (0.37, 0.6), (-2.71, 5.3), (4.4, 0.01)):
         point = np.array([[2.5, y, 0.0]])

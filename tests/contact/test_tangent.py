@@ -1,4 +1,4 @@
-"""The tangent of contact forces against central differences of the forces themselves, on sets that stay the same."""
+"""The tangent of contact forces against central differences of the forces, for constant sets."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ def pair(laws: ContactLaws, steel: Material = STEEL) -> CondensedContact:
 
 
 def nudged(pose: Pose, motion: RigidMotion, change: Array) -> tuple[Pose, RigidMotion]:
-    """Moved, turned about the origin of the wheel's frame with the motion's reference, and given other velocities."""
+    """Translated, rotated about the origin of the wheel's frame with the motion's reference, and with changed
+    velocities.
+    """
     turn, wheel = Rotation.from_rotvec(change[3:6]).as_matrix(), motion.wheel
     origin = pose.origin + change[:3]
     reference = origin + turn @ (wheel.reference - pose.origin)

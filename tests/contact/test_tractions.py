@@ -1,4 +1,4 @@
-"""The laws at the contact points, alone: elastic half-spaces instead of meshes, so that closed forms judge them."""
+"""The laws at the contact points, on elastic half-spaces, against closed forms."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ RADIUS = 0.3
 
 @dataclass(frozen=True)
 class Sphere:
-    """A sphere on a plane, undeformed overlap at the cells that may touch."""
+    """Sphere on a plane: undeformed penetration at the candidate cells."""
 
     expected: Hertz
     cells: Cells

@@ -157,7 +157,9 @@ def test_interpolation_error_bounds_the_true_one(name: str) -> None:
 
 
 def test_harmonics_of_a_wheel_are_integers() -> None:
-    """A ring's compliance is the sum over whole harmonics, sampled exactly; the integral would be 3 % off and more."""
+    """The compliance of a ring is the sum over integer harmonics, sampled exactly; the integral differs by 3 % and
+    more.
+    """
     outline, size = wheel_outline(named_profile("S1002"), 0.46), 8e-3
     body = wheel_body(outline, UNIT, size=size)
     around = 2 * np.pi * 0.46
@@ -343,8 +345,8 @@ def test_three_dimensional_meshes_converge_to_the_waveguide(name: str) -> None:
 
 
 def lengthened(half_length: float, degree: int) -> tuple[Array, Array]:
-    """Compliance (3, 3) of a real rail on its foot, 16 mm away along and across, from 8 mm meshes in 3D that end at
-    +-half_length m, and by wavenumbers.
+    """Compliance (3, 3) of a rail clamped at its foot, at a distance of 16 mm along and across, from 8 mm meshes in 3D
+    of half length m, and by wavenumbers.
     """
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
@@ -364,8 +366,9 @@ def lengthened(half_length: float, degree: int) -> tuple[Array, Array]:
 
 
 def test_the_real_rail_in_three_dimensions() -> None:
-    """On its foot, web and all: quadratic elements over +-1 m are within 1 %. Half as long a rail is not endless yet,
-    and linear elements are far too stiff sideways."""
+    """Complete section clamped at its foot: quadratic elements over +-1 m are within 1 %. Half the length is not
+    sufficient, and linear elements are far too stiff laterally.
+    """
     (short, exact), (long, _) = lengthened(0.5, 2), lengthened(1.0, 2)
     errors = [np.diag(found) / np.diag(exact) - 1 for found in (short, long)]
     assert np.abs(errors[1]).max() < 0.01, errors
@@ -375,8 +378,9 @@ def test_the_real_rail_in_three_dimensions() -> None:
 
 
 def test_the_whole_wheel_in_three_dimensions() -> None:
-    """Once round, rim, web and hub on the bore: near the load, and half a turn away, where the lowest harmonics are all
-    there is. Quadratic elements come nearer as they get finer."""
+    """Complete wheel clamped at its bore: near the load, and half a turn away, where only the lowest harmonics
+    contribute. Quadratic elements converge.
+    """
     radius, size = 0.46, 8e-3
     outline, half = wheel_outline(named_profile("S1002"), radius), np.pi * radius
     step = half / round(half / (0.5 * size))
@@ -399,8 +403,8 @@ def test_the_whole_wheel_in_three_dimensions() -> None:
 
 
 def turned_wheel(outline: Outline, size: float, *, largest: float, section_size: float) -> tuple[Array, Array]:
-    """A wheel meshed all the way round: a loaded point, one 16 mm away and one on the other side of the wheel (3, 3) m,
-    and displacements (2, 3, 3) of the latter by unit forces on the first, axis by axis.
+    """Mesh of a complete wheel: a loaded point, one 16 mm away and one on the opposite side (3, 3) m, and displacements
+    (2, 3, 3) of the latter two by unit forces on the first, axis by axis.
     """
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 

@@ -1,4 +1,4 @@
-"""Contact map, candidates and interpolation of a wheel on a rail, against slow obvious ways."""
+"""Contact map, candidates and interpolation of a wheel on a rail, against dense searches."""
 
 from __future__ import annotations
 

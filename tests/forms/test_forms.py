@@ -1,4 +1,4 @@
-"""The forms, each against its formula, and the law that is assembled from them node by node."""
+"""The forms against their formulas, and the assembled law node by node."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SIZE = 1e-3
 
 
 def number(expression: Any) -> float:
-    """Value of a form made of constants."""
+    """Value of a form with constant coefficients."""
     return float(expression(()))
 
 
@@ -120,7 +120,7 @@ def law(name: str, friction: float) -> SurfaceLaw:
 
 
 def sample(name: str) -> tuple[Nodes, Array]:
-    """Some nodes that carry a contact point, with overlaps of both signs and slips of all sizes."""
+    """Nodes with contact points, with penetrations of both signs and slips of all magnitudes."""
     grid = elastic(MESHES[name], STEEL, SIZE).grid
     rng = np.random.default_rng(0)
     nodes = rng.permutation(np.flatnonzero(grid.weight.ravel() > 0))[:20]

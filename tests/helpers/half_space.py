@@ -89,7 +89,7 @@ class HalfSpaces:
         return total
 
     def operator(self, order: int) -> Array:
-        """Rows slip x, slip y, overlap (3 n), columns tractions x, y, normal: what `solve_tractions` takes."""
+        """Rows slip x, slip y, penetration (3 n), columns tractions x, y, normal, as for `solve_tractions`."""
         n = len(self.cells.x)
         at = [self.compliance(k * self.cells.dx) for k in range(order + 1)]
         slip = sum(w * c[:2] for w, c in zip(UPSTREAM[order], at, strict=True)) / self.cells.dx

@@ -1,6 +1,5 @@
-"""The plane wagon on `LinearContact` from its energies by Lagrange's equations, worked out by SymPy.
-
-Only the numbers are the wagon's; nothing here knows the vehicle's suspension, equations of motion or frame formulas.
+"""The plane wagon on `LinearContact` from its energies by Lagrange's equations, derived by SymPy. Only the parameters
+are those of the wagon; suspension, equations of motion and frame formulas of the package are not used.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ def turned(angle: sp.Expr, y: sp.Expr, z: sp.Expr) -> sp.Matrix:
 
 
 def rate(expression: sp.Matrix) -> sp.Matrix:
-    """Time derivative seen from the track frame."""
+    """Time derivative relative to the track frame."""
     return expression.jacobian(Q) * P
 
 
@@ -84,7 +83,9 @@ class Energies:
         return cls(kinetic, potential, dissipation, gap(0, 1, 0.0, w.bumpstop_height)[0])
 
     def linear(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Mass, damping and stiffness (9, 9) of small motions about the nominal position at rest, without the stop."""
+        """Mass, damping and stiffness (9, 9) of small motions about the nominal position at rest, without
+        the bumpstop.
+        """
         slopes = [
             sp.Matrix([e]).jacobian(v) for e, v in ((self.kinetic, P), (self.dissipation, P), (self.potential, Q))
         ]

@@ -1,4 +1,4 @@
-"""Input that cannot be used, by what it is given to: files to write, the command, and what its complaint must say."""
+"""Invalid input by command: files to write, the command, and the required parts of its error message."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ MB = 2**20
 
 @dataclass(frozen=True)
 class Case:
-    """name; command; files by name, as they are or to be made in place; says, parts of the one complaint."""
+    """name; command; files by name, as content or as a function that creates them; says: parts of the single error
+    message.
+    """
 
     name: str
     says: tuple[str, ...]
@@ -135,7 +137,7 @@ def endless(path: Path) -> None:
 
 
 def sparse(size: int) -> Callable[[Path], None]:
-    """A file of zeros that takes no space on the disk."""
+    """File of zeros that occupies no disk space."""
 
     def make(path: Path) -> None:
         with path.open("wb") as file:
@@ -154,7 +156,7 @@ def grown(line: str, count: int) -> Callable[[Path], None]:
 
 
 def places() -> Iterator[tuple[str, object, str]]:
-    """What is no file: name, content, what is said."""
+    """Paths that are no regular files: name, content, message."""
     yield "folder", folder, "folder"
     yield "pipe", pipe, "pipe"
     yield "link to nowhere", nowhere, "No such file"
@@ -507,7 +509,7 @@ def views(t: Table) -> None:
 
 
 def results(scene: object) -> Callable[[Path], None]:
-    """A NetCDF file with a scene, as runs keep it, and little else."""
+    """NetCDF file with a scene, as written by a run, without further data."""
 
     def make(path: Path) -> None:
         from xarray import Dataset

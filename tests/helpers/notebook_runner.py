@@ -1,4 +1,4 @@
-"""Notebooks run from top to bottom at a reduced size, and as Jupyter sees them."""
+"""Notebooks executed at a reduced size, directly and by Jupyter."""
 
 from __future__ import annotations
 
@@ -20,9 +20,8 @@ def cells(notebook: Path) -> Iterator[tuple[str, str]]:
 
 
 def executed(name: str, **parameters: Any) -> dict[str, Any]:
-    """Names that a notebook ends with; the parameters replace those of its cell with that tag.
-
-    Every picture must name its axes, with units. Pictures are closed.
+    """Final namespace of a notebook whose tagged parameters cell is replaced. All figures must label their axes with
+    units; figures are closed.
     """
     import matplotlib
 
@@ -57,7 +56,7 @@ def executed(name: str, **parameters: Any) -> dict[str, Any]:
 
 
 def with_parameters(name: str, **parameters: Any) -> Any:
-    """The notebook as nbformat knows it, with parameters set after their cell."""
+    """The notebook in nbformat, with parameters set after their cell."""
     import jupytext
 
     notebook = jupytext.read(NOTEBOOKS / name)

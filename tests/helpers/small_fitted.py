@@ -1,4 +1,4 @@
-"""A wheelset on half-spaces with few fitted cells that follow the contact, made anew at every call."""
+"""A new wheelset on half-spaces with few fitted cells and warm starts at every call."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pairs of small blocks, each mesh, stiffness and compliance made once per session."""
+"""Pairs of small blocks; each mesh, stiffness and compliance is computed once per session."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def elastic(mesh: Block, steel: Material, size: float) -> ElasticBody:
 
 
 def compliance(mesh: Block, steel: Material, size: float) -> SurfaceCompliance:
-    """Compliance for cells of a size [m]; bodies of all sizes and moduli share the solves for unit size and modulus."""
+    """Compliance for cells of a size [m]; bodies of all sizes and moduli use the solves for unit size and modulus."""
     unit = Material(1.0, steel.nu)
     shape = ContactGrid.on(solid(mesh)[0], mesh.degree).shape
     key = digest(mesh=solid(mesh)[1], nu=steel.nu, degree=mesh.degree)

@@ -1,4 +1,4 @@
-"""S1002 on UIC60 by coarse meshes, made once per session: for all that does not depend on accuracy."""
+"""S1002 on UIC60 on coarse meshes, computed once per session, for tests that do not depend on accuracy."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def wheelset(laws: ContactLaws | None = None) -> WheelsetContact:
 
 
 def left_pose(state: WheelsetState = STATE, ahead: float = 0.0) -> Pose:
-    """Pose of the left wheel, moved ahead along the rail so that its points fall between the rail's nodes."""
+    """Pose of the left wheel, shifted along the rail so that its points are between the rail's nodes."""
     pose = MOUNTING.left_pair(state)[0]
     origin: Array = pose.origin + np.array([ahead, 0.0, 0.0])
     return Pose(origin, pose.rotation)

@@ -1,4 +1,4 @@
-"""A contact model for tests of what lies around the contact: a spring like overlap^1.5 that counts its solves."""
+"""Contact model for tests of its users: a spring with force proportional to penetration^1.5 that counts its solves."""
 
 from __future__ import annotations
 
@@ -34,9 +34,8 @@ def patch(normal_force: float, force: Array, y: float = 0.0) -> Patch:
 
 @dataclass
 class SpringContact:
-    """Force stiffness * overlap^1.5 upwards and a share of it sideways; overlap from the pose's height above touch m.
-
-    Beyond deepest m of overlap the model fails, as a mesh does when a body leaves it.
+    """Force stiffness * penetration^1.5 upwards and a fraction of it laterally; penetration from the pose's height
+    above touch m. Above the penetration deepest m the model fails, as a mesh does when the contact leaves it.
     """
 
     touch: float = 0.0

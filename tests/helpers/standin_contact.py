@@ -1,4 +1,4 @@
-"""A smooth contact for tests of the vehicle: one point per wheel, Hertzian spring, saturating creep force."""
+"""Smooth contact for tests of the vehicle: one point per wheel, Hertzian spring, saturating creep force."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `tests/test_mpi.py` solves on one process and, started by mpirun, on two: prints JSON from the first."""
+"""Solves of tests/contact/test_mpi.py on one process and, by mpirun, on two: prints JSON on the first rank."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def on_rail() -> dict[str, Any]:
 
 
 def searched() -> dict[str, Any]:
-    """A load is looked for: every rank takes the same trials."""
+    """Load search: every rank has the same trials."""
     model = pair(FRICTIONLESS, preconditioner="icc")
     found = hertz_under_load(model, CREEP, 8e3, expected=1.5e-5, rtol=1e-7)
     return {**numbers(model, found.results[0]), "trials": found.trials}
@@ -94,7 +94,7 @@ def solved() -> dict[str, dict[str, Any]]:
 
 
 def stumble() -> None:
-    """The second rank has an error of its own while the first solves."""
+    """Raises an error on the second rank while the first solves."""
     model = pair(PAPER)
     if not world().first:
         raise MemoryError("out of memory on one rank")

@@ -1,4 +1,4 @@
-"""Profiles: analytic sections, arc length, closest points, laying, and reading files."""
+"""Profiles: analytic sections, arc length, closest points, inclination, and reading files."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def properties(polygon: np.ndarray) -> dict[str, float]:
 
 
 def simple(polygon: np.ndarray) -> bool:
-    """No two edges cross: every pair, the slow obvious way."""
+    """Whether no two edges cross, by comparing every pair."""
     p = polygon[:, 0] + 1j * polygon[:, 1]
     d = np.roll(p, -1) - p
 

@@ -1,4 +1,4 @@
-"""The documentation builds without a warning, its links lead somewhere, and it leaves nothing out."""
+"""The documentation builds without a warning, its links resolve, and it is complete."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def test_pages_need_no_network(site: Path) -> None:
 
 
 def test_equations_are_rendered(site: Path) -> None:
-    """Every equation of the sources is MathML on its page, and none is left as LaTeX."""
+    """Every equation of the sources is MathML on its page, without remaining LaTeX."""
     for source in (DOCS / "theory").glob("*.md"):
         text = source.read_text(encoding="utf-8")
         blocks = re.findall(r"^\$\$$.*?^\$\$$", text, flags=re.MULTILINE | re.DOTALL)

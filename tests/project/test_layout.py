@@ -1,4 +1,4 @@
-"""Packages import one way, no modules in a circle, and heavy libraries stay where they are needed."""
+"""Directions of imports, no circular imports, and heavy libraries in few modules only."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ LOADED_BY_EVERY_SOLVE = (
 
 
 def _sources() -> Iterator[Path]:
-    """Every module of the package under its own name, each once: `wheelrail/` has links to the science folders."""
+    """Every module of the package by name, each once, as `wheelrail/` has links to other folders."""
     for top in (*SCIENCE, "wheelrail"):
         for folder, _, names in os.walk(ROOT / top):  # which does not follow links
             yield from (Path(folder, name) for name in names if name.endswith(".py"))

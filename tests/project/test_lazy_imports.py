@@ -1,4 +1,4 @@
-"""What a scene does not need is not paid for: shown by counting imports and calls, never by timing."""
+"""Unused features are not computed: checked by counting imports and calls, not by timing."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ assert "scipy" not in sys.modules and "wheelrail.contact.models.builders" not in
 
 
 class Counter:
-    """Counts the calls of functions that it takes the place of."""
+    """Counts the calls of functions that it replaces."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.monkeypatch, self.calls = monkeypatch, dict[str, list[Any]]()

@@ -1,4 +1,4 @@
-"""The wheel carries what a user needs, and the other ways of setting up name the same libraries."""
+"""Contents of the wheel, and agreement of the other set-ups on libraries."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ CARRIED = {".py", ".pyi", ".toml", ".html", ".css", ".js"}
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the sources with their links, so that building leaves nothing behind."""
+    """Copy of the sources with their links, so that building does not change them."""
     tree = tmp_path_factory.mktemp("tree")
     for name in SOURCES:
         if (ROOT / name).is_dir():
@@ -78,7 +78,7 @@ def test_source_distribution_builds_the_same_wheel(tree: Path, wheel: Path) -> N
 
 
 def test_wheel_works_in_a_clean_environment(wheel: Path, tmp_path: Path) -> None:
-    """One that has the dependencies, but none of this project's folders: away from the sources, from file to answer."""
+    """An environment with the dependencies, but none of this project's folders: from a file to a result."""
     clean = tmp_path / "venv"
     subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", clean], check=True)
     python = clean / "bin/python"
@@ -132,7 +132,7 @@ def requirement(text: str) -> tuple[str, str]:
 
 
 def test_conda_environment_names_the_same_libraries_and_versions() -> None:
-    """Extras for tests and documentation aside; gmsh comes as a wheel with the project itself."""
+    """Without extras for tests and documentation; gmsh is installed with the project itself."""
     listed = yaml.safe_load((ROOT / "environment.yml").read_text(encoding="utf-8"))["dependencies"]
     conda = dict(requirement(text) for text in listed if isinstance(text, str))
     (by_pip,) = (entry["pip"] for entry in listed if isinstance(entry, dict))

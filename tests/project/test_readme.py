@@ -1,4 +1,4 @@
-"""What the README shows does run: its example in Python, and the commands that it names."""
+"""The README's example in Python and its commands run."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def blocks(language: str) -> list[str]:
 
 
 def coarser(text: str, size: str) -> str:
-    """The text with a larger surface size [m], which costs seconds instead of half a minute."""
+    """Text with a larger surface size [m], which takes seconds instead of half a minute."""
     changed, count = re.subn(r"surface_size( ?)=( ?)[0-9.e-]+", rf"surface_size\1=\g<2>{size}", text)
     assert count == 1
     return changed
@@ -35,7 +35,7 @@ def coarser(text: str, size: str) -> str:
 
 @pytest.fixture(autouse=True)
 def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """A cache of its own, unless the session has set one up."""
+    """A separate cache, unless the session has one."""
     if "WHEELRAIL_CACHE" not in os.environ:
         monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path / "cache"))
 

@@ -1,4 +1,4 @@
-"""Two runs side by side: differences as they are, scatter, wear, pictures with both on one axis."""
+"""Comparison of two runs: differences, residual noise, wear, figures."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_differences_are_unshifted_and_unfiltered() -> None:
 
 
 def test_runs_are_compared_over_their_common_time() -> None:
-    """The second run is shorter, and its samples lie elsewhere: a straight line is met on the way."""
+    """The second run is shorter and sampled at other times; a straight line is interpolated exactly."""
     one = data(401)
     other = data(401).isel(time=slice(0, 301, 3))
     found = {d.channel: d for d in differences(one, other)}
@@ -139,7 +139,7 @@ def short_scene(folder: Path) -> Path:
 
 
 def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both runs, pictures, table; a second time neither run is repeated; another scene's results are."""
+    """Both runs, figures, table; completed runs are not repeated, those of another scene are."""
     models: list[str] = []
 
     def contact(scene: RunScene) -> WheelsetContact:

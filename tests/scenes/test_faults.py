@@ -1,4 +1,4 @@
-"""Full disks, damaged files, Ctrl-C and kills in every phase: nothing half-written is read, nothing is lost."""
+"""Full disks, damaged files, Ctrl-C and kills in every phase: incomplete files are never read, results are not lost."""
 
 from __future__ import annotations
 
@@ -59,9 +59,7 @@ def smooth(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def stopped(folder: Path, code: str, *line: str) -> tuple[int, str]:
-    """A run, or another command, in a process of its own, after some code: exit status, or minus the signal's number,
-    and what it said.
-    """
+    """Runs a command in a separate process after some code: exit code, or minus the signal's number, and output."""
     reads, writes = os.pipe()
     process = os.fork()
     if process == 0:
@@ -453,7 +451,7 @@ def test_ctrl_c_in_a_study(tmp_path: Path, phase: str, kept: int, code: int) -> 
 
 @pytest.mark.parametrize("size", [100, 8000])
 def test_study_on_a_full_disk(tmp_path: Path, size: int) -> None:
-    """Cases cannot be kept; they can, and the results cannot."""
+    """Cases cannot be stored, or cases can and the results cannot."""
     status, said = study_of_four(tmp_path, LITTLE.format(size=size))
     assert status == 1, said
     assert "Traceback" not in said

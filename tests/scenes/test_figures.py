@@ -1,4 +1,4 @@
-"""Results and pictures of a run: named variables with units that survive the disk, and axes that say what they show."""
+"""Results and figures of a run: variables with units through NetCDF, and labelled axes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,9 @@ N = 40
 
 
 def history(rows: int = N, curvature: float = 1 / 1200) -> History:
-    """A made-up run into a curve: a second patch on the right from half way, and the left wheel lifts at last."""
+    """Synthetic run into a curve: a second patch on the right from the middle, and wheel lift on the left
+    at the end.
+    """
     share = np.linspace(0.0, 1.0, rows)
     time = 2.0 * share
     force = np.zeros((rows, 2, 3))
@@ -190,7 +192,7 @@ def test_figures_leave_matplotlibs_global_state_unchanged(tmp_path: Path) -> Non
 
 
 def strips(lean: float = 0.1) -> ContactResult:
-    """A made-up patch of two strips of three cells, leaning to the left; the cells at the trailing ends slip."""
+    """Synthetic patch of two strips of three cells, inclined to the left; the cells at the trailing ends slip."""
     ends = np.array([[-3e-3, -1e-3, 2e-3, 3e-3], [-2e-3, 0.0, 1e-3, 2e-3]])
     x, step = 0.5 * (ends[:, 1:] + ends[:, :-1]).ravel(), np.diff(ends).ravel()
     normal = np.array([0.0, np.sin(lean), -np.cos(lean)])

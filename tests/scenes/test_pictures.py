@@ -1,4 +1,4 @@
-"""Pictures carry the data that they are given, with units on every axis."""
+"""Figures contain their data, with units on every axis."""
 
 from __future__ import annotations
 

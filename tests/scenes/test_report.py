@@ -1,6 +1,4 @@
-"""Reports: pages that hold what they should, open without a network and without complaints in a browser, or are not
-written at all.
-"""
+"""Reports: contents, display in a browser without network and without errors, atomic writing."""
 
 from __future__ import annotations
 
@@ -44,7 +42,7 @@ ALLOWED = "must be the folder of a run (run.nc, by wheelrail run), of a study (s
 
 
 def run_data(scale: float = 1e-3) -> Dataset:
-    """A made-up run of a scene that ships, with motions of some mm."""
+    """Synthetic run of a shipped scene, with motions of some mm."""
     one = history()
     data = dataset(replace(one, state=scale * one.state), scene=SCENE)
     return data.assign(wear(data, 3e8))
@@ -135,7 +133,7 @@ HARMLESS = re.compile(r'"hashes,scene"|GL Driver Message \(OpenGL, Performance|"
 
 
 def opened(page: str, folder: Path, *flags: str) -> tuple[dict[str, Any], list[str], Any]:
-    """What the page holds once it is drawn, complaints on the console, and how it looks (pixels, colours)."""
+    """Contents of the rendered page, errors on the console, and screenshot (pixels, colours)."""
     chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     assert chromium, "this test needs Chromium: apt-get install chromium (make test does), or google-chrome"
     (folder / "watched.html").write_text(page.replace("<head>", f"<head>{WATCH}", 1), encoding="utf-8")
@@ -156,7 +154,7 @@ def opened(page: str, folder: Path, *flags: str) -> tuple[dict[str, Any], list[s
 
 
 def test_run_page_in_a_browser(run_page: str, tmp_path: Path) -> None:
-    """Every picture is there, the view is drawn, nothing is asked of a network, and the console stays empty."""
+    """All figures are loaded, the view is drawn, without network access and console messages."""
     found, errors, picture = opened(run_page, tmp_path)
     assert errors == []
     assert found["complaints"] == []
@@ -180,7 +178,7 @@ def test_still_image_without_webgl(run_page: str, tmp_path: Path) -> None:
 
 
 def test_browser_errors_are_detected(tmp_path: Path) -> None:
-    """What is wrong with a page is seen: a picture that does not load, errors of scripts, and no view."""
+    """Errors of a page are detected: missing images, script errors, missing view."""
     script = "<script>console.error('this, too'); missing()</script>"
     page = f'<html><head></head><body><img alt="a" src="https://example.org/a.png">{script}</body></html>'
     found, errors, _ = opened(page, tmp_path)
@@ -249,7 +247,7 @@ def test_view_shows_the_largest_lateral_force() -> None:
 
 
 def test_without_a_view(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Left out if so wished; where it cannot be drawn the page says why."""
+    """Omitted on request; if it cannot be drawn, the page names the reason."""
 
     def said(data: Dataset, **options: bool) -> str:
         write(data.isel(time=[0]), tmp_path / "run.nc")
@@ -330,7 +328,7 @@ def test_study_of_runs_shows_the_maximum_peak_pressure(tmp_path: Path, monkeypat
 
 
 def cases_data(count: int) -> Dataset:
-    """Results of a made-up study of so many loads; a third of the cases failed, the first one among them."""
+    """Synthetic results of a study over a number of loads; a third of the cases failed, including the first."""
     planned = plan(check_study(study(grid={"load": [1e3 + i for i in range(count)]})))
     good = [{"contact": {"max_pressure": 1e6 * (1000 + i)}} for i in range(count)]
     ended = [

@@ -1,4 +1,4 @@
-"""Runs that were stopped or killed go on to the very bit where they would have ended."""
+"""Interrupted or killed runs resume to bitwise identical results."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_checkpoints_change_no_more_than_the_tolerances_do() -> None:
 
 @dataclass
 class Clinging(VehicleContact):
-    """Solves from a result before, but from nothing only now and then; and what it gives depends on the guess."""
+    """Solves with an initial guess, but without one only occasionally; results depend on the guess."""
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         if guess is None and abs(state.y) * 1e6 % 1.0 > 0.3:
@@ -301,7 +301,7 @@ def command(folder: Path, *options: str, contact: Stopping | None = None, **chan
 
 
 def killed(folder: Path, *options: str, at: int) -> None:
-    """The same in a process of its own, killed at one of its solves."""
+    """The same in a separate process, killed at one of its solves."""
     process = os.fork()
     if process == 0:
         command(folder, *options, contact=Stopping(at))

@@ -150,7 +150,7 @@ EXACT = changed(HERTZ, 'laws = "paper"', 'laws = "exact"')
 
 
 def test_fitted_points_are_the_default_with_exact_laws() -> None:
-    """Waveguides and the exact normal law take fitted points, unless the scene says otherwise."""
+    """Default points for waveguides and the exact normal law."""
     half = 'laws = "paper"\nstiffness_per_area = inf'
     for text, points in (
         (HERTZ, "grid"),

@@ -1,4 +1,4 @@
-"""Studies: what they may say, what they compute once only, and what becomes of cases and workers that fail."""
+"""Studies: validation, caching of cases, failures of cases and workers."""
 
 from __future__ import annotations
 
@@ -324,7 +324,7 @@ def test_last_combination_is_validated() -> None:
 
 
 def test_cases_are_validated_like_single_scenes() -> None:
-    """A table that was fine in one case is not checked again, and comes out the same."""
+    """A valid table of one case is not validated again, with the same result."""
     grid = {
         "vehicle.speed": [30.0, 40.0],
         "vehicle.roll_bar": [1e6, 2e6],
@@ -606,7 +606,7 @@ class Counted:
 
 
 def numbers(data: Dataset) -> Dataset:
-    """All but what a clock says."""
+    """Results without computing times and date."""
     return data.drop_vars([name for name in data if "seconds" in str(name)]).assign_attrs(created="")
 
 

@@ -1,4 +1,4 @@
-"""Pictures in three dimensions, drawn off screen: what they show, pages that need no network, a short film."""
+"""3D views off screen: contents, self-contained pages, a short animation."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
 
 @cache
 def result() -> ContactResult:
-    """A made-up patch of 12 by 10 cells of 1 mm, its pressure a hill of 900 MPa."""
+    """Synthetic patch of 12 by 10 cells of 1 mm with a paraboloidal pressure of 900 MPa."""
     x, y = (v.ravel() for v in np.meshgrid(np.arange(12) - 5.5, np.arange(10) - 4.5))
     p = 9e8 * np.sqrt(np.maximum(1 - (x / 6) ** 2 - (y / 5) ** 2, 0))
     n = len(x)
@@ -70,7 +70,7 @@ def box(upper: bool) -> BodyFields:
 
 @cache
 def drawn() -> str:
-    """The page of a scene; its picture is looked at in `test_a_contact_scene`."""
+    """HTML page of a scene; `test_a_contact_scene` checks the screenshot."""
     bodies = tuple(DrawnBody(name, name == "wheel", box(name == "wheel"), (box(name == "wheel"),)) for name in NAMES)
     view = contact_scene(result(), bodies, title="a <contact>", off_screen=True)
     picture = np.asarray(view.screenshot(None))
@@ -87,7 +87,7 @@ RANGES: dict[str, tuple[float, float]] = {}
 
 
 def test_a_contact_scene() -> None:
-    """Both panes hold more than their background, bars go from nothing to the largest values."""
+    """Both panes are not empty; colour bars range from zero to the largest values."""
     drawn()
     (picture,) = PICTURES
     for pane in np.array_split(picture, 2, axis=1):
@@ -99,7 +99,7 @@ def test_a_contact_scene() -> None:
 
 
 def test_html_page_is_self_contained() -> None:
-    """All scripts and styles stand in the page itself, and so does the title, with its signs made harmless."""
+    """Scripts and styles are embedded, and the title is escaped."""
     page = drawn()
     head = page[: page.index("<body>")]
     tags = re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", head + page[page.index("<body>") :][:2000])
@@ -119,7 +119,7 @@ def test_fields_on_a_mesh() -> None:
 
 
 def test_patch_position() -> None:
-    """On top of the rail, left of its middle; right of it in the mirror; down with the rail that gives way."""
+    """On top of the rail, left of its middle; on the right in the mirror image; displaced with the rail."""
     fields = result().fields
     assert fields is not None
     patch = pressure_surface(result())
@@ -136,7 +136,7 @@ def test_patch_position() -> None:
 
 
 def test_whole_bodies() -> None:
-    """A rail of the standard's section, a wheel as round as its tread; left and right are mirror images."""
+    """Rail with the standard's section, wheel with the radius of its tread; left and right are mirror images."""
     rail = rail_body(RAIL, length=0.5)
     end = rail.extract_cells(rail.cell_centers().points[:, 0] > 0.25 - 1e-9)
     assert end.area == pytest.approx(7.670e-3, rel=0.01)  # 60E1: 76.70 cm2, EN 13674-1
@@ -174,7 +174,7 @@ def run_data() -> Dataset:
 
 
 def test_animation_of_a_run(tmp_path: Path) -> None:
-    """As many frames as asked for, no two of them alike; films of both kinds; bad wishes are refused at once."""
+    """Requested number of frames, all different; both formats; invalid options are rejected before drawing."""
     import imageio.v3 as imageio
 
     told: list[tuple[int, int]] = []
@@ -222,7 +222,7 @@ def test_view_file_endings(tmp_path: Path) -> None:
 
 
 def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a real kernel a plotter shows itself as a widget with a page of its own server in it."""
+    """In a kernel a plotter is displayed as a widget served by a local server."""
     import nbclient
     import nbformat
 

@@ -1,4 +1,4 @@
-"""Wagons as TOML files: the shipped ones, a round trip, a scene that names one, and what is refused."""
+"""Wagons as TOML files: shipped ones, round trip, use in scenes, and invalid files."""
 
 from __future__ import annotations
 

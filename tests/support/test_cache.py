@@ -1,4 +1,4 @@
-"""The disk cache: whole files or none, and a bad one costs time, not the run."""
+"""The disk cache: files are complete or absent, and damaged ones are recomputed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ COARSE = Grading(1.0, 1.0)
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A cache of its own for each test."""
+    """A separate cache for each test."""
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
@@ -66,7 +66,7 @@ def test_key_depends_on_every_part() -> None:
 
 @pytest.fixture
 def breaking(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
-    """Makes writing break off after a few bytes with an exception."""
+    """Interrupts writing after a few bytes by an exception."""
 
     def arm(error: BaseException) -> None:
         def half(file: Any, values: Any, **options: Any) -> None:

@@ -1,4 +1,4 @@
-"""Machine code kept on disk is that of the sources as they are, those of functions that are called included."""
+"""Cached machine code is that of the present sources, including those of called functions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Layouts of segments: where they meet, what they give, how they are refused; where the track runs in space."""
+"""Alignments of segments: continuity, values, errors, and the centre line in space."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ def frame_of(track: Track, s: float) -> np.ndarray:
 
 @pytest.mark.parametrize("at", [60.0, 138.0, 141.5, 156.0, 300.0, 318.0])
 def test_frame_on_segments_at_changing_speed_against_differences(at: float) -> None:
-    """Rates and their change where curvature, cant and gradient change at once, while the vehicle brakes."""
+    """Angular velocity and acceleration where curvature, cant and gradient vary, during braking."""
     track, profile = Track.of(S_CURVE), SpeedProfile.through((0.0, 12.0), (40.0, 15.0))
     t, h = profile.time_at(at), 2e-3
     weights = np.array([1, -8, 0, 8, -1]) / (12 * h)

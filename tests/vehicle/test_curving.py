@@ -1,4 +1,4 @@
-"""Steady positions in curves beside statics on paper."""
+"""Steady-state curving against statics in closed form."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def on_paper(curve: ConstantCurve, contact: LinearContact = SPRINGS, *, simpler:
 
 
 def found_in(steady: SteadyCurving) -> dict[str, float]:
-    """The same of a left-hand curve, whose outside is the right."""
+    """The same of a left-hand curve, whose outer side is the right."""
     y, _, roll = steady.car_body
     return {
         "outer": steady.wheel_load["right"],

@@ -200,7 +200,7 @@ def conserved(d: Dynamics, frame: Frame, state: np.ndarray) -> float:
 
 @pytest.mark.parametrize("track", [Track(), Track(PiecewiseFunction.constant(1 / R), PiecewiseFunction.constant(CANT))])
 def test_energy_of_the_undamped_free_wagon(track: Track) -> None:
-    """Springs, preloads, gyroscopic and centrifugal terms neither give nor take energy, also in a curve."""
+    """Springs, preloads, gyroscopic and centrifugal terms conserve energy, also in a curve."""
     w = Wagon()
     wagon = replace(
         w,

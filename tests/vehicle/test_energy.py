@@ -1,4 +1,4 @@
-"""Energy balance of runs: what flows in and out makes the change of the mechanical energy, whatever acts."""
+"""Energy balance of runs: work of all forces equals the change of the mechanical energy."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_omitted_force_opens_the_balance() -> None:
 
 
 def test_work_of_gravity() -> None:
-    """On a straight level track the work of gravity is the weight times the way down."""
+    """On a straight level track the work of gravity is the weight times the descent."""
     wagon, plane = Wagon(), Wagon().plane
     dynamics = Dynamics(wagon, Track(), CONTACT, 45.0)
     aside = simulate(dynamics, (0.0, 0.01)).state[0]

@@ -1,4 +1,4 @@
-"""The Rosenbrock method: order conditions, inexact Jacobians, the wagon's Jacobian, rough contacts, two processes."""
+"""The Rosenbrock method: order conditions, inexact Jacobians, the wagon's Jacobian, contact noise, two processes."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def slope(t: float, x: np.ndarray) -> Linearised:
 
 @pytest.mark.parametrize("share", [1.0, 0.6, 0.0])
 def test_third_order_whatever_the_jacobian(share: float) -> None:
-    """Exact, wrong by 40 %, or none at all, for the state and for time."""
+    """Exact, 40 % off, or zero, with respect to state and time."""
     start = np.array([0.0, 1.0, 1.0])
     exact = solve_ivp(lambda t, x: driven(t, x).rate, (0, 4), start, method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
 
@@ -120,7 +120,7 @@ def test_stiffness_does_not_bound_the_step() -> None:
 
 @dataclass(frozen=True)
 class Tangential(VehicleContact):
-    """The smooth contact, with its tangent by differences: as a model that knows its own."""
+    """The smooth contact with a tangent by differences, as a model with its own."""
 
     inner: WheelsetContact = CONTACT
 
@@ -144,7 +144,7 @@ def curving(contact=CONTACT) -> tuple[Dynamics, float, np.ndarray]:  # type: ign
 
 @pytest.mark.parametrize(("contact", "within"), [(Tangential(), 1e-5), (CONTACT, 2e-2)])
 def test_the_wagons_jacobian(contact, within: float) -> None:  # type: ignore[no-untyped-def]
-    """Against central differences of the whole equations of motion, row by row."""
+    """Against central differences of the complete equations of motion, row by row."""
     d, t, x = curving(contact)
     counts = StepStatistics()
     linear = Jacobian(d, counts)(t, x, d(t, x))
@@ -156,7 +156,7 @@ def test_the_wagons_jacobian(contact, within: float) -> None:  # type: ignore[no
 
 
 def test_the_wagons_derivative_by_time() -> None:
-    """Contacts held: a contact that is not there at all makes it exact."""
+    """At constant contact forces; exact without contact forces."""
     d, t, x = curving(FunctionContact(lambda state, side, guess: ContactResult.separated()))
     linear = Jacobian(d, StepStatistics())(t, x, d(t, x))
     expected = (d(t + 1e-4, x).rate - d(t - 1e-4, x).rate) / 2e-4
@@ -191,7 +191,7 @@ def off(history: History, reference: History) -> tuple[float, float]:
 
 
 def test_accuracy_and_cost_of_a_run(plain: History, tight: History) -> None:
-    """0.01 mm and 0.5 % are asked for."""
+    """Required: 0.01 mm and 0.5 %."""
     position, force = off(plain, tight)
     assert position < 5e-3
     assert force < 2e-3
@@ -318,7 +318,7 @@ def test_interrupted_implicit_run_returns_its_history() -> None:
 
 @dataclass
 class Remembering(VehicleContact):
-    """Passes guesses on visibly: the approach counts how many results stand behind a result."""
+    """Contact whose approach counts the results in the chain of initial guesses."""
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         if state.z < -1.0:

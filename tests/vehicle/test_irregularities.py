@@ -1,4 +1,4 @@
-"""Irregularities: spectra, files, what they do to rails, and to a vehicle on them."""
+"""Irregularities: spectra, files, displacement of rails, and response of the vehicle."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_mirrored_shifts() -> None:
 
 
 def test_the_mirrored_track_gives_the_mirrored_run() -> None:
-    """To the last bit, by an explicit method: differences of a contact without a tangent go one way only."""
+    """Bitwise, by an explicit method: forward differences of a contact without tangent are not symmetric."""
     uneven = ERRI["high"].irregularities(100.0, seed=5)
     mirrored = Irregularities(uneven.stations, uneven.values * [-1.0, 1.0, -1.0, 1.0])
     state = 1e-4 * np.random.default_rng(1).normal(size=2 * COUNT)

@@ -1,4 +1,4 @@
-"""A right-hand curve is the mirror image of the left-hand one to the last bit, whatever the contact and the stepper."""
+"""A right-hand curve is bitwise the mirror image of the left-hand one, for every contact and integrator."""
 
 from __future__ import annotations
 

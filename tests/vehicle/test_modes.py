@@ -1,4 +1,4 @@
-"""Linear modes beside closed forms, Lagrange's equations and decaying runs."""
+"""Linear modes against closed forms, Lagrange's equations and decaying runs."""
 
 from __future__ import annotations
 
@@ -84,7 +84,9 @@ def test_held_wheelset_without_weight_is_the_textbook_model() -> None:
 
 
 def test_held_wheelset_with_the_loads_in_their_displaced_position() -> None:
-    """Second derivatives of the energies; the overturned bogie makes the lower sway slower than the pendulum alone."""
+    """Second derivatives of the energies; the inverted pendulum of the bogie lowers the frequency of the lower sway
+    mode.
+    """
     found = held_modes(WAGON)
     np.testing.assert_allclose(values(found), eigenvalues(*(m[:6, :6] for m in linear())), rtol=1e-7)
     design = np.abs(textbook(pendulum=True)) / 2 / np.pi
@@ -131,7 +133,7 @@ def test_a_small_motion_decays_as_its_mode(contact, moving: str) -> None:  # typ
 
 @pytest.mark.parametrize("speed", [10.0, 30.0, 45.0])
 def test_creep_damps_the_wheelset(speed: float) -> None:
-    """Spin: J w' = -2 f r^2 w / V. Lateral motion, where creep is stiff: the rest of the wagon hardly takes part."""
+    """Spin: J w' = -2 f r^2 w / V. Lateral motion with stiff creep: nearly decoupled from the other bodies."""
     found = modes(Dynamics(WAGON, Track(), CONTACT, speed))
     assert len(found) == 7 + 4
     spin = next(m for m in found if m.main_coordinates.startswith("wheelset_pitch"))

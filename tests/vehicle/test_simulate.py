@@ -1,4 +1,4 @@
-"""Whole runs on a smooth contact: records, failures, interruption, symmetry, imports."""
+"""Runs with a smooth contact: records, failures, interruption, symmetry, imports."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=20.0, length=200.0)
 
 @dataclass
 class Watched(VehicleContact):
-    """Passes on to the smooth contact, remembers guesses and results, and fails where it is told to."""
+    """Wraps the smooth contact, records guesses and results, and fails at given calls."""
 
     fail_at: range = range(0)
     fail_from: float = np.inf

@@ -28,7 +28,7 @@ def plain(function):  # type: ignore[no-untyped-def]
 
 
 def rotor(t: float, x: np.ndarray) -> np.ndarray:
-    """Jacobi's elliptic functions sn, cn, dn with m = 0.51: a rigid body that turns freely."""
+    """Jacobi's elliptic functions sn, cn, dn with m = 0.51: free rotation of a rigid body."""
     return np.array([x[1] * x[2], -x[0] * x[2], -0.51 * x[0] * x[1]])
 
 
@@ -136,7 +136,7 @@ def test_step_control_at_the_limit_of_stability() -> None:
 
 
 def test_a_failure_shortens_the_step() -> None:
-    """x' = -x^2 from a wide start: the right-hand side refuses what a long step would look at."""
+    """x' = -x^2 from a large value: the right-hand side fails for arguments of long steps."""
     refused = []
 
     def wall(t: float, x: np.ndarray, previous: Rate | None) -> Rate:

@@ -1,4 +1,4 @@
-"""Courses, track frames and the accelerations felt in them, against differentiation of an inertial trajectory."""
+"""Piecewise functions, track frames and frame accelerations, against differentiation of an inertial trajectory."""
 
 from __future__ import annotations
 
