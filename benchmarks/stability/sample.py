@@ -18,7 +18,7 @@ SIZES = (0.5e-3, 1e-3, 2e-3, 3e-3)
 EXACT_K = 0.6  # fraction of cases with the exact normal law
 EXACT_EPS = 0.4  # fraction of cases with Coulomb's own law
 NO_MU = 0.05  # fraction of cases without friction
-MOST_POINTS = 700  # of a grid: heavy loads get the smallest size that needs no more
+MAX_POINTS = 700  # of a grid: heavy loads get the smallest size that needs no more
 AREA = 1.9e-7  # m2 N^(-2/3), approximate area of penetration
 
 
@@ -110,6 +110,6 @@ def cases(count: int, seed: int) -> list[SampledCase]:
 
 
 def _finest(load: float) -> float:
-    """Smallest size m whose grid has at most MOST_POINTS points, load as in the unit cube."""
+    """Smallest size m whose grid has at most MAX_POINTS points, load as in the unit cube."""
     area = AREA * (100.0 * 2000.0**load) ** (2 / 3)
-    return next(size for size in SIZES if area / size**2 <= MOST_POINTS)
+    return next(size for size in SIZES if area / size**2 <= MAX_POINTS)

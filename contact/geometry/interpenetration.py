@@ -105,9 +105,9 @@ def wheel_regions(
 
     Parameters as for `profile_regions`; origin (3,) m and rotation (3, 3) are the pose's.
     """
-    samples, places = scan(rail, lines, radius, origin, rotation), lines.s
+    samples, positions = scan(rail, lines, radius, origin, rotation), lines.s
     depth, where, sample = samples.depth, samples.x, samples.sample
-    top, low, before, approach = local_maxima(wheel, rail, radius, origin, rotation, places, samples)
+    top, low, before, approach = local_maxima(wheel, rail, radius, origin, rotation, positions, samples)
     beyond = depth[0] > 0.0 or depth[-1] > 0.0
     weight, reach = merging_weights(top, low, merge)
     m = len(POSITIONS)
@@ -127,20 +127,20 @@ def wheel_regions(
                 continue
             middle = top[j, 0]
             for direction in (-1, 1):
-                stop = places[0] if direction < 0 else places[-1]
+                stop = positions[0] if direction < 0 else positions[-1]
                 if direction < 0 and j > 0:
                     stop = low[j - 1, 0]
                 if direction > 0 and j < len(top) - 1:
                     stop = low[j, 0]
                 i, inner = before[j] + (direction > 0), middle
-                while (places[i] - stop) * direction < 0.0 and (
-                    (places[i] - middle) * direction <= 0.0 or depth[i] >= level
+                while (positions[i] - stop) * direction < 0.0 and (
+                    (positions[i] - middle) * direction <= 0.0 or depth[i] >= level
                 ):
-                    if (places[i] - middle) * direction > 0.0:
-                        inner = places[i]
+                    if (positions[i] - middle) * direction > 0.0:
+                        inner = positions[i]
                     i += direction
                 edge = stop
-                outer = places[i] if (places[i] - stop) * direction < 0.0 else stop
+                outer = positions[i] if (positions[i] - stop) * direction < 0.0 else stop
                 d, _, _, _ = deepest(wheel, rail, radius, origin, rotation, outer, where[i], sample[i])
                 if d < level:
                     edge = level_crossing(

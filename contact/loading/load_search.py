@@ -19,7 +19,7 @@ Lowered = Callable[[float, Results | None], Results]  # depth m, earlier results
 RTOL = 1e-9  # of the load
 NOISE = 1e-6  # of the load: below it a trial without improvement is accepted, for the contact's own tolerance
 JUMP = 2e-4  # of the load: largest accepted jump of a discrete contact's force, where cells become active
-MOST = 60  # solves
+MAX_SOLVES = 60  # solves
 
 
 class LoadError(RuntimeError):
@@ -92,21 +92,21 @@ def find_depth_for_load(
     depth, stride, slope = start, expected, target / expected
     last: tuple[float, float] | None = None  # depth and F^(2/3) of the last solve in contact
     best, width = LoadSolution(start, (), np.inf, 0, slope), np.inf
-    for trial in range(1, MOST + 1):
+    for trial in range(1, MAX_SOLVES + 1):
         results = contact(depth, guess)
-        overlap = max(result.approach for result in results)
+        penetration = max(result.approach for result in results)
         if not all(result.ok for result in results):
             above, failed = min(above, depth), results
             if above - below < 1e-3 * expected:
                 check(results)
-            depth = 0.5 * (below + above) if np.isfinite(below) else depth - max(overlap, stride)
+            depth = 0.5 * (below + above) if np.isfinite(below) else depth - max(penetration, stride)
             stride = 2.0 * stride
             continue
         guess, force = results, vertical(results)
         value, error = compliant(force), abs(force - load) / load
         below, above, failed = (depth, above, failed) if force < load else (below, depth, ())
         if value > 0.0:
-            slope, last = _slope(slope, last, (depth, value), overlap), (depth, value)
+            slope, last = _slope(slope, last, (depth, value), penetration), (depth, value)
         stalled = best.error <= NOISE and error >= 0.5 * best.error
         if error < best.error:
             best = LoadSolution(depth, results, error, trial, slope)
@@ -118,17 +118,17 @@ def find_depth_for_load(
             check(failed)
             raise LoadError(f"the force jumps over {load:g} N at a depth of {depth:.9g} m, nearest {_nearest(best)}")
         if value > 0.0:
-            room = 3.0 * max(overlap, expected)
+            room = 3.0 * max(penetration, expected)
             depth += float(np.clip((target - value) / slope, -room, room)) if slope > 0.0 else expected
         else:
-            depth, stride = depth + max(-overlap, 0.0) + stride, 2.0 * stride
+            depth, stride = depth + max(-penetration, 0.0) + stride, 2.0 * stride
         slow = trial % 4 == 0 and above - below > 0.25 * width  # one-sided convergence of the secant: bisect instead
         width = above - below if trial % 4 == 0 else width
         if np.isfinite(below + above) and (slow or not below < depth < above):
             depth = 0.5 * (below + above)
         if depth - start > deepest:
             raise LoadError(f"{load:g} N not reached within {deepest:g} m, nearest {_nearest(best)}")
-    raise LoadError(f"{load:g} N not reached in {MOST} solves, nearest {_nearest(best)}")
+    raise LoadError(f"{load:g} N not reached in {MAX_SOLVES} solves, nearest {_nearest(best)}")
 
 
 def _slope(

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wheelrail.contact.loading.load_search import MOST, NOISE, RTOL, LoadError, Results, check, compliant
+from wheelrail.contact.loading.load_search import MAX_SOLVES, NOISE, RTOL, LoadError, Results, check, compliant
 from wheelrail.support.arrays import Array
 
 
@@ -35,7 +35,7 @@ def find_depths_for_loads(
     jacobian, depths = np.diag(slopes), np.array(start, dtype=float)
     step: Array = np.zeros(len(loads))
     residual, size = np.zeros(len(loads)), np.inf
-    for trial in range(1, MOST + 1):
+    for trial in range(1, MAX_SOLVES + 1):
         results = contact(depths + step, guess)
         values = np.array([compliant(float(result.force[2])) for result in results])
         trial_residual = values - target
@@ -53,4 +53,4 @@ def find_depths_for_loads(
         depths, guess = depths + step, results
         residual, size = trial_residual, float(np.abs(trial_residual).max())
         step = -np.linalg.solve(jacobian, residual)
-    raise LoadError(f"loads {np.array2string(loads, precision=6)} N not reached in {MOST} solves")
+    raise LoadError(f"loads {np.array2string(loads, precision=6)} N not reached in {MAX_SOLVES} solves")

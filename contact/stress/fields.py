@@ -54,7 +54,7 @@ class BodyFields:
         """Von Mises stress (n,) Pa."""
         return von_mises(self.stress)
 
-    def seen_from(self, frame: Pose) -> BodyFields:
+    def in_frame(self, frame: Pose) -> BodyFields:
         """The fields in the frame in which the present axes have this pose."""
         rotation = frame.rotation
         return replace(

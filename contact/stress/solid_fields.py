@@ -50,8 +50,8 @@ def solid_fields(
         assert isinstance(u, np.ndarray)
         split = model.wheel.stiffness.getSize()[0]
         return (
-            _fields(model.wheel, u[:split], 1.0, model.wheel.steel.E).seen_from(frames[0]),
-            _fields(model.rail, u[split:], 1.0, model.rail.steel.E).seen_from(frames[1]),
+            _fields(model.wheel, u[:split], 1.0, model.wheel.steel.E).in_frame(frames[0]),
+            _fields(model.rail, u[split:], 1.0, model.rail.steel.E).in_frame(frames[1]),
         )
     points, _ = model.geometry.contact_points(pose, order := model.order if model.laws.frictional else 0)
     if points is None or len(points.node) != len(result.fields.node):
@@ -70,7 +70,7 @@ def solid_fields(
         u = compliance.scale * _solve(body, coupling, sign * loads)
         position = model.geometry.grid.position if isinstance(model.geometry, QuadricPair) else body.grid.position
         size = float(np.ptp(position) / np.ptp(body.grid.position))
-        fields.append(_fields(body, u, size, body.steel.E / (compliance.scale * size)).seen_from(frame))
+        fields.append(_fields(body, u, size, body.steel.E / (compliance.scale * size)).in_frame(frame))
     return fields[0], fields[1]
 
 
@@ -112,14 +112,14 @@ def _fields(body: ElasticBody, u: Array, size: float, modulus: float) -> BodyFie
 
 def _gradients(solid: Solid, points: Array, displacement: Array) -> Array:
     """Gradients (n, 3, 3) at the points of a mesh: values at the centres of cells, averaged by volume."""
-    corners, moved = points[solid.cells], displacement[solid.cells]
+    corners, corner_displacements = points[solid.cells], displacement[solid.cells]
     if solid.cell == "tetrahedron":
         slope = np.vstack([-np.ones(3), np.eye(3)])
     else:
         reference = np.array([[i, j, k] for k in (-1, 1) for j in (-1, 1) for i in (-1, 1)], dtype=float)
         slope = reference / 4
     jacobian = np.einsum("mkc,kd->mcd", corners, slope)
-    gradient = np.einsum("mkc,kd->mcd", moved, slope) @ np.linalg.inv(jacobian)
+    gradient = np.einsum("mkc,kd->mcd", corner_displacements, slope) @ np.linalg.inv(jacobian)
     volume = np.abs(np.linalg.det(jacobian))
     total, mean = np.zeros(len(points)), np.zeros((len(points), 3, 3))
     np.add.at(total, solid.cells, volume[:, None])

@@ -105,7 +105,7 @@ class InternalFields:
 
     def _fields(self, stations: Array, chosen: Nodes, cells: Nodes, shape: Shape) -> BodyFields:
         coordinates, displacement, stress = self.at(stations, chosen)
-        return BodyFields(coordinates.points, cells, shape, displacement, stress).seen_from(self.body.frame)
+        return BodyFields(coordinates.points, cells, shape, displacement, stress).in_frame(self.body.frame)
 
 
 def internal_fields(

@@ -35,5 +35,5 @@ def _command(name: str, command: Any) -> Iterator[str]:
 
 def _entry(name: str, p: Any) -> Iterator[str]:
     default = p.default if p.default not in (None, False, ()) and not callable(p.default) else None
-    given = "" if p.required or default is None or str(default) == "Ellipsis" else f" Default: `{default}`."
-    yield from (f"`{name}`", f": {plain(p.help or '')}{given}", "")
+    default_text = "" if p.required or default is None or str(default) == "Ellipsis" else f" Default: `{default}`."
+    yield from (f"`{name}`", f": {plain(p.help or '')}{default_text}", "")

@@ -15,18 +15,18 @@ SPECIAL = re.compile(r"([*|_\\<>])")
 
 def restructured(lines: list[str]) -> list[str]:
     """The lines in reStructuredText: `names` as code, indented blocks and sessions as they are, the rest as text."""
-    found: list[str] = []
+    result: list[str] = []
     for blank, group in groupby(cleandoc("\n".join(lines)).splitlines(), key=lambda line: not line.strip()):
         part = list(group)
         if blank:
             continue
         if part[0].startswith((" ", ">>>")):
-            found += ["::", "", *("    " + line for line in part), ""]
+            result += ["::", "", *("    " + line for line in part), ""]
         elif part[0].startswith("- "):
-            found += [*map(_escaped, part), ""]
+            result += [*map(_escaped, part), ""]
         else:
-            found += [*(_escaped(line.strip()) for line in part), ""]
-    return found
+            result += [*(_escaped(line.strip()) for line in part), ""]
+    return result
 
 
 def _escaped(line: str) -> str:
@@ -42,14 +42,14 @@ def process(app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: 
 
 
 def signature(
-    app: Sphinx, what: str, name: str, thing: Any, options: Any, given: str | None, returned: str | None
+    app: Sphinx, what: str, name: str, thing: Any, options: Any, arguments: str | None, returned: str | None
 ) -> tuple[str | None, str | None]:
-    """Names of types as they are written, which Sphinx loses inside other types."""
-    return tuple(text and ALIAS.sub(r"\1", text) for text in (given, returned))  # type: ignore[return-value]
+    """Names of type aliases, which Sphinx does not resolve inside other types."""
+    return tuple(text and ALIAS.sub(r"\1", text) for text in (arguments, returned))  # type: ignore[return-value]
 
 
 def skip(app: Sphinx, what: str, name: str, thing: Any, skipped: bool, options: Any) -> bool | None:
-    """What named tuples say of their fields is nothing."""
+    """Skip the generated docstrings of fields of named tuples."""
     return True if str(getattr(thing, "__doc__", "")).startswith("Alias for field number") else None
 
 

@@ -94,11 +94,13 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
 
 
 def public(module: ModuleType) -> list[str]:
-    """What the public package says; of other modules their own classes and functions without an underscore."""
+    """`__all__` of the public package; own classes and functions without an underscore of other modules."""
     if module.__name__ == "wheelrail":
         return list(getattr(module, "__all__", ()))
-    own = {name: thing for name, thing in vars(module).items() if not name.startswith("_") and _defined(thing, module)}
-    return sorted(own, key=lambda name: inspect.getsourcelines(inspect.unwrap(own[name]))[1])
+    names = {
+        name: thing for name, thing in vars(module).items() if not name.startswith("_") and _defined(thing, module)
+    }
+    return sorted(names, key=lambda name: inspect.getsourcelines(inspect.unwrap(names[name]))[1])
 
 
 def _defined(thing: Any, module: ModuleType) -> bool:
@@ -124,9 +126,9 @@ def _chapter(title: str, modules: tuple[str, ...]) -> Iterator[str]:
 
 def _entry(path: str, thing: Any) -> Iterator[str]:
     if inspect.isclass(thing):
-        # what results have in common is theirs; pydantic's methods are not those of scenes
-        whole = ("   :inherited-members: BaseException",) if path.count(".") == 1 else ()
-        yield from (f".. autoclass:: {path}", "   :members:", *whole, "")
+        # inherited members of public classes only; pydantic's methods are omitted
+        members = ("   :inherited-members: BaseException",) if path.count(".") == 1 else ()
+        yield from (f".. autoclass:: {path}", "   :members:", *members, "")
     elif callable(thing):
         yield from (f".. autofunction:: {path}", "")
     elif inspect.ismodule(thing):

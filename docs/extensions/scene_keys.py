@@ -1,4 +1,4 @@
-"""Every key that a scene or a study may have, read off the pydantic models that check them."""
+"""Every key that a scene or a study may have, from the pydantic models that validate them."""
 
 from __future__ import annotations
 
@@ -98,10 +98,12 @@ def default(field: FieldInfo) -> str:
 
 
 def sentence(model: type[BaseModel], key: str) -> str:
-    """What a key is for: the model's own description of it, or that in keys.toml under the class that has it."""
-    known = tomllib.loads(SENTENCES.read_text(encoding="utf-8"))
-    own = model.model_fields[key].description
-    return own or next((known[c.__name__][key] for c in model.__mro__ if key in known.get(c.__name__, {})), "")
+    """Description of a key: of the model, or in keys.toml under the class that defines it."""
+    sentences = tomllib.loads(SENTENCES.read_text(encoding="utf-8"))
+    description = model.model_fields[key].description
+    return description or next(
+        (sentences[c.__name__][key] for c in model.__mro__ if key in sentences.get(c.__name__, {})), ""
+    )
 
 
 def own_keys(model: type[BaseModel]) -> list[str]:
@@ -117,13 +119,13 @@ def own_keys(model: type[BaseModel]) -> list[str]:
 
 def models(roots: tuple[type[BaseModel], ...]) -> list[type[BaseModel]]:
     """The classes of these models and of all tables in them that have keys of their own, each once."""
-    found: dict[type[BaseModel], None] = {}
+    classes: dict[type[BaseModel], None] = {}
     for root in roots:
         bases = [c for c in reversed(root.__mro__) if issubclass(c, BaseModel) and c is not BaseModel and own_keys(c)]
-        found |= dict.fromkeys(bases)
-    tables = [table for model in found for key in own_keys(model) for table in _of(model, key).tables]
-    new = tuple(table for table in dict.fromkeys(tables) if table not in found)
-    return [*found, *(m for m in models(new) if m not in found)] if new else list(found)
+        classes |= dict.fromkeys(bases)
+    tables = [table for model in classes for key in own_keys(model) for table in _of(model, key).tables]
+    new = tuple(table for table in dict.fromkeys(tables) if table not in classes)
+    return [*classes, *(m for m in models(new) if m not in classes)] if new else list(classes)
 
 
 def _of(model: type[BaseModel], key: str) -> Kind:
@@ -131,7 +133,9 @@ def _of(model: type[BaseModel], key: str) -> Kind:
     return kind(field.annotation, tuple(field.metadata))
 
 
-def places(model: type[BaseModel], path: str = "", brackets: str = "[]") -> Iterator[tuple[type[BaseModel], str]]:
+def table_headings(
+    model: type[BaseModel], path: str = "", brackets: str = "[]"
+) -> Iterator[tuple[type[BaseModel], str]]:
     """Every class of a model and of the tables in it, with the heading that it has in a file."""
     for c in model.__mro__ if path else ():
         if issubclass(c, BaseModel):
@@ -140,7 +144,7 @@ def places(model: type[BaseModel], path: str = "", brackets: str = "[]") -> Iter
         k = _of(model, key)
         for inner in k.tables:
             name = f"{path}.{key}" if path else key
-            yield from places(
+            yield from table_headings(
                 inner,
                 name + (".NAME" if "table of names" in k.allowed else ""),
                 "[[]]" if k.allowed == "tables" else "[]",
@@ -148,7 +152,7 @@ def places(model: type[BaseModel], path: str = "", brackets: str = "[]") -> Iter
 
 
 def table(model: type[BaseModel], headings: list[str]) -> Iterator[str]:
-    """Markdown: where a table stands, what its class says of itself, and its own keys."""
+    """Markdown section of a table: headings, docstring of its class, and its own keys."""
     yield from (f"## {model.__name__}", "")
     if headings:
         yield from (", ".join(headings), "")
@@ -184,6 +188,6 @@ def study_models() -> tuple[type[BaseModel], ...]:
 def _tables_of(*roots: type[BaseModel]) -> str:
     where: dict[type[BaseModel], dict[str, None]] = {}
     for root in roots:
-        for model, heading in places(root):
+        for model, heading in table_headings(root):
             where.setdefault(model, {})[heading] = None
     return "\n".join(line for model in models(roots) for line in table(model, list(where.get(model, {}))))

@@ -153,7 +153,7 @@ def bulged(radii: tuple[float, float], depth: float) -> Callable[[Array], Array]
     axis = 1.0 / np.abs(curvatures).max() if curvatures.any() else np.inf
 
     def chart(points: Array) -> Array:
-        moved = points.copy()
+        displaced = points.copy()
         if np.isfinite(axis):
             q = points[:, :2] ** 2 @ curvatures / axis
             if q.max() >= 1:
@@ -161,8 +161,8 @@ def bulged(radii: tuple[float, float], depth: float) -> Callable[[Array], Array]
                     f"a block of half width {np.abs(points[:, :2]).max():g} m cannot carry the radii {radii} m"
                 )
             sag = axis * (1 - np.sqrt(1 - q))
-            moved[:, 2] += (sag if hollow else -sag) * (1 + points[:, 2] / depth)
-        return moved
+            displaced[:, 2] += (sag if hollow else -sag) * (1 + points[:, 2] / depth)
+        return displaced
 
     return chart
 
@@ -178,5 +178,5 @@ def block_section(half_strip: int, size: float, half_width: float, depth: float)
     """
     y = np.arange(-half_strip, half_strip + 1) * size
     surface = np.stack([y, np.zeros_like(y)], axis=1)
-    rest = np.array([[half_width, 0.0], [half_width, -depth], [-half_width, -depth], [-half_width, 0.0]])
-    return surface, rest, np.array([False, False, True, False, False])
+    boundary = np.array([[half_width, 0.0], [half_width, -depth], [-half_width, -depth], [-half_width, 0.0]])
+    return surface, boundary, np.array([False, False, True, False, False])

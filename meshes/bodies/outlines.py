@@ -12,14 +12,14 @@ from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
 HEIGHT = 172.0  # mm, of the 60E1 section
-SNAP = 2e-4  # m; corners of the rest closer than this to an end of the profile are replaced by it
+SNAP = 2e-4  # m; corners of the boundary closer than this to an end of the profile are replaced by it
 MISFIT = 8e-3  # m; largest distance of a rail profile's end from the standard section: heavy wear, not another rail
 
 # Right half of 60E1 from the lower end of the flank to the axis, mm: x from the axis, height above the underside,
 # centre of the preceding arc (None: a line) and its sense. EN 13674-1; fillets of 35 and 7 mm between web and faces.
 _Corner = tuple[float, float, tuple[float, float] | None, int]
 _START = (37.04876, 136.72473)
-_REST: list[_Corner] = [
+_LOWER_BOUNDARY: list[_Corner] = [
     (35.07774, 133.75554, (34.05251, 136.57492), -1),
     (16.50562, 127.00204, None, 0),
     (12.24533, 122.60165, (18.89782, 120.42349), 1),
@@ -45,26 +45,26 @@ class Outline:
     Parameters:
         profile: running surface.
         surface_range: arc lengths at its start and end, m.
-        rest: (m, 2) m, remaining boundary from the end of the surface back to its start, both included.
-        clamped: first and last index of the points of rest between which the body is clamped.
+        boundary: (m, 2) m, remaining boundary from the end of the surface back to its start, both included.
+        clamped: first and last index of the points of boundary between which the body is clamped.
         offset: (2,) m, translation of the profile.
 
-    Raises ValueError if rest does not close the outline.
+    Raises ValueError if boundary does not close the outline.
     """
 
     profile: Profile
     surface_range: tuple[float, float]
-    rest: Array
+    boundary: Array
     clamped: tuple[int, int]
     offset: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         start, stop = self.surface(self.surface_range)
-        if max(np.abs(self.rest[0] - stop).max(), np.abs(self.rest[-1] - start).max()) > 1e-12:
-            raise ValueError(f"rest of section {self.profile.name} must start and end at the ends of its surface")
-        if not 0 <= self.clamped[0] < self.clamped[1] < len(self.rest):
-            raise ValueError(f"clamped must be two indices of rest in order, not {self.clamped}")
-        self.rest.setflags(write=False)
+        if max(np.abs(self.boundary[0] - stop).max(), np.abs(self.boundary[-1] - start).max()) > 1e-12:
+            raise ValueError(f"boundary of section {self.profile.name} must start and end at the ends of its surface")
+        if not 0 <= self.clamped[0] < self.clamped[1] < len(self.boundary):
+            raise ValueError(f"clamped must be two indices of boundary in order, not {self.clamped}")
+        self.boundary.setflags(write=False)
 
     def surface(self, s: ArrayLike) -> Array:
         """Points (..., 2) m of the running surface at arc length s m of the profile."""
@@ -72,7 +72,7 @@ class Outline:
 
     def is_clamped(self, points: Array) -> NDArray[np.bool_]:
         """Which of points (n, 2) m lie on the clamped part, within 1e-9 m."""
-        line = self.rest[self.clamped[0] : self.clamped[1] + 1]
+        line = self.boundary[self.clamped[0] : self.clamped[1] + 1]
         a, d = line[:-1], np.diff(line, axis=0)
         along = np.einsum("nmk,mk->nm", points[:, None] - a, d) / (d**2).sum(axis=1)
         closest = a + np.clip(along, 0.0, 1.0)[..., None] * d
@@ -81,7 +81,7 @@ class Outline:
     def polygon(self, spacing: float) -> Array:
         """Closed polygon (n, 2) m, first point not repeated, with the surface sampled every spacing [m] or closer."""
         s = self.profile.samples(spacing, *self.surface_range)
-        return np.concatenate([self.surface(s), self.rest[1:-1]])
+        return np.concatenate([self.surface(s), self.boundary[1:-1]])
 
 
 def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
@@ -96,13 +96,13 @@ def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
     """
     if profile.kind != "rail":
         raise ValueError(f"{profile.name} is a {profile.kind}, not a rail")
-    right = np.array(_rest(chord_error / 1e-3))
+    right = np.array(_lower_boundary(chord_error / 1e-3))
     section = np.concatenate([right, right[::-1] * (-1.0, 1.0)])
-    rest = profile.placement((section - (0.0, HEIGHT)) * 1e-3)
-    stop, start = _end(profile, rest[0], 1), _end(profile, rest[-1], -1)
-    rest, dropped = _joined(rest, profile.point(stop), profile.point(start))
+    boundary = profile.placement((section - (0.0, HEIGHT)) * 1e-3)
+    stop, start = _end(profile, boundary[0], 1), _end(profile, boundary[-1], -1)
+    boundary, dropped = _joined(boundary, profile.point(stop), profile.point(start))
     foot = len(right) - 1 - dropped
-    return Outline(profile, (start, stop), rest, (foot, foot + 1))
+    return Outline(profile, (start, stop), boundary, (foot, foot + 1))
 
 
 def rim_outline(
@@ -121,10 +121,10 @@ def rim_outline(
     """
     inner = radius - rim_thickness
     stop, front, back, start = _rim(profile, radius, rim_thickness, faces)
-    rest = np.array([stop, [front, stop[1]], [front, inner], [back, inner], [back, start[1]], start])
-    kept = np.concatenate([[True], np.hypot(*np.diff(rest, axis=0).T) > 0.0])
-    first = int(kept[:2].sum())
-    return Outline(profile, profile.s_range, rest[kept], (first, first + 1), (0.0, radius))
+    boundary = np.array([stop, [front, stop[1]], [front, inner], [back, inner], [back, start[1]], start])
+    distinct = np.concatenate([[True], np.hypot(*np.diff(boundary, axis=0).T) > 0.0])
+    first = int(distinct[:2].sum())
+    return Outline(profile, profile.s_range, boundary[distinct], (first, first + 1), (0.0, radius))
 
 
 def wheel_outline(profile: Profile, radius: float, shape: WheelShape | None = None) -> Outline:
@@ -142,10 +142,10 @@ def wheel_outline(profile: Profile, radius: float, shape: WheelShape | None = No
     head = np.array([stop, [front, stop[1]]])
     tail = np.array([[back, start[1]], start])
     body = shape.below_the_rim(radius, front, back)
-    rest = np.concatenate([head, body, tail])
-    kept = np.concatenate([[True], np.hypot(*np.diff(rest, axis=0).T) > 0.0])
-    bore = np.flatnonzero(rest[kept][:, 1] == shape.bore_radius)
-    return Outline(profile, profile.s_range, rest[kept], (int(bore[0]), int(bore[-1])), (0.0, radius))
+    boundary = np.concatenate([head, body, tail])
+    distinct = np.concatenate([[True], np.hypot(*np.diff(boundary, axis=0).T) > 0.0])
+    bore = np.flatnonzero(boundary[distinct][:, 1] == shape.bore_radius)
+    return Outline(profile, profile.s_range, boundary[distinct], (int(bore[0]), int(bore[-1])), (0.0, radius))
 
 
 def _rim(
@@ -171,10 +171,10 @@ def _rim(
     return stop, front, back, start
 
 
-def _rest(chord_error: float) -> list[tuple[float, float]]:
+def _lower_boundary(chord_error: float) -> list[tuple[float, float]]:
     """Right half of the section from the lower end of the flank to the underside, mm."""
     points = [_START]
-    for x, y, centre, sense in _REST:
+    for x, y, centre, sense in _LOWER_BOUNDARY:
         if centre is not None:
             (x0, y0), c = points[-1], complex(*centre)
             a, b = complex(x0, y0) - c, complex(x, y) - c
@@ -191,7 +191,7 @@ def _rest(chord_error: float) -> list[tuple[float, float]]:
 
 
 def _end(profile: Profile, corner: Array, side: int) -> float:
-    """Arc length m at which the profile ends and the rest, whose first point is corner, starts."""
+    """Arc length m at which the profile ends and the boundary, whose first point is corner, starts."""
     s = profile.closest(corner[None]).s[0]
     gap = profile.point(s) - corner
     if s * side < 0.0 or abs(gap[0]) > MISFIT:
@@ -203,9 +203,9 @@ def _end(profile: Profile, corner: Array, side: int) -> float:
     return float(s)
 
 
-def _joined(rest: Array, first: Array, last: Array) -> tuple[Array, int]:
-    """The rest between the profile's ends, without corners next to them; number of corners removed at its start."""
-    near_first = np.hypot(*(rest - first).T) < SNAP
-    near_last = np.hypot(*(rest - last).T) < SNAP
-    kept = rest[~near_first & ~near_last]
+def _joined(boundary: Array, first: Array, last: Array) -> tuple[Array, int]:
+    """The boundary between the profile's ends, without corners next to them; number of corners removed at its start."""
+    near_first = np.hypot(*(boundary - first).T) < SNAP
+    near_last = np.hypot(*(boundary - last).T) < SNAP
+    kept = boundary[~near_first & ~near_last]
     return np.concatenate([[first], kept, [last]]), int(near_first.sum()) - 1

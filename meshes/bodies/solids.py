@@ -68,8 +68,8 @@ def block(
     )
 
     def build() -> Solid:
-        surface, rest, clamped = block_section(across, size, half_width, half_width)
-        section = triangulate(surface, rest, clamped, size=size, grading=scaled, quadrilaterals=hexahedra)
+        surface, boundary, clamped = block_section(across, size, half_width, half_width)
+        section = triangulate(surface, boundary, clamped, size=size, grading=scaled, quadrilaterals=hexahedra)
         x = layers(half_cells[0], size, half_width, largest=half_width / 4)
         return extruded(section, x, half_cells[0]).mapped(bulged(radii, half_width))
 
@@ -182,7 +182,7 @@ def body_key(kind: str, outline: Outline, strip: Strip, half_length: float, cell
     return digest(
         kind=kind,
         profile=outline.profile.digest(),
-        rest=outline.rest,
+        rest=outline.boundary,
         range=outline.surface_range,
         clamped=outline.clamped,
         offset=outline.offset,
@@ -198,12 +198,12 @@ def section(outline: Outline, strip: Strip, *, grading: Grading = FINE, quadrila
     low, high = outline.surface_range
     beyond = _coarser(strip.arc[-1], high, strip.size)
     before = _coarser(strip.arc[0], low, strip.size)
-    rest = np.concatenate([outline.surface(beyond), outline.rest[1:-1], outline.surface(before[::-1])])
-    edges = np.zeros(len(rest) + 1, dtype=bool)
+    boundary = np.concatenate([outline.surface(beyond), outline.boundary[1:-1], outline.surface(before[::-1])])
+    edges = np.zeros(len(boundary) + 1, dtype=bool)
     first, last = (len(beyond) - 1 + index for index in outline.clamped)
-    edges[first + 1 : last + 1] = True  # edge e ends at point e of the rest
+    edges[first + 1 : last + 1] = True  # edge e ends at point e of the boundary
     return triangulate(
-        outline.surface(strip.arc), rest, edges, size=strip.size, grading=grading, quadrilaterals=quadrilaterals
+        outline.surface(strip.arc), boundary, edges, size=strip.size, grading=grading, quadrilaterals=quadrilaterals
     )
 
 

@@ -40,7 +40,7 @@ class SectionMesh:
 
 def triangulate(
     surface: Array,
-    rest: Array,
+    boundary: Array,
     clamped: Mask,
     *,
     size: float,
@@ -51,8 +51,8 @@ def triangulate(
 
     Parameters:
         surface: (k, 2) m, points of the contact surface.
-        rest: (m, 2) m, remaining corners.
-        clamped: (m + 1,), fixed edges of the polygon, from the last surface point along rest back to the first.
+        boundary: (m, 2) m, remaining corners.
+        clamped: (m + 1,), fixed edges of the polygon, from the last surface point along boundary back to the first.
         size: element size on the surface, m.
         grading: of the element sizes.
         quadrilaterals: instead of triangles, by refinement of a mesh of twice the size: k must be odd.
@@ -62,7 +62,7 @@ def triangulate(
     stride = 2 if quadrilaterals else 1
     scale = 1.0 / (size * stride)  # gmsh's tolerances are absolute
     with _gmsh_model() as gmsh:
-        points, lines = _polygon(gmsh, np.vstack([surface[::stride], rest]) * scale)
+        points, lines = _polygon(gmsh, np.vstack([surface[::stride], boundary]) * scale)
         last = (len(surface) - 1) // stride
         contact = lines[:last]
         fixed = [line for line, is_fixed in zip(lines[last:], clamped, strict=True) if is_fixed]

@@ -103,7 +103,7 @@ class Curve:
             guess = new
         return np.asarray(guess)
 
-    def moved(self: _C, angle: float, shift: complex, s_shift: float = 0.0) -> _C:
+    def transformed(self: _C, angle: float, shift: complex, s_shift: float = 0.0) -> _C:
         """The curve rotated about the origin, then translated.
 
         Parameters:

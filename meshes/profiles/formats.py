@@ -16,7 +16,7 @@ from wheelrail.meshes.profiles.profile import Kind
 from wheelrail.support.arrays import Array
 from wheelrail.support.text_file import read_text
 
-MOST = 4.0  # MB
+MAX_SIZE = 4.0  # MB
 UNITS = {"m": 1.0, "mm": 1e-3, "in": 25.4e-3}
 
 
@@ -64,7 +64,7 @@ def read_points(path: Path, kind: Kind) -> RawProfile:
 
 
 def _lines(path: Path) -> list[str]:
-    return read_text(path, MOST, foreign=True).splitlines()
+    return read_text(path, MAX_SIZE, foreign=True).splitlines()
 
 
 def _text(lines: list[str], comment: str) -> Iterator[tuple[int, str]]:
@@ -128,8 +128,8 @@ def simpack(path: Path, kind: Kind) -> RawProfile:
         return _floats(path, at, [text.strip("'\"")], 1)[0]
 
     for key, allowed in (("header.type", float(kind == "wheel")), ("spline.rotate", 0.0)):
-        if (given := number_of(key, allowed)) != allowed:
-            raise ProfileError(path, header[key][0], f"{key} is {given:g}", f"{allowed:g} for a {kind}")
+        if (header_value := number_of(key, allowed)) != allowed:
+            raise ProfileError(path, header[key][0], f"{key} is {header_value:g}", f"{allowed:g} for a {kind}")
     if number_of("spline.approx.smooth", 0.0) > 0.0:
         warnings.warn(f"{path}: approx.smooth is not applied, give noise instead", stacklevel=4)
     raw = _raw(path, rows)

@@ -28,6 +28,6 @@ def named_profile(name: str) -> Profile:
     if name == "UIC60-benchmark":
         upright = from_sections(standards.BENCHMARK_UIC60.sections(), name=name, kind="rail")
         angle, shift = standards.BENCHMARK_INCLINATION, standards.BENCHMARK_SHIFT
-        inclined = replace(upright.moved(angle, shift), placement=Placement().then(angle, shift))
-        return inclined.moved(0.0, 0.0, -float(inclined.s_at_y(0.0)))
+        inclined = replace(upright.transformed(angle, shift), placement=Placement().then(angle, shift))
+        return inclined.transformed(0.0, 0.0, -float(inclined.s_at_y(0.0)))
     raise ValueError(f"profile {name!r} is not known, allowed: {', '.join(NAMES)}, or a file")

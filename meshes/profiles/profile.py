@@ -86,16 +86,16 @@ class Profile(Curve):
             f"{super().digest()} {self.kind} {digest(placement=vars(self.placement))}".encode()
         ).hexdigest()
 
-    def laid(self, angle: float) -> Profile:
+    def inclined(self, angle: float) -> Profile:
         """Rail inclined by an angle rad, top towards the track's centre, origin at the new highest point."""
         if self.kind != "rail":
-            raise ValueError(f"only rails are laid, {self.name} is a wheel")
+            raise ValueError(f"only rails are inclined, {self.name} is a wheel")
         if angle == 0.0:
             return self
         s = self.highest(angle)
         shift = -cmath.exp(1j * angle) * complex(*self.point(s))
-        turned = self.moved(angle, shift, -s)
-        return replace(turned, placement=self.placement.then(angle, shift))
+        rotated = self.transformed(angle, shift, -s)
+        return replace(rotated, placement=self.placement.then(angle, shift))
 
     def gauge_offset(self, gauge: float, height: float) -> float:
         """Lateral position [m] of the rail's origin from the track's centre that gives the gauge [m].
@@ -121,7 +121,7 @@ class Profile(Curve):
         return float(0.5 * gauge - innermost)
 
     def highest(self, angle: float = 0.0) -> float:
-        """Arc length [m] of the highest point, once turned by angle [rad]."""
+        """Arc length [m] of the highest point, once rotated by angle [rad]."""
         from scipy.optimize import brentq
 
         def rise(x: float) -> float:
@@ -141,5 +141,5 @@ def from_sections(
 ) -> Profile:
     """Profile from sections in its own frame, which must pass through the origin: s = 0 there."""
     whole = curve(sections)
-    placed = Profile(whole.breaks - 0.5 * whole.breaks[-1], whole.coefficients, name, kind, placement or Placement())
-    return placed.moved(0.0, 0.0, -float(placed.s_at_y(0.0)))
+    centred = Profile(whole.breaks - 0.5 * whole.breaks[-1], whole.coefficients, name, kind, placement or Placement())
+    return centred.transformed(0.0, 0.0, -float(centred.s_at_y(0.0)))

@@ -36,9 +36,9 @@ def read_profile(
     rough = from_sections(through(points - middle, noise), name=path.stem, kind=kind)
     if kind == "wheel":
         foot = _rolling_circle(rough, raw, middle[0])
-        return rough.moved(0.0, -complex(*rough.point(foot)), -foot)
+        return rough.transformed(0.0, -complex(*rough.point(foot)), -foot)
     top = rough.highest()
-    rail = rough.moved(0.0, -complex(*rough.point(top)), -top)
+    rail = rough.transformed(0.0, -complex(*rough.point(top)), -top)
     return replace(rail, placement=_placement(rail, inclination))
 
 
@@ -57,7 +57,7 @@ def _placement(rail: Profile, inclination: float) -> Placement:
 
     That flank is not worn. Without it (less than 15 mm deep) the highest points coincide.
     """
-    standard = named_profile("60E1").laid(inclination)
+    standard = named_profile("60E1").inclined(inclination)
     points = rail.point(rail.samples(1e-3, start=0.0))
     flank = points[(points[:, 1] < -15e-3) & (points[:, 1] > -34e-3)]
     offset = 0.0

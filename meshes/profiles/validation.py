@@ -10,7 +10,7 @@ from wheelrail.meshes.profiles.formats import ProfileError, RawProfile
 from wheelrail.meshes.profiles.profile import Kind
 from wheelrail.support.arrays import Array
 
-LEAST_POINTS, MOST_POINTS = 10, 20_000
+MIN_POINTS, MAX_POINTS = 10, 20_000
 SIZES = {"width": (20e-3, 400e-3), "height": (1e-3, 400e-3)}  # m
 CLOSE = 2e-5  # m; distances of points below that are dominated by rounding
 MINIPROF_TIP = 30e-3  # m; with a flange tip closer than this to y = 0, y is measured from the flange's back
@@ -21,8 +21,8 @@ def oriented(raw: RawProfile, kind: Kind, flange_back: float) -> RawProfile:
 
     Raises ProfileError where the signs contradict the shape. flange_back m: as for `read_profile`.
     """
-    if not LEAST_POINTS <= len(raw.points) <= MOST_POINTS:
-        raise ProfileError(raw.path, None, f"{len(raw.points)} points", f"{LEAST_POINTS} to {MOST_POINTS}")
+    if not MIN_POINTS <= len(raw.points) <= MAX_POINTS:
+        raise ProfileError(raw.path, None, f"{len(raw.points)} points", f"{MIN_POINTS} to {MAX_POINTS}")
     z_sign, y_sign = _signs(raw.points, kind)
     line = int(raw.lines[0])
     if raw.oriented:
@@ -68,8 +68,8 @@ def checked(raw: RawProfile, kind: Kind) -> Array:
     for (name, (low, high)), size in zip(SIZES.items(), np.ptp(points, axis=0).tolist(), strict=True):
         if not low <= size <= high:
             guesses = {"metres": 1e3, "inches": 25.4, "millimetres": 1e-3}
-            like = [unit for unit, factor in guesses.items() if low <= size * factor <= high]
-            hint = f", the numbers look like {like[0]}" if like else ""
+            units = [unit for unit, factor in guesses.items() if low <= size * factor <= high]
+            hint = f", the numbers look like {units[0]}" if units else ""
             allowed = f"{1e3 * low:g} .. {1e3 * high:g} mm"
             raise ProfileError(raw.path, int(lines[0]), f"{name} {1e3 * size:.4g} mm of a {kind}{hint}", allowed)
     if points[-1, 0] < points[0, 0]:
@@ -89,8 +89,8 @@ def checked(raw: RawProfile, kind: Kind) -> Array:
         raise fail(int(back[0]) + 1, f"steps back from line {lines[back[0]]}", "y in order, but on steep faces")
     kept = _thinned(points)
     points, lines = points[kept], lines[kept]
-    if len(points) < LEAST_POINTS:
-        raise ProfileError(raw.path, None, f"{len(points)} points more than {1e3 * CLOSE} mm apart", f"{LEAST_POINTS}")
+    if len(points) < MIN_POINTS:
+        raise ProfileError(raw.path, None, f"{len(points)} points more than {1e3 * CLOSE} mm apart", f"{MIN_POINTS}")
     crossing = _crossing(points)
     if crossing is not None:
         raise fail(crossing[0], f"starts a line that crosses the one from line {lines[crossing[1]]}", "a simple curve")

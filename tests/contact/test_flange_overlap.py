@@ -26,7 +26,7 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
 
 RADIUS, SPEED = 0.46, 45.0
-WHEEL, RAIL = named_profile("S1002"), named_profile("60E1").laid(0.025)
+WHEEL, RAIL = named_profile("S1002"), named_profile("60E1").inclined(0.025)
 MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), RADIUS)
 LOAD = 75e3
 EXPECTED = sphere_approach(LOAD, radius=0.3, modulus=0.5 * Material().E / (1 - Material().nu ** 2))

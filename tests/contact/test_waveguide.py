@@ -319,7 +319,7 @@ def test_three_dimensional_meshes_converge_to_the_waveguide(name: str) -> None:
     if name == "rail":
         outline = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
         # held all round below its running surface: linear tetrahedra bend a web badly, and the mesh ends
-        outline = replace(outline, clamped=(0, len(outline.rest) - 1))
+        outline = replace(outline, clamped=(0, len(outline.boundary) - 1))
         reference, grid, _ = rail_waveguide(outline, Material(), size=2e-3, half_length=0.024)
     else:
         outline = rim_outline(named_profile("S1002"), 0.46)

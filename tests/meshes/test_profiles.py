@@ -182,7 +182,7 @@ def test_closest_at_corner_and_ends() -> None:
 
 def test_inclined_rail_has_its_origin_at_the_highest_point() -> None:
     rail = named_profile("60E1")
-    laid = rail.laid(INCLINED)
+    laid = rail.inclined(INCLINED)
     np.testing.assert_allclose(laid.point(0.0), 0.0, atol=1e-15)
     np.testing.assert_allclose(laid.tangent(0.0), [1.0, 0.0], atol=1e-12)
     assert laid.point(laid.samples(1e-4))[:, 1].max() <= 1e-15
@@ -193,17 +193,17 @@ def test_inclined_rail_has_its_origin_at_the_highest_point() -> None:
     s = along(rail, 30)
     found = laid.closest(laid.placement(rail.point(s)))
     np.testing.assert_allclose(found.distance, 0.0, atol=1e-14)
-    again = laid.laid(-INCLINED)
+    again = laid.inclined(-INCLINED)
     np.testing.assert_allclose(again.point(s), rail.point(s), atol=1e-13)
     np.testing.assert_allclose([again.placement.angle, *again.placement.shift], 0.0, atol=1e-13)
-    assert rail.laid(0.0) is rail
+    assert rail.inclined(0.0) is rail
     with pytest.raises(ValueError, match="wheel"):
-        named_profile("S1002").laid(0.025)
+        named_profile("S1002").inclined(0.025)
 
 
 def test_gauge_is_measured_below_the_top() -> None:
     # 1435 mm, 14 mm below the top; the benchmark's file has its origin 5.96 um beside the highest point
-    assert named_profile("60E1").laid(INCLINED).gauge_offset(1.435, 0.014) == pytest.approx(0.760532, abs=1e-6)
+    assert named_profile("60E1").inclined(INCLINED).gauge_offset(1.435, 0.014) == pytest.approx(0.760532, abs=1e-6)
     rail = named_profile("UIC60-benchmark")
     from_top = rail.gauge_offset(1.435, 0.014) + rail.point(rail.highest())[0]
     assert from_top == pytest.approx(0.760538, abs=1e-6)
@@ -227,7 +227,7 @@ def test_digest_depends_on_shape_and_placement() -> None:
     assert same.digest() == rail.digest()
     digests = {
         rail.digest(),
-        rail.laid(0.02).digest(),
+        rail.inclined(0.02).digest(),
         named_profile("S1002").digest(),
         named_profile("UIC60-benchmark").digest(),
     }
@@ -269,7 +269,7 @@ def simpack_file(path: Path, points: np.ndarray, kind: int, **keys: float) -> Pa
 
 def sampled(name: str, spacing: float = 4e-4) -> tuple[Profile, np.ndarray]:
     p = named_profile(name)
-    p = p.laid(INCLINED) if name == "60E1" else p
+    p = p.inclined(INCLINED) if name == "60E1" else p
     stop = p.s_at_y(59.9e-3) if name == "S1002" else p.s_range[1]
     start = p.s_at_y(-69.5e-3) if name == "S1002" else p.s_range[0]
     return p, p.point(np.arange(start, stop, spacing)) * 1e3

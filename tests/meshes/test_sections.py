@@ -62,24 +62,24 @@ def test_chord_error_falls_with_its_square_of_segments() -> None:
     assert slope == pytest.approx(1.0, abs=0.25)
 
 
-@pytest.mark.parametrize("profile", [named_profile("60E1").laid(INCLINED), named_profile("UIC60-benchmark")])
+@pytest.mark.parametrize("profile", [named_profile("60E1").inclined(INCLINED), named_profile("UIC60-benchmark")])
 def test_inclined_rail_is_the_rotated_upright_one(profile: Profile) -> None:
     outline, upright = rail_outline(profile), rail_outline(named_profile("60E1"))
     polygon = outline.polygon(1e-3)
     assert simple(polygon)
     edges = np.hypot(*(np.roll(polygon, -1, axis=0) - polygon).T)
     assert edges.min() > 1e-4
-    np.testing.assert_allclose(outline.rest[1:-1], profile.placement(upright.rest[1:-1]), atol=1e-12)
-    foot = outline.rest[outline.clamped[0] : outline.clamped[1] + 1]
+    np.testing.assert_allclose(outline.boundary[1:-1], profile.placement(upright.boundary[1:-1]), atol=1e-12)
+    foot = outline.boundary[outline.clamped[0] : outline.clamped[1] + 1]
     np.testing.assert_allclose(np.hypot(*np.diff(foot, axis=0)[0]), 0.146)
     np.testing.assert_allclose((foot[0] - foot[1])[1] / (foot[0] - foot[1])[0], np.tan(INCLINED))
-    held = outline.is_clamped(np.array([foot.mean(axis=0), foot[0], outline.rest[0], [0.0, 0.0]]))
+    held = outline.is_clamped(np.array([foot.mean(axis=0), foot[0], outline.boundary[0], [0.0, 0.0]]))
     assert list(held) == [True, True, False, False]
-    np.testing.assert_allclose(outline.surface(outline.surface_range[1]), outline.rest[0], atol=1e-15)
+    np.testing.assert_allclose(outline.surface(outline.surface_range[1]), outline.boundary[0], atol=1e-15)
 
 
 def test_worn_rail_is_joined_to_the_standard_section(tmp_path: Path) -> None:
-    new = named_profile("60E1").laid(INCLINED)
+    new = named_profile("60E1").inclined(INCLINED)
     points = new.point(np.linspace(new.s_range[0] + 12e-3, new.s_range[1] - 14e-3, 300)) * 1e3
     worn = points + np.stack([2.0 * (points[:, 0] < -20), np.zeros(300)], axis=1) * np.clip(
         (-20 - points[:, :1]) / 15, 0, 1
@@ -92,7 +92,7 @@ def test_worn_rail_is_joined_to_the_standard_section(tmp_path: Path) -> None:
     assert simple(outline.polygon(1e-3))
     lost = properties(rail_outline(new).polygon(1e-3))["area"] - properties(outline.polygon(1e-3))["area"]
     assert 5e-6 < lost < 60e-6  # m2: 2 mm over a face of about 15 mm, and the line on to the foot of the flank
-    foot, standard = (o.rest[slice(*o.clamped)] for o in (outline, rail_outline(new)))
+    foot, standard = (o.boundary[slice(*o.clamped)] for o in (outline, rail_outline(new)))
     np.testing.assert_allclose(foot, standard, atol=2e-6)  # the field side tells where the section stands
 
 
@@ -118,7 +118,7 @@ def test_wheel_rim() -> None:
     y = np.linspace(-0.07, 0.065, 20001)
     expected = 0.135 * 0.065 + trapezoid(wheel.point(wheel.s_at_y(y))[:, 1], y)
     assert properties(polygon)["area"] == pytest.approx(expected, rel=1e-5)
-    inner = outline.rest[outline.clamped[0] : outline.clamped[1] + 1]
+    inner = outline.boundary[outline.clamped[0] : outline.clamped[1] + 1]
     np.testing.assert_allclose(inner, [[0.065, 0.395], [-0.07, 0.395]])
 
 
@@ -131,7 +131,7 @@ def test_wheel_without_chamfer_is_continued_to_its_faces(tmp_path: Path) -> None
     polygon = outline.polygon(1e-3)
     assert simple(polygon)
     np.testing.assert_allclose([polygon[:, 0].min(), polygon[:, 0].max()], [-0.07, 0.065])
-    held = outline.rest[outline.clamped[0] : outline.clamped[1] + 1]
+    held = outline.boundary[outline.clamped[0] : outline.clamped[1] + 1]
     np.testing.assert_allclose(held, [[0.065, 0.395], [-0.07, 0.395]])
 
 
@@ -151,7 +151,7 @@ def test_wheel_with_web_and_hub() -> None:
     polygon = outline.polygon(5e-4)
     assert simple(polygon)
     np.testing.assert_allclose([polygon[:, 0].min(), polygon[:, 0].max(), polygon[:, 1].min()], [-0.1, 0.08, 0.0925])
-    bore = outline.rest[outline.clamped[0] : outline.clamped[1] + 1]
+    bore = outline.boundary[outline.clamped[0] : outline.clamped[1] + 1]
     np.testing.assert_allclose(bore, [[0.08, 0.0925], [-0.1, 0.0925]])
     np.testing.assert_array_equal(outline.is_clamped(np.array([[0.0, 0.0925], [0.065, 0.395]])), [True, False])
     # rim, a web of trapezium's shape, hub, and four fillets of nearly right angles: R^2 (1 - pi / 4)

@@ -185,7 +185,7 @@ def test_rail_strip_lies_on_the_profile(cell: Cell) -> None:
     np.testing.assert_allclose(np.diff(strip.arc), SIZE, rtol=1e-12)
     held = outline.is_clamped(solid.points[:, 1:])
     np.testing.assert_array_equal(solid.clamped, held)
-    foot = outline.rest[outline.clamped[0] : outline.clamped[1] + 1]
+    foot = outline.boundary[outline.clamped[0] : outline.clamped[1] + 1]
     np.testing.assert_allclose(np.ptp(solid.points[solid.clamped, 1]), np.ptp(foot[:, 0]), rtol=1e-9)
 
 

@@ -17,7 +17,7 @@ from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium
-from wheelrail.vehicle.steady.modes import Mode, held_modes, modes
+from wheelrail.vehicle.steady.modes import Mode, fixed_wheelset_modes, modes
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -76,7 +76,7 @@ def values(found: list[Mode]) -> np.ndarray:
 
 def test_held_wheelset_without_weight_is_the_textbook_model() -> None:
     """And that model with a pendulum moment is the one that the design data give."""
-    found = held_modes(replace(WAGON, gravity=1e-9))
+    found = fixed_wheelset_modes(replace(WAGON, gravity=1e-9))
     np.testing.assert_allclose(values(found), textbook(pendulum=False), rtol=1e-7)
     design = textbook(pendulum=True)
     np.testing.assert_allclose(np.abs(design) / 2 / np.pi, FREQUENCY, rtol=6e-4)
@@ -87,7 +87,7 @@ def test_held_wheelset_with_the_loads_in_their_displaced_position() -> None:
     """Second derivatives of the energies; the inverted pendulum of the bogie lowers the frequency of the lower sway
     mode.
     """
-    found = held_modes(WAGON)
+    found = fixed_wheelset_modes(WAGON)
     np.testing.assert_allclose(values(found), eigenvalues(*(m[:6, :6] for m in linear())), rtol=1e-7)
     design = np.abs(textbook(pendulum=True)) / 2 / np.pi
     assert [m.frequency for m in found][1::2] == pytest.approx(design[[1, 3, 5]], rel=6e-3)
@@ -162,4 +162,4 @@ def test_mode_shapes_are_eigenvectors_with_symmetry() -> None:
 
 
 def test_text_of_a_mode() -> None:
-    assert str(held_modes(WAGON)[1]) == "     1.08 Hz  damping  0.1345  car_body_z 100%"
+    assert str(fixed_wheelset_modes(WAGON)[1]) == "     1.08 Hz  damping  0.1345  car_body_z 100%"

@@ -73,15 +73,15 @@ def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.
     angle is left out. Raises EquilibriumError, and StepFailure where a contact solve fails.
     """
     solution = at or equilibrium(dynamics, time=time)
-    return _modes_of(dynamics, _matrix(dynamics, time, solution), held=())
+    return _modes_of(dynamics, _matrix(dynamics, time, solution), fixed=())
 
 
-def held_modes(wagon: Wagon) -> list[Mode]:
+def fixed_wheelset_modes(wagon: Wagon) -> list[Mode]:
     """Modes of car body and bogie on straight level track with a fixed wheelset, without a contact model."""
     dynamics = Dynamics(wagon, Track(), _ConstantLoad(wagon.wheel_load), speed=1.0)
     state = np.zeros(dynamics.size)
     contacts = dynamics.solve_contacts(dynamics.track.frame(0.0, 1.0), state, None)
-    return _modes_of(dynamics, _matrix(dynamics, 0.0, Equilibrium(state, contacts, 0, 0.0)), held=range(6, COUNT))
+    return _modes_of(dynamics, _matrix(dynamics, 0.0, Equilibrium(state, contacts, 0, 0.0)), fixed=range(6, COUNT))
 
 
 @dataclass(frozen=True)
@@ -99,9 +99,9 @@ def _matrix(dynamics: Dynamics, time: float, at: Equilibrium) -> Array:
     return Jacobian(dynamics, StepStatistics(), central=True)(time, at.state, evaluation).by_state
 
 
-def _modes_of(dynamics: Dynamics, matrix: Array, *, held: Iterable[int]) -> list[Mode]:
-    """Modes of the first-order system with some coordinates (and their rates) held."""
-    removed = {i + part for i in held for part in (0, COUNT)}
+def _modes_of(dynamics: Dynamics, matrix: Array, *, fixed: Iterable[int]) -> list[Mode]:
+    """Modes of the first-order system with some coordinates (and their rates) fixed."""
+    removed = {i + part for i in fixed for part in (0, COUNT)}
     free = [i for i in range(len(matrix)) if i not in removed]
     values, vectors = np.linalg.eig(matrix[np.ix_(free, free)])
     shapes = np.zeros((len(matrix), len(values)), dtype=complex)

@@ -12,35 +12,35 @@ class InvalidParameter(ValueError):
     """A value out of bounds.
 
     Parameters:
-        thing: instance with the value.
+        instance: dataclass with the value.
         key: field of the value.
         allowed: values.
     """
 
-    def __init__(self, thing: object, key: str, allowed: str) -> None:
-        super().__init__(f"{type(thing).__name__}.{key} = {getattr(thing, key)}: {allowed}")
+    def __init__(self, instance: object, key: str, allowed: str) -> None:
+        super().__init__(f"{type(instance).__name__}.{key} = {getattr(instance, key)}: {allowed}")
         self.key, self.allowed = key, allowed
 
 
-def check(thing: object, *, positive: tuple[str, ...] = (), infinite: tuple[str, ...] = ()) -> None:
+def check(instance: object, *, positive: tuple[str, ...] = (), infinite: tuple[str, ...] = ()) -> None:
     """Checks that all numbers of a dataclass are finite and not negative.
 
     Parameters:
-        thing: instance to check.
+        instance: dataclass to check.
         positive: fields that must not be zero.
         infinite: fields that may be infinite.
 
     Raises InvalidParameter.
     """
-    for item in fields(thing):  # type: ignore[arg-type]
-        value = getattr(thing, item.name)
+    for item in fields(instance):  # type: ignore[arg-type]
+        value = getattr(instance, item.name)
         if not isinstance(value, (int, float)):
             continue
         finite = isfinite(value) or (value == inf and item.name in infinite)
         if not finite or value < 0.0 or (value == 0.0 and item.name in positive):
             sign = "positive" if item.name in positive else "zero or positive"
             raise InvalidParameter(
-                thing, item.name, f"must be {sign}{' or inf' if item.name in infinite else ' and finite'}"
+                instance, item.name, f"must be {sign}{' or inf' if item.name in infinite else ' and finite'}"
             )
 
 

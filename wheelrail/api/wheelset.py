@@ -167,7 +167,7 @@ class Wheelset:
             rail = self._at_hand.get("rail") or load_profile(scene.profiles.rail, "rail")
         except ValueError as error:
             raise SceneError(f"Wheelset: {error}") from error
-        return wheel, rail.laid(scene.profiles.laying_angle)
+        return wheel, rail.inclined(scene.profiles.laying_angle)
 
     @cached_property
     def mounting(self) -> Mounting:

@@ -136,8 +136,8 @@ def block_body(
     """
     from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
-    surface, rest, clamped = block_section(half_cells, 1.0, half_width, half_width)
-    mesh = triangulate(surface, rest, clamped, size=1.0, grading=replace(grading, largest=half_width / 4))
+    surface, boundary, clamped = block_section(half_cells, 1.0, half_width, half_width)
+    mesh = triangulate(surface, boundary, clamped, size=1.0, grading=replace(grading, largest=half_width / 4))
     return WaveguideSection(replace(mesh, points=mesh.points * size), steel, degree=degree)
 
 
@@ -167,10 +167,10 @@ def block_waveguide(
     One spectrum serves all sizes and moduli.
     """
     scaled = replace(grading, largest=half_width / 4)
-    surface, rest, clamped = block_section(half_cells[1], 1.0, half_width, half_width)
+    surface, boundary, clamped = block_section(half_cells[1], 1.0, half_width, half_width)
 
     def mesh() -> SectionMesh:
-        return triangulate(surface, rest, clamped, size=1.0, grading=scaled)
+        return triangulate(surface, boundary, clamped, size=1.0, grading=scaled)
 
     key = digest(kind="block section", cells=half_cells[1], width=half_width, grading=vars(scaled))
     along = (step or size) / size

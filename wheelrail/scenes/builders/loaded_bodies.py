@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.laws import material
-from wheelrail.scenes.builders.wheelset import laid_profiles
+from wheelrail.scenes.builders.wheelset import inclined_profiles
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def loaded_bodies(
     from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
 
     steel = material(scene)
-    wheel, rail = profiles or laid_profiles(scene)
+    wheel, rail = profiles or inclined_profiles(scene)
     builders = {
         "wheel": lambda: LoadedBody.wheel(wheel_outline(wheel, scene.wheelset.radius), steel, pose),
         "rail": lambda: LoadedBody.rail(rail_outline(rail), steel),

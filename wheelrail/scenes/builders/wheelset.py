@@ -28,7 +28,7 @@ def wheelset_contact(
     """
     from wheelrail.contact.models.wheelset import WheelsetContact
 
-    pair = profiles or laid_profiles(scene)
+    pair = profiles or inclined_profiles(scene)
     mounting, radius = mounted(scene, pair[1]), scene.wheelset.radius
     if scene.model == "standard":
         from wheelrail.contact.geometry.rigid_surfaces import MERGE, RigidWheelRail
@@ -60,13 +60,13 @@ def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
     return Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
 
 
-def laid_profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
+def inclined_profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
     """Profiles of wheel and inclined rail. Raises SceneError for one that cannot be read."""
     from wheelrail.meshes.profiles.library import load_profile
 
     try:
         wheel = load_profile(scene.profiles.wheel, "wheel")
-        return wheel, load_profile(scene.profiles.rail, "rail").laid(scene.profiles.laying_angle)
+        return wheel, load_profile(scene.profiles.rail, "rail").inclined(scene.profiles.laying_angle)
     except ValueError as error:
         raise SceneError(f"profiles: {error}") from error
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.builders.loaded_bodies import loaded_bodies
-from wheelrail.scenes.builders.wheelset import laid_profiles, mounted
+from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
@@ -181,5 +181,5 @@ def bodies_of_scene(scene: RunScene) -> RunBodies:
     """The same from the scene itself."""
     from wheelrail.scenes.views.animation import RunBodies
 
-    wheel, rail = laid_profiles(scene)
+    wheel, rail = inclined_profiles(scene)
     return RunBodies(wheel, rail, mounted(scene, rail))
