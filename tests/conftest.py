@@ -16,7 +16,7 @@ from functools import partial
 
 import pytest
 
-# A shell makes what it starts in the background ignore Ctrl-C, and so would all that the tests start.
+# A shell lets background processes ignore Ctrl-C, which processes started by tests would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # dolfinx compiles its forms through distutils, which reports every command to the root logger. Filters and not levels:
@@ -30,7 +30,7 @@ def pytest_configure(config: pytest.Config) -> None:
     $WHEELRAIL_TEST_CACHE names a permanent one instead.
     """
     if hasattr(config, "workerinput"):
-        return  # started by one that has made it
+        return  # started by a process that has created it
     kept = os.environ.get("WHEELRAIL_TEST_CACHE")
     folder = os.environ["WHEELRAIL_CACHE"] = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
     if not kept:

@@ -49,8 +49,7 @@ def contact_point(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState
         state: of the wheelset.
 
     The search refines penetrating surfaces only: separated bodies are moved together along the normal by `NUDGE`.
-        Raises
-    ValueError where the wheel is beside the rail.
+    Raises ValueError where the wheel is beside the rail.
     """
     pose, _ = mounting.left_pair(state)
     contact = _largest_penetration(pair, pose)

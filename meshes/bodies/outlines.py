@@ -85,10 +85,10 @@ class Outline:
 
 
 def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
-    """Section of a rail as laid: the profile on web and foot of 60E1, clamped at the underside of the foot.
+    """Section of an inclined rail: the profile on web and foot of 60E1, clamped at the underside of the foot.
 
     Parameters:
-        profile: of the rail as laid.
+        profile: of the inclined rail.
         chord_error: largest distance of the polyline of web and foot from its arcs, m.
 
     The profile is used down to the lower end of the flank, 35.3 mm below the crown; one that ends higher is continued

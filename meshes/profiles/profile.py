@@ -45,12 +45,12 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class Profile(Curve):
-    """Running surface of a wheel or of a rail as laid, points (y, z) in m, by arc length s [m].
+    """Running surface of a wheel or of an inclined rail, points (y, z) in m, by arc length s [m].
 
     y is lateral, positive to the field side, and s grows with it; the body lies below the curve. Curvature is positive
     where the surface is convex. Wheel: from the flange's back; z is the height above the rolling circle, outward from
     the axle; s = 0 and z = 0 on the rolling circle, y = 0. Rail: z up; s = 0 at the origin, which is the highest
-    point as laid. placement: rigid motion from the rail's axis frame, in which web and foot are defined, to this one.
+    point of the inclined rail. placement: rigid motion from the rail's axis frame, in which web and foot are defined, to this one.
     """
 
     name: str

@@ -102,7 +102,7 @@ def test_a_wheelset_as_from_its_scene(tmp_path: Path) -> None:
     assert float(again.data["vertical_force"].sum()) == pytest.approx(100e3, rel=1e-6)
     assert loaded.solve(speed=30.0).data["longitudinal_force"].values == pytest.approx(
         found.data["longitudinal_force"].values, rel=1e-6
-    )  # rolls as purely at any speed
+    )  # pure rolling at any speed
 
 
 def test_left_and_right_are_mirror_images(wheelset: wr.Wheelset) -> None:
@@ -118,7 +118,7 @@ def test_left_and_right_are_mirror_images(wheelset: wr.Wheelset) -> None:
         local = np.column_stack([own["traction"], -own["pressure"]]) * own["area"].values[:, None]
         force = np.einsum("nk,nkc->c", local, axes)
         total = [data[f"{axis}_force"].sel(side=side).item() for axis in ("longitudinal", "lateral", "vertical")]
-        assert force == pytest.approx(total, rel=1e-9, abs=1e-3)  # the points carry what the wheel carries
+        assert force == pytest.approx(total, rel=1e-9, abs=1e-3)  # the points carry the wheel load
 
 
 def test_repr_is_a_table_with_units(curving: wr.Solution) -> None:
@@ -249,7 +249,7 @@ def test_rolling_radii_of_cones() -> None:
     assert RigidWheelRail(wheel, rail, 0.46).wheel is wheel
     y = np.linspace(-5e-3, 5e-3, 11)
     found = wr.contact_geometry(wheel, rail, y, gauge_height=0.005)
-    # rolled by (rr - rl) / base: the wheel slides over the crown a little
+    # roll of (rr - rl) / base: small displacement over the crown
     difference = found["rolling_radius_difference"].values
     assert np.polyfit(y, difference, 1)[0] == pytest.approx(2.0 * slope, rel=0.03)
     assert found["equivalent_conicity"].values == pytest.approx(0.5 * np.polyfit(y, difference, 1)[0], rel=1e-3)
@@ -280,7 +280,7 @@ def test_a_run_from_a_changed_scene(tmp_path: Path) -> None:
     found = wr.run(SCENES / "curve.toml", **changes)
     assert found.status == "completed"
     assert found.data.attrs["speed"] == 30.0
-    assert float(found.data["distance"][-1]) == pytest.approx(20.0, abs=0.3)  # the last sample that is kept
+    assert float(found.data["distance"][-1]) == pytest.approx(20.0, abs=0.3)  # the last stored sample
     assert "speed = 30.0" in found.data.attrs["scene"]
     assert repr(found).startswith("Vehicle run: completed at 19.8 m")
     assert "<table>" in found._repr_html_()
@@ -325,7 +325,7 @@ def test_study_from_a_table(tmp_path: Path) -> None:
         "grid": {"load": [1e3, 8e3, 6.4e4]},
     }
     found = wr.study(table)
-    # Hertz: the peak grows with the cube root of the load
+    # Hertz: the peak is proportional to the cube root of the load
     np.testing.assert_allclose(np.diff(np.log2(found.data["max_pressure"])), 1.0, rtol=1e-3)
     assert "3 cases" in repr(found)
     assert "<details>" in found._repr_html_()

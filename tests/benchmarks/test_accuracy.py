@@ -38,10 +38,10 @@ TARGET = {
 }
 HOLDS = {
     **TARGET,
-    "force": 2.0,  # not reached: 1.8 on the tread, beside CONTACT's conformal variant; flange 0.2
+    "force": 2.0,  # not reached: 1.8 on the tread, against CONTACT's conformal variant; flange 0.2
 }
-NARROW = 5.0  # %, of finite bodies at y = 0: they shift load to the narrow hump; half-spaces reach the target
-PUSHED = 8.0  # %, by which areas of finite bodies differ from half-spaces, as sections turn under the load
+NARROW = 5.0  # %, finite bodies at y = 0: load shifts to the narrow local maximum; half-spaces reach the target
+PUSHED = 8.0  # %, difference of areas between finite bodies and half-spaces, as sections rotate under the load
 STEEL = Material(2.1e11, 0.3)
 COARSE = 1e-3  # m
 
@@ -58,7 +58,7 @@ def test_hertz_at_twenty_points_across() -> None:
     depth, result = pressed(pair, size)
     (patch,) = result.patches
     kappa, spread = block_correction(STEEL.nu)
-    assert abs(spread) < 0.01  # what a block lacks goes with the inverse of its size
+    assert abs(spread) < 0.01  # the correction is proportional to the inverse of the block size
     approach = depth + 2 * kappa * pair.load / (STEEL.E * pair.half_width(size))
     assert abs(patch.max_pressure / pair.exact.peak - 1) < 1e-2 * HOLDS["p0"]
     np.testing.assert_allclose(patch.semi_axes, pair.exact.semi_axes, rtol=1e-2 * HOLDS["axes"])
@@ -96,7 +96,7 @@ def test_creep_curves() -> None:
 
 
 def test_signs_of_creepage_and_spin() -> None:
-    # the upper body is held back by what it is faster by; spin drives it to the other side and slows itself
+    # the force opposes the creepage; spin causes a lateral force and an opposing moment
     pair = Ellipse.of_ratio(1.0, 0.46, 57e3, STEEL)
     size = pair.size(points=140)
     model = hertz_model(pair, frictional(0.3), size)
@@ -129,7 +129,7 @@ def compared(series: str, y: float, side: Side, bodies: str = "waveguide") -> tu
     [("normal_only", 0.0), ("normal_only", 3.0), ("rolling_conformal", 2.0), ("rolling_conformal", 4.5)],
 )
 def test_wheelset_on_half_spaces(series: str, y: float, side: Side) -> None:
-    # the same bodies as CONTACT's: what is left is the discretisation, and how creepage is counted
+    # the same bodies as CONTACT's: remaining differences are discretisation and the definition of creepage
     result, apart = compared(series, y, side, "half-space")
     assert result.force[2] == pytest.approx(57e3, rel=1e-4)
     assert apart.same_patches
@@ -162,7 +162,7 @@ def test_two_patches_at_the_gauge_corner() -> None:
 
 
 def test_frames_differ_by_half_a_turn_about_x() -> None:
-    # a wheelset to the right, its right wheel lowered, yawed about an axis that points down, rolling forward
+    # wheelset to the right, right wheel lower, yaw about a downward axis, rolling forward
     seen = state({"y": 2.0, "roll": 1e-3}, speed=2000.0, pitch_rate=-4.35, yaw=5e-3)
     assert seen.y == pytest.approx(-2e-3)
     assert (seen.roll, seen.yaw, seen.pitch_rate, seen.speed) == (1e-3, -5e-3, 4.35, 2.0)

@@ -32,7 +32,7 @@ def test_timed_ellipse_is_that_of_contact() -> None:
     case = timing_case()
     np.testing.assert_allclose(case.pair.exact.semi_axes, (6e-3, 5e-3), rtol=1e-7)
     assert case.pair.exact.approach == pytest.approx(7.4854e-5, rel=2e-5)  # CONTACT, dx 0.1 mm
-    # first order in dx: the finest grid's forces and as much again as they moved from the grid before
+    # extrapolation of first order in dx from the two finest grids
     np.testing.assert_allclose(
         np.array(case.contact_forces) * case.bound, (2 * 7309.03 - 7337.52, -2 * 5502.27 + 5527.89), rtol=1e-5
     )
@@ -46,7 +46,7 @@ def test_the_reference_agrees_with_contact() -> None:
 
 
 def test_an_extrapolation_needs_convergence(monkeypatch: pytest.MonkeyPatch) -> None:
-    steps = iter([0.0, 1.0, 2.0])  # differences that do not fall
+    steps = iter([0.0, 1.0, 2.0])  # differences that do not decrease
     monkeypatch.setattr(TimedCase, "solved", lambda *_: None)
     monkeypatch.setattr(TimedCase, "forces", lambda *_: np.full(2, next(steps)))
     monkeypatch.setattr(ModelVariant, "loaded_depth", lambda *_: 0.0)

@@ -85,7 +85,7 @@ def test_a_wheel_lifts_and_lands_again() -> None:
     assert history.status == "completed"
     off = in_the_air(history)
     assert (off[:, 0] & ~off[:, 1]).any()
-    assert (np.diff(off.astype(int), axis=0) < 0).any(axis=0).all()  # both were off, and came back
+    assert (np.diff(off.astype(int), axis=0) < 0).any(axis=0).all()  # both wheels lifted and landed
     assert abs(momentum_gap(history)) < 0.01
     tight = run(standard(), 0.04, initial=start, rtol=2e-4)
     for i in (Y, Z, ROLL):
@@ -236,4 +236,4 @@ def test_a_contact_that_fails_in_the_second_process_ends_the_run_as_in_one() -> 
     assert "right contact: failed: beyond the profile" in one.status
     assert two.status == one.status
     np.testing.assert_array_equal(two.state, one.state)
-    assert one.cost.steps.failed < 40  # it does not take long to give up
+    assert one.cost.steps.failed < 40  # a failure takes few iterations

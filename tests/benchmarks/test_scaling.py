@@ -69,7 +69,7 @@ def test_rigid_motions_cause_no_strain() -> None:
     turned = rigid_motions(points).reshape(6, 3, 6)
     for i in range(6):
         for j in range(i):
-            # distances stay: relative motion is at right angles to the line between two points
+            # distances are constant: relative motion is normal to the line between two points
             np.testing.assert_allclose((points[i] - points[j]) @ (turned[i] - turned[j]), 0.0, atol=1e-14)
     assert np.linalg.matrix_rank(turned.reshape(18, 6)) == 6
 

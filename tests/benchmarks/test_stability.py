@@ -63,7 +63,7 @@ def test_depth_estimate_on_half_spaces_and_elastic_bodies() -> None:
     for outcome in found[:5]:
         pose, motion = outcome.case.at(outcome.depth)
         ratios.append(vertical_load(half_spaces(outcome.case.rail)(pose, motion, None)) / outcome.case.load)
-    # 0.81 to 1.51 in 60 cases: virtual penetration knows no yaw, which matters on the flange
+    # 0.81 to 1.51 in 60 cases: virtual penetration neglects yaw, which matters on the flange
     assert min(ratios) > 0.7
     assert max(ratios) < 1.6
     assert all(0 < o.load < 1.6 * o.case.load for o in found)

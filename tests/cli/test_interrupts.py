@@ -43,7 +43,7 @@ def test_ctrl_c_is_deferred_to_the_next_check() -> None:
         done.append("went on")
         with pytest.raises(KeyboardInterrupt):
             check_interrupt()
-        check_interrupt()  # it came once
+        check_interrupt()  # one Ctrl-C only
     assert done == ["went on"]
 
 

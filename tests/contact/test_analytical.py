@@ -36,7 +36,7 @@ def test_carters_stick_zone_moves_rigidly() -> None:
     n = 200000
     s = a * ((np.arange(n) + 0.5) / (n // 2) - 1)
     for t in (-0.6, 0.0, 0.7):
-        x = float(s[np.abs(s - one.centre - t * one.stick).argmin()] + a / n)  # half way between two sources
+        x = float(s[np.abs(s - one.centre - t * one.stick).argmin()] + a / n)  # midway between two sources
         strain = 2 / (np.pi * E_star) * (one.traction(s) / (x - s)).sum() * 2 * a / n
         assert strain == pytest.approx(5e-4, rel=1e-3)
 
@@ -86,7 +86,7 @@ def test_cattaneo_by_force_and_by_shift() -> None:
         assert cattaneo(known["a"], known["p0"], shift=one.shift, **same).stick == pytest.approx(one.stick)
         assert case["contact"][-1]["shift"] == pytest.approx(
             one.shift, rel=3e-3
-        )  # which neglects what CONTACT does not
+        )  # which neglects a term that CONTACT includes
     with pytest.raises(ValueError, match="share"):
         cattaneo(1.0, 1.0, friction=0.3, G=1.0, nu=0.3, force=1.1)
 

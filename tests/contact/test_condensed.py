@@ -193,7 +193,7 @@ def test_warm_start_saves_steps_without_changing_the_result() -> None:
     again = model(pose(3.2), CREEP, cold)
     assert again.statistics.newton < cold.statistics.newton
     np.testing.assert_allclose(again.force, cold.force, rtol=1e-8)
-    # a guess from a smaller patch elsewhere is only a guess
+    # initial guess from a smaller patch at another position
     moved = model(Pose(np.array([6e-4, -8e-4, -3e-6]), np.eye(3)), CREEP)
     np.testing.assert_allclose(model(pose(3.2), CREEP, moved).force, cold.force, rtol=1e-7)
     failed = model(pose(3.2), AT_REST)
@@ -294,7 +294,7 @@ def test_creep_forces_against_contact(name: str, across: float) -> None:
         resultants(model(at, rolling(*creepages))) / 0.3 / 57e3 / [1, 1, a] - reference
         for creepages, reference in CONTACT
     ]
-    # An edge in steps of a tenth of the patch: its area is off by up to 10 %, its spin moments most
+    # Staircase edge in steps of a tenth of the patch: errors of up to 10 % in area, largest in spin moments
     assert np.sqrt(np.mean(np.square(errors))) < 0.015
     assert np.abs(errors).max() < 0.045
 
@@ -319,7 +319,7 @@ def test_kalker_coefficients(across: float) -> None:
 def test_rigid_motion_causes_no_slip() -> None:
     model = condensed(TETRAHEDRA, SPHERE, size=SIZE, laws=ContactLaws.penalty())
     result = model(pose(3.2), rolling(0.0, 0.0, 0.0))
-    # equal bodies: pressure alone makes no slip between them
+    # equal bodies: pressure causes no slip
     assert np.abs(result.force[:2]).max() < 1e-9 * result.force[2]
 
 

@@ -73,7 +73,7 @@ def moment(loads: tuple[Array, Array], about: Array) -> Array:
     return np.asarray(np.cross(place - about, force).sum(axis=0))
 
 
-CENTRE = np.array([0.02, -0.75, 0.46])  # of the wheelset, as good as any other
+CENTRE = np.array([0.02, -0.75, 0.46])  # of the wheelset, arbitrary
 
 
 @pytest.mark.parametrize("mesh", [TETRAHEDRA, BRICKS, QUADRATIC, QUADRATIC_BRICKS], ids=["P1", "Q1", "P2", "Q2"])
@@ -104,7 +104,7 @@ def test_wheel_and_rail_cancel(cell: Cell, degree: int, ahead: float) -> None:
     np.testing.assert_allclose(wheel, loads.forces.sum(axis=0), atol=1e-12 * scale)
     np.testing.assert_allclose(wheel + rail, 0.0, atol=1e-12 * scale)
     # Moments: a force acts on the wheel at a node and on the rail at the interpolated place that faces it. The moment
-    # of that pair is all that is left, to round-off; it exists in the continuous model, which closes the gap in mind.
+    # of that pair is the only remainder, to round-off; it exists in the continuous model, which neglects the gap.
     node = shapes.wheel_grid.position.reshape(-1, 3)[loads.points.node]
     own = pose.origin + node @ pose.rotation.T
     weights, nodes = loads.points.rail.weights[:n], loads.points.rail.nodes[:n]
@@ -113,8 +113,8 @@ def test_wheel_and_rail_cancel(cell: Cell, degree: int, ahead: float) -> None:
     pairs = np.cross(own - facing, loads.forces).sum(axis=0)
     arm = np.linalg.norm(CENTRE - own.mean(axis=0))
     np.testing.assert_allclose(left, pairs, atol=1e-12 * scale * arm)
-    # Its arm is the overlap along the normal, and how far flat facets are from the profiles, h^2 / 8 R on each body.
-    # The overlap's arm is parallel to the pressure, so that only friction turns it.
+    # Its arm is the penetration along the normal and the chord error of flat facets, h^2 / 8 R on each body.
+    # The arm of the penetration is parallel to the pressure, so that only friction has a moment.
     sagitta = 2 * SIZE**2 / 8 / 0.013
     friction = np.linalg.norm(np.einsum("nc,nkc->nk", loads.forces, loads.points.axes)[:, :2], axis=1).sum()
     bound = loads.points.penetration.max() * friction + 2 * sagitta * scale
@@ -168,7 +168,7 @@ def test_both_wheels_of_a_centred_wheelset_have_equal_loads() -> None:
     assert left.force[2] == pytest.approx(right.force[2], rel=1e-8)
     assert abs(left.force[1] + right.force[1]) < 1e-8 * left.force[2]
     assert abs(left.moment[0] + right.moment[0]) < 1e-8 * np.abs(left.moment).max()
-    # the contact plane leans towards the track's centre: the wheels are pushed apart, the axle is pulled
+    # the contact plane is inclined towards the track's centre: tension in the axle
     assert left.patches[0].contact_angle == pytest.approx(-right.patches[0].contact_angle)
 
 

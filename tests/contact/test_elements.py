@@ -31,7 +31,7 @@ LEFT, RIGHT = (Track.curve(curvature=sign / 1200, cant=0.06, transition=20.0, le
 # A spring softer in extension than in compression, and a damper of two stages that is weaker outwards.
 UNEVEN = ForceLaw(((-0.02, -6e3), (-0.005, -1e3), (0.0, 0.0), (0.03, 2e3)))
 VALVE = ForceLaw(((-0.5, -4e3), (-0.1, -3e3), (0.0, 0.0), (0.1, 1.5e3), (0.5, 2.5e3)))
-# Series stiffness of the dampers of the Manchester wagon as remembered, without a public source.
+# Series stiffness of the dampers of the Manchester wagon, without a public source.
 SERIES = {"primary": (7.5e6, 1e6), "secondary": (6e6, 6e6)}
 
 
@@ -267,7 +267,7 @@ def test_jacobian_of_maxwell_elements() -> None:
     expected = np.stack(columns, axis=1)
     scale = np.abs(expected).max(axis=1, keepdims=True)
     error = np.abs(found - expected) / scale
-    assert max(error[20:].max(), error[:, 20:].max()) < 1e-6  # the contact's part is looked at elsewhere
+    assert max(error[20:].max(), error[:, 20:].max()) < 1e-6  # the contact's part is tested elsewhere
     rates = np.diag(expected)[20:]
     closed = np.array([-7.5e6 / 2e3, -1e6 / 4e3, -3e6 / 16e3, -3e6 / 10e3])
     np.testing.assert_allclose(rates, np.tile(closed, 2), rtol=1e-6)

@@ -86,7 +86,7 @@ def test_strips_of_a_half_space_by_quadrature() -> None:
 @pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
 @pytest.mark.parametrize("place", [0.0, 0.37])
 def test_cells_of_any_size_and_position(bodies: Bodies, place: float) -> None:
-    # a cell on itself and on its neighbours, beside Boussinesq's and Cerruti's closed form at 8 x 8 points of each
+    # a cell and its neighbours, against Boussinesq's and Cerruti's closed forms at 8 x 8 points of each
     kernel: HalfSpaceInfluence = pair(bodies=bodies).operators.upper
     G = STEEL.E / 2 / (1 + STEEL.nu)
     assert G > 0
@@ -115,7 +115,7 @@ def test_cells_of_any_size_and_position(bodies: Bodies, place: float) -> None:
 
 
 def test_edge_rule_of_a_line_contact() -> None:
-    # the pressure of cells that are too short, or too long, tells by how much
+    # the pressure of cells that are too short or too long determines the error of their ends
     for rolling in (False, True):
         t = marks(16, rolling=rolling)
         trailing, leading = edge_rules(tuple(t.tolist()))
@@ -153,7 +153,7 @@ def test_upstream_slip_is_exact_for_parabolas() -> None:
 
 
 def test_stick_ends_within_a_cell() -> None:
-    # what is left to the bound goes like sqrt(e - x) up to e = 0.63
+    # the remainder to the bound is proportional to sqrt(e - x) up to e = 0.63
     edges = np.linspace(0, 1, 11)
     middle = 0.5 * (edges[1:] + edges[:-1])
     left = np.sqrt(np.maximum(0.63 - middle, 0))
@@ -182,7 +182,7 @@ def test_hertz_converges_smoothly() -> None:
     total = np.sqrt((e**2).mean(axis=1))
     slope, rest = np.polyfit(np.log(counts), np.log(total), 1)
     assert slope < -1.0
-    # no staircase: the error follows its line
+    # no staircase: the error decreases smoothly
     assert np.abs(np.log(total) - slope * np.log(counts) - rest).max() < 0.35
 
 
@@ -294,7 +294,7 @@ def test_left_and_right_are_mirror_images() -> None:
 
 
 def test_warm_start_tracks_the_contact() -> None:
-    # 12 poses on the way of a wheelset across the rail, each starting from the one before
+    # 12 poses of a wheelset that moves across the rail, each with the previous result as guess
     contact = wheelset(0.3)
     warm = replace(contact, model=replace(contact.model, warm=True))  # type: ignore[type-var]
     states = [
@@ -313,7 +313,7 @@ def test_warm_start_tracks_the_contact() -> None:
             assert guess.warm_start is not None
             kept += found.warm_start.gathered is guess.warm_start.gathered
         guess = found
-    assert kept >= 4  # compliance gathered once serves several poses
+    assert kept >= 4  # one assembled compliance is used for several poses
 
 
 def test_distant_warm_start_converges() -> None:

@@ -43,7 +43,7 @@ def test_hertz() -> None:
     deeper = slope(contact, 2, 1e-6)
     np.testing.assert_allclose(tangent[:3, 2], deeper, atol=0.01 * STIFFNESS)
     assert result.force_tangent is not None
-    held = replace(result.force_tangent.of, strip=0).matrix  # as if they did not
+    held = replace(result.force_tangent.of, strip=0).matrix  # with constant ends
     assert np.abs(held[:2, 2] - deeper[:2]).max() > 0.03 * STIFFNESS
     for column, step in ((6, 2e-5), (7, 2e-5), (11, 2e-3)):
         expected = slope(contact, column, step)

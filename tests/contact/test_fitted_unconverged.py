@@ -60,7 +60,7 @@ def test_unconverged_warm_solves_stay_on_one_branch(monkeypatch: pytest.MonkeyPa
             rounds.append(solves[0])
     assert not any(result.statistics.settled for result in found)
     assert rounds == [ITERATIONS] + [1] * (len(depths) - 1)
-    # what was left fades, and forces do not jump: 2 % between the answers of narrow and of wide cells
+    # the residual decreases, and forces are continuous: 2 % between narrow and wide cells
     left = [
         float(np.abs(result.warm_start.remainder.values).max())
         for result in found

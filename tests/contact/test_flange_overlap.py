@@ -74,7 +74,7 @@ def test_contact_points_cover_the_penetration_and_upstream(size: float, overlap:
     assert points is not None
     assert depth == pytest.approx(overlap, rel=0.15)
     x = points.point[:, 0]
-    # a wheel of radius r sinks to d over +-sqrt(2 r d): here d below the rail's top line, at the deepest line
+    # a wheel of radius r with the penetration d extends over +-sqrt(2 r d), here at the deepest line
     deepest = int(np.argmax(points.penetration))
     vertical = -points.penetration[deepest] / points.axes[deepest, 2, 2]
     radius = RADIUS + WHEEL.point(points.wheel_place[deepest, :1])[0, 1]
@@ -97,7 +97,7 @@ def test_wheel_loads_on_the_flange_root(y: float, approach: float, lateral: floa
     assert found.approach == pytest.approx(approach, rel=0.15)
     assert found.force[1] == pytest.approx(lateral, rel=0.1)
     assert found.force[0] == pytest.approx(longitudinal, rel=0.05)
-    # twice the overlap has four times the points and takes sixteen times the memory
+    # twice the penetration has four times the points and sixteen times the memory
     assert max(watched.approaches) < 1.2 * found.approach
 
 

@@ -73,7 +73,7 @@ def test_creep_force_has_a_maximum_and_falls_beyond_it() -> None:
     assert (np.diff(found[: top + 1]) > 0).all()
     assert (np.diff(found[top:]) < 0).all()
     normal = solve(ALIKE, (0.1, 0.0, 0.0), FALLING).pressure.sum() * CELLS.area
-    # all slides at nearly the rigid slip of 0.1
+    # full sliding at nearly the rigid slip of 0.1
     assert found[-1] / normal == pytest.approx(0.3 * (0.6 * np.exp(-0.6 * 0.1 * SPEED) + 0.4), rel=5e-3)
 
 
@@ -128,7 +128,7 @@ def pushed(cells: Cells, overlap: Array, distance: float) -> Tractions:
 def test_shift_against_cattaneo() -> None:
     """Cattaneo 1938, Mindlin 1949: Johnson, Contact Mechanics, 1985, eqs. 7.36, 7.39 and 7.42, nu = 0.3."""
     a, G = PATCH.semi_axes[0], 210e9 / 2.6
-    full = 3 * 0.3 * PATCH.force * 1.7 / (8 * G * a)  # shift at which all slides
+    full = 3 * 0.3 * PATCH.force * 1.7 / (8 * G * a)  # shift at full sliding
     across, errors = np.array([10, 14, 20, 28]), []
     for n in across:
         found = []
@@ -233,7 +233,7 @@ def test_full_newton_steps_cross_a_kink() -> None:
         newton(friction, friction.at(q, active, IterationCount()), options, IterationCount())
     count = IterationCount()
     found = tangential_contact(friction, q, active, options, count)
-    assert count.newton < 30  # 166 where bounds are held in turn
+    assert count.newton < 30  # 166 with fixed bounds
     p, t, s = found.pressure, found.q, (rigid + slip @ found.q.ravel()).reshape(2, 3)
     np.testing.assert_allclose(normal @ p, np.ones(3) + coupling @ t.ravel(), rtol=1e-9)
     fast = np.hypot(*s) > 1e-6
@@ -243,7 +243,7 @@ def test_full_newton_steps_cross_a_kink() -> None:
 
 
 def test_cache_serves_the_points_that_it_was_filled_for() -> None:
-    # the tangent of a result asks for the points that carry pressure: Newton's last step was linearised there
+    # the tangent uses the loaded points, at which Newton's last step was linearised
     body = ContactCompliance(UNLIKE, len(OVERLAP), COULOMB)
     assert body.coupling is not None
     solution = solve_tractions(

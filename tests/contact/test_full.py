@@ -119,7 +119,7 @@ def test_tangent_is_the_derivative_of_the_contact_forces() -> None:
         moved = equations.contact_forces(u + step * direction) - equations.contact_forces(u)
         errors.append(np.linalg.norm(moved - step * exact))
     assert np.linalg.norm(exact) > 1.0
-    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] > 1.9  # Taylor: what is left is of second order
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] > 1.9  # Taylor: the remainder is of second order
 
 
 def test_residual_of_the_solution_vanishes_on_both_bodies() -> None:

@@ -64,7 +64,7 @@ def test_peak_pressure_and_semi_axes(laws: ContactLaws, radii: tuple[float, floa
 def test_hexahedra(load: float, laws: ContactLaws, radii: tuple[float, float]) -> None:
     result, expected = loaded(FINE["hexahedron"], radii, load, laws, 10.8)
     assert_close(result, expected)
-    if laws is EXACT:  # five times better than asked
+    if laws is EXACT:  # five times better than required
         assert result.patches[0].max_pressure == pytest.approx(expected.peak, rel=0.004)
 
 

@@ -274,7 +274,7 @@ def test_random_rolling_never_fails(upper: float, levels: tuple[float, ...]) -> 
             solve = partial(sphere.solve, operator, K=K, friction=friction, regularisation=eps)
             cold, near = solve((xi, eta, spin)), solve((1.3 * xi, 1.3 * eta, 1.3 * spin))
             guesses = [(near.pressure, near.tangential.T.ravel())]
-            if upper == 0.3:  # equal bodies: then even nonsense is a fair start
+            if upper == 0.3:  # equal bodies: any initial guess converges
                 guesses += [(np.maximum(rng.normal(size=n), 0) * 1e9, rng.normal(size=2 * n) * 1e9)]
             for guess in guesses:
                 warm = solve((xi, eta, spin), guess=guess)
@@ -297,7 +297,7 @@ def random_compliance(rng: np.random.Generator, n: int, kind: str) -> Array:
     if kind == "stiff":  # condition number 1e8
         q, _ = np.linalg.qr(rng.normal(size=(n, n)))
         return np.asarray((q * np.logspace(0, -8, n)) @ q.T)
-    if kind == "doubled":  # two points in one place, told apart by the penalty's compliance alone
+    if kind == "doubled":  # two points at one position, distinct by the penalty's compliance only
         half = random_compliance(rng, n // 2, "wishart")
         return np.kron(half, np.ones((2, 2))) + 1e-6 * np.eye(2 * (n // 2))
     place = rng.uniform(size=(n, 2))
@@ -314,7 +314,7 @@ def test_normal_contact_against_nonnegative_least_squares(kind: str) -> None:
         n = len(compliance)
         overlap = rng.normal(size=n)
         if trial % 3 == 0:
-            overlap = np.abs(overlap)  # as in a contact: all candidates overlap
+            overlap = np.abs(overlap)  # as in a contact: all candidates penetrate
         start = rng.random(n) < (0.0, 0.5, 1.0)[trial % 3 - 1]
         pressure, active = normal_contact(compliance, overlap, start, IterationCount())
         gap = compliance @ pressure - overlap

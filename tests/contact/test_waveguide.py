@@ -318,7 +318,7 @@ def test_three_dimensional_meshes_converge_to_the_waveguide(name: str) -> None:
 
     if name == "rail":
         outline = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
-        # held all round below its running surface: linear tetrahedra bend a web badly, and the mesh ends
+        # clamped all round below its running surface, as linear tetrahedra are too stiff for a web
         outline = replace(outline, clamped=(0, len(outline.boundary) - 1))
         reference, grid, _ = rail_waveguide(outline, Material(), size=2e-3, half_length=0.024)
     else:
@@ -414,7 +414,7 @@ def turned_wheel(outline: Outline, size: float, *, largest: float, section_size:
     mesh = section(outline, strip, grading=Grading(1.0, 1.0, section_size))
     x = layers(strip.half_cells, size, half, growth=1.6, largest=largest)
     whole = extruded(mesh, x, strip.half_cells)
-    count = (len(x) - 1) * len(mesh.points)  # the last layer is the first again
+    count = (len(x) - 1) * len(mesh.points)  # the last layer is the first one
     ring = replace(
         whole,
         points=whole.points[:count],

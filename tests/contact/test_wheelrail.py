@@ -172,7 +172,7 @@ def test_interpolation_on_the_rail(cell: Cell, degree: int) -> None:
             field = (x**power * s**other).ravel()
             expected = at[:, 0] ** power * foot**other
             np.testing.assert_allclose((field[nodes] * weights).sum(axis=1), expected, atol=1e-13)
-    # the places that face each other do: the rail's own nodes, interpolated, are on the rail's profile
+    # interpolated nodes of the rail are on the rail's profile
     if degree == 1:
         facing = (shapes.rail_grid.position.reshape(-1, 3)[nodes] * weights[..., None]).sum(axis=1)
         np.testing.assert_allclose(facing, rail_surface(at[:, 0], foot), atol=SIZE**2 / 8 / 0.013)
@@ -258,15 +258,15 @@ def test_upstream_slip_of_wheel_and_rail() -> None:
     wheel, rail = pair_operators(points, 2)
     assert wheel.slip is not None
     assert rail.slip is not None
-    # bodies moved as a whole do not slip by it
+    # rigid motion causes no slip
     for coupling in (wheel, rail):
         for direction in np.eye(3):
             moved = np.tile(direction[list(coupling.directions)], len(coupling.nodes))
             assert np.abs(coupling.slip @ moved).max() < 1e-9 / SIZE
-    # a rail stretched by a quadratic displacement along x, whose places do not meet its nodes
+    # quadratic displacement of the rail along x, at points between its nodes
     shapes = geometry()
     x = shapes.rail_grid.position.reshape(-1, 3)[rail.nodes, 0]
-    for power, exact in ((1, 1e-9), (2, 0.3)):  # P1 interpolates x^2 with an error of its own, h^2 / 8
+    for power, exact in ((1, 1e-9), (2, 0.3)):  # interpolation error of P1 for x^2: h^2 / 8
         stretch = np.zeros((len(x), 3))
         stretch[:, 0] = x**power
         at = points.point[:, 0]

@@ -69,7 +69,7 @@ def test_stiffness_of_rigid_motion_and_uniform_strain(name: str) -> None:
         return np.asarray(f.array.reshape(-1, 3))
 
     low = x[:, 2].min()
-    # Far from the clamped nodes no row knows of them, and rigid motion and uniform strain ask for no force inside.
+    # Far from the clamped nodes, rigid motion and uniform strain cause no internal nodal forces.
     strip = np.zeros(len(x), dtype=bool)
     strip[body.nodes[1:-1, 1:-1].ravel()] = True
     scale = np.abs(stiffness.getDiagonal().array).max() * SIZE
@@ -166,7 +166,7 @@ def test_regularisation_changes_without_recompilation() -> None:
 
 
 def test_the_whole_strip_at_once() -> None:
-    # constant overlap: the forces sum to pressure times area, whatever the elements
+    # constant penetration: the forces sum to pressure times area for all elements
     for name, mesh in MESHES.items():
         grid = elastic(mesh, STEEL, SIZE).grid
         nodes = np.flatnonzero(grid.weight.ravel() > 0)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-VOLATILE = ("seconds", "created", "versions", "wall")  # parts of names that say when, where and how quickly
+VOLATILE = ("seconds", "created", "versions", "wall")  # parts of names of times, dates and machines
 
 
 def volatile(name: str) -> bool:

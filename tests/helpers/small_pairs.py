@@ -46,7 +46,7 @@ class Block:
     first: float = 0.5
 
 
-# Coarse ones for all that does not depend on accuracy: equations, symmetries, agreement.
+# Coarse meshes for tests that do not depend on accuracy: equations, symmetries, agreement.
 TETRAHEDRA = Block((6, 4), 8.0, growth=1.0, first=1.0)
 BRICKS = Block((6, 4), 8.0, "hexahedron", growth=1.0, first=1.0)
 QUADRATIC = Block((4, 2), 5.0, degree=2, growth=1.0, first=1.0)
@@ -118,4 +118,4 @@ def rolling(xi: float, eta: float, spin: float, *, speed: float = 10.0) -> Rigid
 
 
 AT_REST = RigidMotion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)) for _ in range(2)))
-CREEP = rolling(1e-3, -5e-4, 0.3)  # some of the patch sticks, some slides
+CREEP = rolling(1e-3, -5e-4, 0.3)  # partial slip

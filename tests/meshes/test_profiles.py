@@ -152,7 +152,7 @@ def test_closest_recovers_arc_length_and_signed_distance(name: str) -> None:
     p = named_profile(name)
     rng = np.random.default_rng(4)
     s = rng.uniform(p.s_range[0] + 1e-3, p.s_range[1] - 1e-3, 3000)
-    s = s[np.abs(p.point(s)[:, 0] - 60e-3) > 2e-3]  # not in the shadow of the chamfer's corner
+    s = s[np.abs(p.point(s)[:, 0] - 60e-3) > 2e-3]  # outside the normal cone of the chamfer's corner
     d = rng.uniform(-1e-3, 1e-3, len(s))
     q = p.point(s) + d[:, None] * p.normal(s)
     found = p.closest(q)

@@ -93,7 +93,7 @@ def test_worn_rail_is_joined_to_the_standard_section(tmp_path: Path) -> None:
     lost = properties(rail_outline(new).polygon(1e-3))["area"] - properties(outline.polygon(1e-3))["area"]
     assert 5e-6 < lost < 60e-6  # m2: 2 mm over a face of about 15 mm, and the line on to the foot of the flank
     foot, standard = (o.boundary[slice(*o.clamped)] for o in (outline, rail_outline(new)))
-    np.testing.assert_allclose(foot, standard, atol=2e-6)  # the field side tells where the section stands
+    np.testing.assert_allclose(foot, standard, atol=2e-6)  # the field side determines the position of the section
 
 
 def test_incompatible_rail_is_rejected(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ from extensions import scene_keys as keys  # noqa: E402
 from extensions.benchmark_list import programs  # noqa: E402
 from extensions.docstrings import restructured  # noqa: E402
 
-NOWHERE = "http://127.0.0.1:9"  # nobody listens there: a build that asks the network fails
+NOWHERE = "http://127.0.0.1:9"  # no server there: a build that uses the network fails
 
 
 def built(sources: Path, out: Path, configured: Path) -> subprocess.CompletedProcess[str]:

@@ -159,7 +159,7 @@ def test_no_tangential_problem_without_friction(counter: Counter) -> None:
     couplings = counter.calls["contact_operators"]
     assert len(couplings) == 2
     assert all(order == 0 for *_, order in couplings)
-    # and only the compliance along the normal is ever asked for
+    # and only the compliance along the normal is requested
     assert {direction for _, _, direction in counter.calls["_fill"]} == {2}
 
 
@@ -215,7 +215,7 @@ def test_wheel_above_its_rail_takes_one_projection(counter: Counter) -> None:
 
     contact = wheelset()
     high = replace(STATE, z=2e-3)
-    assert contact(high, "left").status == "separated"  # builds what is kept
+    assert contact(high, "left").status == "separated"  # fills the cache
     counter.watch(Curve, "closest")
     counter.watch(SurfaceCompliance, "block")
     assert contact(high, "right").status == "separated"

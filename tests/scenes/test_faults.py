@@ -29,7 +29,7 @@ from wheelrail.support.atomic_file import PART, atomic_file
 from wheelrail.support.cache import load, store
 
 ROOT = Path(__file__).parents[2]
-SMOOTH = WheelsetContact(Stopping(), CONTACT.mounting)  # a spring with patches, and nothing to remember
+SMOOTH = WheelsetContact(Stopping(), CONTACT.mounting)  # a spring with patches, without state
 ENVIRONMENT = {
     **os.environ,
     "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests/helpers"), str(ROOT / "tests/scenes")]),
@@ -146,7 +146,7 @@ def test_full_disk_keeps_the_previous_cache(
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
     store("name", {"values": np.arange(3)})
     request.getfixturevalue("small_files")
-    with pytest.warns(UserWarning, match=r"cannot be written \(.*File too large.*going on without it"):
+    with pytest.warns(UserWarning, match=r"cannot be written \(.*File too large.*continuing without it"):
         store("name", {"values": np.arange(10_000)})
     assert list(load("name")["values"]) == [0, 1, 2]  # type: ignore[index]
     assert os.listdir(tmp_path) == ["name.npz"]
@@ -239,7 +239,7 @@ def test_interrupted_run_resumes_to_identical_results(tmp_path: Path, undisturbe
     assert "Traceback" not in said
     if how == "SIGKILL":
         assert status == -signal.SIGKILL, said
-    elif phase not in ("results", "results in place"):  # where Ctrl-C comes too late to spoil anything
+    elif phase not in ("results", "results in place"):  # phases in which the results are already written
         assert status == 130, said
         assert re.search("^interrupted", said, re.MULTILINE)
     if (tmp_path / "run.nc").exists():
@@ -268,7 +268,7 @@ def test_no_worker_process_remains(tmp_path: Path, how: signal.Signals) -> None:
     line = [sys.executable, "-c", script, "run", str(scene), "--out", str(tmp_path)]
     with subprocess.Popen(line, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT) as running:
         children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
-        for _ in range(6000):  # machine code may have to be made first
+        for _ in range(6000):  # including compilation
             if (tmp_path / "run.checkpoints").exists():
                 break
             time.sleep(0.05)
@@ -327,7 +327,7 @@ def test_damaged_machine_code_is_recompiled(tmp_path: Path) -> None:
             flipped = whole[:-50] + bytes([whole[-50] ^ 4]) + whole[-49:]
             written = file.stat()
             file.write_bytes({"empty": b"", "cut": whole[: len(whole) // 2], "flipped": flipped}[damage])
-            os.utime(file, ns=(written.st_atime_ns, written.st_mtime_ns))  # the disk's fault, nobody wrote
+            os.utime(file, ns=(written.st_atime_ns, written.st_mtime_ns))  # by the disk, not by a writer
     (record,) = good.rglob("checksums.json")
     for name, content in (("none", None), ("empty", b""), ("cut", record.read_bytes()[:-9]), ("list", b"[1]")):
         kept = shutil.copytree(good, tmp_path / f"record {name}")

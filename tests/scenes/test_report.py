@@ -100,7 +100,7 @@ def run_page(run_folder: Path) -> str:
     return (run_folder / "report.html").read_text(encoding="utf-8")
 
 
-# What a browser makes of it
+# Display in a browser
 
 WATCH = """<script>
 const complaints = [];
@@ -128,7 +128,7 @@ const timer = setInterval(() => {
 </script>"""
 
 
-# What the viewer says of itself, what graphics in software say of theirs, and what this test says.
+# Known console messages of the viewer, of software rendering, and of this test.
 HARMLESS = re.compile(r'"hashes,scene"|GL Driver Message \(OpenGL, Performance|"FOUND\{')
 
 
@@ -189,7 +189,7 @@ def test_browser_errors_are_detected(tmp_path: Path) -> None:
     assert found["canvases"] == []
 
 
-# What a page holds
+# Contents of a page
 
 
 def test_run_page_contents(run_page: str) -> None:
@@ -199,7 +199,7 @@ def test_run_page_contents(run_page: str) -> None:
     assert "numpy 1." in page.text or "numpy 2." in page.text
     assert page.text.count("10 s of the curve of the paper with the exact laws") == 2  # the lead, and the scene
     assert "wheelrail run scenes/curve.toml" in page.text  # the scene as it was written
-    assert "curve <1>" in page.text  # its name, harmless
+    assert "curve <1>" in page.text  # its name, escaped
     rows = {row[0]: row[1:] for row in page.rows}
     assert rows["steps rejected"] == ["2"]
     assert rows["contact problems solved"] == ["300", "301"]
@@ -348,7 +348,7 @@ def test_a_browser_sorts_all_cases_of_a_study(tmp_path: Path) -> None:
     as_is, up, down, pressure, status = cases[3:]
     assert as_is == up == "1000-nanfailed: no"
     assert down == "1399-nanfailed: no"
-    assert pressure == "100110011converged"  # the least that is known
+    assert pressure == "100110011converged"  # the minimum information
     assert status.endswith("converged")
 
 
@@ -360,7 +360,7 @@ def test_long_tables_are_truncated(tmp_path: Path) -> None:
     assert len(page.rows) == 2 + 2001 + 2001
 
 
-# What cannot be reported
+# Invalid folders
 
 
 @pytest.mark.parametrize(

@@ -148,7 +148,7 @@ def test_truncated_or_damaged_file_yields_the_previous_checkpoint(tmp_path: Path
             at = checkpoint_file(tmp_path / "torn").latest()
             assert at is not None
             times.append((count, at.time, len(at.rows)))
-    assert len(set(times)) == len(lengths)  # one for each, wherever the rest ends
+    assert len(set(times)) == len(lengths)  # one for each, wherever the file is truncated
     spoiled = bytearray(content)
     spoiled[lengths[1] + 500] ^= 1
     (tmp_path / "torn").write_bytes(spoiled)
@@ -156,7 +156,7 @@ def test_truncated_or_damaged_file_yields_the_previous_checkpoint(tmp_path: Path
     at = log.latest()
     assert at is not None
     assert (1, at.time, len(at.rows)) in times
-    # what goes on from there replaces what was spoiled
+    # new entries replace the damaged ones
     assert_same(run(checkpoints=Checkpoints(30, log.append, at)), whole)
     again = checkpoint_file(tmp_path / "torn")
     log.stream.close()  # type: ignore[union-attr]
@@ -321,7 +321,7 @@ def assert_same_results(one: Path, other: Path) -> None:
 def test_repeatedly_killed_run_gives_identical_results(tmp_path: Path) -> None:
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     assert command(whole).exit_code == 0
-    killed(broken, "--resume", at=3)  # before there is anything to go on from
+    killed(broken, "--resume", at=3)  # before the first checkpoint
     assert not (broken / "run.checkpoints").exists()
     for at in np.random.default_rng(5).integers(250, 450, 3).tolist():
         killed(broken, "--resume", at=at)

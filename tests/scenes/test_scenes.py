@@ -416,7 +416,7 @@ def test_standard_model_accepts_scenes_of_other_models() -> None:
     for text in (HERTZ, WHEELSET, CURVE):
         scene = parse_scene(standard(text), FOLDER / "scene.toml")
         assert (scene.model, scene.normal, scene.tangential) == ("standard", None, None)
-        assert laws(scene) == ContactLaws(friction=0.3)  # whatever the laws of the elastic models
+        assert laws(scene) == ContactLaws(friction=0.3)  # for any laws of the elastic models
     bare = standard(changed(WHEELSET, "surface_size = 1e-3", ""), 'normal = "hertz"', "merge_distance = 6e-3")
     contact = wheelset_contact(parse_scene(bare))
     assert isinstance(contact.model, StandardContact)

@@ -97,7 +97,7 @@ def exact(load: float) -> float:
     return hertz(0.5 / 0.46, 1 / 0.3, modulus(steel, steel), force=load).peak
 
 
-# What is computed
+# Computed cases
 
 
 def test_a_grid_has_its_parameters_as_dimensions(here: Here) -> None:
@@ -215,7 +215,7 @@ def test_finer_case_as_reference(here: Here) -> None:
     np.testing.assert_allclose(data["relative_error_area"], 1 - np.array([1 / 8, 1 / 4, 1 / 2]) ** (2 / 3), rtol=1e-6)
 
 
-# What is refused
+# Invalid studies
 
 BAD = {
     "nothing varied": ({}, "nothing is varied"),
@@ -350,7 +350,7 @@ def test_command_rejects_invalid_studies_before_computing(tmp_path: Path) -> Non
     assert not (tmp_path / "out").exists()
 
 
-# What is kept
+# Stored cases
 
 
 def test_only_missing_cases_are_computed(here: Here, tmp_path: Path) -> None:
@@ -416,7 +416,7 @@ def test_case_that_cannot_be_stored_is_reported_and_used(
     assert set(data["status"].values.flat) == {"converged"}
 
 
-# What goes wrong on the way
+# Failures
 
 
 def test_failed_case_has_its_error_and_others_continue(here: Here, tmp_path: Path) -> None:
@@ -431,7 +431,7 @@ def test_failed_case_has_its_error_and_others_continue(here: Here, tmp_path: Pat
     assert np.isfinite(data["max_pressure"].values[0]).all()
     before = len(here.jobs)
     run_study(table, tmp_path, pictures=False)
-    assert len(here.jobs) == before  # that it fails is known
+    assert len(here.jobs) == before  # the stored failure is reused
 
 
 def cases(*loads: float) -> list[Job]:
@@ -496,7 +496,7 @@ def test_worker_of_another_version_is_rejected() -> None:
     assert "another version" in found.error
 
 
-# Killed, and started again
+# Killed and restarted
 
 
 def started(file: Path, out: Path) -> subprocess.Popen[bytes]:
@@ -527,7 +527,7 @@ def alive(session: int) -> list[int]:
     return found
 
 
-KEPT = "[!.]*.json"  # what a killed writer left begins with a point
+KEPT = "[!.]*.json"  # temporaries of a killed writer begin with a dot
 SLOW = """
 kind = "study"
 scene = "SCENE"

@@ -86,7 +86,7 @@ def test_half_written_files_are_never_read(before: Any, breaking: Callable[[Base
     with pytest.raises(KeyboardInterrupt):
         store("kind/name", {"points": np.zeros(3)})
     found = load("kind/name")
-    assert found is None if before is None else same(found, before)  # an older file stays whole
+    assert found is None if before is None else same(found, before)  # the previous file is unchanged
 
 
 def test_full_disk_warns_and_leaves_no_file(folder: Path, breaking: Callable[[BaseException], None]) -> None:
@@ -143,7 +143,7 @@ def test_any_flipped_bit_is_detected_or_harmless(folder: Path) -> None:
                 noticed += 1
             else:
                 assert same(found, ARRAYS), f"bit {bit} of byte {place}"
-    assert noticed > 4 * len(whole)  # the rest is dates and padding
+    assert noticed > 4 * len(whole)  # other bytes are dates and padding
 
 
 def test_wrong_arrays_are_rebuilt(folder: Path) -> None:

@@ -46,7 +46,7 @@ def test_change_in_a_called_file_is_detected(tmp_path: Path) -> None:
     assert said(tmp_path) == "6.0 1 ''"
     (root / "contact" / "deep" / "inner.py").write_text(INNER.format(5.0))
     assert said(tmp_path) == "10.0 0 ''"
-    (kept,) = root.glob("support/__pycache__/compiled-*")  # of older sources nothing is left
+    (kept,) = root.glob("support/__pycache__/compiled-*")  # files of older sources are removed
     assert any(kept.rglob("*.nbc"))
 
 

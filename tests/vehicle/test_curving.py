@@ -214,7 +214,9 @@ def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr("wheelrail.vehicle.steady.equilibrium._newton", stubborn)
     found = curving(WAGON, CONTACT, PAPER)
     assert len(starts) == 3  # from rest, on straight track, at the end of the run
-    assert starts[2][:9] == pytest.approx(expected.equilibrium.state[:9], abs=2e-3)  # 6 s are not for ever
+    assert starts[2][:9] == pytest.approx(
+        expected.equilibrium.state[:9], abs=2e-3
+    )  # after 6 s a small transient remains
     assert found.wheel_load["right"] == pytest.approx(expected.wheel_load["right"], rel=1e-5)
     assert found.equilibrium.iterations <= 6
 

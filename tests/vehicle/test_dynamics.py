@@ -132,7 +132,7 @@ def test_no_equilibrium_is_an_error() -> None:
         equilibrium(dynamics(contact=no_contact))
     slippery = WheelsetContact(SmoothContact(cone=0.0, flange=0.0), CONTACT.mounting)
     with pytest.raises(EquilibriumError):
-        equilibrium(dynamics(contact=slippery), time=IN_CURVE)  # nothing holds the wheelset laterally
+        equilibrium(dynamics(contact=slippery), time=IN_CURVE)  # no lateral force on the wheelset
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

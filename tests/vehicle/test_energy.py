@@ -50,8 +50,8 @@ def test_energy_balance_closes(wagon: Wagon, track: Track, speed: float | SpeedP
     assert history.status == "completed"
     found = energy_balance(history, wagon, track)
     assert found.error < 1e-4
-    if track.irregularities is None:  # which do the work themselves
-        assert abs(found.work[-1, POWERS.index("inertial")]) > 1.0  # J: something happened
+    if track.irregularities is None:  # which do the work
+        assert abs(found.work[-1, POWERS.index("inertial")]) > 1.0  # J: not trivial
     assert (found.power[:, POWERS.index("dampers")] <= 0.0).all()
 
 

@@ -111,7 +111,7 @@ def test_stiffness_does_not_bound_the_step() -> None:
         settings = StepSettings("rosenbrock", 1e-4, 1e-4, min_step=1e-14)
         *_, last = integrate(rhs, 0.0, np.array([1.5]), 6.0, settings, jacobian=jacobian, counts=counts)
         assert last.x[0] == pytest.approx(np.cos(6.0), abs=1e-4)
-        assert counts.jacobians == 0  # counted by who makes them
+        assert counts.jacobians == 0  # counted where they are computed
         assert counts.factorisations == counts.accepted + counts.rejected
         assert counts.evaluations == 2 + 4 * counts.accepted + 3 * counts.rejected
         taken.append(counts.accepted)

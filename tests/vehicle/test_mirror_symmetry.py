@@ -44,4 +44,4 @@ def test_mirror_image(contact: Callable[[], object], method: str, end: float) ->
     np.testing.assert_array_equal(right.state, mirrored(left.state))
     np.testing.assert_array_equal(right.outputs.force, MIRROR * left.outputs.force[:, ::-1])
     np.testing.assert_array_equal(right.outputs.moment, -MIRROR * left.outputs.moment[:, ::-1])
-    assert np.abs(left.state[-1, 6]) > 1e-4  # m: the curve was felt
+    assert np.abs(left.state[-1, 6]) > 1e-4  # m: effect of the curve

@@ -107,7 +107,7 @@ def test_contact_springs() -> None:
     chain = eigenvalues(np.diag([w.car_body.mass, w.bogie.mass, w.wheelset.mass]), damping, stiffness)
     vertical = [m for m in found if m.energy_fraction[[1, 4, 7]].sum() > 1 - 1e-9]
     np.testing.assert_allclose(values(vertical), chain, rtol=1e-8)
-    # The wheelset hardly feels what is above it: sqrt(k / m) on springs of contact and primary suspension.
+    # The wheelset is nearly decoupled: sqrt(k / m) on springs of contact and primary suspension.
     alone = np.sqrt(2 * (SPRINGS.vertical[0] + w.primary.vertical_stiffness) / w.wheelset.mass) / 2 / np.pi
     assert vertical[2].frequency == pytest.approx(alone, rel=2e-4)
     assert vertical[2].main_coordinates.startswith("wheelset_z")

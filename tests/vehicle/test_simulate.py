@@ -185,7 +185,7 @@ def test_repeated_failure_ends_the_run_with_its_history() -> None:
     assert history.cost.steps.failed > 3
     assert len(history) == history.cost.steps.accepted + 1 > 10
     assert np.isfinite(history.state).all()
-    assert 1.9e-5 < abs(history.wheelset[-1, 0]) <= 2e-5  # up to the very point
+    assert 1.9e-5 < abs(history.wheelset[-1, 0]) <= 2e-5  # up to the interruption
     assert {status for pair in history.contact_status for status in pair} == {"converged"}
 
 

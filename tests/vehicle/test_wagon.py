@@ -111,7 +111,7 @@ def test_spring_forces_derive_from_a_potential_and_cancel(turn: float) -> None:
     y, z = position[:, 0], position[:, 1] + heights
     assert np.abs(moving[:, :2].sum(0)).max() < 1e-9
     assert abs((moving[:, 2] + y * moving[:, 1] - z * moving[:, 0]).sum()) < 1e-9 * 1e5
-    assert ((moving - found) * rate).sum() < 0.0  # dampers take energy out
+    assert ((moving - found) * rate).sum() < 0.0  # dampers dissipate energy
 
 
 def test_nominal_position_is_in_equilibrium() -> None:

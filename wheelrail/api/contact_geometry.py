@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wheelrail.api.rigid_pair import PlacedPair, contact_values, placed_pair
+from wheelrail.api.rigid_pair import MountedPair, contact_values, mounted_pair
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
@@ -62,7 +62,7 @@ def contact_geometry(
     from wheelrail.scenes.datasets.patches import means
 
     positions = _positions(y)
-    pair = placed_pair(wheel, rail, **more)
+    pair = mounted_pair(wheel, rail, **more)
     contacts = first_contacts_over(pair.rigid, pair.mounting, positions, yaw)
     values = _by_side(pair, [touches for _, touches in contacts])
     radii = values["rolling_radius"]
@@ -111,7 +111,7 @@ def _positions(y: ArrayLike | None) -> Array:
     return places
 
 
-def _by_side(pair: PlacedPair, touches: Sequence[Mapping[Side, Any]]) -> dict[str, Array]:
+def _by_side(pair: MountedPair, touches: Sequence[Mapping[Side, Any]]) -> dict[str, Array]:
     """Variables (n, 2) of the contact points of both sides at n positions."""
     values = {name: np.empty((len(touches), len(SIDES))) for name in BY_SIDE}
     for row, touch in enumerate(touches):
@@ -121,7 +121,7 @@ def _by_side(pair: PlacedPair, touches: Sequence[Mapping[Side, Any]]) -> dict[st
     return values
 
 
-def _conicity(pair: PlacedPair, amplitude: Array) -> Array:
+def _conicity(pair: MountedPair, amplitude: Array) -> Array:
     """Equivalent conicity (n,) at amplitudes (n,) m, in order."""
     from wheelrail.contact.geometry.conicity import equivalent_conicity
     from wheelrail.contact.geometry.first_contact import first_contacts_over

@@ -17,22 +17,24 @@ OUTLINE = 2e-4  # m, spacing of the points of a plotted profile
 
 
 @dataclass(frozen=True)
-class PlacedPair:
+class MountedPair:
     """Rigid left-hand pair of profiles, the rail inclined, and its mounting."""
 
     rigid: RigidWheelRail
     mounting: Mounting
 
 
-def placed_pair(wheel: str | Path | Profile = "S1002", rail: str | Path | Profile = "UIC60", **more: Any) -> PlacedPair:
+def mounted_pair(
+    wheel: str | Path | Profile = "S1002", rail: str | Path | Profile = "UIC60", **more: Any
+) -> MountedPair:
     """Profiles of a wheelset on its track; arguments as for `wheelrail.Wheelset`."""
     from wheelrail.api.wheelset import Wheelset
 
     wheelset = Wheelset(wheel, rail, friction=0.0, model="standard", **more)
-    return PlacedPair(RigidWheelRail(*wheelset.profiles, wheelset.arguments["radius"]), wheelset.mounting)
+    return MountedPair(RigidWheelRail(*wheelset.profiles, wheelset.arguments["radius"]), wheelset.mounting)
 
 
-def contact_values(pair: PlacedPair, touch: Any, hand: float) -> dict[str, float]:
+def contact_values(pair: MountedPair, touch: Any, hand: float) -> dict[str, float]:
     """Rolling radius, contact angle and positions of a contact point; hand is -1 for a mirrored right-hand pair."""
     (wheel_y, wheel_z), rail_y = pair.rigid.wheel.point(touch.wheel_s), pair.rigid.rail.point(touch.rail_s)[0]
     return {
@@ -46,7 +48,7 @@ def contact_values(pair: PlacedPair, touch: Any, hand: float) -> dict[str, float
     }
 
 
-def outlines_in_contact(pair: PlacedPair, y: float, yaw: float) -> tuple[Array, Array, Array, float]:
+def outlines_in_contact(pair: MountedPair, y: float, yaw: float) -> tuple[Array, Array, Array, float]:
     """Outlines of the left wheel (its lowest line) and rail at first contact with both rails.
 
     Parameters:

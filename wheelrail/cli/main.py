@@ -6,7 +6,7 @@ import os
 
 from wheelrail.cli import contact, run, study, templates, view  # noqa: F401 - each registers its commands, in this order
 from wheelrail.cli.app import app
-from wheelrail.cli.mpi_launcher import as_one
+from wheelrail.cli.mpi_launcher import on_all_ranks
 
 __all__ = ["app", "main"]
 
@@ -18,5 +18,5 @@ def main() -> None:
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    with as_one():
+    with on_all_ranks():
         app()

@@ -35,7 +35,7 @@ def first() -> bool:
 
 
 @contextmanager
-def as_one() -> Iterator[None]:
+def on_all_ranks() -> Iterator[None]:
     """Suppress the output of all ranks but the first, and end all ranks with the exit code of a failed one.
 
     The other ranks may wait for the failed one in a reduction. A failed rank prints its error unless the first rank

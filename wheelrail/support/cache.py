@@ -92,13 +92,13 @@ def store(name: str, arrays: Arrays) -> None:
                 with archive.open(f"{key}.npy", "w", force_zip64=True) as file:
                     np.save(file, values, allow_pickle=False)
     except OSError as error:
-        warnings.warn(f"the cache {path.parent} cannot be written ({error}); going on without it", stacklevel=2)
+        warnings.warn(f"the cache {path.parent} cannot be written ({error}); continuing without it", stacklevel=2)
 
 
-def cached(name: str, build: Callable[[], Arrays], wanted: Sequence[str]) -> Arrays:
-    """The wanted arrays from the cache, or built and stored."""
+def cached(name: str, build: Callable[[], Arrays], names: Sequence[str]) -> Arrays:
+    """The named arrays from the cache, or built and stored."""
     arrays = load(name)
-    if arrays is None or not set(wanted) <= set(arrays):
+    if arrays is None or not set(names) <= set(arrays):
         arrays = dict(build())
         store(name, arrays)
     return arrays

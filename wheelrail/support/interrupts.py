@@ -22,13 +22,13 @@ class DeferredInterrupt:
     """Signal handler that defers the first Ctrl-C and forwards one that follows later than PATIENCE."""
 
     before: Callable[[int, FrameType | None], object]
-    came: float | None = None
+    time: float | None = None
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
         now = monotonic()
-        if self.came is None:
-            self.came = now
-        elif now - self.came >= PATIENCE:
+        if self.time is None:
+            self.time = now
+        elif now - self.time >= PATIENCE:
             self.before(number, frame)
 
 
@@ -56,14 +56,14 @@ def deferred_interrupts() -> Iterator[None]:
     finally:
         signal.signal(signal.SIGINT, before)
         _waiting = None
-        if handler.came is not None:
+        if handler.time is not None:
             before(signal.SIGINT, None)
 
 
 def check_interrupt() -> None:
     """Raise KeyboardInterrupt if a Ctrl-C is deferred; to be called where no state is incomplete."""
-    if _waiting is not None and _waiting.came is not None and current_thread() is main_thread():
-        _waiting.came = None
+    if _waiting is not None and _waiting.time is not None and current_thread() is main_thread():
+        _waiting.time = None
         raise KeyboardInterrupt
 
 

@@ -37,9 +37,7 @@ def _own() -> str:
 
 @cache
 def commit() -> str:
-    """Abbreviated hash of the checkout's commit, with "-dirty" where files differ from it; "" for an installed release,
-    whose version says it all.
-    """
+    """Abbreviated hash of the checkout's commit, with "-dirty" if files differ; "" for an installed release."""
     if not (ROOT / ".git").exists() or not (ROOT / "pyproject.toml").exists():
         return ""
     command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]

@@ -274,7 +274,7 @@ class RunScene(Contact):
         return self
 
     @model_validator(mode="after")
-    def _one_radius(self) -> RunScene:
+    def _equal_radii(self) -> RunScene:
         if self.vehicle.changed and self.vehicle.on(self.wheelset.radius).radius != self.wheelset.radius:
             raise q.reject("wheelset.height of the wagon must equal wheelset.radius of the scene", "vehicle")
         return self

@@ -130,7 +130,7 @@ class WheelsetTable(AxleTable):
     z: q.Offset | None = None
 
     @model_validator(mode="after")
-    def _one_condition(self) -> WheelsetTable:
+    def _single_load_condition(self) -> WheelsetTable:
         conditions = [key for key in ("wheel_load", "axle_load", "z") if getattr(self, key) is not None]
         if len(conditions) != 1:
             raise q.reject(
@@ -176,7 +176,9 @@ class VehicleTable(SceneTable):
 
     @field_validator("speed")
     @classmethod
-    def _goes_on(cls, value: float | tuple[tuple[float, float], ...]) -> float | tuple[tuple[float, float], ...]:
+    def _increasing_times(
+        cls, value: float | tuple[tuple[float, float], ...]
+    ) -> float | tuple[tuple[float, float], ...]:
         if isinstance(value, tuple) and any(later <= time for (time, _), (later, _) in pairwise(value)):
             raise q.reject("times must increase strictly")
         return value
@@ -197,7 +199,7 @@ class VehicleTable(SceneTable):
         return self.speed[0][1] if isinstance(self.speed, tuple) else self.speed
 
     @model_validator(mode="after")
-    def _wagon_has_them(self) -> VehicleTable:
+    def _wagon_keys_exist(self) -> VehicleTable:
         if self.model_extra:
             self.on(None)
         return self

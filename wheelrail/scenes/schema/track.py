@@ -163,7 +163,7 @@ class TrackLine(RailsTable):
         return Track.of(self.layout, base=self.cant_base, corner=self.corner, irregularities=irregularities)
 
     @model_validator(mode="after")
-    def _one_form(self) -> TrackLine:
+    def _short_form_or_segments(self) -> TrackLine:
         for key in (*SHORT, "slope"):
             if self.segments is not None and getattr(self, key) is not None:
                 raise q.reject("must not be combined with segments, which have their own", key)
