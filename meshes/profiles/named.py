@@ -12,7 +12,7 @@ NAMES: dict[str, Kind] = {"S1002": "wheel", "60E1": "rail", "UIC60-benchmark": "
 
 @lru_cache(maxsize=8)
 def named_profile(name: str) -> Profile:
-    """S1002 wheel, 60E1 rail (upright, to be inclined; UIC60 is its older name), or UIC60-benchmark rail (inclined 1/40).
+    """S1002 wheel, 60E1 rail (upright; UIC60 is its older name), or UIC60-benchmark rail (inclined 1/40).
 
     The benchmark's rail has the origin of its file, 6 um to the gauge side of the highest point and equally high to
     1e-10 m. Raises ValueError with the allowed names.

@@ -49,8 +49,9 @@ class Profile(Curve):
 
     y is lateral, positive to the field side, and s grows with it; the body lies below the curve. Curvature is positive
     where the surface is convex. Wheel: from the flange's back; z is the height above the rolling circle, outward from
-    the axle; s = 0 and z = 0 on the rolling circle, y = 0. Rail: z up; s = 0 at the origin, which is the highest
-    point of the inclined rail. placement: rigid motion from the rail's axis frame, in which web and foot are defined, to this one.
+    the axle; s = 0 and z = 0 on the rolling circle, y = 0. Rail: z up; s = 0 at the origin, which is the highest point
+    of the inclined rail. placement: rigid motion from the rail's axis frame, in which web and foot are defined, to this
+    one.
     """
 
     name: str

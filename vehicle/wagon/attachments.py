@@ -36,7 +36,7 @@ class Attachments:
     Parameters:
         ends: (2, n) indices of upper and lower body.
         across, above: (2, n) m, lateral and vertical position of the points in their bodies.
-        turn: (n,) fraction of the upper body's roll in the axes of the element; the remaining fraction is the lower body's.
+        turn: (n,) fraction of the upper body's roll in the axes of the element; 1 - turn is the lower body's.
 
     The force acts at a point that divides the distance of both attachment points in the same ratio: an element then has
     a potential, and its forces and moments on the two bodies are in equilibrium in every position. Elements: four of

@@ -32,7 +32,7 @@ def plot_profiles(
         ax: Matplotlib axes; a new figure by default.
         more: mounting as for `wheelrail.contact_geometry`.
     """
-    from wheelrail.api.rigid_pair import outlines_in_contact, mounted_pair
+    from wheelrail.api.rigid_pair import mounted_pair, outlines_in_contact
     from wheelrail.scenes.plots.profiles import draw_profiles
 
     wheel_line, rail_line, point, angle = outlines_in_contact(mounted_pair(wheel, rail, **more), y, yaw)
