@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, cast
 
 from wheelrail.scenes.builders.hertz import hertz_model, hertz_motion, hertz_scale
-from wheelrail.scenes.builders.wheelset import laid_profiles, wheel_scale, wheelset_contact, wheelset_state
+from wheelrail.scenes.builders.wheelset import inclined_profiles, wheel_scale, wheelset_contact, wheelset_state
 from wheelrail.scenes.contacts.error_estimate import estimated, halved
 from wheelrail.scenes.contacts.side_solution import SideSolution
 from wheelrail.scenes.contacts.solution import solution_dataset
@@ -38,7 +38,7 @@ def solve_contact(scene: HertzScene | WheelsetScene, report_progress: ReportProg
     The moment of a Hertz pair is about the point of first contact. A load that cannot be carried, or a contact that
     does not converge, gives status "failed: ..." and no exception.
     """
-    profiles = None if isinstance(scene, HertzScene) else laid_profiles(scene)
+    profiles = None if isinstance(scene, HertzScene) else inclined_profiles(scene)
     sides = dict(solve_sides(scene, profiles=profiles, report_progress=report_progress))
     return solution_dataset(scene, sides, profiles or ())
 
