@@ -141,7 +141,7 @@ class StraightLine:
     def _structural(self, e: Expr, component: Component, indices: dict[Any, int]) -> str | None:
         """Value of an expression that only selects components or sums over an index; None for others."""
         operands = e.ufl_operands
-        if isinstance(e, classes.Variable):
+        if isinstance(e, classes.Variable | classes.Real | classes.Conj):  # all values are real
             return self._value(operands[0], component, indices)
         if isinstance(e, classes.Indexed):
             numbers = tuple(int(i) if isinstance(i, classes.FixedIndex) else indices[i] for i in operands[1])

@@ -81,13 +81,18 @@ class PressureFunction:
         return p, slope
 
 
-@cache
 def friction_functions(law: FrictionLaw) -> FrictionFunctions:
     """Compiled functions of a friction law.
 
     Raises TypeError and ValueError for a law that is no dataclass of numbers, cannot be expressed in UFL, is not
     pointwise, or has values or slopes that are not finite, or negative values.
     """
+    parameters(law)  # raises TypeError
+    return _friction(law)
+
+
+@cache
+def _friction(law: FrictionLaw) -> FrictionFunctions:
     values = np.array(list(parameters(law).values()))
     code = _code("friction", law, friction_source, FRICTION)
     functions = FrictionFunctions(code, values, code.DEPENDS_ON_SPEED, code.DEPENDS_ON_PRESSURE)
@@ -96,9 +101,14 @@ def friction_functions(law: FrictionLaw) -> FrictionFunctions:
     return functions
 
 
-@cache
 def pressure_function(law: NormalLaw) -> PressureFunction:
     """Compiled functions of a normal law; raises as `friction_functions`."""
+    parameters(law)  # raises TypeError
+    return _pressure(law)
+
+
+@cache
+def _pressure(law: NormalLaw) -> PressureFunction:
     values = np.array(list(parameters(law).values()))
     function = PressureFunction(_code("normal", law, pressure_source, ("pressure",)), values)
     if not is_shipped(law):

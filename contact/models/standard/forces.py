@@ -251,7 +251,7 @@ def slip_velocities(
     n = len(strips.s)
     cells, whole = np.zeros(n * m), np.zeros(contacts)
     for c in range(contacts):
-        speed = rolling_speed(v, peaks.point[c], peaks.axes[c])
+        speed = rolling_speed(v, peaks.point[c], peaks.axes[c, 0])
         if not speed > 0.0:
             continue
         xi, eta, phi = creepages(v, peaks.point[c], peaks.axes[c], speed)
