@@ -44,7 +44,7 @@ class ContactLaws:
 
     @classmethod
     def penalty(cls, friction: FrictionLaw | float = 0.3) -> ContactLaws:
-        """Penalty K = 1e15 N/m3 as in the paper, with the regularisation 1e-5, which the paper does not state."""
+        """Penalty K = 1e15 N/m3, the paper's lower bound, and eps = 1e-5, this program's choice: the paper has none."""
         return cls(1e15, friction, 1e-5)
 
     @property

@@ -53,8 +53,8 @@ class Contact(SceneTable):
     laws: "exact" (unilateral contact and Coulomb friction, without constants), or "paper" (penalty pressure and
         regularised Coulomb friction), the default of runs. With "paper", stiffness_per_area = inf or
         regularisation = 0 makes one of the two exact.
-    friction: coefficient of friction, or a table with a friction law and its constants, see `FrictionTable`; falling:
-        decrease of the coefficient with the slip velocity.
+    friction: coefficient of friction, or a table with a friction law and its constants; falling: decrease of the
+        coefficient with the slip velocity.
     surface_size: edge of the surface cells, m.
     bodies: "solid" (3D meshes, the default with laws = "paper" or model = "full"), "waveguide" (bodies invariant along
         the track or about the axle, the default with laws = "exact"), or "half-space", for comparison with other codes.
@@ -64,7 +64,7 @@ class Contact(SceneTable):
     strips, cells: of fitted points, over the width of a patch and along a strip; 12 and 16 by default.
     slip_order: order of the upstream difference formula of the slip on a grid.
     stiffness_per_area: penalty, N/m3; regularisation: creepage; normal_law: a table with a normal law in place of the
-        linear penalty, see `NormalTable`.
+        linear penalty.
     """
 
     model: Literal["condensed", "full", "standard"] = "condensed"
