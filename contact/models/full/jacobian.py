@@ -14,7 +14,7 @@ Jacobian = Literal["exact", "difference"]
 
 
 class JacobianOperator:
-    """Product of the Jacobian with a vector: exact, K v - B^T D G v, or by a finite difference of F, eq. (20)."""
+    """Product of the Jacobian with a vector: K v - B^T D G v, or by a finite difference of F, eq. (20)."""
 
     def __init__(self, stiffness: Any) -> None:
         self._stiffness = stiffness
@@ -23,11 +23,10 @@ class JacobianOperator:
         self._u: Array = np.empty(0)
         self._base: Array = self._u
 
-    def at(self, problem: DiscreteProblem, u: Array, kind: Jacobian) -> None:
-        """Linearise about the displacements u."""
-        self._problem, self._u = problem, u
-        self._tangent = problem.tangent(u) if kind == "exact" else None
-        if kind == "difference":
+    def at(self, problem: DiscreteProblem, u: Array, tangent: sp.csr_array | None) -> None:
+        """Linearise about the displacements u with the tangent D G; None: by differences."""
+        self._problem, self._u, self._tangent = problem, u, tangent
+        if tangent is None:
             self._base = problem.contact_forces(u)
 
     def mult(self, _: Any, v: Any, y: Any) -> None:

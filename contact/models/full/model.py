@@ -2,7 +2,8 @@
 
 Unknown U = (U_w, U_r); z = z0 + G U: penetration and slip at the contact points; T(z): nodal contact forces of the law
 in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. The same B applies the forces to both
-bodies, so action equals reaction to round-off.
+bodies, so action equals reaction to round-off. The tangent of the resultants by the pose is that of the contact points
+condensed with the compliance C = G K^-1 B^T, which the preconditioner has.
 
 Exact laws by augmented-Lagrangian iterations, see `wheelrail.contact.laws.augmented_lagrangian`: each is one such solve
 from the last displacements.
@@ -17,7 +18,7 @@ from time import perf_counter
 import numpy as np
 
 from wheelrail.contact.elasticity.solid_body import ElasticBody
-from wheelrail.contact.geometry.grid_points import SurfacePair
+from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -29,6 +30,8 @@ from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.contact.models.full.two_body_stiffness import two_body_stiffness, with_rigid_motions
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
+from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
+from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array
 
 
@@ -72,10 +75,10 @@ class FullContact:
         matrix = two_body_stiffness(self.wheel, self.rail)
         if self.options.preconditioner == "gamg":
             with_rigid_motions(matrix, np.concatenate([self.wheel.coordinates, self.rail.coordinates]))
-        return Newton(matrix, self.options, self.wheel.ranks)
+        return Newton(matrix, self.options, (self.wheel, self.rail))
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
-        start = perf_counter()
+        began = perf_counter()
         order, ranks = self.order if self.laws.friction > 0 else 0, self.wheel.ranks
         try:
             points, approach = ranks.shared(lambda: self.geometry.contact_points(pose, order))
@@ -90,7 +93,8 @@ class FullContact:
         problem = DiscreteProblem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
-        u, z, forces, status, count = self._solve(problem, points.area, speed, self._start(guess))
+        start = self._start(guess), predicted_forces(guess, points, self.law.components)
+        u, z, forces, status, count = self._solve(problem, points.area, speed, *start)
         solved = perf_counter()
         if status != "converged":
             return ContactResult.failed(status, approach)
@@ -114,10 +118,17 @@ class FullContact:
                 linear=count.linear,
                 points=n,
                 residual=count.residual,
-                seconds={"points": ready - start, "solve": solved - ready},
+                seconds={"points": ready - began, "solve": solved - ready},
             ),
         )
-        return replace(result, warm_start=u)
+        tangent = None
+        if problem.compliance is not None:
+            tractions = Tractions(-traction[:, 0], tangential, z[:, 1:] if order else tangential, traction[:, 0] < 0)
+            operator = ContactCompliance(problem.by_traction(points.area), n, self.laws)
+            tangent = tangent_of(
+                TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, tractions)
+            )
+        return replace(result, warm_start=u, force_tangent=tangent)
 
     def _start(self, guess: ContactResult | None) -> Array | None:
         """Displacements of an earlier result; None if they belong to other meshes or another distribution."""
@@ -127,10 +138,18 @@ class FullContact:
         return None if mismatches else displacement
 
     def _solve(
-        self, problem: DiscreteProblem, area: Array, speed: float, start: Array | None
+        self, problem: DiscreteProblem, area: Array, speed: float, start: Array | None, predicted: Array
     ) -> tuple[Array, Array, Array, str, FullIterationCount]:
-        """Displacements m, z (n, c) and nodal forces (n, c) N of the laws, status and cost; area (n,) m2, speed m/s."""
-        u, status, count = self.solver.run(problem, start)
+        """Displacements m, z (n, c) and nodal forces (n, c) N of the laws, status and cost.
+
+        Parameters:
+            problem: of one pose.
+            area: (n,) m2.
+            speed: of rolling, m/s.
+            start: initial displacements m of this rank.
+            predicted: (n, c) N, initial guess of the nodal forces.
+        """
+        u, status, count = self.solver.run(problem, start, predicted)
         constant = problem.constant
         multiplier_offset: Array = np.zeros((len(area), self.law.components))
         z, forces = problem.state(u)
@@ -143,7 +162,7 @@ class FullContact:
             slip = (z - multiplier_offset)[:, 1:]
             multiplier_offset = offset(self.laws, self.soft, forces / area[:, None], slip, speed)
             problem.constant = constant + multiplier_offset.T.ravel()
-            u, status, inner = self.solver.run(problem, u)
+            u, status, inner = self.solver.run(problem, u, forces)
             count.add(inner)
             previous = forces
             z, forces = problem.state(u)
@@ -154,3 +173,12 @@ class FullContact:
         else:
             status = f"relative change of the multipliers {change:.1e} after {LOOPS} augmented-Lagrangian iterations"
         return u, z - multiplier_offset, forces, status, count
+
+
+def predicted_forces(guess: ContactResult | None, points: GridPoints, components: int) -> Array:
+    """Nodal forces (n, c) N at contact points by the tractions of an earlier result at the same nodes, else zero."""
+    forces = np.zeros((len(points.node), components))
+    if guess is not None and guess.fields is not None and components == 3:
+        _, index, earlier = np.intersect1d(points.node, guess.fields.node, assume_unique=True, return_indices=True)
+        forces[index, 1:] = guess.fields.traction[earlier] * points.area[index, None]
+    return forces

@@ -1,4 +1,4 @@
-"""dolfinx's NewtonSolver for eq. (12): BiCGStab, forcing term, Armijo, continuation in the regularisation."""
+"""dolfinx's NewtonSolver for eq. (12): BiCGStab, forcing term, primal-dual tangent of friction, Armijo."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from petsc4py import PETSc
 
-from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
+from wheelrail.contact.elasticity.solid_body import ElasticBody
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem, Linearisation
 from wheelrail.contact.models.full.jacobian import Jacobian, JacobianOperator
 from wheelrail.contact.models.full.preconditioner import ContactPreconditioner, Preconditioner, choose
 from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
-from wheelrail.support.mpi import ALONE, Ranks
 
 LEVELS = (300.0, 10.0)  # multiples of the regularisation in the continuation
 ROUGH = 1e-2  # tolerance of the relative residual at these
@@ -68,7 +69,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
     solve.
     """
 
-    def __init__(self, stiffness: Any, options: FullOptions, ranks: Ranks = ALONE) -> None:
+    def __init__(self, stiffness: Any, options: FullOptions, bodies: tuple[ElasticBody, ElasticBody]) -> None:
+        ranks = bodies[0].ranks
         super().__init__(ranks.comm)
         self.options, self.stiffness, self.ranks = options, stiffness, ranks
         self.problem: DiscreteProblem | None = None
@@ -76,6 +78,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self._b, self._work = stiffness.createVecs()
         self._x = self._work.duplicate()
         self._contact = 0.0  # norm of the contact forces, reference of the relative residual
+        self._predicted: Array = np.empty((0, 0))  # nodal forces by the last linear step
+        self._linearisation: tuple[Linearisation, sp.csr_array, Array] | None = None
         self._product = JacobianOperator(stiffness)
         jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
         jacobian.setUp()
@@ -88,13 +92,14 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.set_update(lambda _, step, x: solver._update(step, x))
         krylov = self.krylov_solver
         krylov.setOperators(jacobian, stiffness)
-        krylov.setType("bcgs")
+        krylov.setType("fbcgs")
         krylov.setTolerances(rtol=options.forcing, atol=1e-300, max_it=500)
         pc = krylov.getPC()
-        self._corrected = ContactPreconditioner(stiffness, ranks) if options.preconditioner == "corrected" else None
-        if self._corrected is not None:
+        corrected = options.preconditioner == "corrected"
+        self.preconditioner = ContactPreconditioner(bodies, options.forcing) if corrected else None
+        if self.preconditioner is not None:
             pc.setType("python")
-            pc.setPythonContext(self._corrected)
+            pc.setPythonContext(self.preconditioner)
         else:
             choose(pc, options.preconditioner, ranks)
         pc.setReusePreconditioner(True)
@@ -104,30 +109,38 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.error_on_nonconvergence = False
         self.report = False
 
-    def run(self, problem: DiscreteProblem, start: Array | None = None) -> tuple[Array, str, FullIterationCount]:
+    def run(
+        self, problem: DiscreteProblem, start: Array | None = None, predicted: Array | None = None
+    ) -> tuple[Array, str, FullIterationCount]:
         """Displacements of this rank, status and cost.
 
         Parameters:
             problem: of one pose.
             start: initial displacements of this rank.
+            predicted: (n, c) N, initial guess of the nodal forces; None: zero.
 
-        Without a start, or if the solve from it fails, displacements start from zero with continuation in the
-        regularisation of friction: Newton's method does not converge directly on the nearly discontinuous law.
+        Without a start, or if the solve from it fails, displacements start from zero; if that fails, too, with
+        continuation in the regularisation of friction, which a Jacobian by differences needs: Newton's method with the
+        exact tangent does not converge directly on the nearly discontinuous law.
         """
         self.problem, self.count = problem, FullIterationCount()
-        if self._corrected is not None:
-            self._corrected.prepare(problem)
+        if self.preconditioner is not None and problem.compliance is None:
+            problem.condense(self.preconditioner.compliances)
         law = problem.law
-        final = law.laws.regularisation
+        final, zero = law.laws.regularisation, np.zeros((len(problem.nodes), law.components))
         levels = [final * k for k in LEVELS] if law.components == 3 else []
-        x = self._x
-        relative = np.inf
-        if start is not None:
-            x.array[:] = start
-            relative = self._continuation(x, [final], final)
-        if not relative <= self.options.tolerance:
-            x.set(0.0)
-            relative = self._continuation(x, [*levels, final], final)
+        attempts = [] if start is None else [(start, zero if predicted is None else predicted, [final])]
+        x, relative = self._x, np.inf
+        undeformed = np.zeros(x.local_size)
+        if self.options.jacobian == "exact" or not levels:
+            attempts.append((undeformed, zero, [final]))
+        if levels:
+            attempts.append((undeformed, zero, [*levels, final]))
+        for displacement, self._predicted, regularisations in attempts:
+            x.array[:] = displacement
+            relative = self._continuation(x, regularisations, final)
+            if relative <= self.options.tolerance:
+                break
         status = "converged"
         if not relative <= self.options.tolerance:
             status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
@@ -149,7 +162,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
                     break
                 check_interrupt()
                 self.atol = 0.5 * tolerance * self._contact
-                self.solve(x)
+                if not self.solve(x)[1]:
+                    return self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
         return relative
 
     def _evaluate(self, x: Any) -> Array:
@@ -165,9 +179,13 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
 
     def _linearise(self, x: Any, _: Any) -> None:
         assert self.problem is not None
-        self._product.at(self.problem, x.array_r.copy(), self.options.jacobian)
-        if self._corrected is not None:
-            self._corrected.correct(self.problem.tangent(x.array_r))
+        u = x.array_r.copy()
+        contact = self.problem.linearised(u, self._predicted)
+        tangent = self.problem.by_displacement(contact.tangent)
+        self._linearisation = contact, tangent, u
+        self._product.at(self.problem, u, tangent if self.options.jacobian == "exact" else None)
+        if self.preconditioner is not None:
+            self.preconditioner.correct(self.problem, contact, self._b.array_r.copy())
 
     def _update(self, step: Any, x: Any) -> None:
         self.count.newton += 1
@@ -182,3 +200,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
                 break
             damping /= 2
             self.count.backtracks += 1
+        assert self._linearisation is not None
+        contact, tangent, u = self._linearisation
+        change = self.ranks.total(tangent @ (x.array_r - u)).reshape(contact.forces.shape[::-1]).T
+        self._predicted = contact.forces + change
