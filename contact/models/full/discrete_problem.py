@@ -119,11 +119,10 @@ class DiscreteProblem:
         derivative = self.ranks.shared(lambda: self.law.tangent(self.nodes, z))
         return Linearisation(z, forces, primal_dual_tangent(derivative, z, forces, predicted))
 
-    def by_displacement(self, tangent: Array) -> sp.csr_array:
-        """D G: derivative of the nodal contact forces by the displacements, from D (n, c, c)."""
-        c = self.law.components
-        rows = [sp.hstack([sp.diags(tangent[:, i, j]) for j in range(c)]) for i in range(c)]
-        return sp.csr_array(sp.vstack(rows, format="csr") @ self.gradient)
+    def change(self, tangent: Array, u: Array) -> Array:
+        """D G u: change (n, c) N of the nodal forces by one of the displacements m of this rank, from D (n, c, c)."""
+        by_point = self.ranks.total(self.gradient @ u).reshape(self.law.components, -1)
+        return np.asarray(np.einsum("nij,jn->ni", tangent, by_point))
 
     def condense(self, bodies: tuple[Compliance, Compliance]) -> None:
         """Set the compliance between the contact points from that of the surfaces of wheel and rail."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-import scipy.sparse as sp
 
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.support.arrays import Array
@@ -19,12 +18,12 @@ class JacobianOperator:
     def __init__(self, stiffness: Any) -> None:
         self._stiffness = stiffness
         self._problem: DiscreteProblem | None = None
-        self._tangent: sp.csr_array | None = None
+        self._tangent: Array | None = None
         self._u: Array = np.empty(0)
         self._base: Array = self._u
 
-    def at(self, problem: DiscreteProblem, u: Array, tangent: sp.csr_array | None) -> None:
-        """Linearise about the displacements u with the tangent D G; None: by differences."""
+    def at(self, problem: DiscreteProblem, u: Array, tangent: Array | None) -> None:
+        """Linearise about the displacements u with the tangent D (n, c, c); None: by differences."""
         self._problem, self._u, self._tangent = problem, u, tangent
         if tangent is None:
             self._base = problem.contact_forces(u)
@@ -35,7 +34,7 @@ class JacobianOperator:
         self._stiffness.mult(v, y)
         direction, ranks = v.array_r, self._problem.ranks
         if self._tangent is not None:
-            y.array[:] -= self._problem.forces @ ranks.total(self._tangent @ direction)
+            y.array[:] -= self._problem.forces @ self._problem.change(self._tangent, direction).T.ravel()
             return
         length = ranks.norm(direction)
         if length > 0:

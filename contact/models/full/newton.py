@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
 
 from wheelrail.contact.elasticity.solid_body import ElasticBody
@@ -79,7 +78,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self._x = self._work.duplicate()
         self._contact = 0.0  # norm of the contact forces, reference of the relative residual
         self._predicted: Array = np.empty((0, 0))  # nodal forces by the last linear step
-        self._linearisation: tuple[Linearisation, sp.csr_array, Array] | None = None
+        self._linearisation: tuple[Linearisation, Array] | None = None  # and its displacements
         self._product = JacobianOperator(stiffness)
         jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
         jacobian.setUp()
@@ -157,7 +156,10 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
             self.problem.law.regularisation = level
             tolerance = self.options.tolerance if level == final else ROUGH
             for _ in range(4):  # the absolute tolerance depends on the norm of the contact forces
-                relative = self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
+                residual = self.ranks.norm(self._evaluate(x))
+                if self._contact == 0:  # separated, as without the multipliers of exact laws: nothing to start from
+                    return np.inf
+                relative = residual / self._contact
                 if relative <= tolerance:
                     break
                 check_interrupt()
@@ -181,9 +183,8 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         assert self.problem is not None
         u = x.array_r.copy()
         contact = self.problem.linearised(u, self._predicted)
-        tangent = self.problem.by_displacement(contact.tangent)
-        self._linearisation = contact, tangent, u
-        self._product.at(self.problem, u, tangent if self.options.jacobian == "exact" else None)
+        self._linearisation = contact, u
+        self._product.at(self.problem, u, contact.tangent if self.options.jacobian == "exact" else None)
         if self.preconditioner is not None:
             self.preconditioner.correct(self.problem, contact, self._b.array_r.copy())
 
@@ -201,6 +202,6 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
             damping /= 2
             self.count.backtracks += 1
         assert self._linearisation is not None
-        contact, tangent, u = self._linearisation
-        change = self.ranks.total(tangent @ (x.array_r - u)).reshape(contact.forces.shape[::-1]).T
-        self._predicted = contact.forces + change
+        assert self.problem is not None
+        contact, u = self._linearisation
+        self._predicted = contact.forces + self.problem.change(contact.tangent, x.array_r - u)

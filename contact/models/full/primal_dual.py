@@ -23,8 +23,8 @@ def primal_dual_tangent(derivative: Array, z: Array, forces: Array, predicted: A
         forces: (n, c) N, of the law at z, friction opposite to the slip.
         predicted: (n, c) N, by the last linear step.
 
-    With t = -beta s, beta = |t| / |s|, the part of the derivative by changes of beta is -s (x) grad beta, with s / |s|
-    replaced by w; it vanishes in the viscous range.
+    With t = -beta s, beta = |t| / |s|, the derivative is -beta I - s (x) grad beta; in its second part s is replaced by
+    |s| w. By the slip this part vanishes in the viscous range, so that points that stick keep their derivative.
     """
     if z.shape[1] == 1:
         return derivative
