@@ -31,7 +31,7 @@ class FullOptions:
         forcing: relative tolerance of the linear solves, eq. (18).
         jacobian: exact product or finite difference (20).
         preconditioner: from the elastic stiffness (19), see `wheelrail.contact.models.full.preconditioner`.
-        armijo: largest number of halvings of a step.
+        armijo: largest number of halvings of a step, where steps of full length fail.
     """
 
     tolerance: float = 1e-9
@@ -76,6 +76,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count = FullIterationCount()
         self._b, self._work = stiffness.createVecs()
         self._x = self._work.duplicate()
+        self._halvings = 0  # largest number in the present attempt
         self._contact = 0.0  # norm of the contact forces, reference of the relative residual
         self._predicted: Array = np.empty((0, 0))  # nodal forces by the last linear step
         self._linearisation: tuple[Linearisation, Array] | None = None  # and its displacements
@@ -118,9 +119,10 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
             start: initial displacements of this rank.
             predicted: (n, c) N, initial guess of the nodal forces; None: zero.
 
-        Without a start, or if the solve from it fails, displacements start from zero; if that fails, too, with
-        continuation in the regularisation of friction, which a Jacobian by differences needs: Newton's method with the
-        exact tangent does not converge directly on the nearly discontinuous law.
+        Without a start, or if the solve from it fails, displacements start from zero, and steps have their full length:
+        those of the primal-dual tangent do not reduce the residual at first. If that fails, too, by Armijo's rule and
+        continuation in the regularisation of friction, as by differences of F: Newton's method with the exact tangent
+        does not converge directly on the nearly discontinuous law.
         """
         self.problem, self.count = problem, FullIterationCount()
         if self.preconditioner is not None and problem.compliance is None:
@@ -128,15 +130,15 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         law = problem.law
         final, zero = law.laws.regularisation, np.zeros((len(problem.nodes), law.components))
         levels = [final * k for k in LEVELS] if law.components == 3 else []
-        attempts = [] if start is None else [(start, zero if predicted is None else predicted, [final])]
         x, relative = self._x, np.inf
         undeformed = np.zeros(x.local_size)
-        if self.options.jacobian == "exact" or not levels:
+        attempts = [] if start is None else [(start, zero if predicted is None else predicted, [final])]
+        if self.options.jacobian == "exact":
             attempts.append((undeformed, zero, [final]))
-        if levels:
-            attempts.append((undeformed, zero, [*levels, final]))
-        for displacement, self._predicted, regularisations in attempts:
+        attempts.append((undeformed, zero, [*levels, final]))
+        for number, (displacement, self._predicted, regularisations) in enumerate(attempts, start=1):
             x.array[:] = displacement
+            self._halvings = self.options.armijo if number == len(attempts) else 0
             relative = self._continuation(x, regularisations, final)
             if relative <= self.options.tolerance:
                 break
@@ -195,12 +197,13 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count.failed_linear += self.krylov_solver.getConvergedReason() < 0
         start, residual = x.array_r.copy(), self.ranks.norm(self._b.array_r)
         damping = 1.0
-        for _ in range(self.options.armijo):
-            x.array[:] = start - damping * step.array_r
+        x.array[:] = start - step.array_r
+        for _ in range(self._halvings):
             if self.ranks.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * residual:
                 break
             damping /= 2
             self.count.backtracks += 1
+            x.array[:] = start - damping * step.array_r
         assert self._linearisation is not None
         assert self.problem is not None
         contact, u = self._linearisation
