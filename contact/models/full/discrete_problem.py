@@ -131,6 +131,24 @@ class DiscreteProblem:
         rows = np.vstack([(d1 + d2)[-n:], s1 + s2])
         self.compliance = np.roll(rows, n, axis=1)  # columns of components (t1, t2, n) to (n, t1, t2)
 
+    def reduced(self, tangent: Array) -> Array:
+        """1 - D C (c n, c n), from D (n, c, c): the linearised contact condensed to the nodal forces."""
+        assert self.compliance is not None
+        n, c = tangent.shape[:2]
+        product = np.einsum("nij,jnm->inm", tangent, self.compliance.reshape(c, n, c * n))
+        return np.asarray(np.eye(c * n) - product.reshape(c * n, c * n))
+
+    def predicted(self, z: Array, forces: Array) -> Array:
+        """Nodal forces (n, c) N by the linear response to a change of pose, (1 - D C) T' = T + D (z0 - z).
+
+        Parameters:
+            z, forces: (n, c), of an earlier solution at the same nodes, where D is taken.
+        """
+        tangent = self.ranks.shared(lambda: self.law.tangent(self.nodes, z))
+        change = self.constant.reshape(self.law.components, -1).T - z
+        right = forces + np.einsum("nij,nj->ni", tangent, change)
+        return np.asarray(np.linalg.solve(self.reduced(tangent), right.T.ravel()).reshape(right.shape[::-1]).T)
+
     def by_traction(self, area: Array) -> Array:
         """Compliance (c n, c n) of rows (s1, s2, d) or (d) by tractions Pa of components (t1, t2, n) or (n).
 

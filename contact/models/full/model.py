@@ -93,7 +93,7 @@ class FullContact:
         problem = DiscreteProblem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
-        start = self._start(guess), predicted_forces(guess, points, self.law.components)
+        start = self._start(guess), earlier_contact(guess, points, self.law.components)
         u, z, forces, status, count = self._solve(problem, points.area, speed, *start)
         solved = perf_counter()
         if status != "converged":
@@ -138,7 +138,12 @@ class FullContact:
         return None if mismatches else displacement
 
     def _solve(
-        self, problem: DiscreteProblem, area: Array, speed: float, start: Array | None, predicted: Array
+        self,
+        problem: DiscreteProblem,
+        area: Array,
+        speed: float,
+        start: Array | None,
+        earlier: tuple[Array, Array] | None,
     ) -> tuple[Array, Array, Array, str, FullIterationCount]:
         """Displacements m, z (n, c) and nodal forces (n, c) N of the laws, status and cost.
 
@@ -147,13 +152,14 @@ class FullContact:
             area: (n,) m2.
             speed: of rolling, m/s.
             start: initial displacements m of this rank.
-            predicted: (n, c) N, initial guess of the nodal forces.
+            earlier: see `earlier_contact`; that of exact laws has other multipliers.
         """
-        u, status, count = self.solver.run(problem, start, predicted)
+        regularised = self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance > 0)
+        u, status, count = self.solver.run(problem, start, earlier if regularised else None)
         constant = problem.constant
         multiplier_offset: Array = np.zeros((len(area), self.law.components))
         z, forces = problem.state(u)
-        if self.soft == self.laws or (self.law.components == 1 and self.laws.normal_compliance):
+        if regularised:
             return u, z, forces, status, count
         for _ in range(LOOPS):
             if status != "converged":
@@ -162,7 +168,7 @@ class FullContact:
             slip = (z - multiplier_offset)[:, 1:]
             multiplier_offset = offset(self.laws, self.soft, forces / area[:, None], slip, speed)
             problem.constant = constant + multiplier_offset.T.ravel()
-            u, status, inner = self.solver.run(problem, u, forces)
+            u, status, inner = self.solver.run(problem, u, (z, forces))
             count.add(inner)
             previous = forces
             z, forces = problem.state(u)
@@ -175,10 +181,16 @@ class FullContact:
         return u, z - multiplier_offset, forces, status, count
 
 
-def predicted_forces(guess: ContactResult | None, points: GridPoints, components: int) -> Array:
-    """Nodal forces (n, c) N at contact points by the tractions of an earlier result at the same nodes, else zero."""
-    forces = np.zeros((len(points.node), components))
-    if guess is not None and guess.fields is not None and components == 3:
-        _, index, earlier = np.intersect1d(points.node, guess.fields.node, assume_unique=True, return_indices=True)
-        forces[index, 1:] = guess.fields.traction[earlier] * points.area[index, None]
-    return forces
+def earlier_contact(guess: ContactResult | None, points: GridPoints, components: int) -> tuple[Array, Array] | None:
+    """z and nodal forces (n, c) N of an earlier result at contact points, apart where it has none; None without."""
+    if guess is None or guess.fields is None:
+        return None
+    fields = guess.fields
+    z, traction = np.zeros((2, len(points.node), components))
+    z[:, 0] = -1.0
+    _, index, earlier = np.intersect1d(points.node, fields.node, assume_unique=True, return_indices=True)
+    z[index, 0] = fields.penetration[earlier] + fields.displacement[earlier, 2]
+    traction[index, 0] = -fields.pressure[earlier]
+    if components == 3:
+        z[index, 1:], traction[index, 1:] = fields.slip[earlier], fields.traction[earlier]
+    return z, traction * points.area[:, None]

@@ -110,14 +110,18 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.report = False
 
     def run(
-        self, problem: DiscreteProblem, start: Array | None = None, predicted: Array | None = None
+        self, problem: DiscreteProblem, start: Array | None = None, earlier: tuple[Array, Array] | None = None
     ) -> tuple[Array, str, FullIterationCount]:
         """Displacements of this rank, status and cost.
 
         Parameters:
             problem: of one pose.
             start: initial displacements of this rank.
-            predicted: (n, c) N, initial guess of the nodal forces; None: zero.
+            earlier: z and nodal forces (n, c) N of an earlier solution at the same nodes.
+
+        With both, and the compliance between the points, displacements start from the linear response of the earlier
+        solution to the change of the pose: at its displacements, a wheel that has moved up by more than the penalty's
+        penetration has no contact.
 
         Without a start, or if the solve from it fails, displacements start from zero, and steps have their full length:
         those of the primal-dual tangent do not reduce the residual at first. If that fails, too, by Armijo's rule and
@@ -128,11 +132,12 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         if self.preconditioner is not None and problem.compliance is None:
             problem.condense(self.preconditioner.compliances)
         law = problem.law
-        final, zero = law.laws.regularisation, np.zeros((len(problem.nodes), law.components))
+        law.regularisation = final = law.laws.regularisation
+        zero = np.zeros((len(problem.nodes), law.components))
         levels = [final * k for k in LEVELS] if law.components == 3 else []
         x, relative = self._x, np.inf
         undeformed = np.zeros(x.local_size)
-        attempts = [] if start is None else [(start, zero if predicted is None else predicted, [final])]
+        attempts = [] if start is None else [(*self._predicted_start(problem, start, earlier), [final])]
         if self.options.jacobian == "exact":
             attempts.append((undeformed, zero, [final]))
         attempts.append((undeformed, zero, [*levels, final]))
@@ -149,6 +154,17 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
                 status += f", {self.count.failed_linear} linear solves without convergence"
         self.count.residual = relative
         return x.array_r.copy(), status, self.count
+
+    def _predicted_start(
+        self, problem: DiscreteProblem, start: Array, earlier: tuple[Array, Array] | None
+    ) -> tuple[Array, Array]:
+        """Displacements m of this rank and nodal forces (n, c) N, parameters as for `run`."""
+        if earlier is None:
+            return start, np.zeros((len(problem.nodes), problem.law.components))
+        if self.preconditioner is None:
+            return start, earlier[1]
+        forces = problem.predicted(*earlier)
+        return self.preconditioner.inverse(problem.forces @ forces.T.ravel()), forces
 
     def _continuation(self, x: Any, levels: list[float], final: float) -> float:
         """Newton's method at each regularisation in turn, from and into x; returns the last relative residual."""

@@ -90,9 +90,7 @@ class ContactPreconditioner:
         self._response = (at.z - problem.constant.reshape(at.z.shape[::-1]).T).T.ravel()
         self._response -= problem.compliance @ at.forces.T.ravel()
         self._negligible = self.NEGLIGIBLE * self._tolerance * problem.ranks.norm(residual)
-        n, c = at.z.shape
-        reduced = np.einsum("nij,jnm->inm", at.tangent, problem.compliance.reshape(c, n, c * n)).reshape(c * n, c * n)
-        self._small = la.lu_factor(np.eye(c * n) - reduced, overwrite_a=True, check_finite=False)
+        self._small = la.lu_factor(problem.reduced(at.tangent), overwrite_a=True, check_finite=False)
 
     def apply(self, _: Any, x: Any, y: Any) -> None:
         """y = P^-1 x, called by PETSc."""
@@ -105,12 +103,12 @@ class ContactPreconditioner:
             y.array[:] = self._scale * array
             return
         else:
-            response = ranks.total(problem.gradient @ self._inverse(array))
+            response = ranks.total(problem.gradient @ self.inverse(array))
         c = self._tangent.shape[1]
         forces = np.einsum("nij,jn->in", self._tangent, response.reshape(c, -1)).ravel()
-        y.array[:] = self._inverse(array + problem.forces @ la.lu_solve(self._small, forces, check_finite=False))
+        y.array[:] = self.inverse(array + problem.forces @ la.lu_solve(self._small, forces, check_finite=False))
 
-    def _inverse(self, force: Array) -> Array:
+    def inverse(self, force: Array) -> Array:
         """K^-1 of forces N on the unknowns of this rank, wheel before rail."""
         self.solves += 1
         wheel, rail = self._bodies
