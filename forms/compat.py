@@ -1,4 +1,4 @@
-"""Compatibility with dolfinx 0.5 and 0.9 to 0.11."""
+"""Compatibility with dolfinx 0.5 and from 0.9 on."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 from numpy.typing import NDArray
+
+from wheelrail.forms.snes_newton import SnesNewton
 
 OLD = not hasattr(fem, "functionspace")  # 0.5 and 0.6
 RECENT = tuple(int(part) for part in dolfinx.__version__.split(".")[:2]) >= (0, 10)
@@ -81,8 +83,9 @@ def quiet() -> Iterator[None]:
 
 
 def newton_base() -> Any:
-    """The C++ NewtonSolver with callbacks on PETSc objects (0.5 to 0.11)."""
-    return dolfinx.cpp.nls.petsc.NewtonSolver
+    """The C++ NewtonSolver with callbacks on PETSc objects (0.5 to 0.11), or where it is missing the same with SNES."""
+    solver = getattr(getattr(getattr(dolfinx.cpp, "nls", None), "petsc", None), "NewtonSolver", None)
+    return SnesNewton if solver is None else solver
 
 
 def assemble_csr(form: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:

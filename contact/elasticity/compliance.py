@@ -1,10 +1,13 @@
-"""Interface of the surface compliance of a body to the contact models."""
+"""Interface of the surface compliance of a body to the contact models, and its condensation to contact points."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
+from wheelrail.contact.geometry.contact_operators import ContactOperators
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -25,3 +28,15 @@ class Compliance(Protocol):
             nodes: (n,) of the flattened grid.
             directions: the d axes.
         """
+
+
+def condense(coupling: ContactOperators, compliance: Compliance) -> tuple[Array, Array]:
+    """B C B^T of one body: displacements m/N and slips 1/N (rows) at the points by forces on them (columns), component
+    by component.
+    """
+    matrix = compliance.block(coupling.nodes, coupling.directions)
+    half = (coupling.displacement @ matrix).T  # C B^T, C symmetric
+    displacement = coupling.displacement @ half
+    if coupling.slip is None:
+        return displacement, np.empty((0, displacement.shape[1]))
+    return displacement, coupling.slip @ half

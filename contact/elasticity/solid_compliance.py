@@ -37,14 +37,14 @@ class SurfaceCompliance:
     """Compliance matrix of an (nx, ns) grid, computed on demand.
 
     Parameters:
-        key: identifies body, material and mesh in the cache.
+        key: identifies body, material and mesh in the cache; None: not cached.
         shape: (nx, ns).
         body: returns the elastic body, called when columns are missing.
         scale: factor from the body's displacements to m/N; a block of unit size and modulus serves all sizes: 1 / (E
             h).
     """
 
-    key: str
+    key: str | None
     shape: tuple[int, int]
     body: Callable[[], ElasticBody]
     scale: float = 1.0
@@ -79,7 +79,8 @@ class SurfaceCompliance:
             # by tile, although larger batches are faster: the last bits depend on the batch
             columns = self._body.respond(self._nodes(tile), direction).reshape(-1, len(self._matrix))
             self.columns_solved += len(columns)
-            store(self._name(tile, direction), {"columns": columns})
+            if self.key is not None:
+                store(self._name(tile, direction), {"columns": columns})
             self._insert(tile, direction, columns)
             timer(done, len(missing))
 
@@ -91,7 +92,7 @@ class SurfaceCompliance:
         return f"compliance/{self.key}/{tile[0]:03d}-{tile[1]:04d}{'xyz'[direction]}"
 
     def _load_cached(self, tile: tuple[int, int], direction: int) -> bool:
-        stored = load(self._name(tile, direction))
+        stored = None if self.key is None else load(self._name(tile, direction))
         columns = None if stored is None else stored.get("columns")
         if columns is None or columns.shape != (len(self._nodes(tile)), len(self._matrix)):
             return False
@@ -117,8 +118,18 @@ def solid_compliance(
         scale: see `SurfaceCompliance`.
     """
     grid = ContactGrid.on(solid, degree)
-    name = digest(mesh=key, E=material.E, nu=material.nu, degree=degree)
+    name = compliance_key(key, material, degree)
     return SurfaceCompliance(name, grid.shape, partial(elastic_body, solid, material, degree), scale=scale)
+
+
+def compliance_key(key: str, material: Material, degree: int) -> str:
+    """Key of a surface compliance in the cache; parameters as for `solid_compliance`."""
+    return digest(mesh=key, E=material.E, nu=material.nu, degree=degree)
+
+
+def compliance_of(body: ElasticBody) -> SurfaceCompliance:
+    """Surface compliance of a body, cached on disk if the body has a key."""
+    return SurfaceCompliance(body.key, body.grid.shape, lambda: body)
 
 
 def elastic_body(solid: Solid, material: Material, degree: int) -> ElasticBody:
@@ -131,12 +142,14 @@ def elastic_body(solid: Solid, material: Material, degree: int) -> ElasticBody:
     return ElasticBody(solid, material, degree=degree)
 
 
-def distributed_body(solid: Solid, material: Material, degree: int) -> ElasticBody:
+def distributed_body(solid: Solid, material: Material, degree: int, *, key: str | None = None) -> ElasticBody:
     """Stiffness of a meshed body, distributed over all processes of `mpirun`.
 
-    Parameters as for `solid_compliance`.
+    Parameters as for `solid_compliance`; without a key, and on several processes, its compliance is not cached.
     """
     from wheelrail.contact.elasticity.solid_body import ElasticBody
     from wheelrail.support.mpi import world
 
-    return ElasticBody(solid, material, degree=degree, ranks=world())
+    ranks = world()
+    name = compliance_key(key, material, degree) if key is not None and ranks.size == 1 else None
+    return ElasticBody(solid, material, degree=degree, ranks=ranks, key=name)

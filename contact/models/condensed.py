@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.contact.elasticity.compliance import Compliance
-from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
+from wheelrail.contact.elasticity.compliance import Compliance, condense
+from wheelrail.contact.geometry.contact_operators import pair_operators
 from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
@@ -174,18 +174,6 @@ class CondensedContact:
             statistics=statistics,
         )
         return replace(result, force_tangent=tangent_of(solution))
-
-
-def condense(coupling: ContactOperators, compliance: Compliance) -> tuple[Array, Array]:
-    """B C B^T of one body: displacements m/N and slips 1/N (rows) at the points by forces on them (columns), component
-    by component.
-    """
-    matrix = compliance.block(coupling.nodes, coupling.directions)
-    half = (coupling.displacement @ matrix).T  # C B^T, C symmetric
-    displacement = coupling.displacement @ half
-    if coupling.slip is None:
-        return displacement, np.empty((0, displacement.shape[1]))
-    return displacement, coupling.slip @ half
 
 
 def warm(guess: ContactResult | None, nodes: Nodes) -> tuple[Array, Array] | None:

@@ -91,8 +91,8 @@ class ProfileBodies:
 
         surfaces, solids = self._solids(how, world().broadcast)
         above, below = (
-            distributed_body(solid, material, how.degree)
-            for (solid, _), material in zip(solids, self.materials, strict=True)
+            distributed_body(solid, material, how.degree, key=key)
+            for (solid, key), material in zip(solids, self.materials, strict=True)
         )
         return surfaces, above, below
 

@@ -82,18 +82,9 @@ def _frames(model: CondensedContact | FullContact, pose: Pose) -> tuple[Pose, Po
 
 def _solve(body: ElasticBody, coupling: ContactOperators, loads: Array) -> Array:
     """Displacements of all unknowns by loads at the contact points."""
-    from petsc4py import PETSc
-
     from wheelrail.contact.models.full.discrete_problem import extended
 
-    force = np.asarray(extended(coupling, body)[0].T @ loads)
-    right = PETSc.Vec().createWithArray(force, comm=PETSc.COMM_SELF)
-    left = right.duplicate()
-    body.factor.solve(right, left)
-    displacement = np.array(left.getArray())
-    right.destroy()
-    left.destroy()
-    return displacement
+    return body.solve(np.asarray(extended(coupling, body)[0].T @ loads))
 
 
 def _fields(body: ElasticBody, u: Array, size: float, modulus: float) -> BodyFields:

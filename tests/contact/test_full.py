@@ -15,6 +15,7 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
+from wheelrail.contact.models.full.primal_dual import primal_dual_tangent
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -112,7 +113,8 @@ def test_tangent_is_the_derivative_of_the_contact_forces() -> None:
     equations = problem(model, CREEP)
     rng = np.random.default_rng(1)
     u, direction = (rng.normal(size=equations.displacement.shape[1]) * 1e-7 for _ in range(2))
-    exact = equations.forces @ (equations.tangent(u) @ direction)
+    contact = equations.linearised(u, equations.state(u)[1])
+    exact = equations.forces @ equations.change(contact.tangent, direction).T.ravel()
     errors = []
     steps = np.array([1e-1, 3e-2, 1e-2])
     for step in steps:
@@ -185,3 +187,119 @@ def test_solve_depends_on_its_guess_only() -> None:
         np.testing.assert_array_equal(result.force, first.force)
         assert result.warm_start is not None
         np.testing.assert_array_equal(result.warm_start, first.warm_start)
+
+
+@pytest.mark.parametrize("laws", [FRICTIONLESS, ROLLING, FALLING, ContactLaws()], ids=["frictionless", *"pfe"])
+def test_tangent_of_the_forces_is_that_of_condensed(laws: ContactLaws) -> None:
+    motion = CREEP if laws.friction else AT_REST
+    first, second = (
+        build(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=laws, steels=DISSIMILAR)(pose(3.2), motion).tangent()
+        for build in (full, condensed)
+    )
+    scale = np.abs(second).max(axis=0)
+    assert (scale > 0).sum() >= (6 if laws.friction else 3)
+    assert (np.abs(first - second).max(axis=0) <= 1e-5 * scale).all()
+
+
+def test_tangent_of_the_forces_is_their_derivative() -> None:
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING, options=FullOptions(tolerance=1e-12))
+    depth, step = (3.2 * SIZE) ** 2 / (2 * RADIUS), 1e-10
+    plus, minus = (model(hertz_pose(depth + sign * step), CREEP).force for sign in (1, -1))
+    tangent = model(hertz_pose(depth), CREEP).tangent()
+    np.testing.assert_allclose((minus - plus) / (2 * step), tangent[:3, 2], rtol=1e-6)
+
+
+def test_no_tangent_without_the_compliance_of_the_points() -> None:
+    options = FullOptions(preconditioner="cholesky")
+    result = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING, options=options)(pose(2.2), CREEP)
+    assert result.ok
+    with pytest.raises(ValueError, match="has no tangent"):
+        result.tangent()
+
+
+def test_factors_and_compliance_are_computed_once() -> None:
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)
+    cold = model(pose(3.2), CREEP)
+    preconditioner, factors = model.solver.preconditioner, (model.wheel.factor, model.rail.factor)
+    assert preconditioner is not None
+    columns = [body.columns_solved for body in preconditioner.compliances]
+    assert min(columns) > 0
+    before = preconditioner.solves
+    warm = model(pose(3.19), rolling(1.01e-3, -5e-4, 0.3), cold)
+    assert 1 <= warm.statistics.newton < cold.statistics.newton
+    assert warm.statistics.linear == warm.statistics.newton  # the preconditioner is the inverse
+    assert warm.statistics.newton <= preconditioner.solves - before <= 1.5 * warm.statistics.newton
+    assert [body.columns_solved for body in preconditioner.compliances] == columns
+    assert (model.wheel.factor, model.rail.factor) == factors
+    assert len(factors[0].getInfo()) > 0
+
+
+def test_preconditioner_is_the_inverse_of_the_jacobian() -> None:
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ContactLaws(1e13, 0.3, 1e-4), steels=DISSIMILAR)
+    equations, solver = problem(model, CREEP), model.solver
+    solver.run(equations)  # about a state of contact
+    preconditioner = solver.preconditioner
+    assert preconditioner is not None
+    u = 1.02 * solver._x.array_r
+    x, y, z = (solver.stiffness.createVecRight() for _ in range(3))
+    solver._predicted = equations.state(u)[1]
+    x.array[:] = u
+    solver._residual(x, solver._b)
+    solver._linearise(x, None)
+    rng = np.random.default_rng(3)
+    for right in (rng.normal(size=len(u)), solver._b.array_r.copy()):
+        x.array[:] = right
+        preconditioner.apply(None, x, y)
+        solver._product.mult(None, y, z)
+        assert difference(z.array_r, right) < 1e-6
+    x.array[:] = 1e-4 * solver._b.array_r  # below the tolerance of a linear solve
+    solves = preconditioner.solves
+    preconditioner.apply(None, x, y)
+    assert preconditioner.solves == solves
+    assert difference(y.array_r / np.abs(y.array_r).max(), x.array_r / np.abs(x.array_r).max()) < 1e-12
+
+
+def test_a_start_without_contact_costs_no_step() -> None:
+    """Displacements of exact laws penetrate only with the multipliers."""
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ContactLaws())
+    cold = model(pose(3.2), CREEP)
+    warm = model(pose(3.15), rolling(1.1e-3, -5e-4, 0.3), cold)
+    assert cold.status == warm.status == "converged"
+    assert warm.statistics.newton <= 1.3 * cold.statistics.newton
+
+
+def test_a_cold_start_needs_few_steps_and_no_continuation() -> None:
+    for creep in ((1e-3, -5e-4, 0.3), (0.0, 0.1, 0.0), (5e-5, 0.0, 0.0), (1e-2, 1e-2, 2.0)):
+        result = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)(pose(3.2), rolling(*creep))
+        assert result.status == "converged"
+        assert result.statistics.newton <= 9, creep
+
+
+def _coulomb(z: Array, stiffness: float, friction: float, eps: float) -> tuple[Array, Array]:
+    """Forces (n, 3) of the penalty and of regularised friction at z (n, 3), and their derivative (n, 3, 3)."""
+    d, s = z[:, 0], z[:, 1:]
+    length = np.maximum(np.hypot(*s.T), eps)
+    bound = friction * stiffness * d
+    forces = np.column_stack([-stiffness * d, -bound[:, None] * s / length[:, None]])
+    derivative = np.zeros((len(z), 3, 3))
+    derivative[:, 0, 0] = -stiffness
+    derivative[:, 1:, 0] = -friction * stiffness * s / length[:, None]
+    unit = s / length[:, None]
+    slides = (np.hypot(*s.T) > eps)[:, None, None]
+    projection = np.eye(2) - np.where(slides, unit[:, :, None] * unit[:, None], 0.0)
+    derivative[:, 1:, 1:] = -(bound / length)[:, None, None] * projection
+    return forces, derivative
+
+
+def test_primal_dual_tangent_has_the_direction_of_the_predicted_traction() -> None:
+    z = np.array([[1e-6, 3e-4, -4e-4], [1e-6, 3e-6, 4e-6], [2e-6, 0.0, 0.0]])
+    forces, derivative = _coulomb(z, 1e15, 0.3, 1e-5)
+    np.testing.assert_allclose(primal_dual_tangent(derivative, z, forces, forces), derivative, rtol=1e-12, atol=1.0)
+    tangent = primal_dual_tangent(derivative, z, forces, np.zeros((3, 3)))
+    np.testing.assert_array_equal(tangent[:, 0], derivative[:, 0])
+    np.testing.assert_allclose(tangent[1:, :, 1:], derivative[1:, :, 1:], rtol=1e-12, atol=1.0)  # viscous: as it is
+    secant = 0.3 * 1e15 * 1e-6 / 5e-4
+    np.testing.assert_allclose(tangent[0, 1:], [[0.0, -secant, 0.0], [0.0, 0.0, -secant]], rtol=1e-12)
+    assert np.isfinite(tangent).all()
+    normal = np.ones((3, 1, 1))
+    assert primal_dual_tangent(normal, z[:, :1], forces[:, :1], forces[:, :1]) is normal

@@ -36,7 +36,7 @@ MAY_IMPORT["contact.elasticity.waveguide"] = MAY_IMPORT["contact.elasticity"] | 
 _MODEL = {"contact.geometry", "contact.kinematics", "contact.laws", "contact.results", "support"}
 MAY_IMPORT |= {
     "contact.models.standard": _MODEL | {"contact.analytical"},
-    "contact.models.full": _MODEL | {"contact.elasticity", "forms", "meshes.bodies"},
+    "contact.models.full": _MODEL | {"contact.elasticity", "contact.solvers", "forms", "meshes.bodies"},
     "contact.models.fitted": _MODEL
     | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
 }

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-import scipy.sparse as sp
 
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.support.arrays import Array
@@ -14,20 +13,19 @@ Jacobian = Literal["exact", "difference"]
 
 
 class JacobianOperator:
-    """Product of the Jacobian with a vector: exact, K v - B^T D G v, or by a finite difference of F, eq. (20)."""
+    """Product of the Jacobian with a vector: K v - B^T D G v, or by a finite difference of F, eq. (20)."""
 
     def __init__(self, stiffness: Any) -> None:
         self._stiffness = stiffness
         self._problem: DiscreteProblem | None = None
-        self._tangent: sp.csr_array | None = None
+        self._tangent: Array | None = None
         self._u: Array = np.empty(0)
         self._base: Array = self._u
 
-    def at(self, problem: DiscreteProblem, u: Array, kind: Jacobian) -> None:
-        """Linearise about the displacements u."""
-        self._problem, self._u = problem, u
-        self._tangent = problem.tangent(u) if kind == "exact" else None
-        if kind == "difference":
+    def at(self, problem: DiscreteProblem, u: Array, tangent: Array | None) -> None:
+        """Linearise about the displacements u with the tangent D (n, c, c); None: by differences."""
+        self._problem, self._u, self._tangent = problem, u, tangent
+        if tangent is None:
             self._base = problem.contact_forces(u)
 
     def mult(self, _: Any, v: Any, y: Any) -> None:
@@ -36,7 +34,7 @@ class JacobianOperator:
         self._stiffness.mult(v, y)
         direction, ranks = v.array_r, self._problem.ranks
         if self._tangent is not None:
-            y.array[:] -= self._problem.forces @ ranks.all_reduce(self._tangent @ direction)
+            y.array[:] -= self._problem.forces @ self._problem.change(self._tangent, direction).T.ravel()
             return
         length = ranks.norm(direction)
         if length > 0:

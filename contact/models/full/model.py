@@ -2,7 +2,8 @@
 
 Unknown U = (U_w, U_r); z = z0 + G U: penetration and slip at the contact points; T(z): nodal contact forces of the law
 in UFL. Residual F = K U - B^T T(z0 + G U), Jacobian K - B^T D G with D = dT/dz. The same B applies the forces to both
-bodies, so action equals reaction to round-off.
+bodies, so action equals reaction to round-off. The tangent of the resultants by the pose is that of the contact points
+condensed with the compliance C = G K^-1 B^T, which the preconditioner has.
 
 Exact laws by augmented-Lagrangian iterations, see `wheelrail.contact.laws.augmented_lagrangian`: each is one such solve
 from the last displacements.
@@ -17,7 +18,7 @@ from time import perf_counter
 import numpy as np
 
 from wheelrail.contact.elasticity.solid_body import ElasticBody
-from wheelrail.contact.geometry.grid_points import SurfacePair
+from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -29,6 +30,8 @@ from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.contact.models.full.two_body_stiffness import two_body_stiffness, with_rigid_motions
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
+from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
+from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array
 
 
@@ -74,10 +77,10 @@ class FullContact:
         matrix = two_body_stiffness(self.wheel, self.rail)
         if self.options.preconditioner == "gamg":
             with_rigid_motions(matrix, np.concatenate([self.wheel.coordinates, self.rail.coordinates]))
-        return Newton(matrix, self.options, self.wheel.ranks)
+        return Newton(matrix, self.options, (self.wheel, self.rail))
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
-        start = perf_counter()
+        began = perf_counter()
         order, ranks = self.order if self.laws.frictional else 0, self.wheel.ranks
         try:
             points, approach = ranks.broadcast(lambda: self.geometry.contact_points(pose, order))
@@ -92,7 +95,8 @@ class FullContact:
         problem = DiscreteProblem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
-        u, z, forces, status, count = self._solve(problem, points.area, speed, self._start(guess))
+        start = self._start(guess), earlier_contact(guess, points, self.law.components)
+        u, z, forces, status, count = self._solve(problem, points.area, speed, *start)
         solved = perf_counter()
         if status != "converged":
             return ContactResult.failed(status, approach)
@@ -116,10 +120,17 @@ class FullContact:
                 linear=count.linear,
                 points=n,
                 residual=count.residual,
-                seconds={"points": ready - start, "solve": solved - ready},
+                seconds={"points": ready - began, "solve": solved - ready},
             ),
         )
-        return replace(result, warm_start=u)
+        tangent = None
+        if problem.compliance is not None:
+            tractions = Tractions(-traction[:, 0], tangential, z[:, 1:] if order else tangential, traction[:, 0] < 0)
+            operator = ContactCompliance(problem.by_traction(points.area), n, self.laws)
+            tangent = tangent_of(
+                TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, tractions)
+            )
+        return replace(result, warm_start=u, force_tangent=tangent)
 
     def _start(self, guess: ContactResult | None) -> Array | None:
         """Displacements of an earlier result; None if they belong to other meshes or another distribution."""
@@ -129,14 +140,28 @@ class FullContact:
         return None if mismatches else displacement
 
     def _solve(
-        self, problem: DiscreteProblem, area: Array, speed: float, start: Array | None
+        self,
+        problem: DiscreteProblem,
+        area: Array,
+        speed: float,
+        start: Array | None,
+        earlier: tuple[Array, Array] | None,
     ) -> tuple[Array, Array, Array, str, FullIterationCount]:
-        """Displacements m, z (n, c) and nodal forces (n, c) N of the laws, status and cost; area (n,) m2, speed m/s."""
-        u, status, count = self.solver.run(problem, start)
+        """Displacements m, z (n, c) and nodal forces (n, c) N of the laws, status and cost.
+
+        Parameters:
+            problem: of one pose.
+            area: (n,) m2.
+            speed: of rolling, m/s.
+            start: initial displacements m of this rank.
+            earlier: see `earlier_contact`; that of exact laws has other multipliers.
+        """
+        regularised = self.soft == self.laws or (self.law.components == 1 and not self.laws.exact_normal)
+        u, status, count = self.solver.run(problem, start, earlier if regularised else None)
         constant = problem.constant
         multiplier_offset: Array = np.zeros((len(area), self.law.components))
         z, forces = problem.state(u)
-        if self.soft == self.laws or (self.law.components == 1 and not self.laws.exact_normal):
+        if regularised:
             return u, z, forces, status, count
         for _ in range(LOOPS):
             if status != "converged":
@@ -145,7 +170,7 @@ class FullContact:
             slip = (z - multiplier_offset)[:, 1:]
             multiplier_offset = offset(self.laws, self.soft, forces / area[:, None], slip, speed)
             problem.constant = constant + multiplier_offset.T.ravel()
-            u, status, inner = self.solver.run(problem, u)
+            u, status, inner = self.solver.run(problem, u, (z, forces))
             count.add(inner)
             previous = forces
             z, forces = problem.state(u)
@@ -156,3 +181,18 @@ class FullContact:
         else:
             status = f"relative change of the multipliers {change:.1e} after {LOOPS} augmented-Lagrangian iterations"
         return u, z - multiplier_offset, forces, status, count
+
+
+def earlier_contact(guess: ContactResult | None, points: GridPoints, components: int) -> tuple[Array, Array] | None:
+    """z and nodal forces (n, c) N of an earlier result at contact points, apart where it has none; None without."""
+    if guess is None or guess.fields is None:
+        return None
+    fields = guess.fields
+    z, traction = np.zeros((2, len(points.node), components))
+    z[:, 0] = -1.0
+    _, index, earlier = np.intersect1d(points.node, fields.node, assume_unique=True, return_indices=True)
+    z[index, 0] = fields.penetration[earlier] + fields.displacement[earlier, 2]
+    traction[index, 0] = -fields.pressure[earlier]
+    if components == 3:
+        z[index, 1:], traction[index, 1:] = fields.slip[earlier], fields.traction[earlier]
+    return z, traction * points.area[:, None]

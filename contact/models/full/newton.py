@@ -1,4 +1,4 @@
-"""dolfinx's NewtonSolver for eq. (12): BiCGStab, forcing term, Armijo, continuation in the regularisation."""
+"""dolfinx's NewtonSolver for eq. (12): BiCGStab, forcing term, primal-dual tangent of friction, Armijo."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
+from wheelrail.contact.elasticity.solid_body import ElasticBody
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem, Linearisation
 from wheelrail.contact.models.full.jacobian import Jacobian, JacobianOperator
 from wheelrail.contact.models.full.preconditioner import ContactPreconditioner, Preconditioner, choose
 from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
-from wheelrail.support.mpi import SELF, Ranks
 
 LEVELS = (300.0, 10.0)  # multiples of the regularisation in the continuation
 ROUGH = 1e-2  # tolerance of the relative residual at these
@@ -31,7 +31,7 @@ class FullOptions:
         forcing: relative tolerance of the linear solves, eq. (18).
         jacobian: exact product or finite difference (20).
         preconditioner: from the elastic stiffness (19), see `wheelrail.contact.models.full.preconditioner`.
-        armijo: largest number of halvings of a step.
+        armijo: largest number of halvings of a step, where steps of full length fail.
     """
 
     tolerance: float = 1e-9
@@ -68,14 +68,18 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
     solve.
     """
 
-    def __init__(self, stiffness: Any, options: FullOptions, ranks: Ranks = SELF) -> None:
+    def __init__(self, stiffness: Any, options: FullOptions, bodies: tuple[ElasticBody, ElasticBody]) -> None:
+        ranks = bodies[0].ranks
         super().__init__(ranks.comm)
         self.options, self.stiffness, self.ranks = options, stiffness, ranks
         self.problem: DiscreteProblem | None = None
         self.count = FullIterationCount()
         self._b, self._work = stiffness.createVecs()
         self._x = self._work.duplicate()
+        self._halvings = 0  # largest number in the present attempt
         self._contact = 0.0  # norm of the contact forces, reference of the relative residual
+        self._predicted: Array = np.empty((0, 0))  # nodal forces by the last linear step
+        self._linearisation: tuple[Linearisation, Array] | None = None  # and its displacements
         self._product = JacobianOperator(stiffness)
         jacobian = PETSc.Mat().createPython(stiffness.getSizes(), self._product, comm=ranks.comm)
         jacobian.setUp()
@@ -88,13 +92,14 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.set_update(lambda _, step, x: solver._update(step, x))
         krylov = self.krylov_solver
         krylov.setOperators(jacobian, stiffness)
-        krylov.setType("bcgs")
+        krylov.setType("fbcgs")
         krylov.setTolerances(rtol=options.forcing, atol=1e-300, max_it=500)
         pc = krylov.getPC()
-        self._corrected = ContactPreconditioner(stiffness, ranks) if options.preconditioner == "corrected" else None
-        if self._corrected is not None:
+        corrected = options.preconditioner == "corrected"
+        self.preconditioner = ContactPreconditioner(bodies, options.forcing) if corrected else None
+        if self.preconditioner is not None:
             pc.setType("python")
-            pc.setPythonContext(self._corrected)
+            pc.setPythonContext(self.preconditioner)
         else:
             choose(pc, options.preconditioner, ranks)
         pc.setReusePreconditioner(True)
@@ -104,30 +109,44 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.error_on_nonconvergence = False
         self.report = False
 
-    def run(self, problem: DiscreteProblem, start: Array | None = None) -> tuple[Array, str, FullIterationCount]:
+    def run(
+        self, problem: DiscreteProblem, start: Array | None = None, earlier: tuple[Array, Array] | None = None
+    ) -> tuple[Array, str, FullIterationCount]:
         """Displacements of this rank, status and cost.
 
         Parameters:
             problem: of one pose.
             start: initial displacements of this rank.
+            earlier: z and nodal forces (n, c) N of an earlier solution at the same nodes.
 
-        Without a start, or if the solve from it fails, displacements start from zero with continuation in the
-        regularisation of friction: Newton's method does not converge directly on the nearly discontinuous law.
+        With both, and the compliance between the points, displacements start from the linear response of the earlier
+        solution to the change of the pose: at its displacements, a wheel that has moved up by more than the penalty's
+        penetration has no contact.
+
+        Without a start, or if the solve from it fails, displacements start from zero, and steps have their full length:
+        those of the primal-dual tangent do not reduce the residual at first. If that fails, too, by Armijo's rule and
+        continuation in the regularisation of friction, as by differences of F: Newton's method with the exact tangent
+        does not converge directly on the nearly discontinuous law.
         """
         self.problem, self.count = problem, FullIterationCount()
-        if self._corrected is not None:
-            self._corrected.prepare(problem)
+        if self.preconditioner is not None and problem.compliance is None:
+            problem.condense(self.preconditioner.compliances)
         law = problem.law
-        final = law.laws.regularisation
+        law.regularisation = final = law.laws.regularisation
+        zero = np.zeros((len(problem.nodes), law.components))
         levels = [final * k for k in LEVELS] if law.components == 3 else []
-        x = self._x
-        relative = np.inf
-        if start is not None:
-            x.array[:] = start
-            relative = self._continuation(x, [final], final)
-        if not relative <= self.options.tolerance:
-            x.set(0.0)
-            relative = self._continuation(x, [*levels, final], final)
+        x, relative = self._x, np.inf
+        undeformed = np.zeros(x.local_size)
+        attempts = [] if start is None else [(*self._predicted_start(problem, start, earlier), [final])]
+        if self.options.jacobian == "exact":
+            attempts.append((undeformed, zero, [final]))
+        attempts.append((undeformed, zero, [*levels, final]))
+        for number, (displacement, self._predicted, regularisations) in enumerate(attempts, start=1):
+            x.array[:] = displacement
+            self._halvings = self.options.armijo if number == len(attempts) else 0
+            relative = self._continuation(x, regularisations, final)
+            if relative <= self.options.tolerance:
+                break
         status = "converged"
         if not relative <= self.options.tolerance:
             status = f"relative residual {relative:.1e} after {self.count.newton} Newton steps"
@@ -135,6 +154,17 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
                 status += f", {self.count.failed_linear} linear solves without convergence"
         self.count.residual = relative
         return x.array_r.copy(), status, self.count
+
+    def _predicted_start(
+        self, problem: DiscreteProblem, start: Array, earlier: tuple[Array, Array] | None
+    ) -> tuple[Array, Array]:
+        """Displacements m of this rank and nodal forces (n, c) N, parameters as for `run`."""
+        if earlier is None:
+            return start, np.zeros((len(problem.nodes), problem.law.components))
+        if self.preconditioner is None:
+            return start, earlier[1]
+        forces = problem.predicted(*earlier)
+        return self.preconditioner.inverse(problem.forces @ forces.T.ravel()), forces
 
     def _continuation(self, x: Any, levels: list[float], final: float) -> float:
         """Newton's method at each regularisation in turn, from and into x; returns the last relative residual."""
@@ -144,12 +174,16 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
             self.problem.law.regularisation = level
             tolerance = self.options.tolerance if level == final else ROUGH
             for _ in range(4):  # the absolute tolerance depends on the norm of the contact forces
-                relative = self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
+                residual = self.ranks.norm(self._evaluate(x))
+                if self._contact == 0:  # separated, as without the multipliers of exact laws: nothing to start from
+                    return np.inf
+                relative = residual / self._contact
                 if relative <= tolerance:
                     break
                 check_interrupt()
                 self.atol = 0.5 * tolerance * self._contact
-                self.solve(x)
+                if not self.solve(x)[1]:
+                    return self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
         return relative
 
     def _evaluate(self, x: Any) -> Array:
@@ -165,9 +199,12 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
 
     def _linearise(self, x: Any, _: Any) -> None:
         assert self.problem is not None
-        self._product.at(self.problem, x.array_r.copy(), self.options.jacobian)
-        if self._corrected is not None:
-            self._corrected.correct(self.problem.tangent(x.array_r))
+        u = x.array_r.copy()
+        contact = self.problem.linearised(u, self._predicted)
+        self._linearisation = contact, u
+        self._product.at(self.problem, u, contact.tangent if self.options.jacobian == "exact" else None)
+        if self.preconditioner is not None:
+            self.preconditioner.correct(self.problem, contact, self._b.array_r.copy())
 
     def _update(self, step: Any, x: Any) -> None:
         self.count.newton += 1
@@ -176,9 +213,14 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self.count.failed_linear += self.krylov_solver.getConvergedReason() < 0
         start, residual = x.array_r.copy(), self.ranks.norm(self._b.array_r)
         damping = 1.0
-        for _ in range(self.options.armijo):
-            x.array[:] = start - damping * step.array_r
+        x.array[:] = start - step.array_r
+        for _ in range(self._halvings):
             if self.ranks.norm(self._evaluate(x)) <= (1 - 1e-4 * damping) * residual:
                 break
             damping /= 2
             self.count.backtracks += 1
+            x.array[:] = start - damping * step.array_r
+        assert self._linearisation is not None
+        assert self.problem is not None
+        contact, u = self._linearisation
+        self._predicted = contact.forces + self.problem.change(contact.tangent, x.array_r - u)

@@ -6,11 +6,11 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy.linalg as la
-import scipy.sparse as sp
 from petsc4py import PETSc
 
-from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
-from wheelrail.forms import compat
+from wheelrail.contact.elasticity.solid_body import ElasticBody
+from wheelrail.contact.elasticity.solid_compliance import compliance_of
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem, Linearisation
 from wheelrail.support.arrays import Array
 from wheelrail.support.mpi import Ranks
 
@@ -47,55 +47,70 @@ def choose(pc: Any, kind: Preconditioner, ranks: Ranks) -> None:
 
 
 class ContactPreconditioner:
-    """Cholesky factor of the elastic stiffness, corrected for the contact's tangent: the inverse of K - B^T D G.
+    """Cholesky factors of both bodies, corrected for the contact's tangent: the inverse of J = K - B^T D G.
 
-    (K - B^T T)^-1 = (1 + Z (1 - T Z)^-1 T) K^-1 with T = D G and Z = K^-1 B^T, the response to unit forces at the
-    contact points. Z is computed once per pose for all right-hand sides together, faster than the memory-bound single
-    solves of BiCGStab. With more than `MOST` numbers in Z on a rank only K^-1 is applied.
+    J^-1 x = K^-1 (x + B^T w),  (1 - D C) w = D G K^-1 x,  C = G K^-1 B^T
+
+    C is condensed from the compliance of the bodies' surfaces, which is computed where the contact reaches for the
+    first time and stored, for all poses; so are the factors. For the right-hand side, x = F(U) = K U - B^T T, the
+    response G K^-1 x = G U - C T is known: one product with K^-1, two for another x. One below the tolerance of the
+    linear solve, the remainder of the first half of an iteration of BiCGStab, is only scaled; its flexible variant
+    allows that.
+
+    Parameters:
+        bodies: wheel and rail.
+        tolerance: relative, of the linear solves.
     """
 
-    MOST = 1.5e8
+    NEGLIGIBLE = 0.1  # of the tolerance: leaves a margin for the update by the second half of an iteration
 
-    def __init__(self, stiffness: Any, ranks: Ranks) -> None:
-        pc = PETSc.PC().create(ranks.comm)
-        pc.setOperators(stiffness)
-        choose(pc, "cholesky", ranks)
-        pc.setUp()
-        compat.freed_with(self, pc)
-        self._pc, self._ranks, self._rows = pc, ranks, stiffness.getSizes()[0]
-        self._forces: sp.csr_array | None = None
-        self._response: Array | None = None
-        self._tangent: sp.csr_array | None = None
+    def __init__(self, bodies: tuple[ElasticBody, ElasticBody], tolerance: float) -> None:
+        self._bodies, self._tolerance = bodies, tolerance
+        self.compliances = compliance_of(bodies[0]), compliance_of(bodies[1])
+        self.solves = 0  # products with K^-1 of both bodies
+        self._scale = 1.0 / max(float(body.stiffness.getDiagonal().norm(PETSc.NormType.INFINITY)) for body in bodies)
+        self._problem: DiscreteProblem | None = None
+        self._tangent: Array = np.empty(0)
+        self._right: Array = np.empty(0)
+        self._response: Array = np.empty(0)
         self._small: Any = None
+        for body in bodies:
+            _ = body.factor
 
-    def prepare(self, problem: DiscreteProblem) -> None:
-        """Compute the responses Z of a pose, unless stored."""
-        self._tangent = None
-        if problem.forces is self._forces:
-            return
-        self._forces = problem.forces
-        loads = problem.forces.shape[1]
-        if self._rows[1] * loads > self.MOST * self._ranks.size:
-            self._response = None
-            return
-        right = PETSc.Mat().createDense([self._rows, [None, loads]], comm=self._ranks.comm)
-        right.setUp()
-        right.getDenseArray()[:] = problem.forces.toarray()
-        right.assemble()
-        left = right.duplicate()
-        self._pc.getFactorMatrix().matSolve(right, left)
-        self._response = left.getDenseArray().copy()
-        right.destroy()
-        left.destroy()
+    def correct(self, problem: DiscreteProblem, at: Linearisation, residual: Array) -> None:
+        """Linearise about displacements.
 
-    def correct(self, tangent: sp.csr_array) -> None:
-        """Set the tangent T = D G of a Newton step."""
-        if self._response is not None:
-            self._tangent = tangent
-            self._small = la.lu_factor(np.eye(tangent.shape[0]) - self._ranks.all_reduce(tangent @ self._response))
+        Parameters:
+            problem: of one pose.
+            at: contact and its tangent at the displacements.
+            residual: F N, on the unknowns of this rank: the right-hand side of the linear solve.
+        """
+        assert problem.compliance is not None
+        self._problem, self._tangent, self._right = problem, at.tangent, residual
+        self._response = (at.z - problem.constant.reshape(at.z.shape[::-1]).T).T.ravel()
+        self._response -= problem.compliance @ at.forces.T.ravel()
+        self._negligible = self.NEGLIGIBLE * self._tolerance * problem.ranks.norm(residual)
+        self._small = la.lu_factor(problem.reduced(at.tangent), overwrite_a=True, check_finite=False)
 
     def apply(self, _: Any, x: Any, y: Any) -> None:
         """y = P^-1 x, called by PETSc."""
-        self._pc.apply(x, y)
-        if self._tangent is not None and self._response is not None:
-            y.array[:] += self._response @ la.lu_solve(self._small, self._ranks.all_reduce(self._tangent @ y.array_r))
+        problem, ranks = self._problem, self._bodies[0].ranks
+        assert problem is not None
+        array = x.array_r
+        if ranks.all_reduce(np.array(float(not np.array_equal(array, self._right)))) == 0:
+            response = self._response
+        elif ranks.norm(array) <= self._negligible:
+            y.array[:] = self._scale * array
+            return
+        else:
+            response = ranks.all_reduce(problem.gradient @ self.inverse(array))
+        c = self._tangent.shape[1]
+        forces = np.einsum("nij,jn->in", self._tangent, response.reshape(c, -1)).ravel()
+        y.array[:] = self.inverse(array + problem.forces @ la.lu_solve(self._small, forces, check_finite=False))
+
+    def inverse(self, force: Array) -> Array:
+        """K^-1 of forces N on the unknowns of this rank, wheel before rail."""
+        self.solves += 1
+        wheel, rail = self._bodies
+        end = 3 * wheel.owned
+        return np.concatenate([wheel.solve(force[:end]), rail.solve(force[end:])])
