@@ -32,6 +32,7 @@
 #    contact points can be at any $x$: **fitted cells** that end at the patch edge.
 
 # %%
+import inspect
 from time import perf_counter
 
 import matplotlib.pyplot as plt
@@ -39,6 +40,10 @@ import numpy as np
 import pandas as pd
 
 import wheelrail as wr
+from wheelrail.contact import ContactLaws, Discretisation, Material, RigidMotion, Twist, hertz_pair
+from wheelrail.contact.laws.normal import Penalty
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.forms import elasticity, traction
 from wheelrail.scenes.plots.style import STYLE
 
 plt.rcParams.update(STYLE)
@@ -110,6 +115,87 @@ for mu in FRICTIONS:
 # The full and the condensed model agree to the tolerance of Newton's method: condensation is exact algebra. The third
 # model has different elements (second degree, in the cross-section only) and agrees within the discretisation error of
 # so few cells under the patch. The remaining question is the cost of a given error.
+
+# %% [markdown]
+# ## The weak form, line by line
+#
+# The full model is the weak form of the paper. The equations (2) to (6) are UFL, shown next to the code that the solver
+# uses; (12) and (20) are checked with its own matrices.
+#
+# **Navier's equations (2), virtual work (3).** For both bodies, $a(u, v) = \int \sigma(u) : \varepsilon(v)\,dV$ and
+#
+# $$ a_w(u_w, v_w) + a_r(u_r, v_r) = \int_\Gamma t(d, s)\cdot(v_w - v_r\circ\Phi)\,dA, $$
+#
+# $\Phi$ the contact map from the wheel's surface $\Gamma$ to the rail's.
+
+# %%
+for function in (elasticity.strain, elasticity.stress, elasticity.stiffness, traction.virtual_work):
+    print(inspect.getsource(function))
+
+# %% [markdown]
+# **Normal law (4)**, $p_n = K\max(d, 0)$, and **friction (6)**, $p_t = -\mu p_n\, s / \max(|s|, \varepsilon)$, from the
+# penetration $d$ and the slip $s$ of the deformed bodies. The same expressions, differentiated by UFL, serve the
+# condensed and the fitted model as compiled functions: one law for all models, and laws of your own.
+
+# %%
+for function in (Penalty.pressure, traction.regularised, traction.traction):
+    print(inspect.getsource(function))
+
+# %% [markdown]
+# **Discrete problem (12).** Penetration and slip at the contact points are coefficients of the traction. They are
+# affine in the displacements $U = (U_w, U_r)$ of both meshes, $z = (d, s) = z_0 + G U$, with the undeformed penetration
+# and the rigid creepage in $z_0$; nodal quadrature of the virtual work gives the nodal forces $T(z)$. Forms of dolfinx
+# integrate over one mesh: the trace $v_r\circ\Phi$ on another mesh, whose points change with the pose, is the sparse
+# operator $B_r$, and $B = (B_w, -B_r)$ applies the same forces to both bodies:
+#
+# $$ F(U) = K U - B^{\mathsf T}\,T(z_0 + G U) = 0, \qquad J = K - B^{\mathsf T}\,\frac{\mathrm dT}{\mathrm dz}\,G. $$
+#
+# dolfinx's NewtonSolver finds $U$, with PETSc's BiCGStab for $J\,\delta U = -F$. Below, $F$ and $J$ are evaluated at
+# the solution from the solver's own parts, and $J$ is compared with a difference of $F$ (20).
+
+# %%
+how = Discretisation(SIZE, model="full")
+pair = hertz_pair((RADII, FLAT), (Material(), Material()), ContactLaws.penalty(0.3), how, approach=exact.approach)
+still = np.zeros(3)
+upper, lower = (Twist(np.array([v, 0.0, 0.0]), still, still) for v in (-9.995, -10.005))
+result = pair(hertz_pose(exact.approach), RigidMotion(upper, lower))
+solver, U = pair.solver, result.warm_start
+problem = solver.problem  # T, B^T, G and z0 of this pose
+
+
+def product(v):
+    """K v, from PETSc's matrix of both bodies."""
+    x, y = solver.stiffness.createVecs()
+    x.array[:] = v
+    solver.stiffness.mult(x, y)
+    return y.array_r.copy()
+
+
+def residual(u):
+    """F(U) = K U - B^T T(z0 + G U)."""
+    return product(u) - problem.contact_forces(u)
+
+
+def jacobian_product(u, v):
+    """J v = K v - B^T D G v, D = dT/dz the derivative of the law by UFL."""
+    z, _ = problem.state(u)
+    D = problem.law.tangent(problem.nodes, z)
+    Gv = (problem.gradient @ v).reshape(problem.law.components, -1)
+    return product(v) - problem.forces @ np.einsum("nij,jn->in", D, Gv).ravel()
+
+
+scale = np.linalg.norm(problem.contact_forces(U))
+direction = product(U) / np.linalg.norm(product(U)) * np.linalg.norm(U)
+step = 1e-7
+difference = (residual(U + step * direction) - residual(U - step * direction)) / (2 * step)
+exact_product = jacobian_product(U, direction)
+residual_norm = np.linalg.norm(residual(U)) / scale
+jacobian_error = np.linalg.norm(difference - exact_product) / np.linalg.norm(exact_product)
+print(f"{len(U)} unknowns, {len(problem.nodes)} contact points: {result.status}")
+print(f"Newton steps {result.statistics.newton}, iterations of BiCGStab {result.statistics.linear}")
+print(f"|F| / |B^T T| = {residual_norm:.1e}; J v against a difference of F: {jacobian_error:.1e}")
+assert residual_norm < 1e-8
+assert jacobian_error < 1e-4
 
 # %%
 section_figure, ax = plt.subplots(figsize=(5.6, 3.8), layout="constrained")
