@@ -14,7 +14,7 @@ from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.profile_bodies import ProfileBodies
-from wheelrail.contact.models.quadric_bodies import QuadricBodies
+from wheelrail.contact.models.quadric_bodies import Blocks, QuadricBodies
 from wheelrail.meshes.profiles.profile import Profile
 
 if TYPE_CHECKING:
@@ -95,6 +95,7 @@ def hertz_pair(
     *,
     load: float | None = None,
     approach: float | None = None,
+    blocks: Blocks | None = None,
 ) -> Any:
     """Contact model of two quadratic surfaces on large blocks.
 
@@ -103,11 +104,13 @@ def hertz_pair(
         materials: of the upper and of the lower body.
         laws, how: as for `contact_model`.
         load: N, or approach: m, for which the meshed surface is large enough.
+        blocks: their size and the grading of their meshes; by default at least 40 times as wide as the patch: the
+            compliance missing to a half-space is about 1 % of the approach.
 
-    Blocks are 40 times as wide as the patch: the compliance missing to a half-space is about 1 % of the approach.
     Raises ValueError for radii without a point contact, IncompatibleChoice.
     """
-    return contact_model(QuadricBodies(radii, materials, laws, load=load, approach=approach), laws, how)
+    pair = QuadricBodies(radii, materials, laws, load=load, approach=approach, blocks=blocks or Blocks())
+    return contact_model(pair, laws, how)
 
 
 def wheel_rail_pair(

@@ -23,13 +23,41 @@ from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpac
 from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.fitted.surfaces import QuadricStrips
 from wheelrail.meshes.bodies.extrusion import Solid
-from wheelrail.meshes.bodies.solids import block
+from wheelrail.meshes.bodies.solids import FINE, RATIO, block
+from wheelrail.meshes.bodies.triangulation import Grading
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
 ROOM = 1.25  # times the expected approach: largest approach on the meshed surface
-WIDTH = 40.0  # least width of a block over the longer semi-axis of the patch
+WIDTH = 40.0  # least half width of a block over the longer semi-axis of the patch
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Size of two equal blocks, and their meshes.
+
+    Parameters:
+        half_width: also their depth, m; None: 40 to 80 times the longer semi-axis, such that one mesh serves many
+            scenes.
+        half_strip: half length and half width of the uniformly meshed surface, m; None: for the expected approach.
+        growth: of the element size of solids per distance from the surface. A mesh converges only if it decreases in
+            proportion to the surface size.
+    """
+
+    half_width: float | None = None
+    half_strip: float | None = None
+    growth: float = FINE.growth
+
+    @property
+    def grading(self) -> Grading:
+        """Of the element sizes in the cross-section."""
+        return Grading(FINE.first, self.growth)
+
+    @property
+    def ratio(self) -> float:
+        """Of successive layers along x outside the strip."""
+        return 1.0 + (RATIO - 1.0) * self.growth / FINE.growth
 
 
 @dataclass(frozen=True)
@@ -41,6 +69,7 @@ class QuadricBodies:
         materials: of the upper and of the lower body.
         laws: of the interface.
         load: N, or approach: m, for which the meshed surface is large enough.
+        blocks: size and grading of the meshes.
     """
 
     radii: tuple[tuple[float, float], tuple[float, float]]
@@ -48,6 +77,7 @@ class QuadricBodies:
     laws: ContactLaws
     load: float | None = None
     approach: float | None = None
+    blocks: Blocks = Blocks()
 
     @cached_property
     def _curvatures(self) -> tuple[float, float]:
@@ -65,13 +95,18 @@ class QuadricBodies:
 
     def _half_cells(self, how: Discretisation) -> tuple[int, int]:
         """Cells of the surface on either side of the middle, along and across."""
+        if self.blocks.half_strip is not None:
+            cells = int(np.ceil(self.blocks.half_strip / how.surface_size)) + 1
+            return cells, cells
         depth, _ = self._expected
         steps = how.slip_order if self.laws.frictional else 0
         half = [int(np.ceil(np.sqrt(depth / c) / how.surface_size)) + 1 for c in self._curvatures]
         return half[0] + steps, half[1]
 
     def _half_width(self, how: Discretisation) -> float:
-        """In cells, and in coarse steps, so that one mesh and one compliance serve many scenes."""
+        """In cells; by default in coarse steps, so that one mesh and one compliance serve many scenes."""
+        if self.blocks.half_width is not None:
+            return self.blocks.half_width / how.surface_size
         return float(2.0 ** np.ceil(np.log2(WIDTH * self._expected[1] / how.surface_size)))
 
     @property
@@ -130,7 +165,8 @@ class QuadricBodies:
     def _solid(self, how: Discretisation, run: Callable[[Callable[[], Any]], Any]) -> tuple[QuadricPair, Solid, str]:
         """Surfaces, and the block of unit cells with its key in the cache; run calls the mesh generation."""
         half_cells, half_width = self._half_cells(how), self._half_width(how)
-        solid, key = run(partial(block, half_cells, half_width=half_width, cell=how.cell))
+        grading, ratio = self.blocks.grading, self.blocks.ratio
+        solid, key = run(partial(block, half_cells, half_width=half_width, cell=how.cell, grading=grading, ratio=ratio))
         grid = ContactGrid.on(solid, how.degree)
         size = how.surface_size
         scaled = ContactGrid(grid.position * size, grid.weight * size**2, grid.stride)

@@ -15,6 +15,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.cache import Arrays, cached, digest
 
 FINE = Grading(first=0.5, growth=0.2)
+RATIO = 1.35  # of successive layers along x outside the strip
 
 
 def stored(key: str, build: Callable[[], Solid]) -> Solid:
@@ -37,6 +38,7 @@ def block(
     radii: tuple[float, float] = (np.inf, np.inf),
     cell: Cell = "tetrahedron",
     grading: Grading = FINE,
+    ratio: float = RATIO,
 ) -> tuple[Solid, str]:
     """Block below z = 0 with a contact strip in the middle of its top, clamped at its bottom; and its cache key.
 
@@ -47,6 +49,7 @@ def block(
         radii: principal radii of the top in x and y, m; inf is straight, negative hollow.
         cell: element type.
         grading: of the element sizes.
+        ratio: of successive layers along x outside the strip.
 
     Raises ValueError for a strip wider than the block.
     """
@@ -65,12 +68,13 @@ def block(
         radii=[str(r) for r in radii],
         cell=cell,
         grading=vars(scaled),
+        **({} if ratio == RATIO else {"ratio": ratio}),  # keys of earlier versions without it
     )
 
     def build() -> Solid:
         surface, boundary, clamped = block_section(across, size, half_width, half_width)
         section = triangulate(surface, boundary, clamped, size=size, grading=scaled, quadrilaterals=hexahedra)
-        x = layers(half_cells[0], size, half_width, largest=half_width / 4)
+        x = layers(half_cells[0], size, half_width, growth=ratio, largest=half_width / 4)
         return extruded(section, x, half_cells[0]).mapped(bulged(radii, half_width))
 
     return stored(key, build), key

@@ -21,9 +21,13 @@ def hertz_model(scene: HertzScene) -> ContactModel:
 
         return standard_contact(scene, RigidQuadrics(*radii), scene.upper, scene.lower)
     from wheelrail.contact.models.builders import hertz_pair
+    from wheelrail.contact.models.quadric_bodies import Blocks
 
     materials, how = (material(scene.upper), material(scene.lower)), scene.discretisation
-    model: Any = hertz_pair(radii, materials, laws(scene), how, load=scene.load, approach=scene.approach)
+    sizes = {key: getattr(scene, key) for key in ("half_width", "half_strip", "growth")}
+    blocks = Blocks(**{key: value for key, value in sizes.items() if value is not None})
+    loads = {"load": scene.load, "approach": scene.approach}
+    model: Any = hertz_pair(radii, materials, laws(scene), how, **loads, blocks=blocks)
     return model if scene.shift is None else replace(model, tangential="shift")  # type: ignore[no-any-return]
 
 

@@ -28,19 +28,30 @@ if TYPE_CHECKING:
 ReportProgress = Callable[[str], None]
 
 
-def solve_contact(scene: HertzScene | WheelsetScene, report_progress: ReportProgress = lambda _: None) -> Dataset:
+def solve_contact(
+    scene: HertzScene | WheelsetScene,
+    report_progress: ReportProgress = lambda _: None,
+    *,
+    model: ContactModel | WheelsetContact | None = None,
+) -> Dataset:
     """Solution of a scene as one Dataset, see `wheelrail.scenes.contacts.solution`.
 
     Parameters:
         scene: to solve.
         report_progress: called with a text at every stage.
+        model: as for `solve_sides`.
 
     The moment of a Hertz pair is about the point of first contact. A load that cannot be carried, or a contact that
     does not converge, gives status "failed: ..." and no exception.
     """
     profiles = None if isinstance(scene, HertzScene) else inclined_profiles(scene)
-    sides = dict(solve_sides(scene, profiles=profiles, report_progress=report_progress))
+    sides = dict(solve_sides(scene, model=model, profiles=profiles, report_progress=report_progress))
     return solution_dataset(scene, sides, profiles or ())
+
+
+def built_model(scene: HertzScene | WheelsetScene) -> ContactModel | WheelsetContact:
+    """Contact model of a scene."""
+    return hertz_model(scene) if isinstance(scene, HertzScene) else wheelset_contact(scene)
 
 
 def solve_sides(

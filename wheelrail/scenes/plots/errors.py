@@ -22,6 +22,7 @@ def convergence(
     *,
     xlabel: str = "surface size [m]",
     ylabel: str = "relative error [1]",
+    fitted: Sequence[bool] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Plot errors over size on logarithmic axes, with a straight line of fitted slope for each series.
@@ -30,6 +31,7 @@ def convergence(
         size: (n,) sizes.
         errors: (n,) errors by label.
         xlabel, ylabel: labels of the axes.
+        fitted: (n,) whether a size is used in the fit; all by default.
         ax: Matplotlib axes; new ones by default.
 
     Zeros and NaN are omitted. Raises ValueError for different numbers of errors and sizes.
@@ -37,9 +39,11 @@ def convergence(
     ax = axes_of(ax)
     for (label, values), look in zip(errors.items(), cycle(SERIES), strict=False):
         x, error = _positive(size, values, label)
+        (line,) = ax.plot(x, error, markersize=4.5, **{**look, "linestyle": "none"})
+        if fitted is not None:
+            x, error = _positive(np.where(fitted, size, np.nan).tolist(), values, label)
         order = slope(x, error)
-        text = label if np.isnan(order) else f"{label}, slope {order:.2f}"
-        (line,) = ax.plot(x, error, label=text, markersize=4.5, **{**look, "linestyle": "none"})
+        line.set_label(label if np.isnan(order) else f"{label}, slope {order:.2f}")
         if not np.isnan(order):
             ends = np.array([x.min(), x.max()])
             level = np.exp(np.mean(np.log(error)) + order * (np.log(ends) - np.mean(np.log(x))))

@@ -178,6 +178,12 @@ class HertzScene(Solve):
 
     With friction they roll at a speed, m/s, with a creepage, or undergo one tangential displacement (shift, m) of the
     upper body against the lower one (Cattaneo, Mindlin).
+
+    half_width: of the blocks, and their depth, m; 40 to 80 times the longer semi-axis of the patch by default.
+    half_strip: half length and half width of the uniformly meshed surface, m, which must contain the region of
+        penetration; for the load by default.
+    growth: of the element size of solids per distance from the surface, 0.2 by default; a mesh converges if it
+        decreases in proportion to the surface size.
     """
 
     kind: Literal["hertz"]
@@ -186,9 +192,22 @@ class HertzScene(Solve):
     speed: q.Speed | None = None
     creepage: Annotated[tuple[q.Creepage, q.Creepage, q.Spin], Strict(False)] | None = None
     shift: Annotated[tuple[q.Shift, q.Shift], Strict(False)] | None = None
+    half_width: q.BlockWidth | None = None
+    half_strip: q.BlockWidth | None = None
+    growth: q.Growth | None = None
     upper: BodyTable
     lower: BodyTable
     stress: BlockStressTable | None = None
+
+    @model_validator(mode="after")
+    def _meshed(self) -> HertzScene:
+        bodies = None if self.model == "standard" else self.discretisation.bodies
+        for key in ("half_width", "half_strip"):
+            if getattr(self, key) is not None and bodies not in ("solid", "waveguide"):
+                raise q.reject('allowed only with bodies = "solid" or "waveguide", which are meshed', key)
+        if self.growth is not None and bodies != "solid":
+            raise q.reject('allowed only with bodies = "solid"', "growth")
+        return self
 
     @model_validator(mode="after")
     def _consistent(self) -> HertzScene:

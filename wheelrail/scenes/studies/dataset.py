@@ -104,8 +104,13 @@ class StudyDataset:
             variables[name] = (self.dims, values, {"units": units, "long_name": text})
         attrs = {"units": "s", "long_name": "computing time of the case including preparation"}
         variables["seconds"] = (self.dims, self._filled(lambda result: result.seconds, np.nan), attrs)
+        skipped = np.full(self.plan.shape, fill_value=True)
+        for case in self.plan.cases:
+            skipped[case.index] = False
         for name, missing in (("status", "not computed"), ("error", ""), ("host", "")):
             values = self._filled(lambda result, name=name: getattr(result, name), missing)  # type: ignore[misc]
+            if name == "status":
+                values[skipped] = "skipped"
             variables[name] = (self.dims, values.astype(str), {"long_name": f"{name} of the case"})
         return variables
 

@@ -27,7 +27,7 @@ class Job:
         computer: versions and sources, see `computer`.
         key: hash of the above; equal keys mean equal results.
         timed: whether computing times are compared; a process then solves its first case twice, the first time for
-            loading and compiling.
+            loading and compiling, and every contact once more, for its warm time.
         folder: for checkpoints and data of a run, on machines that have it.
 
     A run uses one process; the other ones are used by other cases.
@@ -49,7 +49,7 @@ class Job:
         if case.scene.kind == "run":
             table |= {"solver": {**table.get("solver", {}), "workers": 1}}
             table |= {"output": {**table.get("output", {}), "figures": False}}
-        content = {"scene": table, "histories": histories, "computer": computer()}
+        content = {"scene": table, "histories": histories, "timed": timed, "computer": computer()}
         text = json.dumps(content, sort_keys=True, default=list)
         key = hashlib.sha256(text.encode()).hexdigest()[:24]
         place = str(folder.absolute()) if folder is not None and case.scene.kind == "run" else ""

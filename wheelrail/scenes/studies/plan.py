@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import floor, prod
 from pathlib import Path
 from typing import Any
@@ -26,11 +26,20 @@ SAMPLE = "sample"  # the dimension of a Latin hypercube
 
 @dataclass(frozen=True)
 class StudyAxis:
-    """Dimension of n points, each with a value of every parameter; where: its location in the study file."""
+    """Dimension of n points, each with a value of every parameter.
+
+    Parameters:
+        name: of the dimension.
+        values: by parameter.
+        reference: whether the last point is the reference of errors.
+        common: values of the reference for parameters of other dimensions, and for further keys of the scene.
+        where: location in the study file.
+    """
 
     name: str
     values: Mapping[str, Sequence[Any]]
-    reference: bool = False  # whether the last point is the reference of errors
+    reference: bool = False
+    common: Mapping[str, Any] = field(default_factory=dict)
     where: str = "grid"
 
     def __len__(self) -> int:
@@ -97,7 +106,7 @@ def plan(study: StudyTable, path: str | Path = "study") -> Plan:
     if (count := prod(map(len, axes))) > MAX_CASES:
         sizes = " x ".join(f"{len(axis)} {axis.name}" for axis in axes)
         raise SceneError(f"{path}: {count} cases ({sizes}): must be at most {MAX_CASES}")
-    cases = _cases(axes, base, study.set, file, path)
+    cases = _cases(axes, base, study, file, path)
     if study.histories:
         _check_histories(cases, path)
     units = {name: unit_of(model, keys_of(name)) for axis in axes for name in axis.values}
@@ -114,21 +123,25 @@ def _axes(study: StudyTable, whole: Callable[[str], bool]) -> list[StudyAxis]:
 
 
 def _cases(
-    axes: Sequence[StudyAxis], base: Mapping[str, Any], fixed: Mapping[str, Any], file: Path, path: str | Path
+    axes: Sequence[StudyAxis], base: Mapping[str, Any], study: StudyTable, file: Path, path: str | Path
 ) -> list[StudyCase]:
-    """All combinations, validated; fixed: values that the study sets in all cases. Raises SceneError."""
+    """All combinations but the skipped ones, validated. Raises SceneError."""
     cases, checker, points = dict[tuple[int, ...], StudyCase](), SceneChecker(file), [axis.points() for axis in axes]
 
+    def parameters_at(index: tuple[int, ...]) -> dict[str, Any]:
+        return {name: value for at, i in zip(points, index, strict=True) for name, value in at[i].items()}
+
     def messages_of(index: tuple[int, ...]) -> Iterator[str]:
-        parameters = {name: value for at, i in zip(points, index, strict=True) for name, value in at[i].items()}
+        parameters = parameters_at(index) | _common(axes, index)
         try:
             table = changed(base, parameters, path)
             cases[index] = StudyCase(index, parameters, table, checker(table))
         except SceneError as error:
-            locations = {name: f"set.{name}" for name in fixed}
+            locations = {name: f"set.{name}" for name in study.set}
             locations |= {
                 name: axis.location(name, i) for axis, i in zip(axes, index, strict=True) for name in axis.values
             }
+            locations |= {name: f"convergence.reference.{name}" for name in _common(axes, index)}
             values = ", ".join(f"{name} = {shown(value)}" for name, value in parameters.items())
             scene_errors = _scene_errors(base, file)
             for line, of_study in study_messages(error, locations, file=file, path=path):
@@ -141,10 +154,15 @@ def _cases(
                 )
 
     all_indices = list(np.ndindex(*map(len, axes)))
+    if study.skip:
+        all_indices = [index for index in all_indices if not _skipped(study, axes, index, parameters_at(index))]
+    if not all_indices:
+        raise SceneError(f"{path}: skip: leaves no case")
+    computed = set(all_indices)
     for indices in (_revealing_indices(axes), all_indices):
         messages, remaining = dict[str, None](), MAX_CASES_AFTER_ERROR
         for index in indices:
-            if index not in cases:
+            if index not in cases and index in computed:
                 messages |= dict.fromkeys(messages_of(index))
             remaining -= bool(messages)
             if len(messages) > MAX_MESSAGES or not remaining:
@@ -153,6 +171,24 @@ def _cases(
             note = [f"{path}: more errors of this kind"] if len(messages) > MAX_MESSAGES else []
             raise SceneError("\n".join([*list(messages)[:MAX_MESSAGES], *note]))
     return [cases[index] for index in all_indices]
+
+
+def _common(axes: Sequence[StudyAxis], index: tuple[int, ...]) -> dict[str, Any]:
+    """Values of the reference case that replace those of other dimensions; none for other cases."""
+    common: dict[str, Any] = {}
+    for axis, i in zip(axes, index, strict=True):
+        if axis.reference and i == len(axis) - 1:
+            common |= axis.common
+    return common
+
+
+def _skipped(
+    study: StudyTable, axes: Sequence[StudyAxis], index: tuple[int, ...], parameters: Mapping[str, Any]
+) -> bool:
+    """Whether the study skips a case; references are never skipped."""
+    if any(axis.reference and i == len(axis) - 1 for axis, i in zip(axes, index, strict=True)):
+        return False
+    return any(all(parameters[name] in values for name, values in table.items()) for table in study.skip)
 
 
 def _revealing_indices(axes: Sequence[StudyAxis]) -> Iterator[tuple[int, ...]]:
@@ -221,17 +257,24 @@ def _over(convergence: Convergence, axes: Sequence[StudyAxis], model: type[BaseM
         allowed = ", ".join(axis.name for axis in numeric)
         raise SceneError(f'{path}: convergence.over = "{convergence.over}": must be a numeric dimension: {allowed}')
     axis = by_name[convergence.over] if convergence.over else numeric[0]
+    for name in convergence.rms_over:
+        if name not in (other.name for other in axes):
+            raise SceneError(f'{path}: convergence.rms_over = "{name}": must be a dimension')
+    if axis.name in convergence.rms_over:
+        raise SceneError(f'{path}: convergence.rms_over = "{axis.name}": must not be the dimension of convergence')
     if convergence.reference == "hertz":
         if model is not HertzScene:
             text = 'allowed only for kind = "hertz"; use the values of a finer case'
             raise SceneError(f'{path}: convergence.reference = "hertz": {text}')
         return axis
-    if axis.values.keys() != convergence.reference.keys():
-        raise SceneError(f"{path}: convergence.reference: must have exactly the keys {', '.join(axis.values)}")
-    if convergence.reference in axis.points():
+    if not axis.values.keys() <= convergence.reference.keys():
+        raise SceneError(f"{path}: convergence.reference: must have the keys {', '.join(axis.values)}")
+    finest = {name: convergence.reference[name] for name in axis.values}
+    if finest in axis.points():
         raise SceneError(f"{path}: convergence.reference: must not be one of the values of {axis.name}")
-    values = {name: [*values, convergence.reference[name]] for name, values in axis.values.items()}
-    return replace(axis, values=values, reference=True)
+    values = {name: [*values, finest[name]] for name, values in axis.values.items()}
+    common = {name: value for name, value in convergence.reference.items() if name not in finest}
+    return replace(axis, values=values, reference=True, common=common)
 
 
 def _check_histories(cases: Sequence[StudyCase], path: str | Path) -> None:

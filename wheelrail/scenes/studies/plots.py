@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +10,10 @@ import numpy as np
 
 from wheelrail.scenes.plots import errors as panels
 from wheelrail.scenes.plots.style import SERIES, STYLE, save
-from wheelrail.scenes.studies.convergence import counts_of, errors_of, largest_errors
+from wheelrail.scenes.studies.convergence import errors_of, finest_of, increasing_of, largest_errors, series_of
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
-from wheelrail.scenes.studies.tables import dimensions, parameters
+from wheelrail.scenes.studies.tables import dimensions, order_text, parameters, series_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 COLOURS, MARKERS = zip(*((look["color"], look["marker"]) for look in SERIES), strict=True)
 SIDES: dict[Any, dict[str, Any]] = {"left": {}, "right": {"linestyle": "--", "fillstyle": "none"}}
 PANELS, LINES = 6, 12  # largest numbers
+DASHES = ("-", "--", ":", "-.")
 
 
 def draw_study(data: Dataset, folder: Path) -> list[Path]:
@@ -124,33 +125,110 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
 
 
 def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
-    """Relative errors over size and over computing time (work-precision), the largest of all sides."""
+    """Relative errors over size and over computing time (work-precision), a line for each quantity, or a row of panels
+    for each quantity with a line for each series.
+    """
     if not errors_of(data):
         return None
-    over = str(data.attrs["convergence_over"])
-    other_dims = [dim for dim in data["seconds"].dims if dim != over]
-    seconds = data["solve_seconds" if "solve_seconds" in data else "seconds"]
-    seconds = seconds.sum("side") if "side" in seconds.dims else seconds
+    return _of_quantities(data, figure) if len(series_of(data)) < 2 else _of_series(data, figure)
+
+
+def _of_quantities(data: Dataset, figure: Figure | None) -> Figure:
+    """Errors of all quantities of one series."""
     from matplotlib.ticker import NullLocator
 
+    over = str(data.attrs["convergence_over"])
+    others = [dim for dim in data["seconds"].dims if dim != over]
     figure, (left, right) = _panels(figure, 2)
     largest = {name.replace("_", " "): 100.0 * error for name, error in largest_errors(data).items()}
-    mean_seconds, label = seconds.mean(other_dims), "relative error [%]"
-    panels.convergence(data[over].values.tolist(), largest, xlabel=_label(data[over]), ylabel=label, ax=left)
-    order = np.argsort(mean_seconds.values)
-    series = {
-        name: (mean_seconds.values[order].tolist(), error.values[order].tolist()) for name, error in largest.items()
-    }
-    panels.work_precision(series, xlabel="time for the contact solves [s]", ylabel=label, ax=right)
-    if not counts_of(data):
+    spent, label = _spent(data), "relative error [%]"
+    spent = spent.sum("side").mean(others) if "side" in spent.dims else spent.mean(others)
+    rank = np.argsort(np.argsort(data[over].values * (-1 if increasing_of(data) else 1)))
+    fitted = (rank < (finest_of(data) or len(rank))).tolist()
+    sizes = data[over].values.tolist()
+    panels.convergence(sizes, largest, xlabel=_label(data[over]), ylabel=label, fitted=fitted, ax=left)
+    order = np.argsort(spent.values)
+    series = {name: (spent.values[order].tolist(), error.values[order].tolist()) for name, error in largest.items()}
+    time = _time_label(data)
+    panels.work_precision(series, xlabel=time, ylabel=label, ax=right)
+    _logarithmic(left, _label(data[over]), label)
+    _logarithmic(right, time, label)
+    if not increasing_of(data):
         left.invert_xaxis()
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
-    left.set_xticks(data[over].values, [shown(value.item()) for value in data[over].values])
-    left.xaxis.set_minor_locator(NullLocator())
-    for panel in (left, right):
-        panel.grid(visible=True, which="minor", linewidth=0.3)
+    if data[over].dtype.kind == "i":
+        left.set_xticks(data[over].values, [shown(value.item()) for value in data[over].values])
+        left.xaxis.set_minor_locator(NullLocator())
     return figure
+
+
+def _of_series(data: Dataset, figure: Figure | None) -> Figure:
+    """Errors of each quantity, with a line for each series and its fitted order."""
+    from matplotlib.lines import Line2D
+
+    over, time = str(data.attrs["convergence_over"]), _time_label(data)
+    series, errors = series_of(data)[:LINES], dict(list(errors_of(data).items())[:PANELS])
+    styles = _series_styles(series)
+    figure, axes = _panels(figure, 2 * len(errors), columns=2)
+    for (name, error), left, right in zip(errors.items(), axes[::2], axes[1::2], strict=True):
+        for index, style in zip(series, styles, strict=True):
+            values, spent = 100.0 * error.isel(index), _spent(data).isel(index, missing_dims="ignore")
+            spent = spent.mean([dim for dim in spent.dims if dim != over])
+            left.plot(*_ordered(data[over], values.values), **style)
+            right.plot(spent.values, values.values, **style, linewidth=0.6)
+        orders = [order_text(data, name, index) for index in series]
+        _logarithmic(left, _label(data[over]), f"error of {name.replace('_', ' ')} [%]")
+        _logarithmic(right, time, "")
+        handles = [Line2D([], [], **style, label=text) for style, text in zip(styles, orders, strict=True)]
+        right.legend(handles=handles, title="order", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7.5)
+        if not increasing_of(data):
+            left.invert_xaxis()
+    labels = [series_label(data, index) for index in series]
+    handles = [Line2D([], [], **style, label=text) for style, text in zip(styles, labels, strict=True)]
+    count = len(series_of(data))
+    more = f"first {LINES} of {count}" if count > LINES else None
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, title=more)
+    return figure
+
+
+def _series_styles(series: Sequence[Mapping[str, int]]) -> list[dict[str, Any]]:
+    """Style of each series: colours and markers by the longest dimension, dashes and fill by the others."""
+    longest = max(series[0], key=lambda dim: len({index[dim] for index in series}))
+    others = [tuple(i for dim, i in index.items() if dim != longest) for index in series]
+    groups = {other: number for number, other in enumerate(dict.fromkeys(others))}
+    return [
+        {
+            **_line_style(index[longest]),
+            "linestyle": DASHES[groups[other] % len(DASHES)],
+            "fillstyle": "none" if groups[other] else "full",
+        }
+        for index, other in zip(series, others, strict=True)
+    ]
+
+
+def _spent(data: Dataset) -> DataArray:
+    """Time of the contact solves: warm where it was measured."""
+    return next(data[name] for name in ("warm_seconds", "solve_seconds", "seconds") if name in data)
+
+
+def _time_label(data: Dataset) -> str:
+    return f"{'warm ' * ('warm_seconds' in data)}time of the contact solves [s]"
+
+
+def _logarithmic(panel: Axes, xlabel: str, ylabel: str) -> None:
+    """Logarithmic axes; those of less than two decades have more ticks than powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    panel.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
+    panel.grid(visible=True, which="minor", linewidth=0.3)
+    for axis in (panel.xaxis, panel.yaxis):
+        low, high = axis.get_view_interval()
+        if high < 100.0 * low:
+            subs = (1.0, 2.0, 5.0) if high > 10.0 * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+            axis.set_major_locator(LogLocator(subs=subs))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_locator(NullLocator())
 
 
 def _panels(figure: Figure | None, count: int, columns: int | None = None) -> tuple[Figure, list[Axes]]:

@@ -47,6 +47,7 @@ COST = {
     "contact_solves": ("1", "contact problems solved"),
     "newton_iterations": ("1", "Newton iterations of the last solve, or of the whole run"),
     "solve_seconds": ("s", "time for all contact solves"),
+    "warm_seconds": ("s", "time for all contact solves, repeated with compiled code, meshes and compliances at hand"),
 }
 # One value for each side of a run: variable, how it is summed up, unit, meaning.
 RUN_SIDES = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -47,12 +48,32 @@ class LatinHypercube(SceneTable):
 class Convergence(SceneTable):
     """Order of convergence along one dimension.
 
-    over: the dimension; the first numeric one by default. reference: "hertz", the closed form, or the values of a case
-    finer than all others.
+    over: the dimension; the first numeric one by default.
+    reference: "hertz", the closed form, or the values of a case finer than all others; with further keys of the scene
+        it is common to the points of their dimensions.
+    quantities: names of the compared quantities; all by default.
+    rms_over: dimensions over which errors are averaged (root mean square): errors of single cases scatter with the
+        position of the patch edge between grid points.
+    finest: number of values, the finest ones, for the fitted order; all by default.
     """
 
     over: str | None = None
     reference: Literal["hertz"] | Annotated[dict[str, Any], Field(min_length=1)]
+    quantities: Annotated[tuple[str, ...], Strict(False), Field(min_length=1)] | None = None
+    rms_over: Annotated[tuple[str, ...], Strict(False)] = ()
+    finest: Annotated[int, Strict(), q.Range(2, 1000, whole=True)] | None = None
+
+    @field_validator("quantities")
+    @classmethod
+    def _physical(cls, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        from wheelrail.scenes.studies.quantities import PHYSICAL
+
+        for name in names or ():
+            if name not in PHYSICAL:
+                near = get_close_matches(name, PHYSICAL, n=1, cutoff=0.6)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                raise q.reject(f"{name}: must be a quantity of the results{hint}")
+        return names
 
 
 class StudyTable(SceneTable):
@@ -60,8 +81,9 @@ class StudyTable(SceneTable):
 
     scene: file, relative to the study's folder, or a table. workers: processes on this machine, one per core by
     default. histories: store time histories of runs. without: keys to remove from the scene. set: values for all cases.
-    grid: values by parameter. together: tables of parameters that change at the same time. Parameters are dotted keys
-    of the scene: upper.radii, creepage.0.
+    grid: values by parameter. together: tables of parameters that change at the same time. skip: tables of values, by
+    parameter; cases that have all values of a table are not computed. Parameters are dotted keys of the scene:
+    upper.radii, creepage.0.
     """
 
     kind: Literal["study"] = "study"
@@ -73,6 +95,7 @@ class StudyTable(SceneTable):
     grid: dict[str, Values] = Field(default_factory=dict)
     together: Annotated[tuple[dict[str, Values], ...], Strict(False)] = ()
     latin_hypercube: LatinHypercube | None = None
+    skip: Annotated[tuple[dict[str, Values], ...], Strict(False)] = ()
     convergence: Convergence | None = None
 
     @field_validator("scene")
@@ -114,7 +137,18 @@ class StudyTable(SceneTable):
                 lengths = ", ".join(f"{name} has {len(values)}" for name, values in table.items())
                 raise q.reject(f"all parameters must have equally many values: {lengths}", "together")
             _differ(", ".join(table), "together", list(zip(*table.values(), strict=True)))
+        self._check_skipped()
         return self
+
+    def _check_skipped(self) -> None:
+        """Raises a validation error for a skipped value that no case has."""
+        varied = {name: values for table in (self.grid, *self.together) for name, values in table.items()}
+        for name, values in ((name, values) for table in self.skip for name, values in table.items()):
+            if name not in varied:
+                raise q.reject(f"{name}: must be a parameter of [grid] or [[together]]", "skip")
+            for value in values:
+                if value not in varied[name]:
+                    raise q.reject(f"{name}: {value!r} must be one of its values", "skip")
 
     @property
     def parameter_tables(self) -> tuple[tuple[str, Mapping[str, Any]], ...]:
@@ -180,8 +214,9 @@ def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:
     for key in ("set", "grid"):
         if isinstance(data.get(key), Mapping):
             study[key] = _flat(data[key])
-    if isinstance(data.get("together"), list | tuple):
-        study["together"] = [_flat(table) if isinstance(table, Mapping) else table for table in data["together"]]
+    for key in ("together", "skip"):
+        if isinstance(data.get(key), list | tuple):
+            study[key] = [_flat(table) if isinstance(table, Mapping) else table for table in data[key]]
     for key, inner in (("latin_hypercube", "ranges"), ("convergence", "reference")):
         table = data.get(key)
         if isinstance(table, Mapping) and isinstance(table.get(inner), Mapping):

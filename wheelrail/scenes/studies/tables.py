@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wheelrail.scenes.plots.fits import slope
-from wheelrail.scenes.studies.convergence import counts_of, errors_of, largest_errors
+from wheelrail.scenes.studies.convergence import (
+    ORDER,
+    ORDER_ERROR,
+    errors_of,
+    finest_of,
+    increasing_of,
+    largest_errors,
+    series_of,
+)
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
 
@@ -36,7 +45,9 @@ def parameters(data: Dataset) -> list[str]:
 
 def tables(data: Dataset) -> list[RenderableType]:
     """Table of cases, and of errors for a convergence study."""
-    return [case_table(data), *([error_table(data)] if errors_of(data) else [])]
+    if not errors_of(data):
+        return [case_table(data)]
+    return [case_table(data), error_table(data), *([order_table(data)] if len(series_of(data)) > 1 else [])]
 
 
 def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -> Table:
@@ -86,9 +97,50 @@ def error_table(data: Dataset) -> Table:
     for index, value in enumerate(data[over].values):
         view.add_row(shown(_plain(value)), *(_number(100.0 * float(error[index])) for error in largest.values()))
     view.add_section()
-    size = data[over].values ** (-1.0 if counts_of(data) else 1.0)
-    view.add_row("order", *(f"{slope(size, error.values):.2f}" for error in largest.values()))
+    size = data[over].values ** (-1.0 if increasing_of(data) else 1.0)
+    finest = finest_of(data)
+    view.add_row("order", *(f"{slope(size, error.values, finest):.2f}" for error in largest.values()))
     return view
+
+
+def order_table(data: Dataset) -> Table:
+    """Orders of convergence of every series, fitted to its errors, with their standard errors."""
+    from rich.table import Table
+
+    names = list(errors_of(data))
+    view = Table(title=f"Orders over {data.attrs['convergence_over']}", title_justify="left")
+    view.add_column("series")
+    for name in names:
+        view.add_column(name.replace("_", " "), justify="right")
+    for index in series_of(data):
+        view.add_row(series_label(data, index), *(order_text(data, name, index) for name in names))
+    return view
+
+
+def order_text(data: Dataset, name: str, index: Mapping[str, int]) -> str:
+    """Order of the error of a quantity in a series, with its standard error if there are at least three sizes."""
+    order, deviation = (float(data[prefix + name].isel(index)) for prefix in (ORDER, ORDER_ERROR))
+    if np.isnan(order):
+        return "-"
+    return f"{order:.2f}" if np.isnan(deviation) else f"{order:.2f} ± {deviation:.2f}"
+
+
+def series_label(data: Dataset, index: Mapping[str, int]) -> str:
+    """Values of the parameters that vary between series.
+
+    Parameters:
+        data: Dataset of the study.
+        index: by dimension.
+    """
+    texts = []
+    for dim, i in index.items():
+        if dim == "side":
+            texts.append(str(data["side"].values[i]))
+            continue
+        for name in parameters(data):
+            if data[name].dims == (dim,) and len(set(map(str, data[name].values))) > 1:
+                texts.append(f"{data[name].attrs['long_name']} = {shown(_plain(data[name].values[i]))}")
+    return ", ".join(texts)
 
 
 def flat(data: Dataset, name: str) -> Any:
