@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.common.machine import stated
+from benchmarks.common.machine import machine_description
 from benchmarks.paper.published import SOURCE, TABLES
 from benchmarks.paper.tables import markdown
 from wheelrail.contact.kinematics.frames import SIDES
@@ -168,7 +168,7 @@ def main() -> None:
     given.add_argument("--states", type=int, default=8, help="at which solves are timed")
     given.add_argument("--json", type=Path)
     args = given.parse_args()
-    print(stated())
+    print(machine_description())
     scene = scene_of(args.size)
     runs = {model: ran(scene, model, args.seconds) for model in ("full", "condensed")}
     for model, run in runs.items():
@@ -192,7 +192,7 @@ def main() -> None:
     print(f"\n{markdown('eq. (12)|s|Newton|BiCGStab|products with K^-1', lines)}")
     if args.json:
         data = {
-            "machine": stated(),
+            "machine": machine_description(),
             "unknowns": unknowns,
             "factor entries": entries,
             "columns": head.split("|"),

@@ -166,14 +166,14 @@ def _source(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Pat
     """Source of a law's class, from the cache if possible, and its file."""
     place = folder()
     if is_shipped(law):
-        path = (place or Path()) / f"{kind}_{type(law).__name__}_{_ufl_stamp()}.py"
+        path = (place or Path()) / f"{kind}_{type(law).__name__}_{_ufl_stamp()}.generated"
         text = _stored(path)
         if text is not None:
             return text, path
         text = _with_checksum(source(law))
     else:
         text = _with_checksum(source(law))
-        path = (place or Path()) / f"{kind}_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
+        path = (place or Path()) / f"{kind}_{hashlib.sha256(text.encode()).hexdigest()[:16]}.generated"
     if place is not None and _stored(path) is None:
         with suppress(OSError), atomic_file(path) as part:
             part.write_text(text, encoding="utf-8")

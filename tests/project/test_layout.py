@@ -72,7 +72,14 @@ MAY_IMPORT |= {
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
 _SCENES = ("schema", "builders", "datasets", "contacts", "plots", "runs", "views", "studies", "html_report")
 MAY_IMPORT["scenes"] = {"scenes.schema"}
-MAY_IMPORT["scenes.schema"] = {"contact.models", "meshes.profiles", "vehicle.track", "vehicle.wagon", "support"}
+MAY_IMPORT["scenes.schema"] = {
+    "contact.laws",
+    "contact.models",
+    "meshes.profiles",
+    "vehicle.track",
+    "vehicle.wagon",
+    "support",
+}
 for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {f"scenes.{name}" for name in _SCENES}

@@ -57,13 +57,10 @@ def digest(**parts: Any) -> str:
 
 @cache
 def source_digest(*folders: Path) -> str:
-    """Hash of all Python files in folders, at any depth, by name and content, as they are at the first call.
-
-    Generated sources, which are stored in a folder `__pycache__`, do not count.
-    """
+    """Hash of all Python files in folders, at any depth, by name and content, as they are at the first call."""
     checksum = hashlib.sha256()
     for folder in folders:
-        for file in sorted(path for path in folder.rglob("*.py") if "__pycache__" not in path.parts):
+        for file in sorted(folder.rglob("*.py")):
             checksum.update(file.name.encode())
             checksum.update(file.read_bytes())
     return checksum.hexdigest()[:12]
