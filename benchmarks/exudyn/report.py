@@ -3,7 +3,7 @@ channel.
 
     pip install exudyn; python -m benchmarks.exudyn.report --keep
 
---keep writes the samples that tests/contact/test_other_codes.py compares with.
+--keep writes the samples that tests/contact/models/test_other_codes.py compares with.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Solves of tests/contact/test_mpi.py on one process and, by mpirun, on two: prints JSON on the first rank."""
+"""Solves of tests/contact/models/test_mpi.py on one process and, by mpirun, on two: prints JSON on the first rank."""
 
 from __future__ import annotations
 

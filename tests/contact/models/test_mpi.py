@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from two_ranks import solved
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun")
 
 

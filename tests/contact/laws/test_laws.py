@@ -28,7 +28,7 @@ from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.support.arrays import Array
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 FLAT = (np.inf, np.inf)
 FAST = RigidMotion(
     *(
