@@ -295,12 +295,15 @@ def test_scenes_in_the_text_are_valid_tables() -> None:
     """Keys of TOML in the how-to pages are keys of scenes, or of the wagon."""
     from dataclasses import fields
 
+    from wheelrail.contact.laws.registry import FRICTION, NORMAL
     from wheelrail.vehicle.wagon.components import Suspension
     from wheelrail.vehicle.wagon.wagon import Wagon
 
     tables = keys.models(tuple(KINDS.values()))
     allowed = {key for table in tables for key in table.model_fields}
-    allowed |= {item.name for thing in (Wagon, Suspension) for item in fields(thing)}
+    laws = [law for law in (*FRICTION.values(), *NORMAL.values()) if isinstance(law, type)]
+    own = {"dry"}  # of the law in laws.md
+    allowed |= {item.name for thing in (Wagon, Suspension, *laws) for item in fields(thing)} | own
     seen = set()
     for source in (DOCS / "how-to").glob("*.md"):
         for block in re.findall(r"^```toml\n(.*?)^```", source.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):

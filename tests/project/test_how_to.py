@@ -52,3 +52,38 @@ def test_the_penalty_study_of_the_page(folder: Path) -> None:
     assert set(data["status"].values.flat) == {"converged"}
     for name in ("max_pressure", "approach"):
         assert float(data[f"order_{name}"]) == pytest.approx(1.0, abs=0.05)
+
+
+def test_own_law_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The law in Python, and the same in a scene whose command line allows its module."""
+    import os
+    import subprocess
+    import sys
+
+    (code,) = blocks("laws", "python")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my_laws.py").write_text(code.split("solution =")[0])
+    (tmp_path / "run_my_laws.py").write_text(f"{code}\nassert solution.ok\n")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    scene = (ROOT / "scenes" / "hertz.toml").read_text(encoding="utf-8")
+    own, stribeck, power = blocks("laws", "toml")
+    without = re.sub(r"^friction = .*$", "", scene, flags=re.MULTILINE)
+    (tmp_path / "scene.toml").write_text(f"{without}\n{own}")
+    (command,) = (block for block in blocks("laws", "sh") if "--laws" in block)
+    options = command.split()[1:]
+    for arguments in (["run_my_laws.py"], ["-m", "wheelrail.cli", *options]):
+        line = [sys.executable, *arguments]
+        done = subprocess.run(
+            line, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300, check=False
+        )
+        assert done.returncode == 0, done.stderr
+    from wheelrail.contact.laws.friction import Stribeck
+    from wheelrail.contact.laws.normal import PowerPenalty
+    from wheelrail.scenes.builders.laws import laws
+    from wheelrail.scenes.schema.scene import parse_scene
+
+    assert laws(parse_scene(f"{without}\n{stribeck}")).friction == Stribeck(0.4, 0.2, 0.5)
+    law = power.partition("\n\n")[2]
+    paper = re.sub(r"^laws = .*$", 'laws = "paper"', scene, flags=re.MULTILINE)
+    paper = paper if 'laws = "paper"' in paper else 'laws = "paper"\n' + paper
+    assert laws(parse_scene(f"{paper}\n{law}")).normal == PowerPenalty(2e17, 1.5)

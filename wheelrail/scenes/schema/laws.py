@@ -20,8 +20,6 @@ class LawTable(SceneTable):
 
     model_config = ConfigDict(strict=True, extra="allow", frozen=True)
 
-    law: str
-
     @property
     def constants(self) -> dict[str, Any]:
         return dict(self.model_extra or {})
@@ -31,6 +29,8 @@ class FrictionTable(LawTable):
     """A friction law: "coulomb" (mu), "falling" (mu, share, rate), "stribeck" (static, kinetic, speed), "polach-dry" or
     "polach-wet" (Polach's constants), or a user's own, "module:Class", which the command line must allow.
     """
+
+    law: str
 
     @model_validator(mode="after")
     def _valid(self) -> FrictionTable:
@@ -61,6 +61,8 @@ FrictionKey = Annotated[
 
 class NormalTable(LawTable):
     """A normal law: "penalty" (stiffness), "power" (stiffness, exponent), or a user's own, "module:Class"."""
+
+    law: str
 
     @model_validator(mode="after")
     def _valid(self) -> NormalTable:
