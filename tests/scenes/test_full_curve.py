@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.paper.full_curve import differences, published, ran, row, solve_costs
+from benchmarks.full_curve import differences, published, ran, row, solve_costs
 from wheelrail.contact.models.full.model import FullContact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 
