@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.paper.full_curve import differences, published, ran, row, solve_costs
+from benchmarks.full_curve import differences, published, ran, row, solve_costs
 from wheelrail.contact.models.full.model import FullContact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 
@@ -44,7 +44,8 @@ def test_both_formulations_give_the_same_run() -> None:
     assert force < 1e-6
     moved = np.abs(whole.history.state - whole.history.state[0]).max(axis=0)
     assert moved[6] > 1e-6  # m, of the wheelset to the side
-    for cost in whole.history.cost.contact.values():
+    sides = whole.history.cost.contact.values()
+    for cost in sides:
         assert cost.failed == 0
         assert cost.tangents >= len(whole.history) - 1  # the implicit method has the exact tangent
         assert cost.newton == cost.linear  # one iteration of BiCGStab for each of Newton's
@@ -53,13 +54,15 @@ def test_both_formulations_give_the_same_run() -> None:
     assert isinstance(model, FullContact)
     preconditioner = model.solver.preconditioner
     assert preconditioner is not None
-    newton = sum(cost.newton for cost in whole.history.cost.contact.values())
-    # one product with K^-1 for each Newton step, three where the known response of the residual is round-off
-    assert newton <= preconditioner.solves <= 1.1 * newton
+    newton, solves = (sum(getattr(cost, key) for cost in sides) for key in ("newton", "solves"))
+    # one product with K^-1 for each Newton step, three where the known response of the residual is round-off, and one
+    # for the start of each solve
+    assert newton <= preconditioner.solves <= 1.2 * newton + solves
+    assert newton < 3 * solves
     assert row("", whole)[-4] == "1.00"
     costs = solve_costs(coarse, whole, 2)
     assert costs["warm"].newton < costs["cold"].newton
-    assert costs["warm"].products < 1.5 * costs["warm"].newton
+    assert costs["warm"].products <= 1.5 * costs["warm"].newton + 1
 
 
 def test_the_paper_s_table_is_printed_beside() -> None:

@@ -34,7 +34,7 @@ class FullOptions:
         armijo: largest number of halvings of a step, where steps of full length fail.
     """
 
-    tolerance: float = 1e-9
+    tolerance: float = 1e-10
     iterations: int = 50
     forcing: float = 0.01
     jacobian: Jacobian = "exact"

@@ -1,6 +1,6 @@
 """Table 5 of the paper with today's means: the run of scenes/full_curve.toml by eq. (12) and by eq. (15), whole.
 
-python -m benchmarks.paper.full_curve [--seconds T] [--size m] [--states N] [--json FILE]
+python -m benchmarks.full_curve [--seconds T] [--size m] [--states N] [--json FILE]
 
 Both models have the same meshes, laws and integrator; Newton's method of eq. (15) has the tolerance 1e-12, so that the
 differences are those of eq. (12). Seconds are of the processor, of one process: a run without set-up (meshes,
@@ -35,7 +35,7 @@ from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
-SCENE = Path(__file__).parents[2] / "scenes" / "full_curve.toml"
+SCENE = Path(__file__).parents[1] / "scenes" / "full_curve.toml"
 TIGHT = 1e-12  # of the condensed model
 
 
