@@ -67,7 +67,7 @@ def scene_of(size: float | None) -> RunScene:
 
 
 def dynamics(scene: RunScene, contact: WheelsetContact) -> Dynamics:
-    return Dynamics(wagon(scene), track(scene), contact, scene.vehicle.drive)
+    return Dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile)
 
 
 def ran(scene: RunScene, model: str, seconds: float | None) -> ModelRun:
@@ -80,7 +80,7 @@ def ran(scene: RunScene, model: str, seconds: float | None) -> ModelRun:
     else:
         contact = replace(contact, model=replace(solver, options=replace(solver.options, tolerance=TIGHT)))
     ready = process_time()
-    end = seconds or SpeedProfile.of(scene.vehicle.drive).time_at(scene.track.length)
+    end = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length)
     settings = StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol)
     recording = Recording(scene.output.interval or None)
     history = simulate(dynamics(scene, contact), (0.0, end), steps=settings, recording=recording)
