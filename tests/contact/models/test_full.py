@@ -191,13 +191,13 @@ def test_solve_depends_on_its_guess_only() -> None:
 
 @pytest.mark.parametrize("laws", [FRICTIONLESS, ROLLING, FALLING, ContactLaws()], ids=["frictionless", *"pfe"])
 def test_tangent_of_the_forces_is_that_of_condensed(laws: ContactLaws) -> None:
-    motion = CREEP if laws.friction else AT_REST
+    motion = CREEP if laws.frictional else AT_REST
     first, second = (
         build(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=laws, steels=DISSIMILAR)(pose(3.2), motion).tangent()
         for build in (full, condensed)
     )
     scale = np.abs(second).max(axis=0)
-    assert (scale > 0).sum() >= (6 if laws.friction else 3)
+    assert (scale > 0).sum() >= (6 if laws.frictional else 3)
     assert (np.abs(first - second).max(axis=0) <= 1e-5 * scale).all()
 
 
