@@ -1,0 +1,71 @@
+"""Unknowns of the contact on a lattice: loaded strips with their tractions, pressure modes and ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.basis import MODES
+from wheelrail.support.arrays import Array, Mask, Nodes
+
+SHORTEST = 0.1  # of the squared half length: the least that remains of it after one step
+
+
+@dataclass(frozen=True)
+class LatticeState:
+    """S loaded strips.
+
+    Parameters:
+        strips: (S,) their numbers on the lattice, ascending.
+        values: (S, 2 M + MODES + 2), strip by strip: tractions Pa of the cells along and across (none without
+            friction), amplitudes Pa of the pressure modes, and ends m.
+    """
+
+    strips: Nodes
+    values: Array
+
+    @property
+    def ends(self) -> Array:
+        """Trailing and leading ends (S, 2) m along the rolling circle."""
+        return self.values[:, -2:]
+
+    @property
+    def modes(self) -> Array:
+        """Amplitudes (S, MODES) Pa."""
+        return self.values[:, -2 - MODES : -2]
+
+    @property
+    def tractions(self) -> Array:
+        """Tractions (S, 2, M) Pa; M = 0 without friction."""
+        return self.values[:, : -2 - MODES].reshape(len(self.strips), 2, -1)
+
+    @property
+    def half(self) -> Array:
+        """Half lengths (S,) m."""
+        return np.asarray(0.5 * (self.values[:, -1] - self.values[:, -2]))
+
+    def at(self, chosen: Mask) -> LatticeState:
+        """Those strips of a mask (S,)."""
+        return LatticeState(self.strips[chosen], self.values[chosen])
+
+    def joined(self, other: LatticeState) -> LatticeState:
+        """These strips and others, in order."""
+        strips = np.concatenate([self.strips, other.strips])
+        order = np.argsort(strips)
+        return LatticeState(strips[order], np.concatenate([self.values, other.values])[order])
+
+    def moved(self, step: Array, factor: float) -> LatticeState:
+        """The state after a fraction of a Newton step (S, block).
+
+        The steps are taken in the squared half length and in loads per width, in which the birth of a strip is nearly
+        linear: both are proportional to the penetration in excess.
+        """
+        half, change = self.half, 0.5 * (step[:, -1] - step[:, -2])
+        squared = np.maximum(half**2 + 2 * factor * half * change, SHORTEST * half**2)
+        new_half = np.sqrt(squared)
+        middle = self.ends.mean(axis=1) + factor * step[:, -2:].mean(axis=1)
+        loads = self.values[:, :-2] * half[:, None]
+        loads = loads + factor * (step[:, :-2] * half[:, None] + self.values[:, :-2] * change[:, None])
+        ends = np.column_stack([middle - new_half, middle + new_half])
+        return replace(self, values=np.hstack([loads / new_half[:, None], ends]))
