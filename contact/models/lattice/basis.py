@@ -79,7 +79,7 @@ def _basis(edges: Array) -> StripBasis:
     middle = 0.5 * (row_marks[1:] + row_marks[:-1])
     stations = 0.5 - 0.5 * np.cos(np.pi * (np.arange(STATIONS) + 0.5) / STATIONS)
     means = _cell_means_of_lagrange(edges, stations)
-    return StripBasis(
+    fields = (
         edges,
         row_marks,
         mean,
@@ -90,6 +90,7 @@ def _basis(edges: Array) -> StripBasis:
         moments @ means,
         means,
     )
+    return StripBasis(*(np.ascontiguousarray(values) for values in fields))  # compiled loops take their addresses
 
 
 def _edge_weights(cells: Array) -> Array:

@@ -8,7 +8,8 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.basis import MODES, StripBasis, equal_cells
-from wheelrail.contact.models.lattice.compliance import StripGrid, cell_operator
+from wheelrail.contact.models.lattice.cell_compliance import cell_operator
+from wheelrail.contact.models.lattice.compliance import StripGrid
 from wheelrail.contact.models.lattice.penetration import frames, penetration, rigid_shift
 from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState

@@ -7,19 +7,19 @@ are weights of V at the cell boundaries.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import types
-from numba.extending import intrinsic
 
 from wheelrail.contact.models.lattice.basis import StripBasis
-from wheelrail.contact.models.lattice.pair_tables import PairTables
+from wheelrail.contact.models.lattice.pair_tables import NN, TN, TN_TURN, TT, XN, XT, XT_TURN, XX, PairTables
+from wheelrail.contact.models.lattice.vectors import bits, difference, double, polynomial, products, weighted
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 SHIFT = 49  # bits of a double below the three leading ones of its fraction: eight cells an octave
 BIAS = 1023 << 3
+VECTOR, BLOCK = 64, 384  # bytes of a vector, and of the coefficients of a table's cell
 
 
 class StripGrid(NamedTuple):
@@ -37,90 +37,62 @@ class StripGrid(NamedTuple):
     stretch: Array
 
 
-@intrinsic  # type: ignore[misc]
-def _bits(context: Any, x: Any) -> Any:
-    """The bits of a double as an integer."""
-
-    def generate(_: Any, builder: Any, __: Any, arguments: Any) -> Any:
-        from llvmlite import ir
-
-        return builder.bitcast(arguments[0], ir.IntType(64))
-
-    return types.int64(types.float64), generate
-
-
-@intrinsic  # type: ignore[misc]
-def _double(context: Any, x: Any) -> Any:
-    """The double with the bits of an integer."""
-
-    def generate(_: Any, builder: Any, __: Any, arguments: Any) -> Any:
-        from llvmlite import ir
-
-        return builder.bitcast(arguments[0], ir.DoubleType())
-
-    return types.float64(types.int64), generate
-
-
 @compiled
 def look_up(tables: PairTables, pair: int, rows: Array, columns: Array, G: Array, H: Array) -> bool:
-    """Write G (R, C, 9) and its slope H at the distances of boundaries rows (R,) and columns (C,) of a pair of strips.
+    """Write G (R, C, 8) and its slope H at the distances of boundaries rows (R,) and columns (C,) of a pair of strips.
 
     False where they are farther apart than the table reaches.
     """
     first, inverse = tables.first[pair], tables.inverse[pair]
-    last = first + tables.count[pair]
+    last = tables.count[pair]
+    start, values, slopes = tables.values.ctypes.data + BLOCK * first, G.ctypes.data, H.ctypes.data
+    wide = G.shape[1]
     for r in range(len(rows)):
         for c in range(len(columns)):
             x = rows[r] - columns[c]
             z = abs(x) * inverse + 1.0
-            top = _bits(z) >> SHIFT
-            u = z - _double(top << SHIFT)
-            cell = first + (top - BIAS)
+            top = bits(z) >> SHIFT
+            cell = top - BIAS
             if cell >= last:
                 return False
-            v, g, h = tables.values[cell], G[r, c], H[r, c]
             sign = 1.0 if x >= 0.0 else -1.0
-            for k in range(9):
-                a = v[5, k]
-                b = a
-                a = a * u + v[4, k]
-                b = b * u + a
-                a = a * u + v[3, k]
-                b = b * u + a
-                a = a * u + v[2, k]
-                b = b * u + a
-                a = a * u + v[1, k]
-                b = b * u + a
-                g[k] = a * u + v[0, k]
-                h[k] = b * inverse
-            for k in range(4, 9, 4):
-                h[k] *= sign
-            h[0], h[5], h[7] = h[0] * sign, h[5] * sign, h[7] * sign
-            g[1], g[2], g[3], g[6] = g[1] * sign, g[2] * sign, g[3] * sign, g[6] * sign
+            at = VECTOR * (r * wide + c)
+            polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
     return True
 
 
 @compiled
-def _transpose(G: Array, H: Array, back: Array, slope: Array) -> None:
-    """Values and slopes of the pair in the other order, by reciprocity."""
-    for r in range(G.shape[0]):
-        for c in range(G.shape[1]):
-            for a in range(3):
-                for b in range(3):
-                    back[c, r, 3 * b + a] = G[r, c, 3 * a + b]
-                    slope[c, r, 3 * b + a] = -H[r, c, 3 * a + b]
+def _displaced(sums: Array, turn: float, V: Array) -> None:
+    """Add to V (3,) the components from sums (3, 8) of table values times loads along, across and normal.
+
+    turn: 1, or -1 for the pair in the other order: by reciprocity the antisymmetric components change their sign.
+    """
+    V[0] += sums[0, XX] + sums[1, XT] + turn * (sums[1, XT_TURN] + sums[2, XN])
+    V[1] += sums[0, XT] + sums[1, TT] + sums[2, TN] + turn * (sums[2, TN_TURN] - sums[0, XT_TURN])
+    V[2] += sums[1, TN] + sums[2, NN] - turn * (sums[0, XN] + sums[1, TN_TURN])
 
 
 @compiled
-def _antiderivative(G: Array, jumps: Array, V: Array) -> None:
-    """Add to V (R, 3) of a strip the effect of jumps (M + 1, 3) of the force per area on another one."""
+def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Array, V: Array) -> None:
+    """Add to V (R, 3) of a strip the effect of jumps (M + 1, 3) of the force per length on another one.
+
+    Parameters:
+        G: (R, C, 8), rows of the displaced strip; with turn = -1, of the loaded one.
+        sign: factor, -1 for slopes in the other order.
+        sums: (3, 8), work space.
+    """
+    count, start, wide = len(jumps), G.ctypes.data, G.shape[1]
+    loads, out = jumps.ctypes.data, sums.ctypes.data
+    total = np.empty(3)
     for r in range(len(V)):
-        for e in range(len(jumps)):
-            x, y, z = jumps[e, 0], jumps[e, 1], jumps[e, 2]
-            g = G[r, e]
-            V[r, 0] += g[0] * x + g[1] * y + g[2] * z
-            V[r, 1] += g[3] * x + g[4] * y + g[5] * z
-            V[r, 2] += g[6] * x + g[7] * y + g[8] * z
+        if turn > 0.0:
+            products(start + VECTOR * r * wide, VECTOR, loads, count, out)
+        else:
+            products(start + VECTOR * r, VECTOR * wide, loads, count, out)
+        total[:] = 0.0
+        _displaced(sums, turn, total)
+        for k in range(3):
+            V[r, k] += sign * total[k]
 
 
 @compiled
@@ -128,68 +100,110 @@ def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[
     """Whether all distances lie in the tables, and V (S, M + 3, 3) by jumps (S, M + 1, 3) of the traction times width."""
     S, R = grid.x.shape
     V = np.zeros((S, R, 3))
-    G, H, back, slope = np.empty((R, R, 9)), np.empty((R, R, 9)), np.empty((R, R, 9)), np.empty((R, R, 9))
+    G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
     pair = -1
     for i in range(S):
         for j in range(i, S):
             pair += 1
             if not look_up(tables, pair, grid.x[i], grid.x[j], G, H):
                 return False, V
-            _antiderivative(G, jumps[j], V[i])
+            _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
             if i != j:
-                _transpose(G, H, back, slope)
-                _antiderivative(back, jumps[i], V[j])
+                _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
     return True, V
 
 
+class LoadedColumns(NamedTuple):
+    """Work space: table values by unit forces per length on the cells of a strip, and by its ends.
+
+    Parameters:
+        cells: (M, R, 8) differences of G over the cells.
+        ends: (2, R, 3) antiderivative by both ends.
+        slopes: (R, 3) its derivative by the boundaries of the displaced strip.
+        sums: (3, 8).
+        jumps: (2, M + 1, 3), times the change of the boundaries by either end.
+        out: (8,).
+    """
+
+    cells: Array
+    ends: Array
+    slopes: Array
+    sums: Array
+    jumps: Array
+    out: Array
+
+
 @compiled
-def _columns(
-    G: Array, H: Array, jumps: Array, grid: StripGrid, j: int, basis: StripBasis, rolls: bool, E: Array
+def _load_strip(
+    G: Array, H: Array, jumps: Array, grid: StripGrid, j: int, basis: StripBasis, turn: float, work: LoadedColumns
 ) -> None:
-    """Antiderivative E (3, R, block) by the unknowns of a loaded strip j: tractions, modes of the pressure, and ends."""
-    R, M = G.shape[0], len(basis.marks) - 1
-    width, at = grid.width[j], 2 * M if rolls else 0
-    modes = basis.mean.shape[1]
-    E[:] = 0.0
-    for r in range(R):
-        for c in range(M):
-            for a in range(3):
-                if rolls:
-                    E[a, r, c] = width * (G[r, c, 3 * a] - G[r, c + 1, 3 * a])
-                    E[a, r, M + c] = width * (G[r, c, 3 * a + 1] - G[r, c + 1, 3 * a + 1])
-                pressed = width * (G[r, c + 1, 3 * a + 2] - G[r, c, 3 * a + 2])
-                for m in range(modes):
-                    E[a, r, at + m] += pressed * basis.mean[c, m]
-        for e in range(M + 1):
-            x, y, z = jumps[e, 0], jumps[e, 1], jumps[e, 2]
-            back, ahead = grid.stretch[j] * (1.0 - basis.marks[e]), grid.stretch[j] * basis.marks[e]
-            h = H[r, e]
-            for a in range(3):
-                change = h[3 * a] * x + h[3 * a + 1] * y + h[3 * a + 2] * z
-                E[a, r, at + modes] -= back * change
-                E[a, r, at + modes + 1] -= ahead * change
+    """Fill the work space for a loaded strip j, which belongs to the columns of G and H, with turn = -1 to the rows."""
+    M, R, wide = len(basis.marks) - 1, work.cells.shape[1], G.shape[1]
+    row, column = (wide, 1) if turn > 0.0 else (1, wide)
+    start, out = G.ctypes.data, work.cells.ctypes.data
+    for c in range(M):
+        for r in range(R):
+            first = start + VECTOR * (r * row + c * column)
+            difference(first, first + VECTOR * column, grid.width[j], out + VECTOR * (c * R + r))
+    stretch = grid.stretch[j]
+    for e in range(M + 1):
+        for k in range(3):
+            work.jumps[0, e, k] = -stretch * (1.0 - basis.marks[e]) * jumps[e, k]
+            work.jumps[1, e, k] = -stretch * basis.marks[e] * jumps[e, k]
+    work.ends[:] = 0.0
+    for end in range(2):
+        _antiderivative(H, work.jumps[end], turn, turn, work.sums, work.ends[end])
 
 
 @compiled
-def _rows(E: Array, length: float, basis: StripBasis, rolls: bool, A: Array) -> None:
-    """Add to the block A of a strip: slips along and across of its cells, and moments of its gap, from E (3, R, block)."""
-    M, count = len(basis.marks) - 1, E.shape[2]
+def _add_column(
+    g: Array, turn: float, factor: float, c: int, component: int, basis: StripBasis, rolls: bool, row: Array
+) -> None:
+    """Add to a row of a block the component of displacement by tractions and modes on cell c, from table values (8,)."""
+    M = len(basis.marks) - 1
+    if component == 0:
+        along, across, normal = g[XX], g[XT] + turn * g[XT_TURN], turn * g[XN]
+    elif component == 1:
+        along, across, normal = g[XT] - turn * g[XT_TURN], g[TT], g[TN] + turn * g[TN_TURN]
+    else:
+        along, across, normal = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
+    at = 0
+    if rolls:
+        row[c] += factor * along
+        row[M + c] += factor * across
+        at = 2 * M
+    for m in range(basis.mean.shape[1]):
+        row[at + m] -= factor * normal * basis.mean[c, m]  # pressure acts against the outward normal
+
+
+@compiled
+def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasis, rolls: bool, A: Array) -> None:
+    """Add to the block A of a displaced strip, of a length m, and the loaded one of the work space."""
+    M, R = len(basis.marks) - 1, work.cells.shape[1]
+    modes = basis.mean.shape[1]
     at = 2 * M if rolls else 0
     over = 1.0 / length
+    cells, out = work.cells.ctypes.data, work.out.ctypes.data
+    moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
     for k in range(len(basis.moment_edges)):
         row = A[at + k]
-        for e in range(M + 1):
-            weight = over * basis.moment_edges[k, e]
-            for c in range(count):
-                row[c] += weight * E[2, e, c]
+        for c in range(M):
+            weighted(cells + VECTOR * c * R, VECTOR, moment + 8 * k * (M + 1), M + 1, out)
+            _add_column(work.out, turn, over, c, 2, basis, rolls, row)
+        for end in range(2):
+            for e in range(M + 1):
+                row[at + modes + end] += over * basis.moment_edges[k, e] * work.ends[end, e, 2]
     if rolls:
-        for a in range(2):
-            for r in range(M):
-                row = A[a * M + r]
+        for r in range(M):
+            for c in range(M):
+                weighted(cells + VECTOR * (c * R + r), VECTOR, slip + 32 * r, 4, out)
+                _add_column(work.out, turn, over * over, c, 0, basis, rolls, A[r])
+                _add_column(work.out, turn, over * over, c, 1, basis, rolls, A[M + r])
+            for end in range(2):
                 for k in range(4):
                     weight = over * over * basis.slip_edges[r, k]
-                    for c in range(count):
-                        row[c] += weight * E[a, r + k, c]
+                    A[r, at + modes + end] += weight * work.ends[end, r + k, 0]
+                    A[M + r, at + modes + end] += weight * work.ends[end, r + k, 1]
 
 
 @compiled
@@ -238,27 +252,30 @@ def operator(
     block = (2 * M if rolls else 0) + len(basis.moment_edges)
     A = np.zeros((S * block, S * block))
     V, slopes = np.zeros((S, R, 3)), np.zeros((S, R, 3))
-    G, H, back, slope = np.empty((R, R, 9)), np.empty((R, R, 9)), np.empty((R, R, 9)), np.empty((R, R, 9))
-    E = np.empty((3, R, block))
+    G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
+    work = LoadedColumns(
+        np.empty((M, R, 8)), np.empty((2, R, 3)), np.empty((R, 3)), sums, np.empty((2, M + 1, 3)), np.empty(8)
+    )
     pair = -1
     for i in range(S):
+        own = slice(i * block, (i + 1) * block)
         for j in range(i, S):
             pair += 1
             if not look_up(tables, pair, grid.x[i], grid.x[j], G, H):
                 return False, A, V
-            _columns(G, H, jumps[j], grid, j, basis, rolls, E)
-            _rows(E, grid.length[i], basis, rolls, A[i * block : (i + 1) * block, j * block : (j + 1) * block])
-            _antiderivative(G, jumps[j], V[i])
-            _antiderivative(H, jumps[j], slopes[i])
+            other = slice(j * block, (j + 1) * block)
+            _load_strip(G, H, jumps[j], grid, j, basis, 1.0, work)
+            _add_block(work, 1.0, grid.length[i], basis, rolls, A[own, other])
+            _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
+            _antiderivative(H, jumps[j], 1.0, 1.0, sums, slopes[i])
             if i != j:
-                _transpose(G, H, back, slope)
-                _columns(back, slope, jumps[i], grid, i, basis, rolls, E)
-                _rows(E, grid.length[j], basis, rolls, A[j * block : (j + 1) * block, i * block : (i + 1) * block])
-                _antiderivative(back, jumps[i], V[j])
-                _antiderivative(slope, jumps[i], slopes[j])
+                _load_strip(G, H, jumps[i], grid, i, basis, -1.0, work)
+                _add_block(work, -1.0, grid.length[j], basis, rolls, A[other, own])
+                _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
+                _antiderivative(H, jumps[i], -1.0, -1.0, sums, slopes[j])
     for i in range(S):
-        own = A[i * block : (i + 1) * block, i * block : (i + 1) * block]
-        _own_ends(V[i], slopes[i], grid, i, basis, rolls, own)
+        own = slice(i * block, (i + 1) * block)
+        _own_ends(V[i], slopes[i], grid, i, basis, rolls, A[own, own])
     return True, A, V
 
 
@@ -277,87 +294,3 @@ def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Arr
                 for k in range(4):
                     slips[i, a, r] += over * over * basis.slip_edges[r, k] * V[i, r + k, a]
     return slips, moments
-
-
-@compiled
-def _cell_columns(G: Array, width: float, i: int, j: int, grid: StripGrid, basis: StripBasis, A: Array) -> None:
-    """Slips and displacements of the cells of strip i by unit tractions on those of strip j, into A (3, n, 3, n)."""
-    M = len(basis.marks) - 1
-    over = 1.0 / grid.length[i]
-    for b in range(3):
-        for c in range(M):
-            for r in range(M):
-                m, n = i * M + r, j * M + c
-                first = G[r, c, 6 + b] - G[r, c + 1, 6 + b]
-                second = G[r + 1, c, 6 + b] - G[r + 1, c + 1, 6 + b]
-                A[2, m, b, n] = width * (second - first) * over / (basis.marks[r + 1] - basis.marks[r])
-                for a in range(2):
-                    total = 0.0
-                    for k in range(4):
-                        part = G[r + k, c, 3 * a + b] - G[r + k, c + 1, 3 * a + b]
-                        total += basis.slip_edges[r, k] * part
-                    A[a, m, b, n] = width * over * over * total
-
-
-@compiled
-def cell_operator(tables: PairTables, grid: StripGrid, basis: StripBasis, rolls: bool) -> tuple[bool, Array]:
-    """Slips along and across and relative normal displacement of all n cells by unit tractions on them (along, across,
-    and pressure): (3 n, 3 n), or without rolling displacement by pressure alone (n, n); rows and columns component by
-    component. The flag is False where distances exceed the tables.
-    """
-    S, R = grid.x.shape
-    n = S * (R - 3)
-    A = np.zeros((3, n, 3, n))
-    G, H, back, slope = np.empty((R, R, 9)), np.empty((R, R, 9)), np.empty((R, R, 9)), np.empty((R, R, 9))
-    pair, inside = -1, True
-    for i in range(S):
-        for j in range(i, S):
-            pair += 1
-            inside = inside and look_up(tables, pair, grid.x[i], grid.x[j], G, H)
-            _cell_columns(G, grid.width[j], i, j, grid, basis, A)
-            if i != j:
-                _transpose(G, H, back, slope)
-                _cell_columns(back, grid.width[i], j, i, grid, basis, A)
-    if rolls:
-        return inside, A.copy().reshape(3 * n, 3 * n)
-    return inside, np.ascontiguousarray(A[2, :, 2, :])
-
-
-@compiled
-def normal_displacements(
-    tables: PairTables, before: Array, edges: Array, grid: StripGrid, jumps: Array
-) -> tuple[bool, Array]:
-    """Relative normal displacement (n, C) m of cells with boundaries (n, C + 1) m on n unloaded strips.
-
-    Parameters:
-        tables: of the pairs of unloaded and loaded strips, row by row.
-        before: (pairs,) whether the unloaded strip has the lower number.
-        edges: (n, C + 1) m, by length on the surface.
-        grid, jumps: of the loaded strips.
-
-    The flag is False where distances exceed the tables.
-    """
-    n, C = edges.shape[0], edges.shape[1] - 1
-    S, M = jumps.shape[0], jumps.shape[1] - 1
-    displacement = np.zeros((n, C))
-    G, H = np.empty((C + 1, M + 1, 9)), np.empty((C + 1, M + 1, 9))
-    pair = -1
-    for i in range(n):
-        for j in range(S):
-            pair += 1
-            ahead = before[pair]
-            sign = 1.0 if ahead else -1.0  # reciprocity: the transposed table at the opposite distance
-            if not look_up(tables, pair, sign * edges[i], sign * grid.x[j, : M + 1], G, H):
-                return False, displacement
-            step = 1 if ahead else 3
-            start = 6 if ahead else 2
-            last = 0.0
-            for r in range(C + 1):
-                total = 0.0
-                for e in range(M + 1):
-                    for b in range(3):
-                        total += G[r, e, start + step * b] * jumps[j, e, b]
-                if r > 0:
-                    displacement[i, r - 1] += (total - last) / (edges[i, r] - edges[i, r - 1])
-                last = total
-    return True, displacement

@@ -7,7 +7,7 @@ import numpy as np
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.basis import MODES
-from wheelrail.contact.models.lattice.compliance import normal_displacements
+from wheelrail.contact.models.lattice.cell_compliance import normal_displacements
 from wheelrail.contact.models.lattice.penetration import penetration
 from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState

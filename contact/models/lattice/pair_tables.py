@@ -5,8 +5,10 @@ its load a body is a half-space, whose part of G depends on the strips' widths a
 is tabulated once for all poses; the deviation of finite bodies from half-spaces is smooth.
 
 Cells of the tables: z = 1 + |x| / start, `CELLS` equal ones in every octave of z, polynomials of degree `DEGREE` in
-each; means over contact cells err by 1e-7. Nine components, displacement (row) by force (column), axes longitudinal,
-lateral and outward normal of the upper body on either strip: EVEN and ODD functions of x.
+each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body on
+either strip. Displacement by force is symmetric up to TURN components, which change their sign when the pair is taken in
+the other order: C_xt = XT + XT_TURN, C_tx = XT - XT_TURN, C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xn = -C_nx = XN.
+The first five components are even functions of x, the others odd.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from wheelrail.support.arrays import Array, Nodes
 
 CELLS = 8  # an octave
 DEGREE = 5
-COMPONENTS = 9
+COMPONENTS = 8
+XX, TT, NN, TN, TN_TURN, XT, XT_TURN, XN = range(COMPONENTS)
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
 REACH = 0.08  # m, longest distance along x
 GROWTH = 1.5  # of the storage
@@ -149,17 +152,18 @@ def rotated(near: Array, row: float, column: float) -> Array:
     """
     along, across, normal, mixed = near.T
     ci, si, cj, sj = np.cos(row), np.sin(row), np.cos(column), np.sin(column)
+    tn, nt = -ci * sj * across + si * cj * normal, -si * cj * across + ci * sj * normal
+    xt, tx = mixed * cj, mixed * ci
     return np.stack(
         [
             along,
-            mixed * cj,
-            -mixed * sj,
-            mixed * ci,
             ci * cj * across + si * sj * normal,
-            -ci * sj * across + si * cj * normal,
-            -mixed * si,
-            -si * cj * across + ci * sj * normal,
             si * sj * across + ci * cj * normal,
+            0.5 * (tn + nt),
+            0.5 * (tn - nt),
+            0.5 * (xt + tx),
+            0.5 * (xt - tx),
+            0.5 * mixed * (si - sj),
         ],
         axis=1,
     )
