@@ -40,10 +40,11 @@ MAY_IMPORT |= {
     "contact.models.fitted": _MODEL
     | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
 }
+MAY_IMPORT["contact.models.lattice"] = MAY_IMPORT["contact.models.fitted"] | {"contact.models.fitted"}
 MAY_IMPORT["contact.models"] = {
     "contact.analytical",
     "contact.elasticity.waveguide",
-    *(f"contact.models.{name}" for name in ("fitted", "full", "standard")),
+    *(f"contact.models.{name}" for name in ("fitted", "full", "lattice", "standard")),
     *(MAY_IMPORT["contact.models.fitted"] | MAY_IMPORT["contact.models.full"]),
 }
 MAY_IMPORT |= {

@@ -27,7 +27,9 @@ EXCHANGES = 3  # times that a strip may leave before it must stay out
 
 @dataclass(frozen=True)
 class LatticeSolution:
-    """Converged state, with its Jacobian (n, n) and rho (S, M) of the friction residual; step: size of the last one."""
+    """Converged state with its evaluation, the Jacobian (n, n) one step before, rho (S, M) of the friction residual, and
+    the size of that step.
+    """
 
     state: LatticeState
     evaluation: Evaluation
@@ -69,7 +71,8 @@ class LatticeNewton:
                 grown = self._entered(state)
                 if grown is None:
                     self.count.residual = size
-                    return LatticeSolution(state, evaluation, jacobian, rho, size)
+                    state = state.moved(step, 1.0)
+                    return LatticeSolution(state, self.problem.evaluate(state, rho), jacobian, rho, size)
                 state = grown
                 continue
             remains = self._remain(state, step)

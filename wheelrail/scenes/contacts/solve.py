@@ -209,8 +209,9 @@ def _wheelset(
 def _halved(model: ContactModel) -> ContactModel:
     """The model with half as many cells in both directions."""
     from wheelrail.contact.models.fitted.model import FittedContact
+    from wheelrail.contact.models.lattice.model import LatticeContact
 
-    assert isinstance(model, FittedContact)
+    assert isinstance(model, FittedContact | LatticeContact)
     return replace(model, resolution=model.resolution.coarsened())
 
 

@@ -59,7 +59,7 @@ class Contact(SceneTable):
     degree: of the displacements; 1 for solids by default.
     points: "fitted" (strips of cells that end at the patch edge, the default for the exact normal law unless bodies are
         solid), or "grid", not available for half-spaces.
-    strips, cells: of fitted points, over the width of a patch and along a strip; 12 and 16 by default.
+    strips, cells: of fitted points or a lattice, over the width of a patch and along a strip; 12 and 16 by default.
     slip_order: order of the upstream difference formula of the slip on a grid.
     stiffness_per_area: penalty, N/m3; regularisation: creepage.
     """
@@ -75,7 +75,7 @@ class Contact(SceneTable):
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     bodies: Literal["solid", "waveguide", "half-space"] | None = None
     degree: Literal[1, 2] | None = None
-    points: Literal["fitted", "grid"] | None = None
+    points: Literal["fitted", "lattice", "grid"] | None = None
     strips: q.Fineness | None = None
     cells: q.Fineness | None = None
     slip_order: Literal[1, 2] = 2
@@ -152,8 +152,8 @@ class Solve(Contact):
 
     @model_validator(mode="after")
     def _estimable(self) -> Solve:
-        if self.error_estimate and (self.model == "standard" or self.discretisation.points != "fitted"):
-            raise q.reject('allowed only with points = "fitted"', "error_estimate")
+        if self.error_estimate and (self.model == "standard" or self.discretisation.points == "grid"):
+            raise q.reject('allowed only with points = "fitted" or "lattice"', "error_estimate")
         return self
 
 

@@ -1,0 +1,135 @@
+"""Derivative of force and moment by pose and motion, from the Jacobian of the converged equations, moving ends included.
+
+With R(u, g) = 0 the equations and g the twelve changes of `wheelrail.contact.kinematics.sensitivity`, the unknowns
+change by u' = -J^-1 dR/dg (implicit function theorem). The set of loaded strips is fixed: a strip comes and goes with
+no load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg as la
+
+from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.sensitivity import carried, rigid_slip
+from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
+from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.lattice.penetration import frames, penetration
+from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem
+from wheelrail.contact.solvers.tangent import CHANGES, co_moving_load
+from wheelrail.support.arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class LatticeTangent:
+    """Linearisation of a solution.
+
+    Parameters:
+        problem: equations.
+        solution: their solution.
+        places: cells of the solution.
+    """
+
+    problem: LatticeProblem
+    solution: LatticeSolution
+    places: SurfacePoints
+
+    @cached_property
+    def matrix(self) -> Array:
+        """Derivative (6, 12) of force and moment about the rail's origin."""
+        state = self.solution.state
+        change = -la.solve(self.solution.jacobian, self._by_pose(), check_finite=False)
+        units = (self.places.axes @ carried(self.places.point).transpose(1, 2, 0)) * self.places.area[:, None, None]
+        total = self._by_unknowns(units) @ change
+        assert self.places.follows is not None
+        if self.places.follows.rides:
+            local = self._local().reshape(-1, 3)
+            total[:, :6] += co_moving_load(np.einsum("nk,nkj->j", local, units), self.problem.pose.origin)
+        assert len(state.strips)
+        return np.asarray(total)
+
+    def _local(self) -> Array:
+        """Tractions (S, M, 3) Pa along, across and outward."""
+        evaluation, state = self.solution.evaluation, self.solution.state
+        local = np.zeros((*evaluation.pressure.shape, 3))
+        if self.problem.rolls:
+            local[..., :2] = state.tractions.transpose(0, 2, 1)
+        local[..., 2] = -evaluation.pressure
+        return local
+
+    def _by_unknowns(self, units: Array) -> Array:
+        """Derivative (6, n) of force and moment by the unknowns; units (cells, 3, 6) of unit tractions."""
+        problem, state = self.problem, self.solution.state
+        S, block = state.values.shape
+        M = problem.cells
+        own = units.reshape(S, M, 3, 6)
+        total = np.zeros((S, block, 6))
+        if problem.rolls:
+            total[:, : 2 * M] = own[:, :, :2].transpose(0, 2, 1, 3).reshape(S, 2 * M, 6)
+        total[:, -2 - MODES : -2] = -np.einsum("srj,rm->smj", own[:, :, 2], problem.basis.mean)
+        local = self._local()
+        loads = np.einsum("srk,srkj->srj", local, own)
+        moved = self._moved(loads.reshape(-1, 6)).reshape(S, M, 6)
+        longer = loads.sum(axis=1) / np.diff(state.ends)
+        share = problem.cell_middles[:, None]
+        total[:, -2] = -longer + (moved * (1 - share)).sum(axis=1)
+        total[:, -1] = longer + (moved * share).sum(axis=1)
+        return total.reshape(S * block, 6).T
+
+    def _moved(self, loads: Array) -> Array:
+        """Change (cells, 6) of the loads of the cells as these move along x."""
+        problem, state = self.problem, self.solution.state
+        x = state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles
+        s = np.repeat(problem.middle[state.strips], problem.cells)
+        at = frames(problem.tables.operators.surfaces, problem.pose, s, x.ravel())
+        force = np.cross(at.turn, loads[:, :3])
+        moment = np.cross(at.forward, loads[:, :3]) + np.cross(at.point, force)
+        return np.hstack([force, moment])
+
+    def _by_pose(self) -> Array:
+        """Derivative (n, 12) of the residual at fixed unknowns."""
+        problem, evaluation, state = self.problem, self.solution.evaluation, self.solution.state
+        S, block = state.values.shape
+        M = problem.cells
+        total = np.zeros((S, block, CHANGES))
+        depth = problem.line_mean(evaluation.depth.pose, state)
+        total[:, -MOMENTS:, :6] = np.einsum("kg,sgj->skj", problem.basis.penetration, depth)
+        if problem.rolls:
+            speed = self._speed()
+            shift, _ = rigid_slip(self.places, problem.pose.origin, problem.motion, np.zeros((6, S * M)))
+            shift = shift.reshape(CHANGES, 2, S, M).transpose(2, 1, 3, 0)
+            creep = (shift - problem.rigid(state)[0][..., None] * speed) / problem.speed
+            D, _ = problem.friction_slopes(state, evaluation, self.solution.rho)
+            by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
+            rows = np.einsum("srab,sbrj->sarj", by_slip, creep)
+            rows += D[:, :, 10:].transpose(0, 2, 1)[..., None] * speed
+            total[:, : 2 * M] = rows.reshape(S, 2 * M, CHANGES)
+        return total.reshape(S * block, CHANGES)
+
+    def _speed(self) -> Array:
+        """Derivative (12,) of `LatticeProblem.speed`."""
+        problem = self.problem
+        own, surfaces = problem.candidates, problem.tables.operators.surfaces
+        lines, x = problem.lines, problem.crest[0][own]
+        s = problem.middle[own]
+        deepening = np.zeros((6, len(own)))
+        for line, side in enumerate((-GAUSS, GAUSS)):
+            at = np.ascontiguousarray(lines.x.reshape(-1, 2)[own, line])
+            deepening += 0.5 * penetration(surfaces, problem.pose, s + side * problem.width[own], at).pose.T
+        at_crest = frames(surfaces, problem.pose, s, x)
+        depth = problem.depth[own]
+        places = SurfacePoints(
+            point=at_crest.point,
+            axes=at_crest.axes,
+            area=depth * problem.width[own],
+            overlap=depth,
+            wheel_rotation=problem.pose.rotation,
+            step=problem.width[own],
+            wheel_place=np.zeros((len(own), 2)),
+            rail_place=np.zeros((len(own), 2)),
+            follows=self.places.follows,
+        )
+        return rigid_slip(places, problem.pose.origin, problem.motion, 2 * deepening)[1]
