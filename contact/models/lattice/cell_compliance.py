@@ -6,7 +6,8 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.basis import StripBasis
 from wheelrail.contact.models.lattice.compliance import StripGrid, look_up
-from wheelrail.contact.models.lattice.pair_tables import NN, TN, TN_TURN, TT, XN, XT, XT_TURN, XX, PairTables
+from wheelrail.contact.models.lattice.pair_grid import NN, TN, TN_TURN, TT, XN, XT, XT_TURN, XX
+from wheelrail.contact.models.lattice.pair_tables import PairTables
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 

@@ -12,8 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.models.lattice.basis import StripBasis
-from wheelrail.contact.models.lattice.pair_tables import NN, TN, TN_TURN, TT, XN, XT, XT_TURN, XX, PairTables
-from wheelrail.contact.models.lattice.vectors import bits, difference, double, polynomial, products, weighted
+from wheelrail.contact.models.lattice.body_correction import START as SMOOTH_START
+from wheelrail.contact.models.lattice.pair_grid import NN, TN, TN_TURN, TT, XN, XT, XT_TURN, XX
+from wheelrail.contact.models.lattice.pair_tables import PairTables
+from wheelrail.contact.models.lattice.vectors import add_polynomial, bits, difference, double, polynomial, products, weighted
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
@@ -58,6 +60,25 @@ def look_up(tables: PairTables, pair: int, rows: Array, columns: Array, G: Array
             sign = 1.0 if x >= 0.0 else -1.0
             at = VECTOR * (r * wide + c)
             polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
+    return _add_smooth(tables.smooth[pair], rows, columns, G, H) if len(tables.smooth) else True
+
+
+@compiled
+def _add_smooth(table: Array, rows: Array, columns: Array, G: Array, H: Array) -> bool:
+    """Add the deviation of the lower body to `look_up`, from its table (cells, DEGREE + 1, 8)."""
+    start, values, slopes = table.ctypes.data, G.ctypes.data, H.ctypes.data
+    inverse, last, wide = 1.0 / SMOOTH_START, len(table), G.shape[1]
+    for r in range(len(rows)):
+        for c in range(len(columns)):
+            x = rows[r] - columns[c]
+            z = abs(x) * inverse + 1.0
+            top = bits(z) >> SHIFT
+            cell = top - BIAS
+            if cell >= last:
+                return False
+            sign = 1.0 if x >= 0.0 else -1.0
+            at = VECTOR * (r * wide + c)
+            add_polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
     return True
 
 

@@ -64,7 +64,9 @@ def _depth(problem: LatticeProblem, free: Nodes, at: Array) -> Array:
 def _displacement(problem: LatticeProblem, state: LatticeState, free: Nodes, edges: Array) -> Array:
     """Relative normal displacement (n, PROBES) m of the probes by the loaded strips."""
     stretch = problem.tables.operators.surfaces.along(problem.middle[free])
-    tables = problem.tables.between(free, state.strips)
+    i, j = (index.ravel() for index in np.meshgrid(free, state.strips, indexing="ij"))
+    feet = problem.at_crests.foot if problem.tables.moves else None
+    tables = problem.tables.of(np.minimum(i, j), np.maximum(i, j), feet, problem.reach)
     grid, jumps = problem.grid(state), problem.jumps(state)
     before = (free[:, None] < state.strips).ravel()
     inside, displacement = normal_displacements(tables, before, stretch[:, None] * edges, grid, jumps)

@@ -147,6 +147,15 @@ def _scaled(jacobian: Array, state: LatticeState) -> Array:
     return np.asarray(jacobian * rows[:, None] * columns)
 
 
+def solve_scaled(jacobian: Array, state: LatticeState, right: Array) -> Array:
+    """Solutions (n, k) for right-hand sides (n, k)."""
+    S, block = state.values.shape
+    factors = la.lu_factor(_scaled(jacobian, state), check_finite=False)
+    rows = np.tile(np.r_[np.full(block - MOMENTS, 1 / STRESS), np.full(MOMENTS, 1 / GAP)], S)
+    columns = np.tile(np.r_[np.full(block - 2, STRESS), np.full(2, LENGTH)], S)
+    return np.asarray(columns[:, None] * la.lu_solve(factors, rows[:, None] * right, check_finite=False))
+
+
 def _solved(factors: tuple[Array, Array], right: Array) -> Array:
     """Step (S, block) from the factors of the scaled Jacobian and a right-hand side (S, block)."""
     scaled = right.copy()

@@ -14,21 +14,20 @@ The first five components are even functions of x, the others odd.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from wheelrail.contact.elasticity.half_space import strip_antiderivative
-from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
+from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.contact.models.lattice.body_correction import OUTWARD, BodyCorrection, pair_means
+from wheelrail.contact.models.lattice.pair_grid import COMPONENTS, DEGREE, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 
-CELLS = 8  # an octave
-DEGREE = 5
-COMPONENTS = 8
-XX, TT, NN, TN, TN_TURN, XT, XT_TURN, XN = range(COMPONENTS)
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
-REACH = 0.08  # m, longest distance along x
 GROWTH = 1.5  # of the storage
 
 
@@ -40,45 +39,15 @@ class PairTables(NamedTuple):
         first: (pairs,) first cell of a pair.
         count: (pairs,) its number of cells.
         inverse: (pairs,) 1/m, 1 / start.
+        smooth: (pairs, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
+            `wheelrail.contact.models.lattice.body_correction.START`; (0, ..) where it is contained in values.
     """
 
     values: Array
     first: Nodes
     count: Nodes
     inverse: Array
-
-
-def lobatto(count: int) -> Array:
-    """Chebyshev-Lobatto points (count,) from 0 to 1."""
-    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.arange(count) / (count - 1)))
-
-
-@dataclass(frozen=True)
-class PairGrid:
-    """Distances along x at which a pair is sampled: cells (n,) from z = lower with given widths, start m."""
-
-    start: float
-    lower: Array
-    width: Array
-
-    @classmethod
-    def over(cls, start: float) -> PairGrid:
-        """Cells from 0 to `REACH`."""
-        octaves = int(np.ceil(np.log2(1 + REACH / start)))
-        octave, k = np.divmod(np.arange(octaves * CELLS), CELLS)
-        return cls(start, 2.0**octave * (1 + k / CELLS), 2.0**octave / CELLS)
-
-    @property
-    def x(self) -> Array:
-        """Distances (n (DEGREE + 1),) m."""
-        z = self.lower[:, None] + self.width[:, None] * lobatto(DEGREE + 1)
-        return np.asarray(((z - 1) * self.start).ravel())
-
-    def coefficients(self, samples: Array) -> Array:
-        """Coefficients (n, DEGREE + 1, COMPONENTS) from samples (n (DEGREE + 1), COMPONENTS) at `x`."""
-        inverse = np.linalg.inv(np.vander(lobatto(DEGREE + 1), increasing=True))
-        powers = inverse @ samples.reshape(len(self.lower), DEGREE + 1, -1)
-        return np.asarray(powers / self.width[:, None, None] ** np.arange(DEGREE + 1)[:, None])
+    smooth: Array
 
 
 @dataclass
@@ -98,27 +67,57 @@ class LatticeTables:
 
     def __post_init__(self) -> None:
         self._values = np.zeros((4096, DEGREE + 1, COMPONENTS))
-        middle = 0.5 * (self.sides[1:] + self.sides[:-1])
-        tangent = self.operators.upper._tangents(middle)
+        self.middle = 0.5 * (self.sides[1:] + self.sides[:-1])
+        self.width = np.diff(self.sides)
+        tangent = self.operators.upper._tangents(self.middle)
         self._angle = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
+        self._stretch = self.operators.surfaces.along(self.middle)
 
-    def of(self, strips: Nodes) -> PairTables:
-        """Tables of the pairs of some strips (S,), in ascending order."""
-        i, j = np.triu_indices(len(strips))
-        return self._of_pairs(strips[i], strips[j])
+    @cached_property
+    def _corrections(self) -> tuple[BodyCorrection | None, BodyCorrection | None]:
+        """Deviations of both bodies from half-spaces."""
+        bodies = self.operators.upper, self.operators.lower
+        upper, lower = (
+            BodyCorrection(body, outward) if isinstance(body, ElementInfluence) else None
+            for body, outward in zip(bodies, OUTWARD, strict=True)
+        )
+        return upper, lower
 
-    def between(self, rows: Nodes, columns: Nodes) -> PairTables:
-        """Tables of the pairs of rows (n,) and columns (m,), row by row, the lower number of each pair first."""
-        i, j = (index.ravel() for index in np.meshgrid(rows, columns, indexing="ij"))
-        return self._of_pairs(np.minimum(i, j), np.maximum(i, j))
+    @property
+    def moves(self) -> bool:
+        """Whether the compliance depends on where the strips lie on the lower body."""
+        return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)
 
-    def _of_pairs(self, i: Nodes, j: Nodes) -> PairTables:
+    def of(self, i: Nodes, j: Nodes, feet: Array | None, reach: float) -> PairTables:
+        """Tables of pairs of strips.
+
+        Parameters:
+            i, j: (pairs,) numbers of the strips, i <= j.
+            feet: (K,) m, arc length of the strips' middles on the lower body; None where it does not matter.
+            reach: m, longest distance along x.
+
+        Raises OutsideSurface beyond the lines of the lower body.
+        """
         pairs = list(zip(i.tolist(), j.tolist(), strict=True))
         for pair in pairs:
             if pair not in self._place:
                 self._add(*pair)
         first, count, inverse = zip(*(self._place[pair] for pair in pairs), strict=True)
-        return PairTables(self._values, np.array(first), np.array(count), np.array(inverse))
+        smooth = np.zeros((0, 1, DEGREE + 1, COMPONENTS))
+        if feet is not None:
+            lower = self._corrections[1]
+            assert lower is not None
+            cells = lower.grid.cells_up_to(reach)
+            smooth = self._means(lower, i, j, feet, cells)
+        return PairTables(self._values, np.array(first), np.array(count), np.array(inverse), smooth)
+
+    def _means(self, body: BodyCorrection, i: Nodes, j: Nodes, middle: Array, cells: int) -> Array:
+        """Coefficients (pairs, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (K,) m on it."""
+        own, number = np.unique(np.concatenate([i, j]), return_inverse=True)
+        at, width = middle[own], self.width[own]
+        first, lines = body.between_lines(float((at - 0.5 * width).min()), float((at + 0.5 * width).max()))
+        share = body.shares(first, len(lines), at, width)
+        return pair_means(lines, share, number[: len(i)], number[len(i) :], cells)
 
     def _add(self, i: int, j: int) -> None:
         sides = np.array([[self.sides[k], self.sides[k + 1]] for k in ((i,) if i == j else (i, j))])
@@ -130,6 +129,12 @@ class LatticeTables:
         for body in (self.operators.upper, self.operators.lower):
             near = strip_antiderivative(grid.x, sides, body.nu)[min(j - i, 1)]
             samples += half_space_scale(body) * rotated(near, -tilt, tilt)
+        stretch = 0.5 * (self._stretch[i] + self._stretch[j])
+        for correction in self._corrections[: 1 if self.moves else 2]:
+            if correction is not None:
+                only = np.array([i]), np.array([j])
+                smooth = self._means(correction, *only, self.middle, len(correction.grid.lower))[0]
+                samples += stretch**2 * correction.grid.at(smooth, grid.x / stretch)
         coefficients = grid.coefficients(samples)
         count = len(coefficients)
         while self._used + count > len(self._values):

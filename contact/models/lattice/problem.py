@@ -20,7 +20,7 @@ from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
 from wheelrail.contact.models.lattice.basis import MODES, MOMENTS, StripBasis
 from wheelrail.contact.models.lattice.compliance import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.friction import FrictionLaw, residual, slopes
-from wheelrail.contact.models.lattice.pair_tables import LatticeTables
+from wheelrail.contact.models.lattice.pair_tables import LatticeTables, PairTables
 from wheelrail.contact.models.lattice.penetration import Penetration, frames, penetration, rigid_shift
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.support.arrays import Array, Mask, Nodes
@@ -132,15 +132,39 @@ class LatticeProblem:
     def cells(self) -> int:
         return len(self.basis.marks) - 1
 
-    @cached_property
+    @property
     def middle(self) -> Array:
         """Arc length (K,) m of the middles of all strips."""
-        return np.asarray(0.5 * (self.tables.sides[1:] + self.tables.sides[:-1]))
+        return self.tables.middle
 
-    @cached_property
+    @property
     def width(self) -> Array:
         """Width (K,) m of all strips."""
-        return np.diff(self.tables.sides)
+        return self.tables.width
+
+    @cached_property
+    def at_crests(self) -> Penetration:
+        """Penetration (K,) at the strips' middles, where that of their profile is largest."""
+        return penetration(self.tables.operators.surfaces, self.pose, self.middle, self.crest[0])
+
+    @cached_property
+    def reach(self) -> float:
+        """Longest distance m along x in the contact: twice the region of penetration."""
+        x, bend = (values[self.candidates] for values in self.crest)
+        half = np.sqrt(2 * self.depth[self.candidates] / bend)
+        return float(2 * ((x + half).max() - (x - half).min()))
+
+    def pairs(self, strips: Nodes) -> PairTables:
+        """Tables of the pairs i <= j of some strips (S,). Raises OutsideSurface."""
+        key = strips.tobytes()
+        if key not in self._stored:
+            feet = self.at_crests.foot if self.tables.moves else None
+            self._stored[key] = self.tables.of(*triangle(strips), feet, self.reach)
+        return self._stored[key]
+
+    @cached_property
+    def _stored(self) -> dict[bytes, PairTables]:
+        return {}
 
     @cached_property
     def lines(self) -> PenetrationProfile:
@@ -222,7 +246,7 @@ class LatticeProblem:
 
     def evaluate(self, state: LatticeState, rho: Array) -> Evaluation:
         """Residual of a state; rho (S, M) 1/Pa. Raises OutsideSurface."""
-        tables, grid, jumps = self.tables.of(state.strips), self.grid(state), self.jumps(state)
+        tables, grid, jumps = self.pairs(state.strips), self.grid(state), self.jumps(state)
         inside, V = antiderivatives(tables, grid, jumps)
         if not inside:
             raise OutsideSurface(TOO_LONG)
@@ -258,7 +282,7 @@ class LatticeProblem:
 
     def linearise(self, state: LatticeState, rho: Array | None = None) -> tuple[Evaluation, Array, Array]:
         """Evaluation, Jacobian (n, n) and rho (S, M) 1/Pa of a state; rho None is chosen. Raises OutsideSurface."""
-        tables, grid, jumps = self.tables.of(state.strips), self.grid(state), self.jumps(state)
+        tables, grid, jumps = self.pairs(state.strips), self.grid(state), self.jumps(state)
         inside, A, V = operator(tables, grid, jumps, self.basis, self.rolls)
         if not inside:
             raise OutsideSurface(TOO_LONG)
@@ -285,6 +309,12 @@ class LatticeProblem:
         assert self.law is not None
         q = np.ascontiguousarray(state.tractions)
         return friction_slopes(self.law, q, evaluation.slip, evaluation.pressure, rho, self.speed)
+
+
+def triangle(strips: Nodes) -> tuple[Nodes, Nodes]:
+    """Strips of all pairs i <= j, row by row."""
+    i, j = np.triu_indices(len(strips))
+    return strips[i], strips[j]
 
 
 def self_compliance(A: Array, strips: int, cells: int) -> Array:

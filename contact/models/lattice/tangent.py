@@ -11,16 +11,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as la
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.sensitivity import carried, rigid_slip
 from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
-from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.lattice.compliance import antiderivatives, slips_and_moments
+from wheelrail.contact.models.lattice.newton import LatticeSolution, solve_scaled
 from wheelrail.contact.models.lattice.penetration import frames, penetration
-from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem
+from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem, triangle
 from wheelrail.contact.solvers.tangent import CHANGES, co_moving_load
 from wheelrail.support.arrays import Array
+
+DIFFERENCE = 1e-5  # m, of the places on the lower body
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,14 +43,13 @@ class LatticeTangent:
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
         state = self.solution.state
-        change = -la.solve(self.solution.jacobian, self._by_pose(), check_finite=False)
+        change = -solve_scaled(self.solution.jacobian, state, self._by_pose())
         units = (self.places.axes @ carried(self.places.point).transpose(1, 2, 0)) * self.places.area[:, None, None]
         total = self._by_unknowns(units) @ change
         assert self.places.follows is not None
         if self.places.follows.rides:
             local = self._local().reshape(-1, 3)
             total[:, :6] += co_moving_load(np.einsum("nk,nkj->j", local, units), self.problem.pose.origin)
-        assert len(state.strips)
         return np.asarray(total)
 
     def _local(self) -> Array:
@@ -97,6 +98,8 @@ class LatticeTangent:
         total = np.zeros((S, block, CHANGES))
         depth = problem.line_mean(evaluation.depth.pose, state)
         total[:, -MOMENTS:, :6] = np.einsum("kg,sgj->skj", problem.basis.penetration, depth)
+        slips, moments = self._by_compliance()
+        total[:, -MOMENTS:, :6] += moments
         if problem.rolls:
             speed = self._speed()
             shift, _ = rigid_slip(self.places, problem.pose.origin, problem.motion, np.zeros((6, S * M)))
@@ -104,10 +107,31 @@ class LatticeTangent:
             creep = (shift - problem.rigid(state)[0][..., None] * speed) / problem.speed
             D, _ = problem.friction_slopes(state, evaluation, self.solution.rho)
             by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
+            creep[..., :6] += slips
             rows = np.einsum("srab,sbrj->sarj", by_slip, creep)
             rows += D[:, :, 10:].transpose(0, 2, 1)[..., None] * speed
             total[:, : 2 * M] = rows.reshape(S, 2 * M, CHANGES)
         return total.reshape(S * block, CHANGES)
+
+    def _by_compliance(self) -> tuple[Array, Array]:
+        """Derivatives (S, 2, M, 6) of slips and (S, MOMENTS, 6) of moments by the strips' places on the lower body, by a
+        difference: the deviation of the lower body from a half-space varies slowly.
+        """
+        problem, state = self.problem, self.solution.state
+        S, M = len(state.strips), problem.cells
+        slips, moments = np.zeros((S, 2, M, 6)), np.zeros((S, MOMENTS, 6))
+        if not problem.tables.moves:
+            return slips, moments
+        grid, jumps = problem.grid(state), problem.jumps(state)
+        at = problem.at_crests
+        before = slips_and_moments(self.solution.evaluation.V, grid, problem.basis)
+        for k in np.flatnonzero(np.abs(at.foot_pose).max(axis=0) > 0):
+            step = DIFFERENCE / float(np.abs(at.foot_pose[state.strips, k]).max())
+            feet = at.foot + step * at.foot_pose[:, k]
+            _, V = antiderivatives(problem.tables.of(*triangle(state.strips), feet, problem.reach), grid, jumps)
+            after = slips_and_moments(V, grid, problem.basis)
+            slips[..., k], moments[..., k] = ((b - a) / step for a, b in zip(before, after, strict=True))
+        return slips, moments
 
     def _speed(self) -> Array:
         """Derivative (12,) of `LatticeProblem.speed`."""

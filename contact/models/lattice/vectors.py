@@ -77,33 +77,37 @@ def double(context: Any, x: Any) -> Any:
     return types.float64(types.int64), generate
 
 
-@intrinsic  # type: ignore[misc]
-def polynomial(context: Any, table: Any, u: Any, even: Any, slope: Any, values: Any, slopes: Any) -> Any:
-    """Write values and slopes (8,) of polynomials of degree 5, coefficients (6, 8) at the address table, at u.
+def _polynomial(adds: bool) -> Any:
+    @intrinsic  # type: ignore[misc]
+    def polynomial(context: Any, table: Any, u: Any, even: Any, slope: Any, values: Any, slopes: Any) -> Any:
+        def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
+            ir = _ir()
+            table, u, even, slope, values, slopes = arguments
+            fma, at = _fma(builder), _splat(builder, u)
+            coefficient = [_load(builder, _offset(builder, table, BYTES * k)) for k in range(6)]
+            value = derivative = coefficient[5]
+            for k in (4, 3, 2, 1):
+                value = builder.call(fma, [value, at, coefficient[k]])
+                derivative = builder.call(fma, [derivative, at, value])
+            value = builder.call(fma, [value, at, coefficient[0]])
+            mask = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * 5 + [WIDTH] * 3)
+            one = _splat(builder, ir.Constant(ir.DoubleType(), 1.0))
+            signs = builder.shuffle_vector(one, _splat(builder, even), mask)
+            factor = _splat(builder, builder.fmul(slope, even))
+            factors = builder.shuffle_vector(factor, _splat(builder, slope), mask)
+            for result, by, to in ((value, signs, values), (derivative, factors, slopes)):
+                product = builder.fmul(result, by)
+                _store(builder, builder.fadd(product, _load(builder, to)) if adds else product, to)
+            return ctx.get_dummy_value()
 
-    The first five values are multiplied by 1 and the others by even; their slopes by slope even and slope.
-    """
+        return types.void(table, u, even, slope, values, slopes), generate
 
-    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
-        ir = _ir()
-        table, u, even, slope, values, slopes = arguments
-        fma, at = _fma(builder), _splat(builder, u)
-        coefficient = [_load(builder, _offset(builder, table, BYTES * k)) for k in range(6)]
-        value = derivative = coefficient[5]
-        for k in (4, 3, 2, 1):
-            value = builder.call(fma, [value, at, coefficient[k]])
-            derivative = builder.call(fma, [derivative, at, value])
-        value = builder.call(fma, [value, at, coefficient[0]])
-        mask = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * 5 + [WIDTH] * 3)
-        one = _splat(builder, ir.Constant(ir.DoubleType(), 1.0))
-        signs = builder.shuffle_vector(one, _splat(builder, even), mask)
-        factor = _splat(builder, builder.fmul(slope, even))
-        factors = builder.shuffle_vector(factor, _splat(builder, slope), mask)
-        _store(builder, builder.fmul(value, signs), values)
-        _store(builder, builder.fmul(derivative, factors), slopes)
-        return ctx.get_dummy_value()
+    return polynomial
 
-    return types.void(table, u, even, slope, values, slopes), generate
+
+# Write, or add, values and slopes (8,) of polynomials of degree 5, coefficients (6, 8) at the address table, at u. The
+# first five values are multiplied by 1 and the others by even; their slopes by slope even and slope.
+polynomial, add_polynomial = _polynomial(False), _polynomial(True)
 
 
 @intrinsic  # type: ignore[misc]
