@@ -106,7 +106,7 @@ def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> Array:
             0.5 * (block[0, 1] + block[1, 0]),
             0.5 * (block[0, 1] - block[1, 0]),
             0.5 * (by_column[0] + by_row[0]),
-            0.5 * (by_column[0] - by_row[0]),
+            np.zeros_like(xx),
             0.5 * (by_column[1] - by_row[1]),
         ],
         axis=1,

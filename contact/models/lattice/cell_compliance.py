@@ -6,7 +6,7 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.basis import StripBasis
 from wheelrail.contact.models.lattice.compliance import StripGrid, look_up
-from wheelrail.contact.models.lattice.pair_grid import NN, TN, TN_TURN, TT, XN, XT, XT_TURN, XX
+from wheelrail.contact.models.lattice.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.pair_tables import PairTables
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
@@ -19,8 +19,8 @@ def _matrix(G: Array, turn: float, K: Array) -> None:
         for c in range(G.shape[1]):
             g = G[r, c]
             k = K[r, c] if turn > 0.0 else K[c, r]
-            k[0, 0], k[0, 1], k[0, 2] = g[XX], g[XT] + turn * g[XT_TURN], turn * g[XN]
-            k[1, 0], k[1, 1], k[1, 2] = g[XT] - turn * g[XT_TURN], g[TT], g[TN] + turn * g[TN_TURN]
+            k[0, 0], k[0, 1], k[0, 2] = g[XX], g[XT], turn * (g[XN] + g[ROLL])
+            k[1, 0], k[1, 1], k[1, 2] = g[XT], g[TT], g[TN] + turn * g[TN_TURN]
             k[2, 0], k[2, 1], k[2, 2] = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.basis import StripBasis
 from wheelrail.contact.models.lattice.body_correction import START as SMOOTH_START
-from wheelrail.contact.models.lattice.pair_grid import NN, TN, TN_TURN, TT, XN, XT, XT_TURN, XX
+from wheelrail.contact.models.lattice.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.pair_tables import PairTables
 from wheelrail.contact.models.lattice.vectors import add_polynomial, bits, difference, double, polynomial, products, weighted
 from wheelrail.support.arrays import Array
@@ -88,8 +88,8 @@ def _displaced(sums: Array, turn: float, V: Array) -> None:
 
     turn: 1, or -1 for the pair in the other order: by reciprocity the antisymmetric components change their sign.
     """
-    V[0] += sums[0, XX] + sums[1, XT] + turn * (sums[1, XT_TURN] + sums[2, XN])
-    V[1] += sums[0, XT] + sums[1, TT] + sums[2, TN] + turn * (sums[2, TN_TURN] - sums[0, XT_TURN])
+    V[0] += sums[0, XX] + sums[1, XT] + turn * (sums[2, XN] + sums[2, ROLL])
+    V[1] += sums[0, XT] + sums[1, TT] + sums[2, TN] + turn * sums[2, TN_TURN]
     V[2] += sums[1, TN] + sums[2, NN] - turn * (sums[0, XN] + sums[1, TN_TURN])
 
 
@@ -183,9 +183,9 @@ def _add_column(
     """Add to a row of a block the component of displacement by tractions and modes on cell c, from table values (8,)."""
     M = len(basis.marks) - 1
     if component == 0:
-        along, across, normal = g[XX], g[XT] + turn * g[XT_TURN], turn * g[XN]
+        along, across, normal = g[XX], g[XT], turn * (g[XN] + g[ROLL])
     elif component == 1:
-        along, across, normal = g[XT] - turn * g[XT_TURN], g[TT], g[TN] + turn * g[TN_TURN]
+        along, across, normal = g[XT], g[TT], g[TN] + turn * g[TN_TURN]
     else:
         along, across, normal = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
     at = 0

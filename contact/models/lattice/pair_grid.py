@@ -11,7 +11,7 @@ from wheelrail.support.arrays import Array
 CELLS = 8  # an octave
 DEGREE = 5
 COMPONENTS = 8
-XX, TT, NN, TN, TN_TURN, XT, XT_TURN, XN = range(COMPONENTS)
+XX, TT, NN, TN, TN_TURN, XT, ROLL, XN = range(COMPONENTS)
 REACH = 0.08  # m, longest distance along x
 
 
@@ -60,3 +60,13 @@ class PairGrid:
         for k in range(DEGREE - 1, -1, -1):
             values = values * u + coefficients[cell, k]
         return np.asarray(values)
+
+    def integral(self, samples: Array) -> Array:
+        """Integral from 0 to `x` of a function sampled there, (n (DEGREE + 1),)."""
+        nodes = lobatto(DEGREE + 1)
+        inverse = np.linalg.inv(np.vander(nodes, increasing=True))
+        power = np.arange(1, DEGREE + 2)
+        to_nodes = (nodes[:, None] ** power / power) @ inverse
+        parts = samples.reshape(-1, DEGREE + 1) @ to_nodes.T * (self.width * self.start)[:, None]
+        before = np.concatenate([[0.0], np.cumsum(parts[:-1, -1])])
+        return np.asarray((before[:, None] + parts).ravel())

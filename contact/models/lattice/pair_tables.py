@@ -7,8 +7,10 @@ is tabulated once for all poses; the deviation of finite bodies from half-spaces
 Cells of the tables: z = 1 + |x| / start, `CELLS` equal ones in every octave of z, polynomials of degree `DEGREE` in
 each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body on
 either strip. Displacement by force is symmetric up to TURN components, which change their sign when the pair is taken in
-the other order: C_xt = XT + XT_TURN, C_tx = XT - XT_TURN, C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xn = -C_nx = XN.
-The first five components are even functions of x, the others odd.
+the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN; the parts of C_xt and
+C_xn with the other symmetry, by the slope of the bodies' flexibility across, are neglected. The first five components
+are even functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R, integrated along x. On a
+wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpac
 from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.fitted.surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.body_correction import OUTWARD, BodyCorrection, pair_means
-from wheelrail.contact.models.lattice.pair_grid import COMPONENTS, DEGREE, PairGrid
+from wheelrail.contact.models.lattice.pair_grid import COMPONENTS, DEGREE, NN, ROLL, TN, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
@@ -126,15 +128,23 @@ class LatticeTables:
         grid = PairGrid.over(start)
         samples = np.zeros((len(grid.x), COMPONENTS))
         tilt = 0.5 * (self._angle[j] - self._angle[i])
+        wheel: Array | None = None
         for body in (self.operators.upper, self.operators.lower):
             near = strip_antiderivative(grid.x, sides, body.nu)[min(j - i, 1)]
-            samples += half_space_scale(body) * rotated(near, -tilt, tilt)
+            part = half_space_scale(body) * rotated(near, -tilt, tilt)
+            samples += part
+            wheel = part if body is self.operators.upper and body.radius is not None else wheel
         stretch = 0.5 * (self._stretch[i] + self._stretch[j])
         for correction in self._corrections[: 1 if self.moves else 2]:
             if correction is not None:
                 only = np.array([i]), np.array([j])
                 smooth = self._means(correction, *only, self.middle, len(correction.grid.lower))[0]
-                samples += stretch**2 * correction.grid.at(smooth, grid.x / stretch)
+                part = stretch**2 * correction.grid.at(smooth, grid.x / stretch)
+                samples += part
+                if wheel is not None and correction.body is self.operators.upper:
+                    angle, radius = 0.5 * (self._angle[i] + self._angle[j]), self.operators.upper.radius
+                    assert radius is not None
+                    samples[:, ROLL] = grid.integral(radial(wheel + part, angle)) / (radius * stretch)
         coefficients = grid.coefficients(samples)
         count = len(coefficients)
         while self._used + count > len(self._values):
@@ -144,6 +154,13 @@ class LatticeTables:
         self._values[self._used : self._used + count] = coefficients
         self._place[i, j] = self._used, count, 1 / start
         self._used += count
+
+
+def radial(samples: Array, angle: float) -> Array:
+    """Displacement (nodes,) away from the axle by pressure, from components (nodes, COMPONENTS) of a wheel on strips
+    with an angle rad to the axle.
+    """
+    return np.asarray(np.cos(angle) * samples[:, NN] + np.sin(angle) * samples[:, TN])
 
 
 def half_space_scale(body: HalfSpaceInfluence) -> float:
@@ -167,7 +184,7 @@ def rotated(near: Array, row: float, column: float) -> Array:
             0.5 * (tn + nt),
             0.5 * (tn - nt),
             0.5 * (xt + tx),
-            0.5 * (xt - tx),
+            np.zeros_like(along),
             0.5 * mixed * (si - sj),
         ],
         axis=1,
