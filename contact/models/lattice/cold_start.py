@@ -42,7 +42,8 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
     depth = np.where(np.isfinite(depth), depth, -problem.approach)
     rigid = None
     if problem.rolls:
-        shift = rigid_shift(frames(surfaces, problem.pose, middle, place), problem.motion)[0]
+        level = np.repeat(problem.level_axes(strips), CELLS, axis=0)
+        shift = rigid_shift(frames(surfaces, problem.pose, middle, place), level, problem.motion)[0]
         rigid = shift.T.ravel() / problem.speed
     tractions = solve_tractions(
         matrix, depth, rigid, laws=laws, speed=problem.speed, options=OPTIONS, count=count

@@ -21,7 +21,13 @@ from wheelrail.contact.models.lattice.basis import MODES, MOMENTS, StripBasis
 from wheelrail.contact.models.lattice.compliance import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.friction import FrictionLaw, residual, slopes
 from wheelrail.contact.models.lattice.pair_tables import LatticeTables, PairTables
-from wheelrail.contact.models.lattice.penetration import Penetration, frames, penetration, rigid_shift
+from wheelrail.contact.models.lattice.penetration import (
+    Penetration,
+    forward_flow,
+    frames,
+    penetration,
+    rigid_shift,
+)
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
@@ -204,7 +210,7 @@ class LatticeProblem:
         weight = np.maximum(self.depth, 0.0) ** 2 * self.width
         own = self.candidates
         places = frames(self.tables.operators.surfaces, self.pose, self.middle[own], self.crest[0][own])
-        flow = rigid_shift(places, self.motion)[2]
+        flow = forward_flow(places, self.motion)
         speed = -float(weight[own] @ flow / weight[own].sum())
         if not speed > 0:
             raise NotRolling(
@@ -271,9 +277,15 @@ class LatticeProblem:
         x = state.ends[:, :1] + np.diff(state.ends) * self.cell_middles
         s = np.repeat(self.middle[state.strips], M)
         places = frames(self.tables.operators.surfaces, self.pose, s, x.ravel())
-        shift, slope, _ = rigid_shift(places, self.motion)
+        level = np.repeat(self.level_axes(state.strips), M, axis=0)
+        shift, slope = rigid_shift(places, level, self.motion)
         rigid, change = ((v / self.speed).reshape(S, M, 2).transpose(0, 2, 1) for v in (shift, slope))
         return np.ascontiguousarray(rigid), change
+
+    def level_axes(self, strips: Nodes) -> Array:
+        """Longitudinal axes (S, 3) of strips where their penetration is largest."""
+        surfaces = self.tables.operators.surfaces
+        return frames(surfaces, self.pose, self.middle[strips], self.crest[0][strips]).axes[:, 0]
 
     @cached_property
     def cell_middles(self) -> Array:

@@ -11,9 +11,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.sensitivity import carried, rigid_slip
+from wheelrail.contact.models.fitted.surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.compliance import antiderivatives, slips_and_moments
 from wheelrail.contact.models.lattice.newton import LatticeSolution, solve_scaled
@@ -23,6 +26,12 @@ from wheelrail.contact.solvers.tangent import CHANGES, co_moving_load
 from wheelrail.support.arrays import Array
 
 DIFFERENCE = 1e-5  # m, of the places on the lower body
+STEP = 1e-6  # m or rad, of the pose
+
+
+def moved(pose: Pose, change: Array) -> Pose:
+    """A pose after a small translation (3) m and rotation (3) rad about its origin."""
+    return Pose(pose.origin + change[:3], Rotation.from_rotvec(change[3:]).as_matrix() @ pose.rotation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +111,10 @@ class LatticeTangent:
         total[:, -MOMENTS:, :6] += moments
         if problem.rolls:
             speed = self._speed()
-            shift, _ = rigid_slip(self.places, problem.pose.origin, problem.motion, np.zeros((6, S * M)))
+            still = RigidMotion(problem.motion.wheel, Twist(np.zeros(3), np.zeros(3), np.zeros(3)))
+            shift, _ = rigid_slip(self.places, problem.pose.origin, still, np.zeros((6, S * M)))
             shift = shift.reshape(CHANGES, 2, S, M).transpose(2, 1, 3, 0)
+            shift[..., :6] -= self._rail_by_pose()
             creep = (shift - problem.rigid(state)[0][..., None] * speed) / problem.speed
             D, _ = problem.friction_slopes(state, evaluation, self.solution.rho)
             by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
@@ -132,6 +143,31 @@ class LatticeTangent:
             after = slips_and_moments(V, grid, problem.basis)
             slips[..., k], moments[..., k] = ((b - a) / step for a, b in zip(before, after, strict=True))
         return slips, moments
+
+    def _rail_by_pose(self) -> Array:
+        """Derivative (S, 2, M, 6) of the rail's velocity along the level axes of the strips and across, by differences."""
+        pose = self.problem.pose
+        if isinstance(self.problem.tables.operators.surfaces, QuadricStrips):
+            return np.zeros((len(self.solution.state.strips), 2, self.problem.cells, 6))
+        columns = []
+        for change in np.eye(6):
+            ahead, behind = (self._rail_velocity(moved(pose, sign * STEP * change)) for sign in (1, -1))
+            columns.append((ahead - behind) / (2 * STEP))
+        return np.stack(columns, axis=-1)
+
+    def _rail_velocity(self, pose: Pose) -> Array:
+        """Velocity (S, 2, M) m/s of the rail at the cells of a moved wheel, along the level axes and across."""
+        problem, state = self.problem, self.solution.state
+        surfaces, s = problem.tables.operators.surfaces, problem.middle[state.strips]
+        lines = s[:, None] + problem.width[state.strips, None] * [-GAUSS, GAUSS]
+        crest = surfaces.ridge(pose, lines.ravel()).x.reshape(-1, 2).mean(axis=1)
+        level = frames(surfaces, pose, s, crest).axes[:, 0]
+        x = state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles
+        places = frames(surfaces, pose, np.repeat(s, problem.cells), x.ravel())
+        velocity = problem.motion.rail.at(places.point)
+        along = (np.repeat(level, problem.cells, axis=0) * velocity).sum(axis=1)
+        across = (places.axes[:, 1] * velocity).sum(axis=1)
+        return np.stack([along, across]).reshape(2, len(s), -1).swapaxes(0, 1)
 
     def _speed(self) -> Array:
         """Derivative (12,) of `LatticeProblem.speed`."""
