@@ -30,6 +30,7 @@ class StripBasis(NamedTuple):
         marks: (M + 1,) cell boundaries from 0 (trailing end) to 1 (leading end).
         row_marks: (M + 3,) the same with two more cells ahead, for the upstream difference of the slip.
         mean: (M, MODES) mean of the pressure modes over the cells.
+        loads: (M, MODES) the same corrected for the variation within the cells, to compute displacements.
         moments: (MOMENTS, M) weights of cell means in the moments of the gap.
         moment_edges: (MOMENTS, M + 1) weights of an antiderivative at the marks in the moments of a displacement, times
             the length of the strip.
@@ -43,6 +44,7 @@ class StripBasis(NamedTuple):
     marks: Array
     row_marks: Array
     mean: Array
+    loads: Array
     moments: Array
     moment_edges: Array
     slip_edges: Array
@@ -83,6 +85,7 @@ def _basis(edges: Array) -> StripBasis:
         edges,
         row_marks,
         mean,
+        _loads(edges, mean),
         moments,
         _edge_weights(moments / np.diff(edges)),
         _slip_edges(np.stack(upstream(middle[None]))[:, 0], np.diff(row_marks)),
@@ -91,6 +94,20 @@ def _basis(edges: Array) -> StripBasis:
         means,
     )
     return StripBasis(*(np.ascontiguousarray(values) for values in fields))  # compiled loops take their addresses
+
+
+def _loads(edges: Array, mean: Array) -> Array:
+    """`StripBasis.loads` from the means (M, MODES).
+
+    Pressure that is constant in a cell of length h differs from p by p' (x - x_m), which acts like the load
+    -(h^2 p' / 12)' on a smooth compliance: its negative is added, without change of the total load.
+    """
+    theta, length = np.arccos(2 * edges[1:-1] - 1), 2 * np.diff(edges)
+    mode = np.arange(1, MODES + 1)
+    slope = -mode * np.cos(mode * theta[:, None]) / np.sin(theta[:, None])
+    flux = (length[1:] * length[:-1])[:, None] / 12 * slope
+    zero = np.zeros((1, MODES))
+    return np.asarray(mean - np.diff(np.vstack([zero, flux, zero]), axis=0) / length[:, None])
 
 
 def _edge_weights(cells: Array) -> Array:

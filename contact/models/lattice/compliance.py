@@ -194,7 +194,7 @@ def _add_column(
         row[M + c] += factor * across
         at = 2 * M
     for m in range(basis.mean.shape[1]):
-        row[at + m] -= factor * normal * basis.mean[c, m]  # pressure acts against the outward normal
+        row[at + m] -= factor * normal * basis.loads[c, m]  # pressure acts against the outward normal
 
 
 @compiled

@@ -247,7 +247,7 @@ class LatticeProblem:
         force = np.zeros((S, M + 2, 3))
         if self.rolls:
             force[:, 1:-1, :2] = state.tractions.transpose(0, 2, 1)
-        force[:, 1:-1, 2] = -state.modes @ self.basis.mean.T
+        force[:, 1:-1, 2] = -state.modes @ self.basis.loads.T
         return np.asarray(np.diff(force, axis=1) * self.width[state.strips, None, None])
 
     def evaluate(self, state: LatticeState, rho: Array) -> Evaluation:
