@@ -10,9 +10,10 @@ from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.basis import MODES, StripBasis, equal_cells
 from wheelrail.contact.models.lattice.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.compliance import StripGrid
-from wheelrail.contact.models.lattice.penetration import frames, penetration, rigid_shift
-from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem
+from wheelrail.contact.models.lattice.equations import GAUSS
+from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.surface import frames, rigid_shift
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
 from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
@@ -28,8 +29,7 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
         return None
     ends = first_ends(problem, strips)
     basis = equal_cells(CELLS)
-    surfaces = problem.tables.operators.surfaces
-    stretch = surfaces.along(problem.middle[strips])
+    stretch = problem.tables.stretch[strips]
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
     grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch)
@@ -38,12 +38,14 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
         raise OutsideSurface(TOO_LONG)
     place = (ends[:, :1] + length * 0.5 * (basis.marks[1:] + basis.marks[:-1])).ravel()
     middle, width = np.repeat(problem.middle[strips], CELLS), np.repeat(problem.width[strips], CELLS)
-    depth = 0.5 * sum(penetration(surfaces, problem.pose, middle + k * width, place).depth for k in (-GAUSS, GAUSS))
+    depth = 0.5 * sum(problem.penetration(middle + k * width, place).depth for k in (-GAUSS, GAUSS))
     depth = np.where(np.isfinite(depth), depth, -problem.approach)
     rigid = None
     if problem.rolls:
-        level = np.repeat(problem.level_axes(strips), CELLS, axis=0)
-        shift = rigid_shift(frames(surfaces, problem.pose, middle, place), level, problem.motion)[0]
+        level = np.repeat(problem.places(strips).level, CELLS, axis=0)
+        motion = problem.data
+        at = frames(problem.surface, motion.origin, motion.rotation, middle, place)
+        shift = rigid_shift(at, level, motion)[0]
         rigid = shift.T.ravel() / problem.speed
     tractions = solve_tractions(
         matrix, depth, rigid, laws=laws, speed=problem.speed, options=OPTIONS, count=count

@@ -8,8 +8,8 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.basis import MODES
 from wheelrail.contact.models.lattice.cell_compliance import normal_displacements
-from wheelrail.contact.models.lattice.penetration import penetration
-from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem
+from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, strip_grid
+from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.support.arrays import Array, Nodes
 
@@ -56,18 +56,19 @@ def _depth(problem: LatticeProblem, free: Nodes, at: Array) -> Array:
     total = np.zeros(at.shape)
     for line in (-GAUSS, GAUSS):
         s = np.repeat(problem.middle[free] + line * problem.width[free], PROBES)
-        places = penetration(problem.tables.operators.surfaces, problem.pose, s, at.ravel())
-        total += 0.5 * places.depth.reshape(at.shape)
+        total += 0.5 * problem.penetration(s, at.ravel()).depth.reshape(at.shape)
     return np.where(np.isfinite(total), total, -problem.approach)
 
 
 def _displacement(problem: LatticeProblem, state: LatticeState, free: Nodes, edges: Array) -> Array:
     """Relative normal displacement (n, PROBES) m of the probes by the loaded strips."""
-    stretch = problem.tables.operators.surfaces.along(problem.middle[free])
+    stretch = problem.tables.stretch[free]
     i, j = (index.ravel() for index in np.meshgrid(free, state.strips, indexing="ij"))
     feet = problem.at_crests.foot if problem.tables.moves else None
     tables = problem.tables.of(np.minimum(i, j), np.maximum(i, j), feet, problem.reach)
-    grid, jumps = problem.grid(state), problem.jumps(state)
+    places = problem.places(state.strips)
+    grid = strip_grid(state.values, places, problem.basis)
+    jumps = force_jumps(state.values, places, problem.basis, problem.rolls)
     before = (free[:, None] < state.strips).ravel()
     inside, displacement = normal_displacements(tables, before, stretch[:, None] * edges, grid, jumps)
     if not inside:

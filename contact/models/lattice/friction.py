@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 TINY = 1e-300
@@ -46,6 +47,15 @@ def coefficient(law: FrictionLaw, slip: float, speed: float) -> tuple[float, flo
     """mu, and its derivatives by the slip over the speed and by the speed."""
     falls = law.friction * (1.0 - law.share) * np.exp(-law.rate * slip * speed)
     return law.friction * law.share + falls, -law.rate * speed * falls, -law.rate * slip * falls
+
+
+@compiled
+def coefficients(law: FrictionLaw, slip: Array, speed: float) -> Array:
+    """mu (n,) at slips (n,)."""
+    mu = np.empty(len(slip))
+    for i in range(len(slip)):
+        mu[i] = coefficient(law, slip[i], speed)[0]
+    return mu
 
 
 @compiled

@@ -93,6 +93,8 @@ class LatticeContact:
         if approach <= 0:
             return ContactResult.separated(approach)
         try:
+            if not len(problem.candidates):
+                return ContactResult.separated(approach)
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
             if solution is None:
                 return ContactResult.separated(approach)

@@ -63,7 +63,6 @@ class LatticeTables:
 
     operators: StripOperators
     sides: Array
-    _place: dict[tuple[int, int], tuple[int, int, float]] = field(init=False, default_factory=dict, repr=False)
     _values: Array = field(init=False, repr=False)
     _used: int = field(init=False, default=0)
 
@@ -73,7 +72,10 @@ class LatticeTables:
         self.width = np.diff(self.sides)
         tangent = self.operators.upper._tangents(self.middle)
         self._angle = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
-        self._stretch = self.operators.surfaces.along(self.middle)
+        self.stretch = self.operators.surfaces.along(self.middle)
+        K = len(self.middle)
+        self._first, self._count = np.full((K, K), -1), np.zeros((K, K), dtype=int)
+        self._inverse = np.zeros((K, K))
 
     @cached_property
     def _corrections(self) -> tuple[BodyCorrection | None, BodyCorrection | None]:
@@ -100,18 +102,16 @@ class LatticeTables:
 
         Raises OutsideSurface beyond the lines of the lower body.
         """
-        pairs = list(zip(i.tolist(), j.tolist(), strict=True))
-        for pair in pairs:
-            if pair not in self._place:
-                self._add(*pair)
-        first, count, inverse = zip(*(self._place[pair] for pair in pairs), strict=True)
+        for k in np.flatnonzero(self._first[i, j] < 0):
+            if self._first[i[k], j[k]] < 0:
+                self._add(int(i[k]), int(j[k]))
         smooth = np.zeros((0, 1, DEGREE + 1, COMPONENTS))
         if feet is not None:
             lower = self._corrections[1]
             assert lower is not None
             cells = lower.grid.cells_up_to(reach)
             smooth = self._means(lower, i, j, feet, cells)
-        return PairTables(self._values, np.array(first), np.array(count), np.array(inverse), smooth)
+        return PairTables(self._values, self._first[i, j], self._count[i, j], self._inverse[i, j], smooth)
 
     def _means(self, body: BodyCorrection, i: Nodes, j: Nodes, middle: Array, cells: int) -> Array:
         """Coefficients (pairs, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (K,) m on it."""
@@ -134,7 +134,7 @@ class LatticeTables:
             part = half_space_scale(body) * rotated(near, -tilt, tilt)
             samples += part
             wheel = part if body is self.operators.upper and body.radius is not None else wheel
-        stretch = 0.5 * (self._stretch[i] + self._stretch[j])
+        stretch = 0.5 * (self.stretch[i] + self.stretch[j])
         for correction in self._corrections[: 1 if self.moves else 2]:
             if correction is not None:
                 only = np.array([i]), np.array([j])
@@ -152,7 +152,7 @@ class LatticeTables:
             larger[: self._used] = self._values[: self._used]
             self._values = larger
         self._values[self._used : self._used + count] = coefficients
-        self._place[i, j] = self._used, count, 1 / start
+        self._first[i, j], self._count[i, j], self._inverse[i, j] = self._used, count, 1 / start
         self._used += count
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.models.fitted.layout import StripLayout, connected
 from wheelrail.contact.models.fitted.patch_moments import sharpened
-from wheelrail.contact.models.lattice.friction import coefficient
+from wheelrail.contact.models.lattice.equations import strip_grid
+from wheelrail.contact.models.lattice.friction import coefficients
 from wheelrail.contact.models.lattice.newton import LatticeSolution
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.tangent import LatticeTangent
@@ -38,7 +39,7 @@ def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistic
         q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
         slip = evaluation.slip.transpose(0, 2, 1).reshape(-1, 2)
         size = np.hypot(*slip.T)
-        bound = np.array([coefficient(problem.law, s, problem.speed)[0] for s in size]) * pressure
+        bound = coefficients(problem.law, size, problem.speed) * pressure
     strip = connected(layout, np.ones((S, M)))
     result = assemble_result(
         FrictionalWork.below(bound, places, q, problem.motion, problem.speed),
@@ -46,7 +47,7 @@ def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistic
         patch=np.repeat(strip, M),
         pressure=pressure,
         slip=slip,
-        displacement=_displacement(evaluation.V, evaluation.grid.x),
+        displacement=_displacement(evaluation.V, strip_grid(state.values, problem.places(state.strips), problem.basis).x),
         approach=problem.approach,
         statistics=statistics,
     )

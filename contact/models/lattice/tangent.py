@@ -19,9 +19,11 @@ from wheelrail.contact.kinematics.sensitivity import carried, rigid_slip
 from wheelrail.contact.models.fitted.surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.compliance import antiderivatives, slips_and_moments
-from wheelrail.contact.models.lattice.newton import LatticeSolution, solve_scaled
-from wheelrail.contact.models.lattice.penetration import frames, penetration
-from wheelrail.contact.models.lattice.problem import GAUSS, LatticeProblem, triangle
+from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, friction_slopes, strip_grid
+from wheelrail.contact.models.lattice.equations import rigid_slip as rigid_slip_of
+from wheelrail.contact.models.lattice.newton import LatticeSolution, Linearisation
+from wheelrail.contact.models.lattice.problem import LatticeProblem, triangle
+from wheelrail.contact.models.lattice.surface import SurfaceFrames, frames
 from wheelrail.contact.solvers.tangent import CHANGES, co_moving_load
 from wheelrail.support.arrays import Array
 
@@ -52,7 +54,8 @@ class LatticeTangent:
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
         state = self.solution.state
-        change = -solve_scaled(self.solution.jacobian, state, self._by_pose())
+        _, jacobian, _ = self.problem.linearise(state)
+        change = -Linearisation(jacobian, state.values).solve(self._by_pose())
         units = (self.places.axes @ carried(self.places.point).transpose(1, 2, 0)) * self.places.area[:, None, None]
         total = self._by_unknowns(units) @ change
         assert self.places.follows is not None
@@ -89,12 +92,27 @@ class LatticeTangent:
         total[:, -1] = longer + (moved * share).sum(axis=1)
         return total.reshape(S * block, 6).T
 
+    def _frames(self, pose: Pose, s: Array, x: Array) -> SurfaceFrames:
+        """Points and axes of the wheel in a pose."""
+        return frames(self.problem.surface, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
+
+    def _deepening(self) -> Array:
+        """Derivative (S, STATIONS, 6) of the penetration at the stations by the pose."""
+        problem, state = self.problem, self.solution.state
+        x = state.ends[:, :1] + np.diff(state.ends) * problem.basis.stations
+        total = np.zeros((*x.shape, 6))
+        for side in (-GAUSS, GAUSS):
+            s = problem.middle[state.strips] + side * problem.width[state.strips]
+            at = problem.penetration(np.repeat(s, x.shape[1]), x.ravel())
+            total += 0.5 * at.pose.reshape(total.shape)
+        return total
+
     def _moved(self, loads: Array) -> Array:
         """Change (cells, 6) of the loads of the cells as these move along x."""
         problem, state = self.problem, self.solution.state
         x = state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles
         s = np.repeat(problem.middle[state.strips], problem.cells)
-        at = frames(problem.tables.operators.surfaces, problem.pose, s, x.ravel())
+        at = self._frames(problem.pose, s, x.ravel())
         force = np.cross(at.turn, loads[:, :3])
         moment = np.cross(at.forward, loads[:, :3]) + np.cross(at.point, force)
         return np.hstack([force, moment])
@@ -105,7 +123,7 @@ class LatticeTangent:
         S, block = state.values.shape
         M = problem.cells
         total = np.zeros((S, block, CHANGES))
-        depth = problem.line_mean(evaluation.depth.pose, state)
+        depth = self._deepening()
         total[:, -MOMENTS:, :6] = np.einsum("kg,sgj->skj", problem.basis.penetration, depth)
         slips, moments = self._by_compliance()
         total[:, -MOMENTS:, :6] += moments
@@ -115,8 +133,11 @@ class LatticeTangent:
             shift, _ = rigid_slip(self.places, problem.pose.origin, still, np.zeros((6, S * M)))
             shift = shift.reshape(CHANGES, 2, S, M).transpose(2, 1, 3, 0)
             shift[..., :6] -= self._rail_by_pose()
-            creep = (shift - problem.rigid(state)[0][..., None] * speed) / problem.speed
-            D, _ = problem.friction_slopes(state, evaluation, self.solution.rho)
+            creep = (shift - rigid_slip_of(state.values, problem.surface, problem.data, problem.places(state.strips), problem.basis)[0][
+                ..., None
+            ] * speed) / problem.speed
+            assert problem.law is not None
+            D, _ = friction_slopes(state.values, evaluation, problem.law, self.solution.rho, problem.speed)
             by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
             creep[..., :6] += slips
             rows = np.einsum("srab,sbrj->sarj", by_slip, creep)
@@ -133,7 +154,9 @@ class LatticeTangent:
         slips, moments = np.zeros((S, 2, M, 6)), np.zeros((S, MOMENTS, 6))
         if not problem.tables.moves:
             return slips, moments
-        grid, jumps = problem.grid(state), problem.jumps(state)
+        strips = problem.places(state.strips)
+        grid = strip_grid(state.values, strips, problem.basis)
+        jumps = force_jumps(state.values, strips, problem.basis, problem.rolls)
         at = problem.at_crests
         before = slips_and_moments(self.solution.evaluation.V, grid, problem.basis)
         for k in np.flatnonzero(np.abs(at.foot_pose).max(axis=0) > 0):
@@ -161,9 +184,9 @@ class LatticeTangent:
         surfaces, s = problem.tables.operators.surfaces, problem.middle[state.strips]
         lines = s[:, None] + problem.width[state.strips, None] * [-GAUSS, GAUSS]
         crest = surfaces.ridge(pose, lines.ravel()).x.reshape(-1, 2).mean(axis=1)
-        level = frames(surfaces, pose, s, crest).axes[:, 0]
+        level = self._frames(pose, s, crest).axes[:, 0]
         x = state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles
-        places = frames(surfaces, pose, np.repeat(s, problem.cells), x.ravel())
+        places = self._frames(pose, np.repeat(s, problem.cells), x.ravel())
         velocity = problem.motion.rail.at(places.point)
         along = (np.repeat(level, problem.cells, axis=0) * velocity).sum(axis=1)
         across = (places.axes[:, 1] * velocity).sum(axis=1)
@@ -172,14 +195,12 @@ class LatticeTangent:
     def _speed(self) -> Array:
         """Derivative (12,) of `LatticeProblem.speed`."""
         problem = self.problem
-        own, surfaces = problem.candidates, problem.tables.operators.surfaces
-        lines, x = problem.lines, problem.crest[0][own]
-        s = problem.middle[own]
+        own = problem.candidates
+        s, x = problem.middle[own], problem.crest[0][own]
         deepening = np.zeros((6, len(own)))
-        for line, side in enumerate((-GAUSS, GAUSS)):
-            at = np.ascontiguousarray(lines.x.reshape(-1, 2)[own, line])
-            deepening += 0.5 * penetration(surfaces, problem.pose, s + side * problem.width[own], at).pose.T
-        at_crest = frames(surfaces, problem.pose, s, x)
+        for side in (-GAUSS, GAUSS):
+            deepening += 0.5 * problem.penetration(s + side * problem.width[own], x).pose.T
+        at_crest = self._frames(problem.pose, s, x)
         depth = problem.depth[own]
         places = SurfacePoints(
             point=at_crest.point,

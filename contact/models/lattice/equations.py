@@ -1,0 +1,284 @@
+"""Compiled: residual and Jacobian of all equations of a state, from the compliance and the surfaces."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.basis import StripBasis
+from wheelrail.contact.models.lattice.compliance import StripGrid, antiderivatives, operator, slips_and_moments
+from wheelrail.contact.models.lattice.friction import FrictionLaw, residual, slopes
+from wheelrail.contact.models.lattice.pair_tables import PairTables
+from wheelrail.contact.models.lattice.surface import Motion, SurfaceData, frames, penetration, rigid_shift
+from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.compiled import compiled
+
+GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
+
+
+class StripPlaces(NamedTuple):
+    """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, and their
+    longitudinal axes (S, 3) where the surfaces touch.
+    """
+
+    middle: Array
+    width: Array
+    stretch: Array
+    level: Array
+
+
+class Evaluation(NamedTuple):
+    """Residual of a state and what belongs to it.
+
+    Parameters:
+        inside: whether all points lie on the surfaces and in the tables.
+        residual: (S, block): friction Pa along and across, moments of the gap m.
+        V: (S, M + 3, 3), see `wheelrail.contact.models.lattice.compliance`.
+        pressure: (S, M) Pa, means over the cells.
+        slip: (S, 2, M) over the speed.
+        rigid_slope: (S, 2, M) 1/m, change of its rigid part along x.
+        depth_slope: (S, STATIONS) change of the penetration along x.
+    """
+
+    inside: bool
+    residual: Array
+    V: Array
+    pressure: Array
+    slip: Array
+    rigid_slope: Array
+    depth_slope: Array
+
+
+@compiled
+def strip_grid(values: Array, places: StripPlaces, basis: StripBasis) -> StripGrid:
+    """Cells of a state with values (S, block)."""
+    S, R = len(values), len(basis.row_marks)
+    x, length = np.empty((S, R)), np.empty(S)
+    for i in range(S):
+        low, high = values[i, -2], values[i, -1]
+        length[i] = places.stretch[i] * (high - low)
+        for r in range(R):
+            x[i, r] = places.stretch[i] * (low + (high - low) * basis.row_marks[r])
+    return StripGrid(x, length, places.width, places.stretch)
+
+
+@compiled
+def force_jumps(values: Array, places: StripPlaces, basis: StripBasis, rolls: bool) -> Array:
+    """Jumps (S, M + 1, 3) N/m of the tractions times width at the cell boundaries."""
+    S, M, modes = len(values), len(basis.marks) - 1, basis.mean.shape[1]
+    jumps = np.zeros((S, M + 1, 3))
+    for i in range(S):
+        at = 2 * M if rolls else 0
+        for r in range(M):
+            normal = 0.0
+            for m in range(modes):
+                normal -= values[i, at + m] * basis.loads[r, m]
+            for k in range(3):
+                traction = normal if k == 2 else (values[i, k * M + r] if rolls else 0.0)
+                jumps[i, r, k] += traction * places.width[i]
+                jumps[i, r + 1, k] -= traction * places.width[i]
+    return jumps
+
+
+@compiled
+def _add_penetration(
+    values: Array, surface: SurfaceData, motion: Motion, places: StripPlaces, basis: StripBasis, moments: Array
+) -> tuple[bool, Array]:
+    """Add the moments (S, MOMENTS) of the penetration; its slopes (S, STATIONS), and whether it is defined."""
+    S, n = len(values), len(basis.stations)
+    s, x = np.empty(2 * S * n), np.empty(2 * S * n)
+    for i in range(S):
+        for g in range(2):
+            for k in range(n):
+                at = (2 * i + g) * n + k
+                s[at] = places.middle[i] + (2 * g - 1) * GAUSS * places.width[i]
+                x[at] = values[i, -2] + (values[i, -1] - values[i, -2]) * basis.stations[k]
+    found = penetration(surface, motion.origin, motion.rotation, s, x)
+    slope, inside = np.zeros((S, n)), True
+    for i in range(S):
+        for g in range(2):
+            for k in range(n):
+                at = (2 * i + g) * n + k
+                inside = inside and np.isfinite(found.depth[at])
+                slope[i, k] += 0.5 * found.slope[at]
+                for m in range(moments.shape[1]):
+                    moments[i, m] += 0.5 * basis.penetration[m, k] * found.depth[at]
+    return inside, slope
+
+
+@compiled
+def rigid_slip(
+    values: Array, surface: SurfaceData, motion: Motion, places: StripPlaces, basis: StripBasis
+) -> tuple[Array, Array]:
+    """Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x."""
+    S, M = len(values), len(basis.marks) - 1
+    s, x, level = np.empty(S * M), np.empty(S * M), np.empty((S * M, 3))
+    for i in range(S):
+        for r in range(M):
+            s[i * M + r] = places.middle[i]
+            mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
+            x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
+            level[i * M + r] = places.level[i]
+    at = frames(surface, motion.origin, motion.rotation, s, x)
+    shift, change, _ = rigid_shift(at, level, motion)
+    slip, slope = np.empty((S, 2, M)), np.empty((S, 2, M))
+    for i in range(S):
+        for k in range(2):
+            for r in range(M):
+                slip[i, k, r] = shift[i * M + r, k] / motion.speed
+                slope[i, k, r] = change[i * M + r, k] / motion.speed
+    return slip, slope
+
+
+@compiled
+def _assembled(
+    values: Array,
+    V: Array,
+    grid: StripGrid,
+    surface: SurfaceData,
+    motion: Motion,
+    places: StripPlaces,
+    basis: StripBasis,
+    law: FrictionLaw,
+    rho: Array,
+) -> Evaluation:
+    """Residual from the antiderivative V of the displacements."""
+    S, M, modes = len(values), len(basis.marks) - 1, basis.mean.shape[1]
+    rolls = motion.speed > 0.0
+    slip, moments = slips_and_moments(V, grid, basis)
+    inside, depth_slope = _add_penetration(values, surface, motion, places, basis, moments)
+    at = 2 * M if rolls else 0
+    pressure = np.zeros((S, M))
+    for i in range(S):
+        for r in range(M):
+            for m in range(modes):
+                pressure[i, r] += values[i, at + m] * basis.mean[r, m]
+    residuals = np.empty((S, at + moments.shape[1]))
+    residuals[:, at:] = moments
+    rigid_slope = np.zeros((S, 2, M))
+    if rolls:
+        rigid, rigid_slope = rigid_slip(values, surface, motion, places, basis)
+        slip += rigid
+        for i in range(S):
+            for r in range(M):
+                q, s = (values[i, r], values[i, M + r]), (slip[i, 0, r], slip[i, 1, r])
+                F = residual(law, q, s, pressure[i, r], rho[i, r], motion.speed)
+                residuals[i, r], residuals[i, M + r] = F
+    return Evaluation(inside, residuals, V, pressure, slip, rigid_slope, depth_slope)
+
+
+@compiled
+def evaluate(
+    values: Array,
+    tables: PairTables,
+    surface: SurfaceData,
+    motion: Motion,
+    places: StripPlaces,
+    basis: StripBasis,
+    law: FrictionLaw,
+    rho: Array,
+) -> Evaluation:
+    """Residual of a state with values (S, block); rho (S, M) 1/Pa of the law of friction."""
+    rolls = motion.speed > 0.0
+    grid = strip_grid(values, places, basis)
+    inside, V = antiderivatives(tables, grid, force_jumps(values, places, basis, rolls))
+    found = _assembled(values, V, grid, surface, motion, places, basis, law, rho)
+    return Evaluation(inside and found.inside, *found[1:])
+
+
+@compiled
+def self_compliance(A: Array, strips: int, cells: int) -> Array:
+    """Slip (S, M) 1/Pa of cells by their own traction, the mean of both directions, from the operator."""
+    block = A.shape[0] // strips
+    rho, largest = np.empty((strips, cells)), 0.0
+    for i in range(strips):
+        for r in range(cells):
+            x, y = i * block + r, i * block + cells + r
+            rho[i, r] = 0.5 * (A[x, x] + A[y, y])
+            largest = max(largest, abs(rho[i, r]))
+    return np.maximum(rho, 1e-3 * largest)
+
+
+@compiled
+def linearise(
+    values: Array,
+    tables: PairTables,
+    surface: SurfaceData,
+    motion: Motion,
+    places: StripPlaces,
+    basis: StripBasis,
+    law: FrictionLaw,
+) -> tuple[Evaluation, Array, Array]:
+    """Evaluation, Jacobian (n, n) and rho (S, M) 1/Pa of a state with values (S, block)."""
+    S, M = len(values), len(basis.marks) - 1
+    rolls = motion.speed > 0.0
+    grid = strip_grid(values, places, basis)
+    inside, A, V = operator(tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
+    rho = self_compliance(A, S, M) if rolls else np.zeros((S, M))
+    found = _assembled(values, V, grid, surface, motion, places, basis, law, rho)
+    block, moments = values.shape[1], basis.penetration.shape[0]
+    for i in range(S):
+        last = (i + 1) * block
+        for k in range(moments):
+            for g in range(len(basis.stations)):
+                part = basis.penetration[k, g] * found.depth_slope[i, g]
+                A[last - moments + k, last - 2] += part * (1.0 - basis.stations[g])
+                A[last - moments + k, last - 1] += part * basis.stations[g]
+        if rolls:
+            for a in range(2):
+                for r in range(M):
+                    mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
+                    A[i * block + a * M + r, last - 2] += found.rigid_slope[i, a, r] * (1.0 - mark)
+                    A[i * block + a * M + r, last - 1] += found.rigid_slope[i, a, r] * mark
+    if rolls:
+        D, _ = friction_slopes(values, found, law, rho, motion.speed)
+        _into_friction(A, D, basis.mean)
+    return Evaluation(inside and found.inside, *found[1:]), A, rho
+
+
+@compiled
+def friction_slopes(
+    values: Array, evaluation: Evaluation, law: FrictionLaw, rho: Array, speed: float
+) -> tuple[Array, Mask]:
+    """Derivatives (S, M, 12) of the friction residual by tractions (4), slips (4), pressure (2) and speed (2), and
+    sliding cells (S, M).
+    """
+    p, slip = evaluation.pressure, evaluation.slip
+    S, M = p.shape
+    D, slides = np.empty((S, M, 12)), np.empty((S, M), dtype=np.bool_)
+    for i in range(S):
+        for r in range(M):
+            q, s = (values[i, r], values[i, M + r]), (slip[i, 0, r], slip[i, 1, r])
+            t = slopes(law, q, s, p[i, r], rho[i, r], speed)
+            d = D[i, r]
+            d[0], d[1], d[2], d[3] = t.by_q
+            d[4], d[5], d[6], d[7] = t.by_s
+            d[8], d[9] = t.by_p
+            d[10], d[11] = t.by_speed
+            slides[i, r] = t.slides
+    return D, slides
+
+
+@compiled
+def _into_friction(A: Array, D: Array, mean: Array) -> None:
+    """Replace the slip rows of an operator A (S block, S block) by those of the friction residual, in place."""
+    S, M = D.shape[0], D.shape[1]
+    block = A.shape[0] // S
+    for i in range(S):
+        for r in range(M):
+            x, y = i * block + r, i * block + M + r
+            d = D[i, r]
+            xx, xy, yx, yy = d[4], d[5], d[6], d[7]
+            first, second = A[x], A[y]
+            for c in range(A.shape[1]):
+                along, across = first[c], second[c]
+                first[c] = xx * along + xy * across
+                second[c] = yx * along + yy * across
+            A[x, x] += d[0]
+            A[x, y] += d[1]
+            A[y, x] += d[2]
+            A[y, y] += d[3]
+            for m in range(mean.shape[1]):
+                A[x, i * block + 2 * M + m] += d[8] * mean[r, m]
+                A[y, i * block + 2 * M + m] += d[9] * mean[r, m]
