@@ -12,7 +12,7 @@ from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.entry import entering
 from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.problem import LatticeProblem
-from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.state import LatticeState, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
 from wheelrail.support.arrays import Array, Mask
 
@@ -84,7 +84,7 @@ class LatticeNewton:
             self.count.newton += 1
             factors = Linearisation(jacobian, state.values)
             step = factors.solve(-evaluation.residual)
-            size = _size(step, state)
+            size, _ = relative_size(state.values, step)
             if not np.isfinite(size):
                 raise NotConverged("the step of the contact is not finite")
             if iteration == 0 and size > farthest:
@@ -120,7 +120,7 @@ class LatticeNewton:
         Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
         """
         for _ in range(CHORDS):
-            before = _norm(step, state)
+            _, before = relative_size(state.values, step)
             factor = self._longest(state, step)
             best: tuple[float, LatticeState, Array, Evaluation] | None = None
             for _ in range(HALVINGS):
@@ -128,7 +128,7 @@ class LatticeNewton:
                 evaluation = self.problem.evaluate(trial, rho)
                 self.count.linear += 1
                 following = factors.solve(-evaluation.residual)
-                after = _norm(following, state)
+                _, after = relative_size(state.values, following)
                 if best is None or after < best[0]:
                     best = after, trial, following, evaluation
                 if after <= (1 - 0.25 * factor) * before:
@@ -136,7 +136,7 @@ class LatticeNewton:
                 factor *= 0.5
             assert best is not None
             after, state, step, evaluation = best
-            size = _size(step, state)
+            size, _ = relative_size(state.values, step)
             if size < self.tolerance or factor < 1.0 or not after < CONTRACTION * before:
                 break
             if not self._remain(state, step).all():
@@ -169,20 +169,3 @@ class LatticeNewton:
         away = np.abs(step[:, -2:].mean(axis=1)) / half.max()
         growth = np.where(half > 0.3 * half.max(), growth, 0.0)
         return float(min(1.0, 1 / max(growth.max(), away.max(), 1e-300)))
-
-
-def _relative(step: Array, state: LatticeState) -> Array:
-    """Step over the largest pressure amplitude and half length."""
-    relative = step / max(float(np.abs(state.modes[:, 0]).max()), 1e-6 * STRESS)
-    relative[:, -2:] = step[:, -2:] / state.half.max()
-    return np.asarray(relative)
-
-
-def _size(step: Array, state: LatticeState) -> float:
-    """Largest relative step."""
-    return float(np.abs(_relative(step, state)).max())
-
-
-def _norm(step: Array, state: LatticeState) -> float:
-    """Euclidean norm of the relative step."""
-    return float(np.linalg.norm(_relative(step, state)))

@@ -25,6 +25,7 @@ from wheelrail.contact.models.lattice.surface import (
     Motion,
     Penetration,
     SurfaceData,
+    crests,
     frames,
     motion_data,
     penetration,
@@ -85,18 +86,16 @@ class LatticeProblem:
         """Of all strips (K,): largest penetration m, the mean over their widths, its place m along x and its curvature
         1/m there; -inf where the bodies are far apart.
         """
-        surfaces, K = self.tables.operators.surfaces, len(self.middle)
+        K = len(self.middle)
         some = np.unique(np.append(np.arange(0, K, BETWEEN), K - 1))
-        near = np.flatnonzero(surfaces.ridge(self.pose, self.middle[some]).overlap > -MARGIN)
+        near = np.flatnonzero(crests(self.surface, *self._frame, self.middle[some])[0] > -MARGIN)
         depth, x, bend = np.full(K, -np.inf), np.zeros(K), np.ones(K)
         own = np.zeros(K, dtype=bool)
         for k in near:
             own[max(some[k] - BETWEEN, 0) : some[k] + BETWEEN + 1] = True
         s = self.middle[own, None] + self.width[own, None] * [-GAUSS, GAUSS]
-        lines = surfaces.ridge(self.pose, s.ravel())
-        depth[own], x[own], bend[own] = (
-            values.reshape(-1, 2).mean(axis=1) for values in (lines.overlap, lines.x, lines.bend)
-        )
+        lines = crests(self.surface, *self._frame, s.ravel())
+        depth[own], x[own], bend[own] = (values.reshape(-1, 2).mean(axis=1) for values in lines)
         return depth, x, bend
 
     @property

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from wheelrail.contact.models.lattice.basis import MODES
 from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.compiled import compiled
 
 SHORTEST = 0.1  # of the squared half length: the least that remains of it after one step
+LEAST_PRESSURE = 1e3  # Pa, to which steps are related at least
 
 
 @dataclass(frozen=True)
@@ -56,16 +58,44 @@ class LatticeState:
         return LatticeState(strips[order], np.concatenate([self.values, other.values])[order])
 
     def moved(self, step: Array, factor: float) -> LatticeState:
-        """The state after a fraction of a Newton step (S, block).
+        """The state after a fraction of a Newton step (S, block)."""
+        return LatticeState(self.strips, _moved(self.values, step, factor))
 
-        The steps are taken in the squared half length and in loads per width, in which the birth of a strip is nearly
-        linear: both are proportional to the penetration in excess.
-        """
-        half, change = self.half, 0.5 * (step[:, -1] - step[:, -2])
-        squared = np.maximum(half**2 + 2 * factor * half * change, SHORTEST * half**2)
-        new_half = np.sqrt(squared)
-        middle = self.ends.mean(axis=1) + factor * step[:, -2:].mean(axis=1)
-        loads = self.values[:, :-2] * half[:, None]
-        loads = loads + factor * (step[:, :-2] * half[:, None] + self.values[:, :-2] * change[:, None])
-        ends = np.column_stack([middle - new_half, middle + new_half])
-        return replace(self, values=np.hstack([loads / new_half[:, None], ends]))
+
+@compiled
+def _moved(values: Array, step: Array, factor: float) -> Array:
+    """Values (S, block) after a fraction of a step.
+
+    The steps are taken in the squared half length and in loads per width, in which the birth of a strip is nearly
+    linear: both are proportional to the penetration in excess.
+    """
+    new = np.empty_like(values)
+    last = values.shape[1] - 1
+    for i in range(len(values)):
+        half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
+        new_half = np.sqrt(max(half * half + 2 * factor * half * change, SHORTEST * half * half))
+        middle = 0.5 * (values[i, last] + values[i, last - 1] + factor * (step[i, last] + step[i, last - 1]))
+        new[i, last - 1], new[i, last] = middle - new_half, middle + new_half
+        for k in range(last - 1):
+            load = values[i, k] * half + factor * (step[i, k] * half + values[i, k] * change)
+            new[i, k] = load / new_half
+    return new
+
+
+@compiled
+def relative_size(values: Array, step: Array) -> tuple[float, float]:
+    """Largest entry and Euclidean norm of a step (S, block) over the largest amplitude of the pressure, and for the ends
+    over the largest half length.
+    """
+    last = values.shape[1] - 1
+    pressure, half = LEAST_PRESSURE, 0.0
+    for i in range(len(values)):
+        pressure = max(pressure, abs(values[i, last - 1 - MODES]))
+        half = max(half, 0.5 * (values[i, last] - values[i, last - 1]))
+    largest, total = 0.0, 0.0
+    for i in range(len(values)):
+        for k in range(last + 1):
+            part = abs(step[i, k]) / (pressure if k < last - 1 else half)
+            largest = max(largest, part)
+            total += part * part
+    return largest if np.isfinite(total) else np.inf, np.sqrt(total)

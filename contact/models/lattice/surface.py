@@ -128,6 +128,68 @@ def penetration(surface: SurfaceData, origin: Array, rotation: Array, s: Array, 
 
 
 @compiled
+def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tuple[Array, Array, Array]:
+    """Largest penetration (n,) m on the lines s (n,) m, its place m along x and the relative curvature 1/m there.
+
+    Penetration is largest where the wheel's circle is parallel to the rail: where its tangent has no component along
+    the rail's normal.
+    """
+    n = len(s)
+    x, bend = np.zeros(n), np.empty(n)
+    if not surface.revolves:
+        a, b = surface.upper[0], surface.lower[0]
+        x[:] = origin[0] * a / (a + b)
+        bend[:] = 2 * (a + b)
+        return penetration(surface, origin, rotation, s, x).depth, x, bend
+    rail, wheel, radius = surface.rail, surface.wheel, surface.radius
+    for _ in range(2 if rotation[1, 0] != 0.0 else 0):
+        feet = penetration(surface, origin, rotation, s, x).foot
+        for i in range(n):
+            _, t, _ = local(rail, feet[i], piece(rail, feet[i]))
+            ny, nz = -t.imag, t.real
+            forward = rotation[1, 0] * ny + rotation[2, 0] * nz
+            up = rotation[1, 2] * ny + rotation[2, 2] * nz
+            x[i] = -radius * np.arctan(forward / up)
+    for i in range(n):
+        z, t, _ = local(wheel, s[i], piece(wheel, s[i]))
+        r = z.imag + radius
+        bend[i] = max(r * t.real, 0.05 * r) / (radius * radius)
+    return penetration(surface, origin, rotation, s, x).depth, x, bend
+
+
+@compiled
+def crest_changes(surface: SurfaceData, rotation: Array, feet: Array, feet_change: Array) -> Array:
+    """Derivative (n, 6) of the places of `crests` along x by the pose, from the closest points on the rail (n,) m there
+    and their derivative (n, 6).
+    """
+    n = len(feet)
+    change = np.zeros((n, 6))
+    if not surface.revolves:
+        change[:, 0] = surface.upper[0] / (surface.upper[0] + surface.lower[0])
+        return change
+    rail = surface.rail
+    for i in range(n):
+        _, t, k = local(rail, feet[i], piece(rail, feet[i]))
+        normal, bend = np.array([0.0, -t.imag, t.real]), np.array([0.0, -k.imag, k.real])
+        forward, up = 0.0, 0.0
+        for c in range(3):
+            forward += rotation[c, 0] * normal[c]
+            up += rotation[c, 2] * normal[c]
+        for j in range(6):
+            along, high = 0.0, 0.0
+            for c in range(3):
+                moved = bend[c] * feet_change[i, j]
+                if j >= 3:  # the normal in the axes of the wheel, which rotate by e_j: n x e_j
+                    unit = np.zeros(3)
+                    unit[j - 3] = 1.0
+                    moved += _cross(normal, unit, c)
+                along += rotation[c, 0] * moved
+                high += rotation[c, 2] * moved
+            change[i, j] = -surface.radius * (along * up - forward * high) / (forward * forward + up * up)
+    return change
+
+
+@compiled
 def _quadrics(surface: SurfaceData, origin: Array, s: float, x: float, result: Penetration, i: int) -> None:
     """Write the penetration of two quadrics at a point into row i."""
     (ax, ay), (bx, by) = surface.upper, surface.lower

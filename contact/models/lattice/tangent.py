@@ -11,29 +11,22 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
-from wheelrail.contact.kinematics.sensitivity import carried, rigid_slip
-from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.kinematics.sensitivity import carried, rigid_slip, skew, turned
 from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.compliance import antiderivatives, slips_and_moments
 from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, friction_slopes, strip_grid
 from wheelrail.contact.models.lattice.equations import rigid_slip as rigid_slip_of
 from wheelrail.contact.models.lattice.newton import LatticeSolution, Linearisation
 from wheelrail.contact.models.lattice.problem import LatticeProblem, triangle
-from wheelrail.contact.models.lattice.surface import SurfaceFrames, frames
+from wheelrail.contact.models.lattice.surface import SurfaceFrames, crest_changes, frames
 from wheelrail.contact.solvers.tangent import CHANGES, co_moving_load
 from wheelrail.support.arrays import Array
 
 DIFFERENCE = 1e-5  # m, of the places on the lower body
-STEP = 1e-6  # m or rad, of the pose
-
-
-def moved(pose: Pose, change: Array) -> Pose:
-    """A pose after a small translation (3) m and rotation (3) rad about its origin."""
-    return Pose(pose.origin + change[:3], Rotation.from_rotvec(change[3:]).as_matrix() @ pose.rotation)
+NEGLIGIBLE = 1e-4  # of the largest singular value of their derivatives
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,10 +122,10 @@ class LatticeTangent:
         total[:, -MOMENTS:, :6] += moments
         if problem.rolls:
             speed = self._speed()
-            still = RigidMotion(problem.motion.wheel, Twist(np.zeros(3), np.zeros(3), np.zeros(3)))
-            shift, _ = rigid_slip(self.places, problem.pose.origin, still, np.zeros((6, S * M)))
+            shift, _ = rigid_slip(self.places, problem.pose.origin, problem.motion, np.zeros((6, S * M)))
+            if problem.surface.revolves:
+                shift[:6, : S * M] -= self._level()
             shift = shift.reshape(CHANGES, 2, S, M).transpose(2, 1, 3, 0)
-            shift[..., :6] -= self._rail_by_pose()
             creep = (shift - rigid_slip_of(state.values, problem.surface, problem.data, problem.places(state.strips), problem.basis)[0][
                 ..., None
             ] * speed) / problem.speed
@@ -146,8 +139,10 @@ class LatticeTangent:
         return total.reshape(S * block, CHANGES)
 
     def _by_compliance(self) -> tuple[Array, Array]:
-        """Derivatives (S, 2, M, 6) of slips and (S, MOMENTS, 6) of moments by the strips' places on the lower body, by a
-        difference: the deviation of the lower body from a half-space varies slowly.
+        """Derivatives (S, 2, M, 6) of slips and (S, MOMENTS, 6) of moments by the strips' places on the lower body.
+
+        The deviation of the lower body from a half-space varies slowly: differences over the principal directions of
+        the strips' displacements on it.
         """
         problem, state = self.problem, self.solution.state
         S, M = len(state.strips), problem.cells
@@ -159,38 +154,35 @@ class LatticeTangent:
         jumps = force_jumps(state.values, strips, problem.basis, problem.rolls)
         at = problem.at_crests
         before = slips_and_moments(self.solution.evaluation.V, grid, problem.basis)
-        for k in np.flatnonzero(np.abs(at.foot_pose).max(axis=0) > 0):
-            step = DIFFERENCE / float(np.abs(at.foot_pose[state.strips, k]).max())
-            feet = at.foot + step * at.foot_pose[:, k]
+        shapes, size, amounts = np.linalg.svd(at.foot_pose[state.strips], full_matrices=False)
+        for k in np.flatnonzero(size > NEGLIGIBLE * size[0]):
+            feet = at.foot.copy()
+            feet[state.strips] += DIFFERENCE * shapes[:, k]
             _, V = antiderivatives(problem.tables.of(*triangle(state.strips), feet, problem.reach), grid, jumps)
-            after = slips_and_moments(V, grid, problem.basis)
-            slips[..., k], moments[..., k] = ((b - a) / step for a, b in zip(before, after, strict=True))
+            slip, moment = slips_and_moments(V, grid, problem.basis)
+            amount = size[k] * amounts[k] / DIFFERENCE
+            slips += (slip - before[0])[..., None] * amount
+            moments += (moment - before[1])[..., None] * amount
         return slips, moments
 
-    def _rail_by_pose(self) -> Array:
-        """Derivative (S, 2, M, 6) of the rail's velocity along the level axes of the strips and across, by differences."""
-        pose = self.problem.pose
-        if isinstance(self.problem.tables.operators.surfaces, QuadricStrips):
-            return np.zeros((len(self.solution.state.strips), 2, self.problem.cells, 6))
-        columns = []
-        for change in np.eye(6):
-            ahead, behind = (self._rail_velocity(moved(pose, sign * STEP * change)) for sign in (1, -1))
-            columns.append((ahead - behind) / (2 * STEP))
-        return np.stack(columns, axis=-1)
-
-    def _rail_velocity(self, pose: Pose) -> Array:
-        """Velocity (S, 2, M) m/s of the rail at the cells of a moved wheel, along the level axes and across."""
+    def _level(self) -> Array:
+        """Derivative (6, S M) by the pose of the rail's velocity along its level axes, less that along the wheel's circle
+        at fixed axes of the wheel.
+        """
         problem, state = self.problem, self.solution.state
-        surfaces, s = problem.tables.operators.surfaces, problem.middle[state.strips]
-        lines = s[:, None] + problem.width[state.strips, None] * [-GAUSS, GAUSS]
-        crest = surfaces.ridge(pose, lines.ravel()).x.reshape(-1, 2).mean(axis=1)
-        level = self._frames(pose, s, crest).axes[:, 0]
-        x = state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles
-        places = self._frames(pose, np.repeat(s, problem.cells), x.ravel())
-        velocity = problem.motion.rail.at(places.point)
-        along = (np.repeat(level, problem.cells, axis=0) * velocity).sum(axis=1)
-        across = (places.axes[:, 1] * velocity).sum(axis=1)
-        return np.stack([along, across]).reshape(2, len(s), -1).swapaxes(0, 1)
+        strips, rail = problem.places(state.strips), problem.motion.rail
+        at, M = problem.at_crests, problem.cells
+        velocity = rail.at(self.places.point)
+        level = np.repeat(strips.level, M, axis=0)
+        moved = carried(self.places.point - problem.pose.origin) @ skew(rail.rotation).T
+        change = np.zeros((6, len(level)))
+        for sign, axes in ((1.0, level), (-1.0, self.places.axes[:, 0])):
+            change += sign * ((turned(axes) * velocity).sum(axis=2) + (moved * axes).sum(axis=2))
+        own = state.strips
+        crest = crest_changes(problem.surface, problem.data.rotation, at.foot[own], at.foot_pose[own])
+        along = self._frames(problem.pose, problem.middle[own], problem.crest[0][own]).turn
+        rise = (np.cross(along, level) * velocity).sum(axis=1)
+        return np.asarray(change + np.repeat(crest, M, axis=0).T * rise)
 
     def _speed(self) -> Array:
         """Derivative (12,) of `LatticeProblem.speed`."""
