@@ -1,7 +1,7 @@
 """Lateral sweep of a wheel across its rail at constant load: smoothness of forces as patches merge, split or change
 cells.
 
-python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--size MM] [--points fitted|grid]
+python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--size MM] [--points fitted|lattice|grid]
                            [--picture FILE] [--json FILE]
 
 One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Output for
@@ -102,7 +102,7 @@ def main() -> None:
     given.add_argument("--to", dest="high", type=float, default=8.0)
     given.add_argument("--friction", type=float, default=0.3)
     given.add_argument("--size", type=float, default=1.0)
-    given.add_argument("--points", choices=("fitted", "grid"), default="fitted")
+    given.add_argument("--points", choices=("fitted", "lattice", "grid"), default="fitted")
     given.add_argument("--picture", type=Path)
     given.add_argument("--json", type=Path)
     args = given.parse_args()

@@ -3,8 +3,8 @@ from .builders import wheel_rail_pair as wheel_rail_pair
 from .condensed import CondensedContact as CondensedContact
 from .discretisation import Discretisation as Discretisation
 from .fitted.model import FittedContact as FittedContact
-from .lattice.model import LatticeContact as LatticeContact
 from .full.model import FullContact as FullContact
+from .lattice.model import LatticeContact as LatticeContact
 from .standard.model import StandardContact as StandardContact
 from .wheelset import ContactModel as ContactModel
 from .wheelset import WheelsetContact as WheelsetContact

@@ -37,7 +37,8 @@ class Discretisation:
         surface_size: spacing of the nodes or lines of the surface in contact, m.
         model: "condensed" solves for tractions on the surface compliance, "full" for all displacements.
         bodies: meshed solids, bodies invariant along the track or about the axle by wavenumbers, or half-spaces.
-        points: strips of cells "fitted" to the patch, strips of a "lattice" fixed on the upper body, or a regular "grid".
+        points: strips of cells "fitted" to the patch, strips of a "lattice" fixed on the upper body, or a regular
+            "grid".
         degree: of the displacements, 1 or 2; 0 is 1 for solids, 2 for waveguides.
         cell: of solids.
         slip_order: of the difference formula for the slip on a grid, 1 or 2.
@@ -71,7 +72,8 @@ class Discretisation:
         if bodies != "solid" and (self.model == "full" or self.cell == "hexahedron"):
             raise IncompatibleChoice("bodies", '"solid" with model = "full" or hexahedra, which need meshes in 3D')
         if bodies == "half-space" and points == "grid":
-            raise IncompatibleChoice("bodies", '"half-space" needs points = "fitted" or "lattice" and the exact normal law')
+            needs = 'points = "fitted" or "lattice" and the exact normal law'
+            raise IncompatibleChoice("bodies", f'"half-space" needs {needs}')
         if self.points in ("fitted", "lattice") and not fittable:
             needs = 'bodies = "waveguide" and laws = "exact", or stiffness_per_area = inf'
             raise IncompatibleChoice("points", f'"{self.points}" needs {needs}')

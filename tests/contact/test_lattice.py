@@ -17,8 +17,8 @@ from wheelrail.contact.laws.parameters import ContactLaws, FallingFriction
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
-from wheelrail.contact.models.lattice.basis import strip_basis
 from wheelrail.contact.models.lattice.friction import FrictionLaw, residual, slopes
+from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact

@@ -1,4 +1,4 @@
-"""Start without an earlier result: complementarity, with friction, on equal fixed cells of all strips that penetrate."""
+"""Start without an earlier result: complementarity, with friction, on equal cells of all strips that penetrate."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import numpy as np
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.fitted.operators import TOO_LONG
-from wheelrail.contact.models.lattice.basis import MODES, StripBasis, equal_cells
-from wheelrail.contact.models.lattice.cell_compliance import cell_operator
-from wheelrail.contact.models.lattice.compliance import StripGrid
 from wheelrail.contact.models.lattice.equations import GAUSS
+from wheelrail.contact.models.lattice.influence.basis import MODES, StripBasis, equal_cells
+from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
+from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import frames, rigid_shift
@@ -47,9 +47,7 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
         at = frames(problem.surface, motion.origin, motion.rotation, middle, place)
         shift = rigid_shift(at, level, motion)[0]
         rigid = shift.T.ravel() / problem.speed
-    tractions = solve_tractions(
-        matrix, depth, rigid, laws=laws, speed=problem.speed, options=OPTIONS, count=count
-    )
+    tractions = solve_tractions(matrix, depth, rigid, laws=laws, speed=problem.speed, options=OPTIONS, count=count)
     return _state(problem, strips, ends, tractions, basis)
 
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.fitted.operators import TOO_LONG
-from wheelrail.contact.models.lattice.basis import MODES
-from wheelrail.contact.models.lattice.cell_compliance import normal_displacements
 from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, strip_grid
+from wheelrail.contact.models.lattice.influence.basis import MODES
+from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.support.arrays import Array, Nodes
@@ -66,7 +66,7 @@ def _displacement(problem: LatticeProblem, state: LatticeState, free: Nodes, edg
     i, j = (index.ravel() for index in np.meshgrid(free, state.strips, indexing="ij"))
     feet = problem.at_crests.foot if problem.tables.moves else None
     tables = problem.tables.of(np.minimum(i, j), np.maximum(i, j), feet, problem.reach)
-    places = problem.places(state.strips)
+    places = problem.of(state.strips).places
     grid = strip_grid(state.values, places, problem.basis)
     jumps = force_jumps(state.values, places, problem.basis, problem.rolls)
     before = (free[:, None] < state.strips).ravel()

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.basis import StripBasis
-from wheelrail.contact.models.lattice.compliance import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.friction import FrictionLaw, residual, slopes
-from wheelrail.contact.models.lattice.pair_tables import PairTables
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
+from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.surface import Motion, SurfaceData, frames, penetration, rigid_shift
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
@@ -28,13 +28,24 @@ class StripPlaces(NamedTuple):
     level: Array
 
 
+class EquationData(NamedTuple):
+    """What the equations of some strips at a pose consist of: law of friction unused where motion.speed is zero."""
+
+    tables: PairTables
+    surface: SurfaceData
+    motion: Motion
+    places: StripPlaces
+    basis: StripBasis
+    law: FrictionLaw
+
+
 class Evaluation(NamedTuple):
     """Residual of a state and what belongs to it.
 
     Parameters:
         inside: whether all points lie on the surfaces and in the tables.
         residual: (S, block): friction Pa along and across, moments of the gap m.
-        V: (S, M + 3, 3), see `wheelrail.contact.models.lattice.compliance`.
+        V: (S, M + 3, 3), see `wheelrail.contact.models.lattice.influence.operator`.
         pressure: (S, M) Pa, means over the cells.
         slip: (S, 2, M) over the speed.
         rigid_slope: (S, 2, M) 1/m, change of its rigid part along x.
@@ -82,10 +93,9 @@ def force_jumps(values: Array, places: StripPlaces, basis: StripBasis, rolls: bo
 
 
 @compiled
-def _add_penetration(
-    values: Array, surface: SurfaceData, motion: Motion, places: StripPlaces, basis: StripBasis, moments: Array
-) -> tuple[bool, Array]:
+def _add_penetration(values: Array, data: EquationData, moments: Array) -> tuple[bool, Array]:
     """Add the moments (S, MOMENTS) of the penetration; its slopes (S, STATIONS), and whether it is defined."""
+    places, basis, motion = data.places, data.basis, data.motion
     S, n = len(values), len(basis.stations)
     s, x = np.empty(2 * S * n), np.empty(2 * S * n)
     for i in range(S):
@@ -94,7 +104,7 @@ def _add_penetration(
                 at = (2 * i + g) * n + k
                 s[at] = places.middle[i] + (2 * g - 1) * GAUSS * places.width[i]
                 x[at] = values[i, -2] + (values[i, -1] - values[i, -2]) * basis.stations[k]
-    found = penetration(surface, motion.origin, motion.rotation, s, x)
+    found = penetration(data.surface, motion.origin, motion.rotation, s, x)
     slope, inside = np.zeros((S, n)), True
     for i in range(S):
         for g in range(2):
@@ -108,10 +118,9 @@ def _add_penetration(
 
 
 @compiled
-def rigid_slip(
-    values: Array, surface: SurfaceData, motion: Motion, places: StripPlaces, basis: StripBasis
-) -> tuple[Array, Array]:
+def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
     """Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x."""
+    places, basis, motion = data.places, data.basis, data.motion
     S, M = len(values), len(basis.marks) - 1
     s, x, level = np.empty(S * M), np.empty(S * M), np.empty((S * M, 3))
     for i in range(S):
@@ -120,7 +129,7 @@ def rigid_slip(
             mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
             x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
             level[i * M + r] = places.level[i]
-    at = frames(surface, motion.origin, motion.rotation, s, x)
+    at = frames(data.surface, motion.origin, motion.rotation, s, x)
     shift, change, _ = rigid_shift(at, level, motion)
     slip, slope = np.empty((S, 2, M)), np.empty((S, 2, M))
     for i in range(S):
@@ -132,22 +141,13 @@ def rigid_slip(
 
 
 @compiled
-def _assembled(
-    values: Array,
-    V: Array,
-    grid: StripGrid,
-    surface: SurfaceData,
-    motion: Motion,
-    places: StripPlaces,
-    basis: StripBasis,
-    law: FrictionLaw,
-    rho: Array,
-) -> Evaluation:
+def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData, rho: Array) -> Evaluation:
     """Residual from the antiderivative V of the displacements."""
+    basis, motion = data.basis, data.motion
     S, M, modes = len(values), len(basis.marks) - 1, basis.mean.shape[1]
     rolls = motion.speed > 0.0
     slip, moments = slips_and_moments(V, grid, basis)
-    inside, depth_slope = _add_penetration(values, surface, motion, places, basis, moments)
+    inside, depth_slope = _add_penetration(values, data, moments)
     at = 2 * M if rolls else 0
     pressure = np.zeros((S, M))
     for i in range(S):
@@ -158,32 +158,24 @@ def _assembled(
     residuals[:, at:] = moments
     rigid_slope = np.zeros((S, 2, M))
     if rolls:
-        rigid, rigid_slope = rigid_slip(values, surface, motion, places, basis)
+        rigid, rigid_slope = rigid_slip(values, data)
         slip += rigid
         for i in range(S):
             for r in range(M):
                 q, s = (values[i, r], values[i, M + r]), (slip[i, 0, r], slip[i, 1, r])
-                F = residual(law, q, s, pressure[i, r], rho[i, r], motion.speed)
+                F = residual(data.law, q, s, pressure[i, r], rho[i, r], motion.speed)
                 residuals[i, r], residuals[i, M + r] = F
     return Evaluation(inside, residuals, V, pressure, slip, rigid_slope, depth_slope)
 
 
 @compiled
-def evaluate(
-    values: Array,
-    tables: PairTables,
-    surface: SurfaceData,
-    motion: Motion,
-    places: StripPlaces,
-    basis: StripBasis,
-    law: FrictionLaw,
-    rho: Array,
-) -> Evaluation:
+def evaluate(values: Array, data: EquationData, rho: Array) -> Evaluation:
     """Residual of a state with values (S, block); rho (S, M) 1/Pa of the law of friction."""
-    rolls = motion.speed > 0.0
+    places, basis = data.places, data.basis
     grid = strip_grid(values, places, basis)
-    inside, V = antiderivatives(tables, grid, force_jumps(values, places, basis, rolls))
-    found = _assembled(values, V, grid, surface, motion, places, basis, law, rho)
+    jumps = force_jumps(values, places, basis, data.motion.speed > 0.0)
+    inside, V = antiderivatives(data.tables, grid, jumps)
+    found = _assembled(values, V, grid, data, rho)
     return Evaluation(inside and found.inside, *found[1:])
 
 
@@ -201,22 +193,15 @@ def self_compliance(A: Array, strips: int, cells: int) -> Array:
 
 
 @compiled
-def linearise(
-    values: Array,
-    tables: PairTables,
-    surface: SurfaceData,
-    motion: Motion,
-    places: StripPlaces,
-    basis: StripBasis,
-    law: FrictionLaw,
-) -> tuple[Evaluation, Array, Array]:
+def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Array]:
     """Evaluation, Jacobian (n, n) and rho (S, M) 1/Pa of a state with values (S, block)."""
+    places, basis = data.places, data.basis
     S, M = len(values), len(basis.marks) - 1
-    rolls = motion.speed > 0.0
+    rolls = data.motion.speed > 0.0
     grid = strip_grid(values, places, basis)
-    inside, A, V = operator(tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
+    inside, A, V = operator(data.tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
     rho = self_compliance(A, S, M) if rolls else np.zeros((S, M))
-    found = _assembled(values, V, grid, surface, motion, places, basis, law, rho)
+    found = _assembled(values, V, grid, data, rho)
     block, moments = values.shape[1], basis.penetration.shape[0]
     for i in range(S):
         last = (i + 1) * block
@@ -232,7 +217,7 @@ def linearise(
                     A[i * block + a * M + r, last - 2] += found.rigid_slope[i, a, r] * (1.0 - mark)
                     A[i * block + a * M + r, last - 1] += found.rigid_slope[i, a, r] * mark
     if rolls:
-        D, _ = friction_slopes(values, found, law, rho, motion.speed)
+        D, _ = friction_slopes(values, found, data.law, rho, data.motion.speed)
         _into_friction(A, D, basis.mean)
     return Evaluation(inside and found.inside, *found[1:]), A, rho
 

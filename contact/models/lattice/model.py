@@ -14,11 +14,11 @@ from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.lattice.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.cold_start import cold_start
 from wheelrail.contact.models.lattice.friction import FrictionLaw
+from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
+from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result

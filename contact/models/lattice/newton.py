@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.entry import entering
 from wheelrail.contact.models.lattice.equations import Evaluation
+from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
@@ -150,7 +150,7 @@ class LatticeNewton:
         load = state.modes[:, 0] * half + step[:, -2 - MODES] * half + state.modes[:, 0] * change
         small = half < 0.3 * half.max()
         squared = half**2 + 2 * half * change
-        return ~((load <= 0) & ((squared <= 0) | (amplitude <= 0)) & (small | (amplitude <= 0)))
+        return np.asarray(~((load <= 0) & ((squared <= 0) | (amplitude <= 0)) & (small | (amplitude <= 0))))
 
     def _entered(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter; None without any."""

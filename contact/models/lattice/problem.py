@@ -16,10 +16,17 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.models.fitted.operators import TOO_LONG
-from wheelrail.contact.models.lattice.basis import StripBasis
-from wheelrail.contact.models.lattice.equations import GAUSS, Evaluation, StripPlaces, evaluate, linearise
+from wheelrail.contact.models.lattice.equations import (
+    GAUSS,
+    EquationData,
+    Evaluation,
+    StripPlaces,
+    evaluate,
+    linearise,
+)
 from wheelrail.contact.models.lattice.friction import FrictionLaw
-from wheelrail.contact.models.lattice.pair_tables import LatticeTables, PairTables
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import (
     Motion,
@@ -76,7 +83,7 @@ class LatticeProblem:
         """Width (K,) m of all strips."""
         return self.tables.width
 
-    @property
+    @cached_property
     def surface(self) -> SurfaceData:
         """Surfaces of both bodies."""
         return surface_data(self.tables.operators.surfaces)
@@ -164,58 +171,39 @@ class LatticeProblem:
         return float(2 * ((x + half).max() - (x - half).min()))
 
     def places(self, strips: Nodes) -> StripPlaces:
-        """Places of some strips (S,), stored."""
-        key = strips.tobytes()
-        if key not in self._places:
-            level = frames(self.surface, *self._frame, self.middle[strips], self.crest[0][strips]).axes[:, 0]
-            self._places[key] = StripPlaces(
-                self.middle[strips], self.width[strips], self.tables.stretch[strips], np.ascontiguousarray(level)
-            )
-        return self._places[key]
+        """Places of some strips (S,)."""
+        level = frames(self.surface, *self._frame, self.middle[strips], self.crest[0][strips]).axes[:, 0]
+        width, stretch = self.width[strips], self.tables.stretch[strips]
+        return StripPlaces(self.middle[strips], width, stretch, np.ascontiguousarray(level))
 
     def pairs(self, strips: Nodes) -> PairTables:
-        """Tables of the pairs i <= j of some strips (S,), stored. Raises OutsideSurface."""
+        """Tables of the pairs i <= j of some strips (S,). Raises OutsideSurface."""
+        feet = self.at_crests.foot if self.tables.moves else None
+        return self.tables.of(*triangle(strips), feet, self.reach)
+
+    def of(self, strips: Nodes) -> EquationData:
+        """Data of the equations of some strips (S,), stored. Raises OutsideSurface."""
         key = strips.tobytes()
-        if key not in self._pairs:
-            feet = self.at_crests.foot if self.tables.moves else None
-            self._pairs[key] = self.tables.of(*triangle(strips), feet, self.reach)
-        return self._pairs[key]
+        if key not in self._stored:
+            law = self.law or FRICTIONLESS
+            places, tables = self.places(strips), self.pairs(strips)
+            self._stored[key] = EquationData(tables, self.surface, self.data, places, self.basis, law)
+        return self._stored[key]
 
     @cached_property
-    def _pairs(self) -> dict[bytes, PairTables]:
-        return {}
-
-    @cached_property
-    def _places(self) -> dict[bytes, StripPlaces]:
+    def _stored(self) -> dict[bytes, EquationData]:
         return {}
 
     def evaluate(self, state: LatticeState, rho: Array) -> Evaluation:
         """Residual of a state; rho (S, M) 1/Pa. Raises OutsideSurface."""
-        found = evaluate(
-            state.values,
-            self.pairs(state.strips),
-            self.surface,
-            self.data,
-            self.places(state.strips),
-            self.basis,
-            self.law or FRICTIONLESS,
-            rho,
-        )
+        found = evaluate(state.values, self.of(state.strips), rho)
         if not found.inside:
             raise OutsideSurface(TOO_LONG)
         return found
 
     def linearise(self, state: LatticeState) -> tuple[Evaluation, Array, Array]:
         """Evaluation, Jacobian (n, n) and rho (S, M) 1/Pa of a state. Raises OutsideSurface."""
-        found, jacobian, rho = linearise(
-            state.values,
-            self.pairs(state.strips),
-            self.surface,
-            self.data,
-            self.places(state.strips),
-            self.basis,
-            self.law or FRICTIONLESS,
-        )
+        found, jacobian, rho = linearise(state.values, self.of(state.strips))
         if not found.inside:
             raise OutsideSurface(TOO_LONG)
         return found, jacobian, rho

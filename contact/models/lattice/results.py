@@ -40,6 +40,7 @@ def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistic
         slip = evaluation.slip.transpose(0, 2, 1).reshape(-1, 2)
         size = np.hypot(*slip.T)
         bound = coefficients(problem.law, size, problem.speed) * pressure
+    grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
     strip = connected(layout, np.ones((S, M)))
     result = assemble_result(
         FrictionalWork.below(bound, places, q, problem.motion, problem.speed),
@@ -47,7 +48,7 @@ def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistic
         patch=np.repeat(strip, M),
         pressure=pressure,
         slip=slip,
-        displacement=_displacement(evaluation.V, strip_grid(state.values, problem.places(state.strips), problem.basis).x),
+        displacement=_displacement(evaluation.V, grid.x),
         approach=problem.approach,
         statistics=statistics,
     )

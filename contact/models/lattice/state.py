@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.basis import MODES
+from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
@@ -84,9 +84,7 @@ def _moved(values: Array, step: Array, factor: float) -> Array:
 
 @compiled
 def relative_size(values: Array, step: Array) -> tuple[float, float]:
-    """Largest entry and Euclidean norm of a step (S, block) over the largest amplitude of the pressure, and for the ends
-    over the largest half length.
-    """
+    """Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length."""
     last = values.shape[1] - 1
     pressure, half = LEAST_PRESSURE, 0.0
     for i in range(len(values)):

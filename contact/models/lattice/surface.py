@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import curvature
 from wheelrail.contact.geometry.wheel_surface import wheel_place
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.models.fitted.surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array
@@ -35,8 +34,12 @@ class SurfaceData(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Pose of the upper body and velocity fields v + w x (X - reference) of both, all (3,) and rotation (3, 3); speed m/s
-    of rolling, 0 without friction.
+    """Pose of the upper body, velocity fields of both, and the rolling speed.
+
+    Parameters:
+        origin, rotation: (3,) m and (3, 3) of the upper body.
+        wheel, rail: velocity m/s, rotation rad/s and reference m, all (3,), of v + w x (X - reference).
+        speed: m/s; 0 without friction.
     """
 
     origin: Array
@@ -64,12 +67,9 @@ class Penetration(NamedTuple):
     foot_pose: Array
 
 
-NO_SHAPE = Shape(
-    np.zeros(2), np.zeros(1), np.zeros((1, 3, 8), dtype=complex), np.zeros(1), np.zeros(1, dtype=complex)
-)
+NO_SHAPE = Shape(np.zeros(2), np.zeros(1), np.zeros((1, 3, 8), dtype=complex), np.zeros(1), np.zeros(1, dtype=complex))
 
 
-@lru_cache(maxsize=8)
 def surface_data(surfaces: StripSurfaces) -> SurfaceData:
     """Data of profiles or quadrics."""
     if isinstance(surfaces, ProfileStrips):
@@ -82,12 +82,15 @@ def surface_data(surfaces: StripSurfaces) -> SurfaceData:
 
 def motion_data(pose: Pose, motion: RigidMotion, speed: float) -> Motion:
     """Data of a pose and a motion."""
-    fields = (
-        tuple(np.ascontiguousarray(part, dtype=float) for part in (body.velocity, body.rotation, body.reference))
-        for body in (motion.wheel, motion.rail)
+    origin, rotation = np.asarray(pose.origin, dtype=float), np.ascontiguousarray(pose.rotation)
+    return Motion(origin, rotation, _field(motion.wheel), _field(motion.rail), speed)
+
+
+def _field(body: Twist) -> tuple[Array, Array, Array]:
+    velocity, rotation, reference = (
+        np.ascontiguousarray(part, dtype=float) for part in (body.velocity, body.rotation, body.reference)
     )
-    wheel, rail = fields
-    return Motion(np.asarray(pose.origin, dtype=float), np.ascontiguousarray(pose.rotation), wheel, rail, speed)
+    return velocity, rotation, reference
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Derivative of force and moment by pose and motion, from the Jacobian of the converged equations, moving ends included.
+"""Derivative of force and moment by pose and motion, from the Jacobian of the converged equations with moving ends.
 
 With R(u, g) = 0 the equations and g the twelve changes of `wheelrail.contact.kinematics.sensitivity`, the unknowns
 change by u' = -J^-1 dR/dg (implicit function theorem). The set of loaded strips is fixed: a strip comes and goes with
@@ -15,10 +15,10 @@ import numpy as np
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.sensitivity import carried, rigid_slip, skew, turned
-from wheelrail.contact.models.lattice.basis import MODES, MOMENTS
-from wheelrail.contact.models.lattice.compliance import antiderivatives, slips_and_moments
 from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, friction_slopes, strip_grid
 from wheelrail.contact.models.lattice.equations import rigid_slip as rigid_slip_of
+from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
+from wheelrail.contact.models.lattice.influence.operator import antiderivatives, slips_and_moments
 from wheelrail.contact.models.lattice.newton import LatticeSolution, Linearisation
 from wheelrail.contact.models.lattice.problem import LatticeProblem, triangle
 from wheelrail.contact.models.lattice.surface import SurfaceFrames, crest_changes, frames
@@ -122,13 +122,12 @@ class LatticeTangent:
         total[:, -MOMENTS:, :6] += moments
         if problem.rolls:
             speed = self._speed()
+            rigid, _ = rigid_slip_of(state.values, problem.of(state.strips))
             shift, _ = rigid_slip(self.places, problem.pose.origin, problem.motion, np.zeros((6, S * M)))
             if problem.surface.revolves:
                 shift[:6, : S * M] -= self._level()
             shift = shift.reshape(CHANGES, 2, S, M).transpose(2, 1, 3, 0)
-            creep = (shift - rigid_slip_of(state.values, problem.surface, problem.data, problem.places(state.strips), problem.basis)[0][
-                ..., None
-            ] * speed) / problem.speed
+            creep = (shift - rigid[..., None] * speed) / problem.speed
             assert problem.law is not None
             D, _ = friction_slopes(state.values, evaluation, problem.law, self.solution.rho, problem.speed)
             by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
@@ -149,7 +148,7 @@ class LatticeTangent:
         slips, moments = np.zeros((S, 2, M, 6)), np.zeros((S, MOMENTS, 6))
         if not problem.tables.moves:
             return slips, moments
-        strips = problem.places(state.strips)
+        strips = problem.of(state.strips).places
         grid = strip_grid(state.values, strips, problem.basis)
         jumps = force_jumps(state.values, strips, problem.basis, problem.rolls)
         at = problem.at_crests
@@ -166,11 +165,9 @@ class LatticeTangent:
         return slips, moments
 
     def _level(self) -> Array:
-        """Derivative (6, S M) by the pose of the rail's velocity along its level axes, less that along the wheel's circle
-        at fixed axes of the wheel.
-        """
+        """Derivative (6, S M) by the pose of the rail's velocity along the level axes, less that along the circle."""
         problem, state = self.problem, self.solution.state
-        strips, rail = problem.places(state.strips), problem.motion.rail
+        strips, rail = problem.of(state.strips).places, problem.motion.rail
         at, M = problem.at_crests, problem.cells
         velocity = rail.at(self.places.point)
         level = np.repeat(strips.level, M, axis=0)

@@ -211,7 +211,9 @@ def _halved(model: ContactModel) -> ContactModel:
     from wheelrail.contact.models.fitted.model import FittedContact
     from wheelrail.contact.models.lattice.model import LatticeContact
 
-    assert isinstance(model, FittedContact | LatticeContact)
+    if isinstance(model, LatticeContact):
+        return replace(model, resolution=model.resolution.coarsened())
+    assert isinstance(model, FittedContact)
     return replace(model, resolution=model.resolution.coarsened())
 
 

@@ -58,7 +58,8 @@ class Contact(SceneTable):
         the track or about the axle, the default with laws = "exact"), or "half-space", for comparison with other codes.
     degree: of the displacements; 1 for solids by default.
     points: "fitted" (strips of cells that end at the patch edge, the default for the exact normal law unless bodies are
-        solid), or "grid", not available for half-spaces.
+        solid), "lattice" (strips fixed on the wheel: the force is a function of the pose alone), or "grid", not
+        available for half-spaces.
     strips, cells: of fitted points or a lattice, over the width of a patch and along a strip; 12 and 16 by default.
     slip_order: order of the upstream difference formula of the slip on a grid.
     stiffness_per_area: penalty, N/m3; regularisation: creepage.
@@ -189,6 +190,8 @@ class HertzScene(Solve):
             raise q.reject(NO_STRESS, "stress")
         if self.shift is not None and self.model != "condensed":
             raise q.reject('allowed only with model = "condensed"', "shift")
+        if self.shift is not None and self.points == "lattice":
+            raise q.reject('not with points = "lattice", which computes rolling contact', "shift")
         if self.shift is not None and (self.falling or (self.laws == "paper" and self.regularisation > 0.0)):
             raise q.reject(
                 'allowed only with Coulomb friction: regularisation = 0 or laws = "exact", without falling', "shift"

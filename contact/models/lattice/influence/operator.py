@@ -11,11 +11,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.basis import StripBasis
-from wheelrail.contact.models.lattice.body_correction import START as SMOOTH_START
-from wheelrail.contact.models.lattice.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
-from wheelrail.contact.models.lattice.pair_tables import PairTables
-from wheelrail.contact.models.lattice.vectors import add_polynomial, bits, difference, double, polynomial, products, weighted
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.body_correction import START as SMOOTH_START
+from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
+from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.contact.models.lattice.influence.vectors import (
+    add_polynomial,
+    bits,
+    difference,
+    double,
+    polynomial,
+    products,
+    weighted,
+)
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
@@ -46,7 +54,7 @@ def look_up(tables: PairTables, pair: int, rows: Array, columns: Array, G: Array
     False where they are farther apart than the table reaches.
     """
     first, inverse = tables.first[pair], tables.inverse[pair]
-    last = tables.count[pair]
+    last = tables.cells[pair]
     start, values, slopes = tables.values.ctypes.data + BLOCK * first, G.ctypes.data, H.ctypes.data
     wide = G.shape[1]
     for r in range(len(rows)):
@@ -118,7 +126,7 @@ def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Arra
 
 @compiled
 def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[bool, Array]:
-    """Whether all distances lie in the tables, and V (S, M + 3, 3) by jumps (S, M + 1, 3) of the traction times width."""
+    """Whether all distances lie in the tables, and V (S, M + 3, 3) by jumps (S, M + 1, 3) of traction times width."""
     S, R = grid.x.shape
     V = np.zeros((S, R, 3))
     G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
@@ -180,7 +188,7 @@ def _load_strip(
 def _add_column(
     g: Array, turn: float, factor: float, c: int, component: int, basis: StripBasis, rolls: bool, row: Array
 ) -> None:
-    """Add to a row of a block the component of displacement by tractions and modes on cell c, from table values (8,)."""
+    """Add to a row of a block the component of displacement by tractions and modes on cell c, from values g (8,)."""
     M = len(basis.marks) - 1
     if component == 0:
         along, across, normal = g[XX], g[XT], turn * (g[XN] + g[ROLL])

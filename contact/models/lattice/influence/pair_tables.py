@@ -5,12 +5,12 @@ its load a body is a half-space, whose part of G depends on the strips' widths a
 is tabulated once for all poses; the deviation of finite bodies from half-spaces is smooth.
 
 Cells of the tables: z = 1 + |x| / start, `CELLS` equal ones in every octave of z, polynomials of degree `DEGREE` in
-each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body on
-either strip. Displacement by force is symmetric up to TURN components, which change their sign when the pair is taken in
-the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN; the parts of C_xt and
-C_xn with the other symmetry, by the slope of the bodies' flexibility across, are neglected. The first five components
-are even functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R, integrated along x. On a
-wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
+each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body
+on either strip. Displacement by force is symmetric up to TN_TURN, ROLL and XN, which change their sign when the pair
+is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN; the
+parts of C_xt and C_xn with the other symmetry, by the slope of the bodies' flexibility across, are neglected. The first
+five components are even functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R,
+integrated along x. On a wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from wheelrail.contact.elasticity.half_space import strip_antiderivative
 from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.fitted.surfaces import QuadricStrips
-from wheelrail.contact.models.lattice.body_correction import OUTWARD, BodyCorrection, pair_means
-from wheelrail.contact.models.lattice.pair_grid import COMPONENTS, DEGREE, NN, ROLL, TN, PairGrid
+from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, BodyCorrection, pair_means
+from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, NN, ROLL, TN, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
@@ -39,15 +39,15 @@ class PairTables(NamedTuple):
     Parameters:
         values: (cells, DEGREE + 1, COMPONENTS) m/N times m2, coefficients of powers of z minus the cell's lower bound.
         first: (pairs,) first cell of a pair.
-        count: (pairs,) its number of cells.
+        cells: (pairs,) its number of cells.
         inverse: (pairs,) 1/m, 1 / start.
         smooth: (pairs, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
-            `wheelrail.contact.models.lattice.body_correction.START`; (0, ..) where it is contained in values.
+            `wheelrail.contact.models.lattice.influence.body_correction.START`; (0, ..) where it is contained in values.
     """
 
     values: Array
     first: Nodes
-    count: Nodes
+    cells: Nodes
     inverse: Array
     smooth: Array
 

@@ -17,7 +17,7 @@ BYTES = 8 * WIDTH
 
 
 def _ir() -> Any:
-    from llvmlite import ir
+    from llvmlite import ir  # type: ignore[import-untyped]
 
     return ir
 
@@ -57,7 +57,7 @@ def _offset(builder: Any, address: Any, bytes_: int) -> Any:
     return builder.add(address, _ir().Constant(_ir().IntType(64), bytes_))
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic  # type: ignore[untyped-decorator]
 def bits(context: Any, x: Any) -> Any:
     """The bits of a double as an integer."""
 
@@ -67,7 +67,7 @@ def bits(context: Any, x: Any) -> Any:
     return types.int64(types.float64), generate
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic  # type: ignore[untyped-decorator]
 def double(context: Any, x: Any) -> Any:
     """The double with the bits of an integer."""
 
@@ -78,7 +78,7 @@ def double(context: Any, x: Any) -> Any:
 
 
 def _polynomial(adds: bool) -> Any:
-    @intrinsic  # type: ignore[misc]
+    @intrinsic  # type: ignore[untyped-decorator]
     def polynomial(context: Any, table: Any, u: Any, even: Any, slope: Any, values: Any, slopes: Any) -> Any:
         def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
             ir = _ir()
@@ -110,7 +110,7 @@ def _polynomial(adds: bool) -> Any:
 polynomial, add_polynomial = _polynomial(False), _polynomial(True)
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic  # type: ignore[untyped-decorator]
 def products(context: Any, g: Any, stride: Any, loads: Any, count: Any, out: Any) -> Any:
     """Write sums (3, 8) over count places of vectors at g, a stride of bytes apart, times each of loads (count, 3)."""
 
@@ -135,7 +135,7 @@ def products(context: Any, g: Any, stride: Any, loads: Any, count: Any, out: Any
     return types.void(g, stride, loads, count, out), generate
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic  # type: ignore[untyped-decorator]
 def weighted(context: Any, g: Any, stride: Any, weights: Any, count: Any, out: Any) -> Any:
     """Write the sum (8,) over count places of vectors at g, a stride of bytes apart, times weights (count,)."""
 
@@ -157,7 +157,7 @@ def weighted(context: Any, g: Any, stride: Any, weights: Any, count: Any, out: A
     return types.void(g, stride, weights, count, out), generate
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic  # type: ignore[untyped-decorator]
 def difference(context: Any, first: Any, second: Any, factor: Any, out: Any) -> Any:
     """Write (first - second) factor of vectors (8,)."""
 

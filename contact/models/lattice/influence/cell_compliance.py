@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.basis import StripBasis
-from wheelrail.contact.models.lattice.compliance import StripGrid, look_up
-from wheelrail.contact.models.lattice.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
-from wheelrail.contact.models.lattice.pair_tables import PairTables
-from wheelrail.support.arrays import Array
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.operator import StripGrid, look_up
+from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
+from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
 
 
@@ -73,7 +73,7 @@ def cell_operator(tables: PairTables, grid: StripGrid, basis: StripBasis, rolls:
 
 @compiled
 def normal_displacements(
-    tables: PairTables, before: Array, edges: Array, grid: StripGrid, jumps: Array
+    tables: PairTables, before: Mask, edges: Array, grid: StripGrid, jumps: Array
 ) -> tuple[bool, Array]:
     """Relative normal displacement (n, C) m of cells with boundaries (n, C + 1) m on n unloaded strips.
 

@@ -15,7 +15,7 @@ import numpy as np
 from wheelrail.contact.elasticity.half_space import floor_correction
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, rule
 from wheelrail.contact.models.fitted.influence import TILE, ElementInfluence
-from wheelrail.contact.models.lattice.pair_grid import COMPONENTS, DEGREE, PairGrid
+from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 

@@ -37,7 +37,7 @@ class PairGrid:
 
     def cells_up_to(self, x: float) -> int:
         """Number of cells up to a distance m."""
-        return int(min(np.searchsorted(self.lower, x / self.start + 1) + 1, len(self.lower)))
+        return min(int(np.searchsorted(self.lower, x / self.start + 1)) + 1, len(self.lower))
 
     @property
     def x(self) -> Array:
