@@ -16,6 +16,8 @@ from .models.discretisation import Discretisation as Discretisation
 from .models.fitted.model import FittedContact as FittedContact
 from .models.fitted.resolution import Resolution as Resolution
 from .models.full.model import FullContact as FullContact
+from .models.lattice.model import LatticeContact as LatticeContact
+from .models.lattice.resolution import LatticeResolution as LatticeResolution
 from .models.standard.model import StandardContact as StandardContact
 from .models.wheelset import WheelsetContact as WheelsetContact
 from .results.result import ContactResult as ContactResult

@@ -13,6 +13,7 @@ from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.fitted.model import FittedContact
 from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.profile_bodies import ProfileBodies
 from wheelrail.contact.models.quadric_bodies import Blocks, QuadricBodies
 from wheelrail.meshes.profiles.profile import Profile
@@ -49,6 +50,14 @@ def _waveguide_fitted(pair: BodyPair, laws: ContactLaws, how: Discretisation) ->
     return FittedContact(pair.waveguide_strips(how), laws, how.resolution)
 
 
+def _half_space_lattice(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> LatticeContact:
+    return LatticeContact(pair.half_space_strips(how), laws, how.lattice_resolution)
+
+
+def _waveguide_lattice(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> LatticeContact:
+    return LatticeContact(pair.waveguide_strips(how), laws, how.lattice_resolution)
+
+
 def _waveguide_grid(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> CondensedContact:
     return CondensedContact(*pair.waveguide_grids(how), laws, order=how.slip_order)
 
@@ -67,6 +76,8 @@ def _solid_full(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> FullC
 BUILDERS: Mapping[tuple[str, str | None, str | None], Callable[[BodyPair, ContactLaws, Discretisation], Any]] = {
     ("condensed", "half-space", "fitted"): _half_space,
     ("condensed", "waveguide", "fitted"): _waveguide_fitted,
+    ("condensed", "half-space", "lattice"): _half_space_lattice,
+    ("condensed", "waveguide", "lattice"): _waveguide_lattice,
     ("condensed", "waveguide", "grid"): _waveguide_grid,
     ("condensed", "solid", "grid"): _solid_condensed,
     ("full", "solid", "grid"): _solid_full,
@@ -81,7 +92,7 @@ def contact_model(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> Any
         laws: of the interface.
         how: discretisation; choices that are None depend on the laws.
 
-    Returns `FittedContact`, `CondensedContact` or `FullContact`. Raises IncompatibleChoice.
+    Returns `FittedContact`, `LatticeContact`, `CondensedContact` or `FullContact`. Raises IncompatibleChoice.
     """
     how = how.for_laws(exact=laws.exact_normal)
     return BUILDERS[how.model, how.bodies, how.points](pair, laws, how)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import scipy.linalg as la
@@ -159,6 +160,14 @@ def self_compliance(diagonal: Array) -> Array:
     return np.asarray(np.maximum(diagonal_mean, 1e-3 * np.abs(diagonal_mean).max()))
 
 
+class LinearisedForce(Protocol):
+    """Linearised contact in the frame of the rail, the moment about its origin."""
+
+    @property
+    def matrix(self) -> Array:
+        """Derivative (6, 12) of force and moment."""
+
+
 @dataclass(frozen=True, eq=False)
 class ContactTangent:
     """Derivative of a contact force, stored with a result.
@@ -169,7 +178,7 @@ class ContactTangent:
         mirror: whether the result is the mirror image in y = 0.
     """
 
-    of: TangentProblem
+    of: LinearisedForce
     centre: Array = field(default_factory=lambda: np.zeros(3))
     mirror: bool = False
 

@@ -23,7 +23,13 @@ MAY_IMPORT: dict[str, set[str]] = {
     "meshes.profiles": {"meshes.curves", "support"},
     "meshes.bodies": {"meshes.curves", "meshes.profiles", "support"},
     "contact": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models", "contact.models.fitted"}
-    | {"contact.models.full", "contact.models.standard", "contact.results", "contact.solvers"},
+    | {
+        "contact.models.full",
+        "contact.models.lattice",
+        "contact.models.standard",
+        "contact.results",
+        "contact.solvers",
+    },
     "contact.analytical": {"support"},
     "contact.kinematics": {"meshes.curves", "support"},
     "contact.laws": {"forms", "support"},  # laws in UFL, imported where a law is first compiled
@@ -40,10 +46,14 @@ MAY_IMPORT |= {
     "contact.models.fitted": _MODEL
     | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
 }
+MAY_IMPORT["contact.models.lattice.influence"] = MAY_IMPORT["contact.models.fitted"] | {"contact.models.fitted"}
+MAY_IMPORT["contact.models.lattice"] = MAY_IMPORT["contact.models.lattice.influence"] | {
+    "contact.models.lattice.influence"
+}
 MAY_IMPORT["contact.models"] = {
     "contact.analytical",
     "contact.elasticity.waveguide",
-    *(f"contact.models.{name}" for name in ("fitted", "full", "standard")),
+    *(f"contact.models.{name}" for name in ("fitted", "full", "lattice", "standard")),
     *(MAY_IMPORT["contact.models.fitted"] | MAY_IMPORT["contact.models.full"]),
 }
 MAY_IMPORT |= {

@@ -14,9 +14,12 @@ if TYPE_CHECKING:
 
 
 def halved(model: ContactModel) -> ContactModel:
-    """The model, on fitted points, with half as many cells in both directions."""
+    """The model, on fitted points or a lattice, with half as many cells in both directions."""
     from wheelrail.contact.models.fitted.model import FittedContact
+    from wheelrail.contact.models.lattice.model import LatticeContact
 
+    if isinstance(model, LatticeContact):
+        return replace(model, resolution=model.resolution.coarsened())
     assert isinstance(model, FittedContact)
     return replace(model, resolution=model.resolution.coarsened())
 

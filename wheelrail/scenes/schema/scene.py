@@ -60,8 +60,9 @@ class Contact(SceneTable):
         the track or about the axle, the default with laws = "exact"), or "half-space", for comparison with other codes.
     degree: of the displacements; 1 for solids by default.
     points: "fitted" (strips of cells that end at the patch edge, the default for the exact normal law unless bodies are
-        solid), or "grid", not available for half-spaces.
-    strips, cells: of fitted points, over the width of a patch and along a strip; 12 and 16 by default.
+        solid), "lattice" (strips fixed on the wheel: the force is a function of the pose alone), or "grid", not
+        available for half-spaces.
+    strips, cells: of fitted points or a lattice, over the width of a patch and along a strip; 12 and 16 by default.
     slip_order: order of the upstream difference formula of the slip on a grid.
     stiffness_per_area: penalty, N/m3; regularisation: creepage; normal_law: a table with a normal law in place of the
         linear penalty.
@@ -78,7 +79,7 @@ class Contact(SceneTable):
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     bodies: Literal["solid", "waveguide", "half-space"] | None = None
     degree: Literal[1, 2] | None = None
-    points: Literal["fitted", "grid"] | None = None
+    points: Literal["fitted", "lattice", "grid"] | None = None
     strips: q.Fineness | None = None
     cells: q.Fineness | None = None
     slip_order: Literal[1, 2] = 2
@@ -168,8 +169,8 @@ class Solve(Contact):
 
     @model_validator(mode="after")
     def _estimable(self) -> Solve:
-        if self.error_estimate and (self.model == "standard" or self.discretisation.points != "fitted"):
-            raise q.reject('allowed only with points = "fitted"', "error_estimate")
+        if self.error_estimate and (self.model == "standard" or self.discretisation.points == "grid"):
+            raise q.reject('allowed only with points = "fitted" or "lattice"', "error_estimate")
         return self
 
 
@@ -224,6 +225,8 @@ class HertzScene(Solve):
             raise q.reject(NO_STRESS, "stress")
         if self.shift is not None and self.model != "condensed":
             raise q.reject('allowed only with model = "condensed"', "shift")
+        if self.shift is not None and self.points == "lattice":
+            raise q.reject('not with points = "lattice", which computes rolling contact', "shift")
         regularised = self.laws == "paper" and self.regularisation > 0.0
         if self.shift is not None and (self.falling or isinstance(self.friction, FrictionTable) or regularised):
             raise q.reject(

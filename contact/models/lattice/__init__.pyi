@@ -1,0 +1,2 @@
+from .model import LatticeContact as LatticeContact
+from .resolution import LatticeResolution as LatticeResolution

@@ -1,0 +1,106 @@
+"""Start without an earlier result: complementarity, with friction, on equal cells of all strips that penetrate."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.fitted.operators import TOO_LONG
+from wheelrail.contact.models.lattice.equations import GAUSS
+from wheelrail.contact.models.lattice.influence.basis import MODES, StripBasis, equal_cells
+from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
+from wheelrail.contact.models.lattice.influence.operator import StripGrid
+from wheelrail.contact.models.lattice.problem import LatticeProblem
+from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.surface import frames, rigid_shift
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
+from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
+from wheelrail.support.arrays import Array, Nodes
+
+CELLS = 8
+OPTIONS = NewtonOptions(tolerance=1e-3)  # of a start
+
+
+def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount) -> LatticeState | None:
+    """First strips and ends; None without contact. Raises OutsideSurface, NotConverged."""
+    strips = problem.candidates
+    if not len(strips):
+        return None
+    ends = first_ends(problem, strips)
+    basis = equal_cells(CELLS)
+    stretch = problem.tables.stretch[strips]
+    length = np.diff(ends)
+    x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
+    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch)
+    inside, matrix = cell_operator(problem.pairs(strips), grid, basis, problem.rolls)
+    if not inside:
+        raise OutsideSurface(TOO_LONG)
+    place = (ends[:, :1] + length * 0.5 * (basis.marks[1:] + basis.marks[:-1])).ravel()
+    middle, width = np.repeat(problem.middle[strips], CELLS), np.repeat(problem.width[strips], CELLS)
+    depth = 0.5 * sum(problem.penetration(middle + k * width, place).depth for k in (-GAUSS, GAUSS))
+    depth = np.where(np.isfinite(depth), depth, -problem.approach)
+    rigid = None
+    if problem.rolls:
+        level = np.repeat(problem.places(strips).level, CELLS, axis=0)
+        motion = problem.data
+        at = frames(problem.surface, motion.origin, motion.rotation, middle, place)
+        shift = rigid_shift(at, level, motion)[0]
+        rigid = shift.T.ravel() / problem.speed
+    tractions = solve_tractions(matrix, depth, rigid, laws=laws, speed=problem.speed, options=OPTIONS, count=count)
+    return _state(problem, strips, ends, tractions, basis)
+
+
+def first_ends(problem: LatticeProblem, strips: Nodes) -> Array:
+    """Ends (S, 2) m of the region of penetration, no longer than that of the deepest strip: strips next to it on a
+    steep flange penetrate over far more than the contact's length.
+    """
+    x, bend = (values[strips] for values in problem.crest)
+    half = np.sqrt(2 * problem.depth[strips] / bend)
+    half = np.minimum(half, half[np.argmax(problem.depth[strips])])
+    return np.column_stack([x - half, x + half])
+
+
+def _state(
+    problem: LatticeProblem, strips: Nodes, ends: Array, tractions: Tractions, basis: StripBasis
+) -> LatticeState | None:
+    """Strips with pressure, their ends where its square falls to zero, and modes of equal load."""
+    pressure = tractions.pressure.reshape(len(strips), CELLS)
+    traction = tractions.tangential.T.reshape(2, len(strips), CELLS)
+    M = problem.cells if problem.rolls else 0
+    chosen, rows = [], []
+    for i, p in enumerate(pressure):
+        loaded = np.flatnonzero(p > 0)
+        if not len(loaded):
+            continue
+        cell = (ends[i, 1] - ends[i, 0]) / CELLS
+        low, high = _extent(p, loaded, float(ends[i, 0]), float(cell))
+        values = np.zeros(2 * M + MODES + 2)
+        values[-2:] = low, high
+        values[2 * M] = 4 * p.sum() * cell / (np.pi * (high - low))
+        if M:
+            ratio = traction[:, i] / np.maximum(p, 1e-3 * p.max())
+            at = low + (high - low) * problem.cell_middles
+            middles = ends[i, 0] + cell * (np.arange(CELLS) + 0.5)
+            new = values[2 * M] * problem.basis.mean[:, 0]
+            for k in range(2):
+                values[k * M : (k + 1) * M] = new * np.interp(at, middles[loaded], ratio[k][loaded])
+        chosen.append(strips[i])
+        rows.append(values)
+    return LatticeState(np.array(chosen), np.array(rows)) if chosen else None
+
+
+def _extent(p: Array, loaded: Nodes, start: float, cell: float) -> tuple[float, float]:
+    """Ends m of the pressure (CELLS,) on cells, extrapolated by its square where there are three loaded cells."""
+    a, b = loaded[0], loaded[-1]
+    low, high = start + a * cell, start + (b + 1) * cell
+    if len(loaded) >= 3:
+        low += cell * (0.5 - _beyond(p[a], p[a + 1]))
+        high -= cell * (0.5 - _beyond(p[b], p[b - 1]))
+    return low, high
+
+
+def _beyond(outer: float, inner: float) -> float:
+    """Distance from the middle of the outer cell to the end, in cells, 0 to 1."""
+    rise = inner**2 - outer**2
+    return float(np.clip(outer**2 / rise, 0.0, 1.0)) if rise > 0 else 1.0

@@ -1,0 +1,90 @@
+"""Strips that enter: unloaded ones whose surfaces would still penetrate beside the loaded ones."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.models.fitted.operators import TOO_LONG
+from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, strip_grid
+from wheelrail.contact.models.lattice.influence.basis import MODES
+from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
+from wheelrail.contact.models.lattice.problem import LatticeProblem
+from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.support.arrays import Array, Nodes
+
+PROBES = 12  # cells along an unloaded strip
+RANGE = 1.2  # half length of the probed range over that of the next loaded strip
+NEXT_TO = 2  # strips: those nearer to a loaded one are probed around its middle
+EXCESS = 1e-7  # of the approach: least penetration of a strip that enters
+FIRST = 0.5  # squared half length of a strip that enters over that of its remaining penetration
+
+
+def entering(problem: LatticeProblem, state: LatticeState, barred: set[int]) -> LatticeState | None:
+    """Unloaded strips that penetrate, with first ends and no load yet; None without any. Raises OutsideSurface."""
+    free = np.setdiff1d(problem.candidates, state.strips)
+    free = free[[int(strip) not in barred for strip in free]] if len(free) else free
+    if not len(free):
+        return None
+    middle, half = _ranges(problem, state, free)
+    edges = middle[:, None] + half[:, None] * np.linspace(-1.0, 1.0, PROBES + 1)
+    at = 0.5 * (edges[:, 1:] + edges[:, :-1])
+    excess = _depth(problem, free, at) + _displacement(problem, state, free, edges)
+    top, place, curvature = _crest(excess, at)
+    chosen = top > EXCESS * problem.approach
+    if not chosen.any():
+        return None
+    new_half = np.sqrt(FIRST * 2 * top[chosen] / curvature[chosen])
+    M = problem.cells if problem.rolls else 0
+    values = np.zeros((int(chosen.sum()), 2 * M + MODES + 2))
+    values[:, -2], values[:, -1] = place[chosen] - new_half, place[chosen] + new_half
+    return LatticeState(free[chosen], values)
+
+
+def _ranges(problem: LatticeProblem, state: LatticeState, free: Nodes) -> tuple[Array, Array]:
+    """Middles and half lengths (n,) m of the probed ranges."""
+    x, bend = (values[free] for values in problem.crest)
+    near = np.abs(free[:, None] - state.strips).argmin(axis=1)
+    beside = np.abs(free - state.strips[near]) <= NEXT_TO
+    own = np.sqrt(2 * problem.depth[free] / bend)
+    middle = np.where(beside, state.ends.mean(axis=1)[near], x)
+    return middle, np.where(beside, RANGE * np.maximum(state.half[near], 0.1 * state.half.max()), own)
+
+
+def _depth(problem: LatticeProblem, free: Nodes, at: Array) -> Array:
+    """Penetration (n, PROBES) m, the mean over the widths."""
+    total = np.zeros(at.shape)
+    for line in (-GAUSS, GAUSS):
+        s = np.repeat(problem.middle[free] + line * problem.width[free], PROBES)
+        total += 0.5 * problem.penetration(s, at.ravel()).depth.reshape(at.shape)
+    return np.where(np.isfinite(total), total, -problem.approach)
+
+
+def _displacement(problem: LatticeProblem, state: LatticeState, free: Nodes, edges: Array) -> Array:
+    """Relative normal displacement (n, PROBES) m of the probes by the loaded strips."""
+    stretch = problem.tables.stretch[free]
+    i, j = (index.ravel() for index in np.meshgrid(free, state.strips, indexing="ij"))
+    feet = problem.at_crests.foot if problem.tables.moves else None
+    tables = problem.tables.of(np.minimum(i, j), np.maximum(i, j), feet, problem.reach)
+    places = problem.of(state.strips).places
+    grid = strip_grid(state.values, places, problem.basis)
+    jumps = force_jumps(state.values, places, problem.basis, problem.rolls)
+    before = (free[:, None] < state.strips).ravel()
+    inside, displacement = normal_displacements(tables, before, stretch[:, None] * edges, grid, jumps)
+    if not inside:
+        raise OutsideSurface(TOO_LONG)
+    return displacement
+
+
+def _crest(excess: Array, at: Array) -> tuple[Array, Array, Array]:
+    """Maximum (n,) m, its place (n,) m and curvature (n,) 1/m by parabolas through the largest value and its
+    neighbours.
+    """
+    n, step = len(at), at[:, 1] - at[:, 0]
+    k = np.clip(excess.argmax(axis=1), 1, at.shape[1] - 2)
+    row = np.arange(n)
+    left, middle, right = excess[row, k - 1], excess[row, k], excess[row, k + 1]
+    bend = np.maximum((2 * middle - left - right) / step**2, 1e-2)
+    slope = (right - left) / (2 * step)
+    offset = np.clip(slope / bend, -step, step)
+    return middle + slope * offset - 0.5 * bend * offset**2, at[row, k] + offset, bend

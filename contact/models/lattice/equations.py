@@ -1,0 +1,245 @@
+"""Compiled: residual and Jacobian of all equations of a state, from the compliance and the surfaces."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
+from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.contact.models.lattice.surface import Motion, SurfaceData, frames, penetration, rigid_shift
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
+
+GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
+
+
+class StripPlaces(NamedTuple):
+    """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, and their
+    longitudinal axes (S, 3) where the surfaces touch.
+    """
+
+    middle: Array
+    width: Array
+    stretch: Array
+    level: Array
+
+
+class EquationData(NamedTuple):
+    """Data of the equations of some strips at a pose."""
+
+    tables: PairTables
+    surface: SurfaceData
+    motion: Motion
+    places: StripPlaces
+    basis: StripBasis
+
+
+class Evaluation(NamedTuple):
+    """Residual of a state and what belongs to it.
+
+    Parameters:
+        inside: whether all points lie on the surfaces and in the tables.
+        residual: (S, block): friction Pa along and across, moments of the gap m.
+        V: (S, M + 3, 3), see `wheelrail.contact.models.lattice.influence.operator`.
+        pressure: (S, M) Pa, means over the cells.
+        slip: (S, 2, M) over the speed.
+        rigid_slope: (S, 2, M) 1/m, change of its rigid part along x.
+        depth_slope: (S, STATIONS) change of the penetration along x.
+    """
+
+    inside: bool
+    residual: Array
+    V: Array
+    pressure: Array
+    slip: Array
+    rigid_slope: Array
+    depth_slope: Array
+
+
+@compiled
+def strip_grid(values: Array, places: StripPlaces, basis: StripBasis) -> StripGrid:
+    """Cells of a state with values (S, block)."""
+    S, R = len(values), len(basis.row_marks)
+    x, length = np.empty((S, R)), np.empty(S)
+    for i in range(S):
+        low, high = values[i, -2], values[i, -1]
+        length[i] = places.stretch[i] * (high - low)
+        for r in range(R):
+            x[i, r] = places.stretch[i] * (low + (high - low) * basis.row_marks[r])
+    return StripGrid(x, length, places.width, places.stretch)
+
+
+@compiled
+def force_jumps(values: Array, places: StripPlaces, basis: StripBasis, rolls: bool) -> Array:
+    """Jumps (S, M + 1, 3) N/m of the tractions times width at the cell boundaries."""
+    S, M, modes = len(values), len(basis.marks) - 1, basis.mean.shape[1]
+    jumps = np.zeros((S, M + 1, 3))
+    for i in range(S):
+        at = 2 * M if rolls else 0
+        for r in range(M):
+            normal = 0.0
+            for m in range(modes):
+                normal -= values[i, at + m] * basis.loads[r, m]
+            for k in range(3):
+                traction = normal if k == 2 else (values[i, k * M + r] if rolls else 0.0)
+                jumps[i, r, k] += traction * places.width[i]
+                jumps[i, r + 1, k] -= traction * places.width[i]
+    return jumps
+
+
+@compiled
+def _add_penetration(values: Array, data: EquationData, moments: Array) -> tuple[bool, Array]:
+    """Add the moments (S, MOMENTS) of the penetration; its slopes (S, STATIONS), and whether it is defined."""
+    places, basis, motion = data.places, data.basis, data.motion
+    S, n = len(values), len(basis.stations)
+    s, x = np.empty(2 * S * n), np.empty(2 * S * n)
+    for i in range(S):
+        for g in range(2):
+            for k in range(n):
+                at = (2 * i + g) * n + k
+                s[at] = places.middle[i] + (2 * g - 1) * GAUSS * places.width[i]
+                x[at] = values[i, -2] + (values[i, -1] - values[i, -2]) * basis.stations[k]
+    found = penetration(data.surface, motion.origin, motion.rotation, s, x)
+    slope, inside = np.zeros((S, n)), True
+    for i in range(S):
+        for g in range(2):
+            for k in range(n):
+                at = (2 * i + g) * n + k
+                inside = inside and np.isfinite(found.depth[at])
+                slope[i, k] += 0.5 * found.slope[at]
+                for m in range(moments.shape[1]):
+                    moments[i, m] += 0.5 * basis.penetration[m, k] * found.depth[at]
+    return inside, slope
+
+
+@compiled
+def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
+    """Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x."""
+    places, basis, motion = data.places, data.basis, data.motion
+    S, M = len(values), len(basis.marks) - 1
+    s, x, level = np.empty(S * M), np.empty(S * M), np.empty((S * M, 3))
+    for i in range(S):
+        for r in range(M):
+            s[i * M + r] = places.middle[i]
+            mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
+            x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
+            level[i * M + r] = places.level[i]
+    at = frames(data.surface, motion.origin, motion.rotation, s, x)
+    shift, change, _ = rigid_shift(at, level, motion)
+    slip, slope = np.empty((S, 2, M)), np.empty((S, 2, M))
+    for i in range(S):
+        for k in range(2):
+            for r in range(M):
+                slip[i, k, r] = shift[i * M + r, k] / motion.speed
+                slope[i, k, r] = change[i * M + r, k] / motion.speed
+    return slip, slope
+
+
+@compiled
+def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> Evaluation:
+    """Evaluation from the antiderivative V of the displacements; the friction residual is left to the law."""
+    basis, motion = data.basis, data.motion
+    S, M, modes = len(values), len(basis.marks) - 1, basis.mean.shape[1]
+    rolls = motion.speed > 0.0
+    slip, moments = slips_and_moments(V, grid, basis)
+    inside, depth_slope = _add_penetration(values, data, moments)
+    at = 2 * M if rolls else 0
+    pressure = np.zeros((S, M))
+    for i in range(S):
+        for r in range(M):
+            for m in range(modes):
+                pressure[i, r] += values[i, at + m] * basis.mean[r, m]
+    residuals = np.empty((S, at + moments.shape[1]))
+    residuals[:, at:] = moments
+    rigid_slope = np.zeros((S, 2, M))
+    if rolls:
+        rigid, rigid_slope = rigid_slip(values, data)
+        slip += rigid
+    return Evaluation(inside, residuals, V, pressure, slip, rigid_slope, depth_slope)
+
+
+@compiled
+def evaluate(values: Array, data: EquationData) -> Evaluation:
+    """Evaluation of a state with values (S, block); the friction residual is left to the law."""
+    places, basis = data.places, data.basis
+    grid = strip_grid(values, places, basis)
+    jumps = force_jumps(values, places, basis, data.motion.speed > 0.0)
+    inside, V = antiderivatives(data.tables, grid, jumps)
+    found = _assembled(values, V, grid, data)
+    return Evaluation(inside and found.inside, *found[1:])
+
+
+@compiled
+def self_compliance(A: Array, strips: int, cells: int) -> Array:
+    """Slip (S, M) 1/Pa of cells by their own traction, the mean of both directions, from the operator."""
+    block = A.shape[0] // strips
+    rho, largest = np.empty((strips, cells)), 0.0
+    for i in range(strips):
+        for r in range(cells):
+            x, y = i * block + r, i * block + cells + r
+            rho[i, r] = 0.5 * (A[x, x] + A[y, y])
+            largest = max(largest, abs(rho[i, r]))
+    return np.maximum(rho, 1e-3 * largest)
+
+
+@compiled
+def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Array]:
+    """Evaluation, operator (n, n) and rho (S, M) 1/Pa of a state with values (S, block).
+
+    Rows of the operator are slips, which `friction_rows` replaces by the friction residual, and moments.
+    """
+    places, basis = data.places, data.basis
+    S, M = len(values), len(basis.marks) - 1
+    rolls = data.motion.speed > 0.0
+    grid = strip_grid(values, places, basis)
+    inside, A, V = operator(data.tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
+    rho = self_compliance(A, S, M) if rolls else np.zeros((S, M))
+    found = _assembled(values, V, grid, data)
+    block, moments = values.shape[1], basis.penetration.shape[0]
+    for i in range(S):
+        last = (i + 1) * block
+        for k in range(moments):
+            for g in range(len(basis.stations)):
+                part = basis.penetration[k, g] * found.depth_slope[i, g]
+                A[last - moments + k, last - 2] += part * (1.0 - basis.stations[g])
+                A[last - moments + k, last - 1] += part * basis.stations[g]
+        if rolls:
+            for a in range(2):
+                for r in range(M):
+                    mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
+                    A[i * block + a * M + r, last - 2] += found.rigid_slope[i, a, r] * (1.0 - mark)
+                    A[i * block + a * M + r, last - 1] += found.rigid_slope[i, a, r] * mark
+    return Evaluation(inside and found.inside, *found[1:]), A, rho
+
+
+@compiled
+def friction_rows(A: Array, D: Array, mean: Array) -> None:
+    """Replace the slip rows of an operator by those of the friction residual, in place.
+
+    Parameters:
+        A: (S block, S block).
+        D: (S, M, 12), slopes of the friction residual.
+        mean: (M, modes), means of the pressure modes over the cells.
+    """
+    S, M = D.shape[0], D.shape[1]
+    block = A.shape[0] // S
+    for i in range(S):
+        for r in range(M):
+            x, y = i * block + r, i * block + M + r
+            d = D[i, r]
+            xx, xy, yx, yy = d[4], d[5], d[6], d[7]
+            first, second = A[x], A[y]
+            for c in range(A.shape[1]):
+                along, across = first[c], second[c]
+                first[c] = xx * along + xy * across
+                second[c] = yx * along + yy * across
+            A[x, x] += d[0]
+            A[x, y] += d[1]
+            A[y, x] += d[2]
+            A[y, y] += d[3]
+            for m in range(mean.shape[1]):
+                A[x, i * block + 2 * M + m] += d[8] * mean[r, m]
+                A[y, i * block + 2 * M + m] += d[9] * mean[r, m]

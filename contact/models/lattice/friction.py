@@ -1,0 +1,59 @@
+"""Law of friction in the cells of strips: residual and its slopes, from the compiled functions of the law in UFL.
+
+F = q - b y / max(|y|, b rho + eps), y = rho q - s, b = mu(|s| V, p) p, see `wheelrail.contact.laws.pointwise`. Slips s
+are over the rolling speed V. Pressures of a trial state may be negative: their bound is zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.laws.pointwise import FrictionFunctions
+from wheelrail.support.arrays import Array
+
+
+@dataclass(frozen=True)
+class CellFriction:
+    """Friction law of the cells of S strips with M cells each.
+
+    Parameters:
+        functions: of the law.
+        regularisation: creepage eps.
+    """
+
+    functions: FrictionFunctions
+    regularisation: float
+
+    @classmethod
+    def of(cls, laws: ContactLaws) -> CellFriction:
+        return cls(laws.pointwise_friction, laws.regularisation)
+
+    def residual(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
+        """F (S, 2, M) Pa.
+
+        Parameters:
+            tractions: (S, 2, M) Pa.
+            slip: (S, 2, M), over the speed.
+            pressure: (S, M) Pa.
+            rho: (S, M) 1/Pa.
+            speed: m/s.
+        """
+        q, s, p, r = _by_point(tractions, slip, pressure, rho)
+        _, F, _ = self.functions.residual(q, s, p, r, speed, self.regularisation)
+        return np.asarray(F.reshape(2, *pressure.shape).transpose(1, 0, 2))
+
+    def slopes(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
+        """Slopes (S, M, 12) of F by traction (4), slip (4), pressure (2), speed (2); parameters as for `residual`."""
+        q, s, p, r = _by_point(tractions, slip, pressure, rho)
+        slopes = self.functions.slopes(np.arange(len(p)), q, s, p, r, speed, self.regularisation)
+        slopes[p == 0.0, 8:10] = 0.0
+        return np.asarray(slopes.reshape(*pressure.shape, 12))
+
+
+def _by_point(tractions: Array, slip: Array, pressure: Array, rho: Array) -> tuple[Array, Array, Array, Array]:
+    """Tractions and slips (2, S M), pressures that are not negative and rho (S M,)."""
+    q, s = (np.ascontiguousarray(values.transpose(1, 0, 2)).reshape(2, -1) for values in (tractions, slip))
+    return q, s, np.maximum(pressure, 0.0).ravel(), np.ascontiguousarray(rho).ravel()

@@ -1,0 +1,137 @@
+"""Shape functions of one strip between its ends: pressure modes, traction cells, and moments of the gap.
+
+With xi from -1 (trailing end) to 1 (leading end) the pressure is sqrt(1 - xi^2) sum_m c_m U_m(xi), U_m Chebyshev's
+polynomials of the second kind: it vanishes at both ends as a square root and has no inverse square root there. The gap
+is weighted by T_k(xi) / sqrt(1 - xi^2); the two moments more than modes determine the ends.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import roots_legendre
+
+from wheelrail.contact.models.fitted.layout import marks
+from wheelrail.contact.models.fitted.operators import AHEAD, upstream
+from wheelrail.support.arrays import Array
+
+MODES = 3  # two are within 5e-5 of six in the force of frictionless contacts
+MOMENTS = MODES + 2
+STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
+ORDER = 16  # of the Gauss rules below
+
+
+class StripBasis(NamedTuple):
+    """Constants of strips of M cells.
+
+    Parameters:
+        marks: (M + 1,) cell boundaries from 0 (trailing end) to 1 (leading end).
+        row_marks: (M + 3,) the same with two more cells ahead, for the upstream difference of the slip.
+        mean: (M, MODES) mean of the pressure modes over the cells.
+        loads: (M, MODES) the same corrected for the variation within the cells, to compute displacements.
+        moments: (MOMENTS, M) weights of cell means in the moments of the gap.
+        moment_edges: (MOMENTS, M + 1) weights of an antiderivative at the marks in the moments of a displacement, times
+            the length of the strip.
+        slip_edges: (M, 4) weights of an antiderivative at a cell's first boundary and the next three in its slip, times
+            the length squared: the upstream difference of second order.
+        stations: (STATIONS,) places from 0 to 1 at which the penetration is evaluated.
+        penetration: (MOMENTS, STATIONS) weights of the penetration there in its moments.
+        cell_penetration: (M, STATIONS) the same in its means over the cells.
+    """
+
+    marks: Array
+    row_marks: Array
+    mean: Array
+    loads: Array
+    moments: Array
+    moment_edges: Array
+    slip_edges: Array
+    stations: Array
+    penetration: Array
+    cell_penetration: Array
+
+
+@lru_cache(maxsize=16)
+def strip_basis(cells: int, *, rolling: bool) -> StripBasis:
+    """Basis of strips of a number of cells, refined towards both ends."""
+    return _basis(marks(cells, rolling=True) if rolling else 0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, cells + 1)))
+
+
+@lru_cache(maxsize=16)
+def equal_cells(cells: int) -> StripBasis:
+    """Basis of strips of a number of equal cells."""
+    return _basis(np.linspace(0.0, 1.0, cells + 1))
+
+
+def _basis(edges: Array) -> StripBasis:
+    """Basis for cell boundaries (M + 1,) from 0 to 1."""
+    lead = edges[-1] - edges[-2]
+    row_marks = np.concatenate([edges, 1.0 + lead * np.arange(1, AHEAD + 1)])
+    place, weight = roots_legendre(ORDER)
+    theta = np.arccos(np.clip(2 * edges - 1, -1.0, 1.0))
+    low, high = theta[1:], theta[:-1]
+    t = 0.5 * (high + low)[:, None] + 0.5 * (high - low)[:, None] * place
+    w = 0.5 * (high - low)[:, None] * weight
+    length = 2 * np.diff(edges)
+    mode, moment = np.arange(MODES), np.arange(MOMENTS)
+    mean = np.einsum("rg,rgm->rm", w * np.sin(t), np.sin((mode + 1) * t[..., None])) / length[:, None]
+    moments = np.einsum("rg,rgk->kr", w, np.cos(moment * t[..., None])) / np.pi
+    middle = 0.5 * (row_marks[1:] + row_marks[:-1])
+    stations = 0.5 - 0.5 * np.cos(np.pi * (np.arange(STATIONS) + 0.5) / STATIONS)
+    means = _cell_means_of_lagrange(edges, stations)
+    fields = (
+        edges,
+        row_marks,
+        mean,
+        _loads(edges, mean),
+        moments,
+        _edge_weights(moments / np.diff(edges)),
+        _slip_edges(np.stack(upstream(middle[None]))[:, 0], np.diff(row_marks)),
+        stations,
+        moments @ means,
+        means,
+    )
+    return StripBasis(*(np.ascontiguousarray(values) for values in fields))  # compiled loops take their addresses
+
+
+def _loads(edges: Array, mean: Array) -> Array:
+    """`StripBasis.loads` from the means (M, MODES).
+
+    Pressure that is constant in a cell of length h differs from p by p' (x - x_m), which acts like the load
+    -(h^2 p' / 12)' on a smooth compliance: its negative is added, without change of the total load.
+    """
+    theta, length = np.arccos(2 * edges[1:-1] - 1), 2 * np.diff(edges)
+    mode = np.arange(1, MODES + 1)
+    slope = -mode * np.cos(mode * theta[:, None]) / np.sin(theta[:, None])
+    flux = (length[1:] * length[:-1])[:, None] / 12 * slope
+    zero = np.zeros((1, MODES))
+    return np.asarray(mean - np.diff(np.vstack([zero, flux, zero]), axis=0) / length[:, None])
+
+
+def _edge_weights(cells: Array) -> Array:
+    """Weights (n, M + 1) at boundaries from weights (n, M) of the differences over cells."""
+    zero = np.zeros((len(cells), 1))
+    return np.hstack([zero, cells]) - np.hstack([cells, zero])
+
+
+def _slip_edges(weight: Array, length: Array) -> Array:
+    """`StripBasis.slip_edges` from weights (3, M) of the means over cells of lengths (M + 2,)."""
+    M = weight.shape[1]
+    edges = np.zeros((M, 4))
+    for k in range(3):
+        part = weight[k] / length[k : k + M]
+        edges[:, k] -= part
+        edges[:, k + 1] += part
+    return edges
+
+
+def _cell_means_of_lagrange(edges: Array, stations: Array) -> Array:
+    """Means (M, n) over cells with boundaries (M + 1,) of the Lagrange polynomials of n stations."""
+    place, weight = roots_legendre(len(stations))
+    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+    powers = np.vander(2 * stations - 1, increasing=True)
+    at = 2 * (middle[:, None] + half[:, None] * place) - 1
+    values = at[..., None] ** np.arange(len(stations))
+    return np.asarray(np.einsum("g,rgk->rk", 0.5 * weight, values) @ np.linalg.inv(powers))

@@ -1,0 +1,109 @@
+"""Compiled: compliance between single cells, for starts, and displacements beside the loaded strips."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.operator import StripGrid, look_up
+from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
+from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.compiled import compiled
+
+
+@compiled
+def _matrix(G: Array, turn: float, K: Array) -> None:
+    """Displacement (row) by force (column) K (R, C, 3, 3) from table values (R, C, 8); turned: (C, R, ..)."""
+    for r in range(G.shape[0]):
+        for c in range(G.shape[1]):
+            g = G[r, c]
+            k = K[r, c] if turn > 0.0 else K[c, r]
+            k[0, 0], k[0, 1], k[0, 2] = g[XX], g[XT], turn * (g[XN] + g[ROLL])
+            k[1, 0], k[1, 1], k[1, 2] = g[XT], g[TT], g[TN] + turn * g[TN_TURN]
+            k[2, 0], k[2, 1], k[2, 2] = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
+
+
+@compiled
+def _add_cells(K: Array, width: float, place: tuple[int, int], length: float, basis: StripBasis, A: Array) -> None:
+    """Slips and displacements of the cells of a strip by unit tractions on those of another, into A (3, n, 3, n).
+
+    place: numbers of both strips; width and length m: of the loaded and of the displaced one.
+    """
+    M = len(basis.marks) - 1
+    over = 1.0 / length
+    for c in range(M):
+        for r in range(M):
+            m, n = place[0] * M + r, place[1] * M + c
+            for b in range(3):
+                first = K[r, c, 2, b] - K[r, c + 1, 2, b]
+                second = K[r + 1, c, 2, b] - K[r + 1, c + 1, 2, b]
+                A[2, m, b, n] = width * (second - first) * over / (basis.marks[r + 1] - basis.marks[r])
+                for a in range(2):
+                    total = 0.0
+                    for k in range(4):
+                        total += basis.slip_edges[r, k] * (K[r + k, c, a, b] - K[r + k, c + 1, a, b])
+                    A[a, m, b, n] = width * over * over * total
+
+
+@compiled
+def cell_operator(tables: PairTables, grid: StripGrid, basis: StripBasis, rolls: bool) -> tuple[bool, Array]:
+    """Slips along and across and relative normal displacement of all n cells by unit tractions on them (along, across,
+    and pressure): (3 n, 3 n), or without rolling displacement by pressure alone (n, n); rows and columns component by
+    component. The flag is False where distances exceed the tables.
+    """
+    S, R = grid.x.shape
+    n = S * (R - 3)
+    A = np.zeros((3, n, 3, n))
+    G, H, K = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((R, R, 3, 3))
+    pair, inside = -1, True
+    for i in range(S):
+        for j in range(i, S):
+            pair += 1
+            inside = inside and look_up(tables, pair, grid.x[i], grid.x[j], G, H)
+            _matrix(G, 1.0, K)
+            _add_cells(K, grid.width[j], (i, j), grid.length[i], basis, A)
+            if i != j:
+                _matrix(G, -1.0, K)
+                _add_cells(K, grid.width[i], (j, i), grid.length[j], basis, A)
+    if rolls:
+        return inside, A.copy().reshape(3 * n, 3 * n)
+    return inside, np.ascontiguousarray(A[2, :, 2, :])
+
+
+@compiled
+def normal_displacements(
+    tables: PairTables, before: Mask, edges: Array, grid: StripGrid, jumps: Array
+) -> tuple[bool, Array]:
+    """Relative normal displacement (n, C) m of cells with boundaries (n, C + 1) m on n unloaded strips.
+
+    Parameters:
+        tables: of the pairs of unloaded and loaded strips, row by row.
+        before: (pairs,) whether the unloaded strip has the lower number.
+        edges: (n, C + 1) m, by length on the surface.
+        grid, jumps: of the loaded strips.
+
+    The flag is False where distances exceed the tables.
+    """
+    n, C = edges.shape[0], edges.shape[1] - 1
+    S, M = jumps.shape[0], jumps.shape[1] - 1
+    displacement = np.zeros((n, C))
+    G, H = np.empty((C + 1, M + 1, 8)), np.empty((C + 1, M + 1, 8))
+    pair = -1
+    for i in range(n):
+        for j in range(S):
+            pair += 1
+            turn = 1.0 if before[pair] else -1.0  # reciprocity: the transposed table at the opposite distance
+            if not look_up(tables, pair, turn * edges[i], turn * grid.x[j, : M + 1], G, H):
+                return False, displacement
+            last = 0.0
+            for r in range(C + 1):
+                total = 0.0
+                for e in range(M + 1):
+                    g = G[r, e]
+                    total += g[NN] * jumps[j, e, 2] - turn * g[XN] * jumps[j, e, 0]
+                    total += (g[TN] - turn * g[TN_TURN]) * jumps[j, e, 1]
+                if r > 0:
+                    displacement[i, r - 1] += (total - last) / (edges[i, r] - edges[i, r - 1])
+                last = total
+    return True, displacement

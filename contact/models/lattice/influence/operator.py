@@ -1,0 +1,325 @@
+"""Compiled: displacement, slip and their derivatives on strips of a lattice, from tables of pairs of strips.
+
+With V the antiderivative along x of the displacement of strip i, a sum of the table values G times the jumps of the
+traction at the cell boundaries of all strips, means over cells are differences of V, and moments of the gap and slips
+are weights of V at the cell boundaries.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.body_correction import START as SMOOTH_START
+from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
+from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.contact.models.lattice.influence.vectors import (
+    add_polynomial,
+    bits,
+    difference,
+    double,
+    polynomial,
+    products,
+    weighted,
+)
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
+
+SHIFT = 49  # bits of a double below the three leading ones of its fraction: eight cells an octave
+BIAS = 1023 << 3
+VECTOR, BLOCK = 64, 384  # bytes of a vector, and of the coefficients of a table's cell
+
+
+class StripGrid(NamedTuple):
+    """Cells of S strips.
+
+    Parameters:
+        x: (S, M + 3) m, cell boundaries and those of two more cells ahead, by length on the surface.
+        length, width: (S,) m.
+        stretch: (S,) length on the surface over length on the rolling circle.
+    """
+
+    x: Array
+    length: Array
+    width: Array
+    stretch: Array
+
+
+@compiled
+def look_up(tables: PairTables, pair: int, rows: Array, columns: Array, G: Array, H: Array) -> bool:
+    """Write G (R, C, 8) and its slope H at the distances of boundaries rows (R,) and columns (C,) of a pair of strips.
+
+    False where they are farther apart than the table reaches.
+    """
+    first, inverse = tables.first[pair], tables.inverse[pair]
+    last = tables.cells[pair]
+    start, values, slopes = tables.values.ctypes.data + BLOCK * first, G.ctypes.data, H.ctypes.data
+    wide = G.shape[1]
+    for r in range(len(rows)):
+        for c in range(len(columns)):
+            x = rows[r] - columns[c]
+            z = abs(x) * inverse + 1.0
+            top = bits(z) >> SHIFT
+            cell = top - BIAS
+            if cell >= last:
+                return False
+            sign = 1.0 if x >= 0.0 else -1.0
+            at = VECTOR * (r * wide + c)
+            polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
+    return _add_smooth(tables.smooth[pair], rows, columns, G, H) if len(tables.smooth) else True
+
+
+@compiled
+def _add_smooth(table: Array, rows: Array, columns: Array, G: Array, H: Array) -> bool:
+    """Add the deviation of the lower body to `look_up`, from its table (cells, DEGREE + 1, 8)."""
+    start, values, slopes = table.ctypes.data, G.ctypes.data, H.ctypes.data
+    inverse, last, wide = 1.0 / SMOOTH_START, len(table), G.shape[1]
+    for r in range(len(rows)):
+        for c in range(len(columns)):
+            x = rows[r] - columns[c]
+            z = abs(x) * inverse + 1.0
+            top = bits(z) >> SHIFT
+            cell = top - BIAS
+            if cell >= last:
+                return False
+            sign = 1.0 if x >= 0.0 else -1.0
+            at = VECTOR * (r * wide + c)
+            add_polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
+    return True
+
+
+@compiled
+def _displaced(sums: Array, turn: float, V: Array) -> None:
+    """Add to V (3,) the components from sums (3, 8) of table values times loads along, across and normal.
+
+    turn: 1, or -1 for the pair in the other order: by reciprocity the antisymmetric components change their sign.
+    """
+    V[0] += sums[0, XX] + sums[1, XT] + turn * (sums[2, XN] + sums[2, ROLL])
+    V[1] += sums[0, XT] + sums[1, TT] + sums[2, TN] + turn * sums[2, TN_TURN]
+    V[2] += sums[1, TN] + sums[2, NN] - turn * (sums[0, XN] + sums[1, TN_TURN])
+
+
+@compiled
+def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Array, V: Array) -> None:
+    """Add to V (R, 3) of a strip the effect of jumps (M + 1, 3) of the force per length on another one.
+
+    Parameters:
+        G: (R, C, 8), rows of the displaced strip; with turn = -1, of the loaded one.
+        sign: factor, -1 for slopes in the other order.
+        sums: (3, 8), work space.
+    """
+    count, start, wide = len(jumps), G.ctypes.data, G.shape[1]
+    loads, out = jumps.ctypes.data, sums.ctypes.data
+    total = np.empty(3)
+    for r in range(len(V)):
+        if turn > 0.0:
+            products(start + VECTOR * r * wide, VECTOR, loads, count, out)
+        else:
+            products(start + VECTOR * r, VECTOR * wide, loads, count, out)
+        total[:] = 0.0
+        _displaced(sums, turn, total)
+        for k in range(3):
+            V[r, k] += sign * total[k]
+
+
+@compiled
+def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[bool, Array]:
+    """Whether all distances lie in the tables, and V (S, M + 3, 3) by jumps (S, M + 1, 3) of traction times width."""
+    S, R = grid.x.shape
+    V = np.zeros((S, R, 3))
+    G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
+    pair = -1
+    for i in range(S):
+        for j in range(i, S):
+            pair += 1
+            if not look_up(tables, pair, grid.x[i], grid.x[j], G, H):
+                return False, V
+            _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
+            if i != j:
+                _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
+    return True, V
+
+
+class LoadedColumns(NamedTuple):
+    """Work space: table values by unit forces per length on the cells of a strip, and by its ends.
+
+    Parameters:
+        cells: (M, R, 8) differences of G over the cells.
+        ends: (2, R, 3) antiderivative by both ends.
+        slopes: (R, 3) its derivative by the boundaries of the displaced strip.
+        sums: (3, 8).
+        jumps: (2, M + 1, 3), times the change of the boundaries by either end.
+        out: (8,).
+    """
+
+    cells: Array
+    ends: Array
+    slopes: Array
+    sums: Array
+    jumps: Array
+    out: Array
+
+
+@compiled
+def _load_strip(
+    G: Array, H: Array, jumps: Array, grid: StripGrid, j: int, basis: StripBasis, turn: float, work: LoadedColumns
+) -> None:
+    """Fill the work space for a loaded strip j, which belongs to the columns of G and H, with turn = -1 to the rows."""
+    M, R, wide = len(basis.marks) - 1, work.cells.shape[1], G.shape[1]
+    row, column = (wide, 1) if turn > 0.0 else (1, wide)
+    start, out = G.ctypes.data, work.cells.ctypes.data
+    for c in range(M):
+        for r in range(R):
+            first = start + VECTOR * (r * row + c * column)
+            difference(first, first + VECTOR * column, grid.width[j], out + VECTOR * (c * R + r))
+    stretch = grid.stretch[j]
+    for e in range(M + 1):
+        for k in range(3):
+            work.jumps[0, e, k] = -stretch * (1.0 - basis.marks[e]) * jumps[e, k]
+            work.jumps[1, e, k] = -stretch * basis.marks[e] * jumps[e, k]
+    work.ends[:] = 0.0
+    for end in range(2):
+        _antiderivative(H, work.jumps[end], turn, turn, work.sums, work.ends[end])
+
+
+@compiled
+def _add_column(
+    g: Array, turn: float, factor: float, c: int, component: int, basis: StripBasis, rolls: bool, row: Array
+) -> None:
+    """Add to a row of a block the component of displacement by tractions and modes on cell c, from values g (8,)."""
+    M = len(basis.marks) - 1
+    if component == 0:
+        along, across, normal = g[XX], g[XT], turn * (g[XN] + g[ROLL])
+    elif component == 1:
+        along, across, normal = g[XT], g[TT], g[TN] + turn * g[TN_TURN]
+    else:
+        along, across, normal = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
+    at = 0
+    if rolls:
+        row[c] += factor * along
+        row[M + c] += factor * across
+        at = 2 * M
+    for m in range(basis.mean.shape[1]):
+        row[at + m] -= factor * normal * basis.loads[c, m]  # pressure acts against the outward normal
+
+
+@compiled
+def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasis, rolls: bool, A: Array) -> None:
+    """Add to the block A of a displaced strip, of a length m, and the loaded one of the work space."""
+    M, R = len(basis.marks) - 1, work.cells.shape[1]
+    modes = basis.mean.shape[1]
+    at = 2 * M if rolls else 0
+    over = 1.0 / length
+    cells, out = work.cells.ctypes.data, work.out.ctypes.data
+    moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
+    for k in range(len(basis.moment_edges)):
+        row = A[at + k]
+        for c in range(M):
+            weighted(cells + VECTOR * c * R, VECTOR, moment + 8 * k * (M + 1), M + 1, out)
+            _add_column(work.out, turn, over, c, 2, basis, rolls, row)
+        for end in range(2):
+            for e in range(M + 1):
+                row[at + modes + end] += over * basis.moment_edges[k, e] * work.ends[end, e, 2]
+    if rolls:
+        for r in range(M):
+            for c in range(M):
+                weighted(cells + VECTOR * (c * R + r), VECTOR, slip + 32 * r, 4, out)
+                _add_column(work.out, turn, over * over, c, 0, basis, rolls, A[r])
+                _add_column(work.out, turn, over * over, c, 1, basis, rolls, A[M + r])
+            for end in range(2):
+                for k in range(4):
+                    weight = over * over * basis.slip_edges[r, k]
+                    A[r, at + modes + end] += weight * work.ends[end, r + k, 0]
+                    A[M + r, at + modes + end] += weight * work.ends[end, r + k, 1]
+
+
+@compiled
+def _own_ends(V: Array, slope: Array, grid: StripGrid, i: int, basis: StripBasis, rolls: bool, A: Array) -> None:
+    """Add the derivatives by the ends of the displaced strip: boundaries move and lengths change.
+
+    Parameters:
+        V, slope: (R, 3) antiderivative, and its derivative by the places of its boundaries.
+        A: block of the strip's rows and own columns.
+    """
+    M, stretch = len(basis.marks) - 1, grid.stretch[i]
+    at = 2 * M if rolls else 0
+    modes = basis.mean.shape[1]
+    over = 1.0 / grid.length[i]
+    for end in range(2):
+        column = at + modes + end
+        longer = (stretch if end else -stretch) * over
+        for k in range(len(basis.moment_edges)):
+            total = 0.0
+            for e in range(M + 1):
+                moved = stretch * (basis.row_marks[e] if end else 1.0 - basis.row_marks[e])
+                total += basis.moment_edges[k, e] * (slope[e, 2] * moved - V[e, 2] * longer)
+            A[at + k, column] += over * total
+        if rolls:
+            for a in range(2):
+                for r in range(M):
+                    total = 0.0
+                    for k in range(4):
+                        mark = basis.row_marks[r + k]
+                        moved = stretch * (mark if end else 1.0 - mark)
+                        total += basis.slip_edges[r, k] * (slope[r + k, a] * moved - 2.0 * V[r + k, a] * longer)
+                    A[a * M + r, column] += over * over * total
+
+
+@compiled
+def operator(
+    tables: PairTables, grid: StripGrid, jumps: Array, basis: StripBasis, rolls: bool
+) -> tuple[bool, Array, Array]:
+    """Derivative (n, n) of slips and moments by tractions, modes and ends, and V (S, M + 3, 3).
+
+    Rows and columns strip by strip: slips along and across by tractions along and across (if rolling), moments by modes
+    and ends. The flag is False where distances exceed the tables.
+    """
+    S, R = grid.x.shape
+    M = R - 3
+    block = (2 * M if rolls else 0) + len(basis.moment_edges)
+    A = np.zeros((S * block, S * block))
+    V, slopes = np.zeros((S, R, 3)), np.zeros((S, R, 3))
+    G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
+    work = LoadedColumns(
+        np.empty((M, R, 8)), np.empty((2, R, 3)), np.empty((R, 3)), sums, np.empty((2, M + 1, 3)), np.empty(8)
+    )
+    pair = -1
+    for i in range(S):
+        own = slice(i * block, (i + 1) * block)
+        for j in range(i, S):
+            pair += 1
+            if not look_up(tables, pair, grid.x[i], grid.x[j], G, H):
+                return False, A, V
+            other = slice(j * block, (j + 1) * block)
+            _load_strip(G, H, jumps[j], grid, j, basis, 1.0, work)
+            _add_block(work, 1.0, grid.length[i], basis, rolls, A[own, other])
+            _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
+            _antiderivative(H, jumps[j], 1.0, 1.0, sums, slopes[i])
+            if i != j:
+                _load_strip(G, H, jumps[i], grid, i, basis, -1.0, work)
+                _add_block(work, -1.0, grid.length[j], basis, rolls, A[other, own])
+                _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
+                _antiderivative(H, jumps[i], -1.0, -1.0, sums, slopes[j])
+    for i in range(S):
+        own = slice(i * block, (i + 1) * block)
+        _own_ends(V[i], slopes[i], grid, i, basis, rolls, A[own, own])
+    return True, A, V
+
+
+@compiled
+def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Array, Array]:
+    """Elastic slips (S, 2, M) and moments (S, MOMENTS) m of the normal displacement, from V (S, M + 3, 3)."""
+    S, M = len(V), len(basis.marks) - 1
+    slips, moments = np.zeros((S, 2, M)), np.zeros((S, len(basis.moment_edges)))
+    for i in range(S):
+        over = 1.0 / grid.length[i]
+        for k in range(moments.shape[1]):
+            for e in range(M + 1):
+                moments[i, k] += over * basis.moment_edges[k, e] * V[i, e, 2]
+        for a in range(2):
+            for r in range(M):
+                for k in range(4):
+                    slips[i, a, r] += over * over * basis.slip_edges[r, k] * V[i, r + k, a]
+    return slips, moments

@@ -1,0 +1,72 @@
+"""Cells of the tables of pairs of strips along x, and the components that are tabulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+
+CELLS = 8  # an octave
+DEGREE = 5
+COMPONENTS = 8
+XX, TT, NN, TN, TN_TURN, XT, ROLL, XN = range(COMPONENTS)
+REACH = 0.08  # m, longest distance along x
+
+
+def lobatto(count: int) -> Array:
+    """Chebyshev-Lobatto points (count,) from 0 to 1."""
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.arange(count) / (count - 1)))
+
+
+@dataclass(frozen=True)
+class PairGrid:
+    """Distances along x at which a pair is sampled: cells (n,) from z = lower with given widths, start m."""
+
+    start: float
+    lower: Array
+    width: Array
+
+    @classmethod
+    def over(cls, start: float) -> PairGrid:
+        """Cells from 0 to `REACH`."""
+        octaves = int(np.ceil(np.log2(1 + REACH / start)))
+        octave, k = np.divmod(np.arange(octaves * CELLS), CELLS)
+        return cls(start, 2.0**octave * (1 + k / CELLS), 2.0**octave / CELLS)
+
+    def cells_up_to(self, x: float) -> int:
+        """Number of cells up to a distance m."""
+        return min(int(np.searchsorted(self.lower, x / self.start + 1)) + 1, len(self.lower))
+
+    @property
+    def x(self) -> Array:
+        """Distances (n (DEGREE + 1),) m."""
+        z = self.lower[:, None] + self.width[:, None] * lobatto(DEGREE + 1)
+        return np.asarray(((z - 1) * self.start).ravel())
+
+    def coefficients(self, samples: Array) -> Array:
+        """Coefficients (n, DEGREE + 1, COMPONENTS) from samples (n (DEGREE + 1), COMPONENTS) at `x`."""
+        inverse = np.linalg.inv(np.vander(lobatto(DEGREE + 1), increasing=True))
+        powers = inverse @ samples.reshape(len(self.lower), DEGREE + 1, -1)
+        return np.asarray(powers / self.width[:, None, None] ** np.arange(DEGREE + 1)[:, None])
+
+    def at(self, coefficients: Array, x: Array) -> Array:
+        """Values (m, COMPONENTS) at distances x (m,) m of functions given by coefficients on the cells."""
+        z = x / self.start + 1
+        cell = np.clip(np.searchsorted(self.lower, z, side="right") - 1, 0, len(self.lower) - 1)
+        u = (z - self.lower[cell])[:, None]
+        values = coefficients[cell, DEGREE]
+        for k in range(DEGREE - 1, -1, -1):
+            values = values * u + coefficients[cell, k]
+        return np.asarray(values)
+
+    def integral(self, samples: Array) -> Array:
+        """Integral from 0 to `x` of a function sampled there, (n (DEGREE + 1),)."""
+        nodes = lobatto(DEGREE + 1)
+        inverse = np.linalg.inv(np.vander(nodes, increasing=True))
+        power = np.arange(1, DEGREE + 2)
+        to_nodes = (nodes[:, None] ** power / power) @ inverse
+        parts = samples.reshape(-1, DEGREE + 1) @ to_nodes.T * (self.width * self.start)[:, None]
+        before = np.concatenate([[0.0], np.cumsum(parts[:-1, -1])])
+        return np.asarray((before[:, None] + parts).ravel())

@@ -1,0 +1,191 @@
+"""Tables of the compliance between pairs of strips of a lattice, both bodies together, in the strips' own axes.
+
+With G'' = C the compliance along x, the mean displacement of cells by forces on cells is a second difference of G. Near
+its load a body is a half-space, whose part of G depends on the strips' widths and distances on the upper body alone and
+is tabulated once for all poses; the deviation of finite bodies from half-spaces is smooth.
+
+Cells of the tables: z = 1 + |x| / start, `CELLS` equal ones in every octave of z, polynomials of degree `DEGREE` in
+each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body
+on either strip. Displacement by force is symmetric up to TN_TURN, ROLL and XN, which change their sign when the pair
+is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN; the
+parts of C_xt and C_xn with the other symmetry, by the slope of the bodies' flexibility across, are neglected. The first
+five components are even functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R,
+integrated along x. On a wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.elasticity.half_space import strip_antiderivative
+from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
+from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, BodyCorrection, pair_means
+from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, NN, ROLL, TN, PairGrid
+from wheelrail.support.arrays import Array, Nodes
+
+START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
+GROWTH = 1.5  # of the storage
+
+
+class PairTables(NamedTuple):
+    """Tables of the pairs i <= j of S strips, row by row.
+
+    Parameters:
+        values: (cells, DEGREE + 1, COMPONENTS) m/N times m2, coefficients of powers of z minus the cell's lower bound.
+        first: (pairs,) first cell of a pair.
+        cells: (pairs,) its number of cells.
+        inverse: (pairs,) 1/m, 1 / start.
+        smooth: (pairs, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
+            `wheelrail.contact.models.lattice.influence.body_correction.START`; (0, ..) where it is contained in values.
+    """
+
+    values: Array
+    first: Nodes
+    cells: Nodes
+    inverse: Array
+    smooth: Array
+
+
+@dataclass
+class LatticeTables:
+    """Tables of half-spaces under the strips of a lattice, computed when a pair is first needed.
+
+    Parameters:
+        operators: bodies and surfaces.
+        sides: (K + 1,) m, lateral bounds of the strips on the upper body.
+    """
+
+    operators: StripOperators
+    sides: Array
+    _values: Array = field(init=False, repr=False)
+    _used: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        self._values = np.zeros((4096, DEGREE + 1, COMPONENTS))
+        self.middle = 0.5 * (self.sides[1:] + self.sides[:-1])
+        self.width = np.diff(self.sides)
+        tangent = self.operators.upper._tangents(self.middle)
+        self._angle = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
+        self.stretch = self.operators.surfaces.along(self.middle)
+        K = len(self.middle)
+        self._first, self._count = np.full((K, K), -1), np.zeros((K, K), dtype=int)
+        self._inverse = np.zeros((K, K))
+
+    @cached_property
+    def _corrections(self) -> tuple[BodyCorrection | None, BodyCorrection | None]:
+        """Deviations of both bodies from half-spaces."""
+        bodies = self.operators.upper, self.operators.lower
+        upper, lower = (
+            BodyCorrection(body, outward) if isinstance(body, ElementInfluence) else None
+            for body, outward in zip(bodies, OUTWARD, strict=True)
+        )
+        return upper, lower
+
+    @property
+    def moves(self) -> bool:
+        """Whether the compliance depends on where the strips lie on the lower body."""
+        return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)
+
+    def of(self, i: Nodes, j: Nodes, feet: Array | None, reach: float) -> PairTables:
+        """Tables of pairs of strips.
+
+        Parameters:
+            i, j: (pairs,) numbers of the strips, i <= j.
+            feet: (K,) m, arc length of the strips' middles on the lower body; None where it does not matter.
+            reach: m, longest distance along x.
+
+        Raises OutsideSurface beyond the lines of the lower body.
+        """
+        for k in np.flatnonzero(self._first[i, j] < 0):
+            if self._first[i[k], j[k]] < 0:
+                self._add(int(i[k]), int(j[k]))
+        smooth = np.zeros((0, 1, DEGREE + 1, COMPONENTS))
+        if feet is not None:
+            lower = self._corrections[1]
+            assert lower is not None
+            cells = lower.grid.cells_up_to(reach)
+            smooth = self._means(lower, i, j, feet, cells)
+        return PairTables(self._values, self._first[i, j], self._count[i, j], self._inverse[i, j], smooth)
+
+    def _means(self, body: BodyCorrection, i: Nodes, j: Nodes, middle: Array, cells: int) -> Array:
+        """Coefficients (pairs, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (K,) m on it."""
+        own, number = np.unique(np.concatenate([i, j]), return_inverse=True)
+        at, width = middle[own], self.width[own]
+        first, lines = body.between_lines(float((at - 0.5 * width).min()), float((at + 0.5 * width).max()))
+        share = body.shares(first, len(lines), at, width)
+        return pair_means(lines, share, number[: len(i)], number[len(i) :], cells)
+
+    def _add(self, i: int, j: int) -> None:
+        sides = np.array([[self.sides[k], self.sides[k + 1]] for k in ((i,) if i == j else (i, j))])
+        width, distance = float(np.diff(sides).min()), float(sides[-1].mean() - sides[0].mean())
+        start = START[0] * width if i == j else max(START[1] * width, START[2] * (distance - width))
+        grid = PairGrid.over(start)
+        samples = np.zeros((len(grid.x), COMPONENTS))
+        tilt = 0.5 * (self._angle[j] - self._angle[i])
+        wheel: Array | None = None
+        for body in (self.operators.upper, self.operators.lower):
+            near = strip_antiderivative(grid.x, sides, body.nu)[min(j - i, 1)]
+            part = half_space_scale(body) * rotated(near, -tilt, tilt)
+            samples += part
+            wheel = part if body is self.operators.upper and body.radius is not None else wheel
+        stretch = 0.5 * (self.stretch[i] + self.stretch[j])
+        for correction in self._corrections[: 1 if self.moves else 2]:
+            if correction is not None:
+                only = np.array([i]), np.array([j])
+                smooth = self._means(correction, *only, self.middle, len(correction.grid.lower))[0]
+                part = stretch**2 * correction.grid.at(smooth, grid.x / stretch)
+                samples += part
+                if wheel is not None and correction.body is self.operators.upper:
+                    angle, radius = 0.5 * (self._angle[i] + self._angle[j]), self.operators.upper.radius
+                    assert radius is not None
+                    samples[:, ROLL] = grid.integral(radial(wheel + part, angle)) / (radius * stretch)
+        coefficients = grid.coefficients(samples)
+        count = len(coefficients)
+        while self._used + count > len(self._values):
+            larger = np.zeros((int(GROWTH * len(self._values)), DEGREE + 1, COMPONENTS))
+            larger[: self._used] = self._values[: self._used]
+            self._values = larger
+        self._values[self._used : self._used + count] = coefficients
+        self._first[i, j], self._count[i, j], self._inverse[i, j] = self._used, count, 1 / start
+        self._used += count
+
+
+def radial(samples: Array, angle: float) -> Array:
+    """Displacement (nodes,) away from the axle by pressure, from components (nodes, COMPONENTS) of a wheel on strips
+    with an angle rad to the axle.
+    """
+    return np.asarray(np.cos(angle) * samples[:, NN] + np.sin(angle) * samples[:, TN])
+
+
+def half_space_scale(body: HalfSpaceInfluence) -> float:
+    """Compliance 1/N m of the body's tables over that of unit modulus with lengths in m."""
+    return body.scale * body.unit
+
+
+def rotated(near: Array, row: float, column: float) -> Array:
+    """Components (n, COMPONENTS) from those along, across, normal and along by across (n, 4) in the mean axes of two
+    strips that are inclined to them by angles rad, positive from the lateral towards the upper body's outward normal.
+    """
+    along, across, normal, mixed = near.T
+    ci, si, cj, sj = np.cos(row), np.sin(row), np.cos(column), np.sin(column)
+    tn, nt = -ci * sj * across + si * cj * normal, -si * cj * across + ci * sj * normal
+    xt, tx = mixed * cj, mixed * ci
+    return np.stack(
+        [
+            along,
+            ci * cj * across + si * sj * normal,
+            si * sj * across + ci * cj * normal,
+            0.5 * (tn + nt),
+            0.5 * (tn - nt),
+            0.5 * (xt + tx),
+            np.zeros_like(along),
+            0.5 * mixed * (si - sj),
+        ],
+        axis=1,
+    )

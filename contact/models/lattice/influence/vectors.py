@@ -1,0 +1,170 @@
+"""Compiled: operations on eight doubles at once, written as vectors because Numba makes none of loops of eight.
+
+Addresses are integers (`array.ctypes.data`); the caller keeps the arrays alive. Multiplications and additions are fused
+explicitly, so that the rounding does not depend on the compiler.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+WIDTH = 8
+BYTES = 8 * WIDTH
+
+
+def _ir() -> Any:
+    from llvmlite import ir  # type: ignore[import-untyped]
+
+    return ir
+
+
+def _vector() -> Any:
+    ir = _ir()
+    return ir.VectorType(ir.DoubleType(), WIDTH)
+
+
+def _load(builder: Any, address: Any) -> Any:
+    pointer = builder.inttoptr(address, _vector().as_pointer())
+    value = builder.load(pointer)
+    value.align = 8
+    return value
+
+
+def _store(builder: Any, value: Any, address: Any) -> None:
+    builder.store(value, builder.inttoptr(address, _vector().as_pointer())).align = 8
+
+
+def _splat(builder: Any, value: Any) -> Any:
+    ir = _ir()
+    vector = ir.Constant(_vector(), ir.Undefined)
+    index = ir.IntType(32)
+    first = builder.insert_element(vector, value, ir.Constant(index, 0))
+    mask = ir.Constant(ir.VectorType(index, WIDTH), [0] * WIDTH)
+    return builder.shuffle_vector(first, vector, mask)
+
+
+def _fma(builder: Any) -> Any:
+    ir = _ir()
+    kind = ir.FunctionType(_vector(), [_vector()] * 3)
+    return cgutils.get_or_insert_function(builder.module, kind, "llvm.fma.v8f64")
+
+
+def _offset(builder: Any, address: Any, bytes_: int) -> Any:
+    return builder.add(address, _ir().Constant(_ir().IntType(64), bytes_))
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def bits(context: Any, x: Any) -> Any:
+    """The bits of a double as an integer."""
+
+    def generate(_: Any, builder: Any, __: Any, arguments: Any) -> Any:
+        return builder.bitcast(arguments[0], _ir().IntType(64))
+
+    return types.int64(types.float64), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def double(context: Any, x: Any) -> Any:
+    """The double with the bits of an integer."""
+
+    def generate(_: Any, builder: Any, __: Any, arguments: Any) -> Any:
+        return builder.bitcast(arguments[0], _ir().DoubleType())
+
+    return types.float64(types.int64), generate
+
+
+def _polynomial(adds: bool) -> Any:
+    @intrinsic  # type: ignore[untyped-decorator]
+    def polynomial(context: Any, table: Any, u: Any, even: Any, slope: Any, values: Any, slopes: Any) -> Any:
+        def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
+            ir = _ir()
+            table, u, even, slope, values, slopes = arguments
+            fma, at = _fma(builder), _splat(builder, u)
+            coefficient = [_load(builder, _offset(builder, table, BYTES * k)) for k in range(6)]
+            value = derivative = coefficient[5]
+            for k in (4, 3, 2, 1):
+                value = builder.call(fma, [value, at, coefficient[k]])
+                derivative = builder.call(fma, [derivative, at, value])
+            value = builder.call(fma, [value, at, coefficient[0]])
+            mask = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * 5 + [WIDTH] * 3)
+            one = _splat(builder, ir.Constant(ir.DoubleType(), 1.0))
+            signs = builder.shuffle_vector(one, _splat(builder, even), mask)
+            factor = _splat(builder, builder.fmul(slope, even))
+            factors = builder.shuffle_vector(factor, _splat(builder, slope), mask)
+            for result, by, to in ((value, signs, values), (derivative, factors, slopes)):
+                product = builder.fmul(result, by)
+                _store(builder, builder.fadd(product, _load(builder, to)) if adds else product, to)
+            return ctx.get_dummy_value()
+
+        return types.void(table, u, even, slope, values, slopes), generate
+
+    return polynomial
+
+
+# Write, or add, values and slopes (8,) of polynomials of degree 5, coefficients (6, 8) at the address table, at u. The
+# first five values are multiplied by 1 and the others by even; their slopes by slope even and slope.
+polynomial, add_polynomial = _polynomial(False), _polynomial(True)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def products(context: Any, g: Any, stride: Any, loads: Any, count: Any, out: Any) -> Any:
+    """Write sums (3, 8) over count places of vectors at g, a stride of bytes apart, times each of loads (count, 3)."""
+
+    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        ir = _ir()
+        g, stride, loads, count, out = arguments
+        fma, integer = _fma(builder), ir.IntType(64)
+        sums = [cgutils.alloca_once_value(builder, ir.Constant(_vector(), [0.0] * WIDTH)) for _ in range(3)]
+        for total in sums:
+            builder.store(ir.Constant(_vector(), [0.0] * WIDTH), total)
+        pointer = builder.inttoptr(loads, ir.DoubleType().as_pointer())
+        with cgutils.for_range(builder, count) as loop:
+            value = _load(builder, builder.add(g, builder.mul(loop.index, stride)))
+            for k, total in enumerate(sums):
+                place = builder.add(builder.mul(loop.index, ir.Constant(integer, 3)), ir.Constant(integer, k))
+                load = _splat(builder, builder.load(builder.gep(pointer, [place])))
+                builder.store(builder.call(fma, [value, load, builder.load(total)]), total)
+        for k, total in enumerate(sums):
+            _store(builder, builder.load(total), _offset(builder, out, BYTES * k))
+        return ctx.get_dummy_value()
+
+    return types.void(g, stride, loads, count, out), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def weighted(context: Any, g: Any, stride: Any, weights: Any, count: Any, out: Any) -> Any:
+    """Write the sum (8,) over count places of vectors at g, a stride of bytes apart, times weights (count,)."""
+
+    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        ir = _ir()
+        g, stride, weights, count, out = arguments
+        fma = _fma(builder)
+        zero = ir.Constant(_vector(), [0.0] * WIDTH)
+        total = cgutils.alloca_once(builder, _vector())
+        builder.store(zero, total)
+        pointer = builder.inttoptr(weights, ir.DoubleType().as_pointer())
+        with cgutils.for_range(builder, count) as loop:
+            value = _load(builder, builder.add(g, builder.mul(loop.index, stride)))
+            weight = _splat(builder, builder.load(builder.gep(pointer, [loop.index])))
+            builder.store(builder.call(fma, [value, weight, builder.load(total)]), total)
+        _store(builder, builder.load(total), out)
+        return ctx.get_dummy_value()
+
+    return types.void(g, stride, weights, count, out), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def difference(context: Any, first: Any, second: Any, factor: Any, out: Any) -> Any:
+    """Write (first - second) factor of vectors (8,)."""
+
+    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        first, second, factor, out = arguments
+        change = builder.fsub(_load(builder, first), _load(builder, second))
+        _store(builder, builder.fmul(change, _splat(builder, factor)), out)
+        return ctx.get_dummy_value()
+
+    return types.void(first, second, factor, out), generate

@@ -1,0 +1,137 @@
+"""Contact on strips of a lattice fixed on the upper body: the force is a function of the pose alone."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.kinematics.creepage import NotRolling
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.lattice.cold_start import cold_start
+from wheelrail.contact.models.lattice.friction import CellFriction
+from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
+from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
+from wheelrail.contact.models.lattice.newton import LatticeNewton, LatticeSolution
+from wheelrail.contact.models.lattice.problem import LatticeProblem
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
+from wheelrail.contact.models.lattice.results import contact_result
+from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.strips import lattice_sides
+from wheelrail.contact.results.error_estimate import ErrorEstimate
+from wheelrail.contact.results.extrapolation import difference
+from wheelrail.contact.results.result import ContactResult, Statistics
+from wheelrail.contact.solvers.options import IterationCount, NotConverged
+
+log = logging.getLogger(__name__)
+
+FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
+
+
+@dataclass(frozen=True)
+class LatticeContact:
+    """Contact model on a lattice of strips: pose and velocities in, `ContactResult` out.
+
+    Parameters:
+        operators: compliance and surfaces of both bodies.
+        laws: of the interface.
+        resolution: strips over a usual patch, cells along a strip.
+        tolerance: of the last Newton step, relative to the largest pressure and length; the error is its square.
+        estimate: results carry an error estimate, from a lattice of half the resolution.
+
+    The guess is an initial guess only: results do not depend on it. Raises ValueError for a penalty, whose pressure has
+    no sharp ends.
+    """
+
+    operators: StripOperators
+    laws: ContactLaws
+    resolution: LatticeResolution = field(default_factory=LatticeResolution)
+    tolerance: float = 1e-5
+    estimate: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.laws.exact_normal:
+            raise ValueError(f"a lattice needs the exact normal law, got {self.laws}")
+
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
+        """Result of a pose and motion; the guess changes the number of iterations only."""
+        result = self._solved(pose, motion, guess)
+        if not (self.estimate and result.patches):
+            return result
+        rough = self._coarse(pose, motion, None)
+        return replace(result, error_estimate=difference(result, rough) if rough.ok else ErrorEstimate.unknown())
+
+    @cached_property
+    def _coarse(self) -> LatticeContact:
+        return replace(self, resolution=self.resolution.coarsened(), estimate=False)
+
+    @cached_property
+    def tables(self) -> LatticeTables:
+        """Compliance of pairs of strips of the lattice."""
+        surfaces, upper = self.operators.surfaces, self.operators.upper
+        return LatticeTables(self.operators, lattice_sides(surfaces, upper.arc, self.resolution.strips))
+
+    @cached_property
+    def basis(self) -> StripBasis:
+        return strip_basis(self.resolution.cells, rolling=self.laws.frictional)
+
+    def problem(self, pose: Pose, motion: RigidMotion) -> LatticeProblem:
+        """Equations of a pose and motion."""
+        law = CellFriction.of(self.laws) if self.laws.frictional else None
+        return LatticeProblem(self.tables, self.basis, law, pose, motion)
+
+    def _solved(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None) -> ContactResult:
+        start, count = perf_counter(), IterationCount()
+        problem = self.problem(pose, motion)
+        approach = problem.approach
+        if approach <= 0:
+            return ContactResult.separated(approach)
+        try:
+            if not len(problem.candidates):
+                return ContactResult.separated(approach)
+            solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
+            if solution is None:
+                return ContactResult.separated(approach)
+            statistics = Statistics(
+                newton=count.newton,
+                linear=count.linear,
+                points=solution.evaluation.pressure.size,
+                residual=count.residual,
+                seconds={"solve": perf_counter() - start},
+            )
+            return contact_result(problem, solution, statistics)
+        except (OutsideSurface, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
+            return ContactResult.failed(str(error), approach)
+
+    def _from_earlier(
+        self, problem: LatticeProblem, guess: ContactResult | None, count: IterationCount
+    ) -> LatticeSolution | None:
+        """Solution from the strips of an earlier result; None where that is too far away."""
+        state = None if guess is None else guess.warm_start
+        if not isinstance(state, LatticeState) or state.values.shape[1] != self._block:
+            return None
+        state = state.at(np.isin(state.strips, problem.candidates))
+        if not len(state.strips):
+            return None
+        try:
+            return LatticeNewton(problem, self.tolerance, count).solve(state, FARTHEST)
+        except (NotConverged, OutsideSurface) as error:
+            log.debug("from the earlier result: %s", error)
+            return None
+
+    @property
+    def _block(self) -> int:
+        """Unknowns of a strip."""
+        tractions = 2 * self.resolution.cells if self.laws.frictional else 0
+        return tractions + len(self.basis.moments)
+
+    def _from_none(self, problem: LatticeProblem, count: IterationCount) -> LatticeSolution | None:
+        """Solution without an earlier result; None without contact."""
+        state = cold_start(problem, self.laws, IterationCount())
+        return None if state is None else LatticeNewton(problem, self.tolerance, count).solve(state)

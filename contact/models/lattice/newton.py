@@ -1,0 +1,171 @@
+"""Newton's method on all unknowns of the contact on a lattice, and strips that enter and leave."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from wheelrail.contact.models.lattice.entry import entering
+from wheelrail.contact.models.lattice.equations import Evaluation
+from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
+from wheelrail.contact.models.lattice.problem import LatticeProblem
+from wheelrail.contact.models.lattice.state import LatticeState, relative_size
+from wheelrail.contact.solvers.options import IterationCount, NotConverged
+from wheelrail.support.arrays import Array, Mask
+
+log = logging.getLogger(__name__)
+
+STRESS, LENGTH, GAP = 1e9, 1e-3, 1e-6  # Pa, m, m: scales of the unknowns and of the moments
+ITERATIONS = 60
+HALVINGS = 6  # of a step in the line search
+CHORDS = 8  # steps with one Jacobian
+CONTRACTION = 0.3  # of a step with old factors, for another one
+NEAR = 0.1  # step below which strips may enter
+LONGEST = 3.0  # largest relative growth of a squared half length in one step
+EXCHANGES = 3  # times that a strip may leave before it must stay out
+
+
+@dataclass(frozen=True)
+class LatticeSolution:
+    """Converged state with its evaluation and rho (S, M) 1/Pa of the friction residual."""
+
+    state: LatticeState
+    evaluation: Evaluation
+    rho: Array
+
+
+class Linearisation:
+    """LU factors of the Jacobian (n, n) of a state with values (S, block), in units of `STRESS`, `LENGTH` and `GAP`."""
+
+    def __init__(self, jacobian: Array, values: Array) -> None:
+        S, block = values.shape
+        self._rows = np.tile(np.r_[np.full(block - MOMENTS, 1 / STRESS), np.full(MOMENTS, 1 / GAP)], S)
+        self._columns = np.tile(np.r_[np.full(block - 2, STRESS), np.full(2, LENGTH)], S)
+        jacobian *= self._rows[:, None]
+        jacobian *= self._columns
+        self._factors, self._pivots, info = la.lapack.dgetrf(jacobian.T, overwrite_a=1)  # of the transpose: no copy
+        if info:
+            raise NotConverged("the Jacobian of the contact is singular")
+
+    def solve(self, right: Array) -> Array:
+        """Solution of the shape of the right-hand side: (S, block), or (n, k)."""
+        n = len(self._rows)
+        scaled = self._rows[:, None] * right.reshape(n, -1)
+        solution, _ = la.lapack.dgetrs(self._factors, self._pivots, scaled, trans=1)
+        return np.asarray((self._columns[:, None] * solution).reshape(right.shape))
+
+
+class LatticeNewton:
+    """Iteration from a state to the solution of a problem.
+
+    Parameters:
+        problem: equations.
+        tolerance: of the last step relative to the largest pressure amplitude and half length.
+        count: of iterations, updated: linearisations, and evaluations of the residual as linear iterations.
+
+    As long as steps with old factors contract, the Jacobian is kept.
+    """
+
+    def __init__(self, problem: LatticeProblem, tolerance: float, count: IterationCount) -> None:
+        self.problem, self.tolerance, self.count = problem, tolerance, count
+        self._left: dict[int, int] = {}
+
+    def solve(self, state: LatticeState, farthest: float = np.inf) -> LatticeSolution | None:
+        """Solution from a state; None if the first step exceeds farthest or no strip remains loaded.
+
+        Raises NotConverged, OutsideSurface.
+        """
+        checked = False  # for strips that enter, since the last change of the set
+        for iteration in range(ITERATIONS):
+            evaluation, jacobian, rho = self.problem.linearise(state)
+            self.count.newton += 1
+            factors = Linearisation(jacobian, state.values)
+            step = factors.solve(-evaluation.residual)
+            size, _ = relative_size(state.values, step)
+            if not np.isfinite(size):
+                raise NotConverged("the step of the contact is not finite")
+            if iteration == 0 and size > farthest:
+                return None
+            log.debug("iteration %d: step %.1e, %d strips", iteration, size, len(state.strips))
+            remains = self._remain(state, step)
+            if not remains.all():
+                if not remains.any():
+                    return None
+                for strip in state.strips[~remains]:
+                    self._left[int(strip)] = self._left.get(int(strip), 0) + 1
+                log.debug("strips %s leave", state.strips[~remains])
+                state, checked = state.at(remains), False
+                continue
+            state, size, evaluation = self._moved(state, step, rho, factors, evaluation)
+            if size < self.tolerance or (size < NEAR and not checked):
+                grown = self._entered(state)
+                if grown is not None:
+                    state, checked = grown, False
+                elif size < self.tolerance:
+                    self.count.residual = size
+                    return LatticeSolution(state, evaluation, rho)
+                else:
+                    checked = True
+        raise NotConverged(f"Newton's method did not converge in {ITERATIONS} iterations (last step {size:.1e})")
+
+    def _moved(
+        self, state: LatticeState, step: Array, rho: Array, factors: Linearisation, evaluation: Evaluation
+    ) -> tuple[LatticeState, float, Evaluation]:
+        """State after a step and further ones with the same factors while they contract; size of the next one, and the
+        evaluation.
+
+        Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
+        """
+        for _ in range(CHORDS):
+            _, before = relative_size(state.values, step)
+            factor = self._longest(state, step)
+            best: tuple[float, LatticeState, Array, Evaluation] | None = None
+            for _ in range(HALVINGS):
+                trial = state.moved(step, factor)
+                evaluation = self.problem.evaluate(trial, rho)
+                self.count.linear += 1
+                following = factors.solve(-evaluation.residual)
+                _, after = relative_size(state.values, following)
+                if best is None or after < best[0]:
+                    best = after, trial, following, evaluation
+                if after <= (1 - 0.25 * factor) * before:
+                    break
+                factor *= 0.5
+            assert best is not None
+            after, state, step, evaluation = best
+            size, _ = relative_size(state.values, step)
+            if size < self.tolerance or factor < 1.0 or not after < CONTRACTION * before:
+                break
+            if not self._remain(state, step).all():
+                break
+        return state, size, evaluation
+
+    def _remain(self, state: LatticeState, step: Array) -> Mask:
+        """Strips (S,) that stay loaded: those whose load and length remain positive after a full step."""
+        half, change = state.half, 0.5 * (step[:, -1] - step[:, -2])
+        amplitude = state.modes[:, 0] + step[:, -2 - MODES]
+        load = state.modes[:, 0] * half + step[:, -2 - MODES] * half + state.modes[:, 0] * change
+        small = half < 0.3 * half.max()
+        squared = half**2 + 2 * half * change
+        return np.asarray(~((load <= 0) & ((squared <= 0) | (amplitude <= 0)) & (small | (amplitude <= 0))))
+
+    def _entered(self, state: LatticeState) -> LatticeState | None:
+        """The state with strips that enter; None without any."""
+        barred = {strip for strip, times in self._left.items() if times >= EXCHANGES}
+        new = entering(self.problem, state, barred)
+        if new is None:
+            return None
+        log.debug("strips %s enter", new.strips)
+        return state.joined(new)
+
+    @staticmethod
+    def _longest(state: LatticeState, step: Array) -> float:
+        """Largest fraction of a step at which no strip moves by more than its length or grows too much."""
+        half, change = state.half, 0.5 * (step[:, -1] - step[:, -2])
+        growth = 2 * np.abs(change) / half / LONGEST
+        away = np.abs(step[:, -2:].mean(axis=1)) / half.max()
+        growth = np.where(half > 0.3 * half.max(), growth, 0.0)
+        return float(min(1.0, 1 / max(growth.max(), away.max(), 1e-300)))

@@ -1,0 +1,99 @@
+"""Unknowns of the contact on a lattice: loaded strips with their tractions, pressure modes and ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.influence.basis import MODES
+from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.compiled import compiled
+
+SHORTEST = 0.1  # of the squared half length: the least that remains of it after one step
+LEAST_PRESSURE = 1e3  # Pa, to which steps are related at least
+
+
+@dataclass(frozen=True)
+class LatticeState:
+    """S loaded strips.
+
+    Parameters:
+        strips: (S,) their numbers on the lattice, ascending.
+        values: (S, 2 M + MODES + 2), strip by strip: tractions Pa of the cells along and across (none without
+            friction), amplitudes Pa of the pressure modes, and ends m.
+    """
+
+    strips: Nodes
+    values: Array
+
+    @property
+    def ends(self) -> Array:
+        """Trailing and leading ends (S, 2) m along the rolling circle."""
+        return self.values[:, -2:]
+
+    @property
+    def modes(self) -> Array:
+        """Amplitudes (S, MODES) Pa."""
+        return self.values[:, -2 - MODES : -2]
+
+    @property
+    def tractions(self) -> Array:
+        """Tractions (S, 2, M) Pa; M = 0 without friction."""
+        return self.values[:, : -2 - MODES].reshape(len(self.strips), 2, -1)
+
+    @property
+    def half(self) -> Array:
+        """Half lengths (S,) m."""
+        return np.asarray(0.5 * (self.values[:, -1] - self.values[:, -2]))
+
+    def at(self, chosen: Mask) -> LatticeState:
+        """Those strips of a mask (S,)."""
+        return LatticeState(self.strips[chosen], self.values[chosen])
+
+    def joined(self, other: LatticeState) -> LatticeState:
+        """These strips and others, in order."""
+        strips = np.concatenate([self.strips, other.strips])
+        order = np.argsort(strips)
+        return LatticeState(strips[order], np.concatenate([self.values, other.values])[order])
+
+    def moved(self, step: Array, factor: float) -> LatticeState:
+        """The state after a fraction of a Newton step (S, block)."""
+        return LatticeState(self.strips, _moved(self.values, step, factor))
+
+
+@compiled
+def _moved(values: Array, step: Array, factor: float) -> Array:
+    """Values (S, block) after a fraction of a step.
+
+    The steps are taken in the squared half length and in loads per width, in which the birth of a strip is nearly
+    linear: both are proportional to the penetration in excess.
+    """
+    new = np.empty_like(values)
+    last = values.shape[1] - 1
+    for i in range(len(values)):
+        half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
+        new_half = np.sqrt(max(half * half + 2 * factor * half * change, SHORTEST * half * half))
+        middle = 0.5 * (values[i, last] + values[i, last - 1] + factor * (step[i, last] + step[i, last - 1]))
+        new[i, last - 1], new[i, last] = middle - new_half, middle + new_half
+        for k in range(last - 1):
+            load = values[i, k] * half + factor * (step[i, k] * half + values[i, k] * change)
+            new[i, k] = load / new_half
+    return new
+
+
+@compiled
+def relative_size(values: Array, step: Array) -> tuple[float, float]:
+    """Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length."""
+    last = values.shape[1] - 1
+    pressure, half = LEAST_PRESSURE, 0.0
+    for i in range(len(values)):
+        pressure = max(pressure, abs(values[i, last - 1 - MODES]))
+        half = max(half, 0.5 * (values[i, last] - values[i, last - 1]))
+    largest, total = 0.0, 0.0
+    for i in range(len(values)):
+        for k in range(last + 1):
+            part = abs(step[i, k]) / (pressure if k < last - 1 else half)
+            largest = max(largest, part)
+            total += part * part
+    return largest if np.isfinite(total) else np.inf, np.sqrt(total)

@@ -1,0 +1,63 @@
+"""Lattice of strips fixed on the profile of the upper body, refined where the surfaces are sharply curved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.contact.models.fitted.surfaces import ProfileStrips, QuadricStrips, StripSurfaces
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.support.arrays import Array
+
+USUAL_DEPTH = 1e-4  # m, approach of a usual wheel load, for which the strips' widths are chosen
+WIDEST, NARROWEST = 1.0e-3, 0.4e-3  # m, at the default of STRIPS over a usual patch
+STRIPS = 16
+SMOOTHED = 3e-3  # m, length over which the width of the strips varies
+SPACING = 1e-4  # m, of the samples from which widths are taken
+NORMAL_SAMPLES = 400
+
+
+def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int) -> Array:
+    """Lateral bounds (K + 1,) m of adjacent strips over the lines arc (ns,) m, for a number of strips over a patch."""
+    if isinstance(surfaces, QuadricStrips):
+        return _uniform(arc, strips)
+    assert isinstance(surfaces, ProfileStrips)
+    s = np.arange(arc[0], arc[-1] + 0.5 * SPACING, SPACING)
+    width = _widths(surfaces, s) * STRIPS / strips
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (1 / width[1:] + 1 / width[:-1]) * np.diff(s))])
+    return np.asarray(np.interp(np.arange(int(count[-1]) + 1), count, s))
+
+
+def _uniform(arc: Array, strips: int) -> Array:
+    """Strips over an ellipse's lines, whose extent is little more than the expected patch."""
+    half = 0.5 * (arc[-1] - arc[0])
+    width = 2 * half / np.sqrt(2.5) / strips
+    count = int(np.floor(half / width))
+    return np.asarray(width * np.arange(-count, count + 1))
+
+
+def _widths(surfaces: ProfileStrips, s: Array) -> Array:
+    """Widths (n,) m of strips at s, by the magnitudes of the curvatures of wheel and rail where both have one slope:
+    where they cancel, the contact is wide but changes over short distances.
+    """
+    wheel, rail = surfaces.wheel, surfaces.rail
+    curvature = np.abs(wheel.curvature(s)) + np.abs(_curvature_by_slope(rail, -_slope(wheel, s)))  # outward is down
+    semi_axis = np.sqrt(2 * USUAL_DEPTH / np.maximum(curvature, 1e-3))
+    width = np.clip(2 * semi_axis / STRIPS, NARROWEST, WIDEST)
+    window = np.hanning(2 * int(SMOOTHED / SPACING) + 1)
+    half = len(window) // 2
+    padded = np.pad(width, half, mode="edge")
+    return np.asarray(np.convolve(padded, window / window.sum(), mode="valid"))
+
+
+def _slope(profile: Profile, s: Array) -> Array:
+    """Angle (n,) rad of the tangent."""
+    t = profile.tangent(s)
+    return np.asarray(np.arctan2(t[:, 1], t[:, 0]))
+
+
+def _curvature_by_slope(rail: Profile, slope: Array) -> Array:
+    """Curvature (n,) 1/m of a rail where its tangent has given angles rad."""
+    s = np.linspace(*rail.s_range, NORMAL_SAMPLES)
+    angle, curvature = _slope(rail, s), rail.curvature(s)
+    order = np.argsort(angle)
+    return np.asarray(np.interp(slope, angle[order], curvature[order]))
