@@ -10,7 +10,7 @@ import scipy.linalg as la
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.fitted.operators import TOO_LONG
-from wheelrail.contact.models.lattice.entry import entering
+from wheelrail.contact.models.lattice.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.problem import LatticeProblem
@@ -180,13 +180,15 @@ class LatticeNewton:
         """
         if not self._barred:
             return None
+        new = entering(self.problem, state, set(), UNCERTAIN)
+        if new is None:
+            return None
         self._left.clear()
-        grown = self._entered(state)
-        if grown is not None:
-            self._releases += 1
-            if self._releases > RELEASES:
-                raise NotConverged("strips of the contact come and go")
-        return grown
+        self._releases += 1
+        if self._releases > RELEASES:
+            raise NotConverged("strips of the contact come and go")
+        log.debug("strips %s enter again", new.strips)
+        return state.joined(new)
 
     @property
     def _barred(self) -> set[int]:
