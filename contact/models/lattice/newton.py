@@ -27,7 +27,7 @@ CHORDS = 8  # steps with one Jacobian
 CONTRACTION = 0.3  # of a step with old factors, for another one
 NEAR = 0.1  # step below which strips may enter
 LARGE = 0.5  # step after which a load without pressure is no reason to leave
-VANISHED = 0.05  # half length over the largest one
+VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
 LONGEST = 3.0  # largest relative growth of a squared half length in one step
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
 RELEASES = 2  # times that such strips may enter again
@@ -160,18 +160,14 @@ class LatticeNewton:
         return state, size, evaluation
 
     def _remain(self, state: LatticeState, step: Array) -> Mask:
-        """Strips (S,) that stay loaded: those whose load and length remain positive after a full step; where this step
-        is a large one, only strips that have nearly vanished leave.
+        """Strips (S,) that stay loaded: those with positive load after a full step. Others leave once they have nearly
+        vanished, or are in tension already and the step is a moderate one: a step from a poor start overshoots.
         """
-        size, _ = relative_size(state.values, step)
         half, change = state.half, 0.5 * (step[:, -1] - step[:, -2])
-        amplitude = state.modes[:, 0] + step[:, -2 - MODES]
         load = state.modes[:, 0] * half + step[:, -2 - MODES] * half + state.modes[:, 0] * change
-        small = half < 0.3 * half.max()
-        squared = half**2 + 2 * half * change
-        vanishes = half < VANISHED * half.max()
-        leaves = vanishes if size > LARGE else np.ones(len(half), dtype=bool)
-        return np.asarray(~(leaves & (load <= 0) & ((squared <= 0) | (amplitude <= 0)) & (small | (amplitude <= 0))))
+        size, _ = relative_size(state.values, step)
+        leaves = (half < VANISHED * half.max()) | ((state.modes[:, 0] < 0) & (size < LARGE))
+        return np.asarray(~(leaves & (load <= 0)))
 
     def _released(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter although they had left too often; None without any.
