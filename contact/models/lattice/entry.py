@@ -11,32 +11,42 @@ from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes
 
 PROBES = 12  # cells along an unloaded strip
 RANGE = 1.2  # half length of the probed range over that of the next loaded strip
 NEXT_TO = 2  # strips: those nearer to a loaded one are probed around its middle
 EXCESS = 1e-7  # of the approach: least penetration of a strip that enters
-FIRST = 0.5  # squared half length of a strip that enters over that of its remaining penetration
+UNCERTAIN = 1e-5  # of the approach: penetration that a strip may leave unloaded, where it cannot stay loaded either
+FIRST = 0.25  # squared half length of a strip that enters over that of its remaining penetration
 
 
-def entering(problem: LatticeProblem, state: LatticeState, barred: set[int]) -> LatticeState | None:
-    """Unloaded strips that penetrate, with first ends and no load yet; None without any. Raises OutsideSurface."""
+def entering(
+    problem: LatticeProblem, state: LatticeState, barred: set[int], least: float = EXCESS
+) -> LatticeState | None:
+    """Unloaded strips that penetrate by more than a least fraction of the approach; None without any.
+
+    They have first ends, and the pressure of a line contact between these, E* times curvature times half length / 2.
+    Raises OutsideSurface.
+    """
     free = np.setdiff1d(problem.candidates, state.strips)
     free = free[[int(strip) not in barred for strip in free]] if len(free) else free
     if not len(free):
         return None
     middle, half = _ranges(problem, state, free)
-    edges = middle[:, None] + half[:, None] * np.linspace(-1.0, 1.0, PROBES + 1)
-    at = 0.5 * (edges[:, 1:] + edges[:, :-1])
-    excess = _depth(problem, free, at) + _displacement(problem, state, free, edges)
-    top, place, curvature = _crest(excess, at)
-    chosen = top > EXCESS * problem.approach
+    top, place, curvature, close = _excess(problem, state, free, middle, half)
+    if not close.any():
+        return None
+    # once more around the maximum: the penetration beside a loaded strip is flatter than a parabola
+    free, middle = free[close], place[close]
+    top, place, curvature, _ = _excess(problem, state, free, middle, 2 * half[close] / PROBES)
+    chosen = top > least * problem.approach
     if not chosen.any():
         return None
     new_half = np.sqrt(FIRST * 2 * top[chosen] / curvature[chosen])
     M = problem.cells if problem.rolls else 0
     values = np.zeros((int(chosen.sum()), 2 * M + MODES + 2))
+    values[:, 2 * M] = 0.5 * problem.tables.modulus * curvature[chosen] * new_half
     values[:, -2], values[:, -1] = place[chosen] - new_half, place[chosen] + new_half
     return LatticeState(free[chosen], values)
 
@@ -49,6 +59,20 @@ def _ranges(problem: LatticeProblem, state: LatticeState, free: Nodes) -> tuple[
     own = np.sqrt(2 * problem.depth[free] / bend)
     middle = np.where(beside, state.ends.mean(axis=1)[near], x)
     return middle, np.where(beside, RANGE * np.maximum(state.half[near], 0.1 * state.half.max()), own)
+
+
+def _excess(
+    problem: LatticeProblem, state: LatticeState, free: Nodes, middle: Array, half: Array
+) -> tuple[Array, Array, Array, Mask]:
+    """Largest remaining penetration (n,) m in ranges along unloaded strips, its place m and curvature 1/m.
+
+    The last value (n,) is whether it may be positive.
+    """
+    edges = middle[:, None] + half[:, None] * np.linspace(-1.0, 1.0, PROBES + 1)
+    at = 0.5 * (edges[:, 1:] + edges[:, :-1])
+    excess = _depth(problem, free, at) + _displacement(problem, state, free, edges)
+    top, place, curvature = _crest(excess, at)
+    return top, place, curvature, top + 2 * (top - excess.max(axis=1)) > 0
 
 
 def _depth(problem: LatticeProblem, free: Nodes, at: Array) -> Array:

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from wheelrail.contact.models.lattice.entry import entering
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.models.fitted.operators import TOO_LONG
+from wheelrail.contact.models.lattice.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.problem import LatticeProblem
@@ -24,8 +26,11 @@ HALVINGS = 6  # of a step in the line search
 CHORDS = 8  # steps with one Jacobian
 CONTRACTION = 0.3  # of a step with old factors, for another one
 NEAR = 0.1  # step below which strips may enter
+LARGE = 0.5  # step after which a load without pressure is no reason to leave
+VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
 LONGEST = 3.0  # largest relative growth of a squared half length in one step
-EXCHANGES = 3  # times that a strip may leave before it must stay out
+EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
+RELEASES = 2  # times that such strips may enter again
 
 
 @dataclass(frozen=True)
@@ -72,14 +77,17 @@ class LatticeNewton:
     def __init__(self, problem: LatticeProblem, tolerance: float, count: IterationCount) -> None:
         self.problem, self.tolerance, self.count = problem, tolerance, count
         self._left: dict[int, int] = {}
+        self._releases = 0
 
-    def solve(self, state: LatticeState, farthest: float = np.inf) -> LatticeSolution | None:
+    def solve(
+        self, state: LatticeState, farthest: float = np.inf, iterations: int = ITERATIONS
+    ) -> LatticeSolution | None:
         """Solution from a state; None if the first step exceeds farthest or no strip remains loaded.
 
         Raises NotConverged, OutsideSurface.
         """
         checked = False  # for strips that enter, since the last change of the set
-        for iteration in range(ITERATIONS):
+        for iteration in range(iterations):
             evaluation, jacobian, rho = self.problem.linearise(state)
             self.count.newton += 1
             factors = Linearisation(jacobian, state.values)
@@ -105,11 +113,14 @@ class LatticeNewton:
                 if grown is not None:
                     state, checked = grown, False
                 elif size < self.tolerance:
-                    self.count.residual = size
-                    return LatticeSolution(state, evaluation, rho)
+                    grown = self._released(state)
+                    if grown is None:
+                        self.count.residual = size
+                        return LatticeSolution(state, evaluation, rho)
+                    state, checked = grown, False
                 else:
                     checked = True
-        raise NotConverged(f"Newton's method did not converge in {ITERATIONS} iterations (last step {size:.1e})")
+        raise NotConverged(f"Newton's method did not converge in {iterations} iterations (last step {size:.1e})")
 
     def _moved(
         self, state: LatticeState, step: Array, rho: Array, factors: Linearisation, evaluation: Evaluation
@@ -125,8 +136,12 @@ class LatticeNewton:
             best: tuple[float, LatticeState, Array, Evaluation] | None = None
             for _ in range(HALVINGS):
                 trial = state.moved(step, factor)
-                evaluation = self.problem.evaluate(trial, rho)
                 self.count.linear += 1
+                try:
+                    evaluation = self.problem.evaluate(trial, rho)
+                except OutsideSurface:
+                    factor *= 0.5
+                    continue
                 following = factors.solve(-evaluation.residual)
                 _, after = relative_size(state.values, following)
                 if best is None or after < best[0]:
@@ -134,7 +149,8 @@ class LatticeNewton:
                 if after <= (1 - 0.25 * factor) * before:
                     break
                 factor *= 0.5
-            assert best is not None
+            if best is None:
+                raise OutsideSurface(TOO_LONG)
             after, state, step, evaluation = best
             size, _ = relative_size(state.values, step)
             if size < self.tolerance or factor < 1.0 or not after < CONTRACTION * before:
@@ -144,18 +160,40 @@ class LatticeNewton:
         return state, size, evaluation
 
     def _remain(self, state: LatticeState, step: Array) -> Mask:
-        """Strips (S,) that stay loaded: those whose load and length remain positive after a full step."""
+        """Strips (S,) that stay loaded: those with positive load after a full step. Others leave once they have nearly
+        vanished, or are in tension already and the step is a moderate one: a step from a poor start overshoots.
+        """
         half, change = state.half, 0.5 * (step[:, -1] - step[:, -2])
-        amplitude = state.modes[:, 0] + step[:, -2 - MODES]
         load = state.modes[:, 0] * half + step[:, -2 - MODES] * half + state.modes[:, 0] * change
-        small = half < 0.3 * half.max()
-        squared = half**2 + 2 * half * change
-        return np.asarray(~((load <= 0) & ((squared <= 0) | (amplitude <= 0)) & (small | (amplitude <= 0))))
+        size, _ = relative_size(state.values, step)
+        leaves = (half < VANISHED * half.max()) | ((state.modes[:, 0] < 0) & (size < LARGE))
+        return np.asarray(~(leaves & (load <= 0)))
+
+    def _released(self, state: LatticeState) -> LatticeState | None:
+        """The state with strips that enter although they had left too often; None without any.
+
+        Raises NotConverged when that has happened before: a solution must not depend on what was tried.
+        """
+        if not self._barred:
+            return None
+        new = entering(self.problem, state, set(), UNCERTAIN)
+        if new is None:
+            return None
+        self._left.clear()
+        self._releases += 1
+        if self._releases > RELEASES:
+            raise NotConverged("strips of the contact come and go")
+        log.debug("strips %s enter again", new.strips)
+        return state.joined(new)
+
+    @property
+    def _barred(self) -> set[int]:
+        """Strips that have left too often."""
+        return {strip for strip, times in self._left.items() if times >= EXCHANGES}
 
     def _entered(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter; None without any."""
-        barred = {strip for strip, times in self._left.items() if times >= EXCHANGES}
-        new = entering(self.problem, state, barred)
+        new = entering(self.problem, state, self._barred)
         if new is None:
             return None
         log.debug("strips %s enter", new.strips)

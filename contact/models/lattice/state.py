@@ -10,7 +10,7 @@ from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
-SHORTEST = 0.1  # of the squared half length: the least that remains of it after one step
+SHORTEST = 0.02  # of the squared half length: the least that remains of it after one step
 LEAST_PRESSURE = 1e3  # Pa, to which steps are related at least
 
 

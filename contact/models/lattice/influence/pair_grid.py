@@ -12,7 +12,7 @@ CELLS = 8  # an octave
 DEGREE = 5
 COMPONENTS = 8
 XX, TT, NN, TN, TN_TURN, XT, ROLL, XN = range(COMPONENTS)
-REACH = 0.08  # m, longest distance along x
+REACH = 0.25  # m, longest distance along x
 
 
 def lobatto(count: int) -> Array:

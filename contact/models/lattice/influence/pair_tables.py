@@ -87,6 +87,12 @@ class LatticeTables:
         )
         return upper, lower
 
+    @cached_property
+    def modulus(self) -> float:
+        """Contact modulus E* Pa of both bodies."""
+        bodies = self.operators.upper, self.operators.lower
+        return 1 / sum((1 - body.nu**2) * half_space_scale(body) for body in bodies)
+
     @property
     def moves(self) -> bool:
         """Whether the compliance depends on where the strips lie on the lower body."""
