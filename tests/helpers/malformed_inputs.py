@@ -415,7 +415,7 @@ def studies(t: Table) -> None:
     t.study("convergence of nothing", errors + 'over = "strips"\nreference = "hertz"\n', 'over = "strips"', "load")
     t.study("convergence without reference", errors, "convergence.reference: missing", '"hertz"')
     t.study("reference of no name", errors + 'reference = "exact"\n', 'reference = "exact"', '"hertz"')
-    t.study("reference of another key", errors + "reference = {speed = 1}\n", "must have exactly the keys load")
+    t.study("reference of another key", errors + "reference = {speed = 1}\n", "must have the keys load")
     t.study("reference of a wrong type", errors + 'reference = {load = "x"}\n', 'convergence.reference.load = "x"', "N")
     t.study("reference among the values", errors + "reference = {load = 1e4}\n", "must not be one of the values")
     for workers in ("0", "2000", "1.5", '"2"'):

@@ -31,7 +31,7 @@ class Sphere:
 
     expected: Hertz
     cells: Cells
-    overlap: Array
+    penetration: Array
 
     @classmethod
     def with_cells(cls, across: float, force: float = 10e3) -> Sphere:
