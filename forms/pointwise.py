@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import count
 from typing import Any, TypeVar
 
 import ufl
@@ -23,15 +24,25 @@ FUNCTIONS = {
 COMPARISONS = {"GT": ">", "LT": "<", "GE": ">=", "LE": "<=", "EQ": "==", "NE": "!="}
 
 
-def constant(shape: Component = ()) -> Expr:
-    """A new symbol, scalar or of a shape; UFL's constants belong to a mesh, of which there is none here."""
-    if hasattr(ufl, "VectorElement"):
-        mesh = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("triangle", geometric_dimension=2), 1))
-    else:
-        import basix.ufl
+class Symbols:
+    """Source of new symbols, scalar or of a shape; UFL's constants belong to a mesh, of which there is none here.
 
-        mesh = ufl.Mesh(basix.ufl.element("Lagrange", "triangle", 1, shape=(2,)))
-    return ufl.Constant(mesh, shape=shape)
+    UFL sorts operands by the numbers of mesh and constants as text: they are the same for every source, with the same
+    number of digits, so that expressions, and code generated from them, do not depend on what was built before.
+    """
+
+    def __init__(self) -> None:
+        self._numbers = count(100)
+        if hasattr(ufl, "VectorElement"):
+            element = ufl.VectorElement("Lagrange", ufl.Cell("triangle", geometric_dimension=2), 1)
+        else:
+            import basix.ufl
+
+            element = basix.ufl.element("Lagrange", "triangle", 1, shape=(2,))
+        self._mesh = ufl.Mesh(element, ufl_id=100)
+
+    def new(self, shape: Component = ()) -> Expr:
+        return ufl.Constant(self._mesh, shape=shape, count=next(self._numbers))
 
 
 def with_parameters(law: Law, values: Mapping[str, Any]) -> Law:

@@ -98,11 +98,12 @@ def friction_source(law: FrictionLaw) -> str:
     from wheelrail.forms import pointwise
     from wheelrail.forms.traction import length, projected
 
-    own = {name: pointwise.constant() for name in parameters(law)}
+    symbols = pointwise.Symbols()
+    own = {name: symbols.new() for name in parameters(law)}
     names: dict[Expr, str] = {symbol: f"own_{name}" for name, symbol in own.items()}
 
     def variable(name: str, shape: tuple[int, ...] = ()) -> Expr:
-        symbol = pointwise.constant(shape)
+        symbol = symbols.new(shape)
         names[symbol] = name
         return ufl.variable(symbol)
 
@@ -136,8 +137,9 @@ def pressure_source(law: NormalLaw) -> str:
 
     from wheelrail.forms import pointwise
 
-    own = {name: pointwise.constant() for name in parameters(law)}
-    symbol = pointwise.constant()
+    symbols = pointwise.Symbols()
+    own = {name: symbols.new() for name in parameters(law)}
+    symbol = symbols.new()
     d = ufl.variable(symbol)
     p = pointwise.evaluated(pointwise.with_parameters(law, own), "pressure", d)
     names = {symbol: "d_", **{constant: f"own_{name}" for name, constant in own.items()}}
