@@ -1,4 +1,10 @@
-"""The contact law of `wheelrail.forms.traction` on the contact surface, assembled by dolfinx point by point."""
+"""The contact law of `wheelrail.forms.traction` on the contact surface, assembled by dolfinx point by point.
+
+Penetration and slip are coefficients of the traction on a mesh of the wheel's surface, whose test functions are the
+traces of the wheel's. The virtual work of the rail needs the traces of its test functions at the mapped points, on
+another mesh and at other places for every pose: forms of dolfinx 0.5 to 0.11 integrate over one mesh and its submeshes.
+The operators of `wheelrail.contact.geometry.contact_operators` stand in for both traces.
+"""
 
 from __future__ import annotations
 
