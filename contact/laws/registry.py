@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from importlib import import_module
 from typing import Any
@@ -55,19 +54,13 @@ def _allowed() -> list[str]:
 
 def friction_law(name: str, constants: Mapping[str, Any]) -> FrictionLaw:
     """Friction law by name and constants, checked. Raises InvalidLaw."""
-    law: FrictionLaw = _law(name, constants, FRICTION)
-    with _as_invalid("law"):
-        if not is_shipped(law):
-            friction_functions(law)
+    law: FrictionLaw = _law(name, constants, FRICTION, friction_functions)
     return law
 
 
 def normal_law(name: str, constants: Mapping[str, Any]) -> NormalLaw:
     """Normal law by name and constants, checked. Raises InvalidLaw."""
-    law: NormalLaw = _law(name, constants, NORMAL)
-    with _as_invalid("law"):
-        if not is_shipped(law):
-            pressure_function(law)
+    law: NormalLaw = _law(name, constants, NORMAL, pressure_function)
     return law
 
 
@@ -83,7 +76,10 @@ def law_table(law: FrictionLaw | NormalLaw) -> dict[str, str | float]:
     return {"law": name, **constants}
 
 
-def _law(name: str, constants: Mapping[str, Any], shipped: Mapping[str, Callable[..., Any]]) -> Any:
+def _law(
+    name: str, constants: Mapping[str, Any], shipped: Mapping[str, Callable[..., Any]], check: Callable[[Any], object]
+) -> Any:
+    """Law by name and constants; a user's own is checked by compiling it."""
     make = shipped[name] if name in shipped else _class(name, shipped)
     if isinstance(make, type):
         names = [item.name for item in fields(make)]
@@ -94,8 +90,13 @@ def _law(name: str, constants: Mapping[str, Any], shipped: Mapping[str, Callable
                 raise InvalidLaw("must be a number", key)
     elif constants:
         raise InvalidLaw(f'not allowed: "{name}" has no constants to choose', next(iter(constants)))
-    with _as_invalid("law"):
-        return make(**constants)
+    try:
+        law = make(**constants)
+        if not is_shipped(law):
+            check(law)
+    except (TypeError, ValueError) as error:
+        raise InvalidLaw(str(error)) from error
+    return law
 
 
 def _class(name: str, shipped: Mapping[str, Any]) -> type:
@@ -107,21 +108,13 @@ def _class(name: str, shipped: Mapping[str, Any]) -> type:
         raise InvalidLaw(f'must be {", ".join(map(repr, shipped))}, or "module:Class"'.replace("'", '"'))
     if module not in _allowed():
         raise InvalidLaw(f"a scene does not import code by itself; to allow it: wheelrail --laws {module} ...")
-    sys.path.insert(0, os.getcwd())
+    sys.path.insert(0, current := os.getcwd())
     try:
         law = getattr(import_module(module), attribute, None)
     except Exception as error:  # of the user's module: any
         raise InvalidLaw(f"module {module} cannot be imported: {type(error).__name__}: {error}") from error
     finally:
-        sys.path.remove(os.getcwd())
+        sys.path.remove(current)
     if not isinstance(law, type):
         raise InvalidLaw(f"module {module} has no class {attribute}")
     return law
-
-
-@contextmanager
-def _as_invalid(key: str) -> Iterator[None]:
-    try:
-        yield
-    except (TypeError, ValueError) as error:
-        raise InvalidLaw(str(error), key) from error

@@ -256,3 +256,13 @@ def _scale(samples: dict[float, Array], shift: float, length: float) -> float:
     spectrum = ComplianceSpectrum(np.array(wavenumbers), shift, diagonal, 0.0)
     weight = spectrum.weights(np.zeros(1), length)[0][0]
     return float(np.einsum("k,knaa->na", weight, diagonal).min())
+
+
+def antiderivative_weights(x: Array, samples: ComplianceSpectrum) -> tuple[Array, Array]:
+    """Even and odd weights (n, nk) of the samples of a spectrum in the second antiderivative G at distances x (n,)."""
+    k, w = rule(samples.k, float(x[-1]), samples.round)
+    phase = np.outer(x, k)
+    weighted = interpolation(samples.k, samples.shift, k) * w[:, None]
+    even = (0.5 * x[:, None] ** 2 * np.sinc(phase / (2 * np.pi)) ** 2) @ weighted
+    odd = ((phase - np.sin(phase)) / np.maximum(k, 1e-12 * k[-1]) ** 2) @ weighted
+    return np.asarray(even), np.asarray(odd)

@@ -19,7 +19,7 @@ from scipy.special import roots_legendre
 from wheelrail.contact.elasticity.half_space import cutoff_correction, strip_antiderivative, strip_flexibility
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError, surface_error
-from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, interpolation, pair_indices, rule
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, antiderivative_weights, pair_indices
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.fitted.influence_tables import EVEN, ODD, TableNodes, full_table, normal_table
@@ -229,13 +229,7 @@ class ElementInfluence(HalfSpaceInfluence):
     @cached_property
     def weights(self) -> tuple[Array, Array]:
         """Even and odd weights (nodes, nk) of the samples in G at the table's nodes."""
-        x, samples = self.nodes.x, self.samples
-        k, w = rule(samples.k, float(x[-1]), samples.round)
-        phase = np.outer(x, k)
-        weighted = interpolation(samples.k, samples.shift, k) * w[:, None]
-        even = (0.5 * x[:, None] ** 2 * np.sinc(phase / (2 * np.pi)) ** 2) @ weighted
-        odd = ((phase - np.sin(phase)) / np.maximum(k, 1e-12 * k[-1]) ** 2) @ weighted
-        return np.asarray(even), np.asarray(odd)
+        return antiderivative_weights(self.nodes.x, self.samples)
 
     @property
     def _cutoff(self) -> float:

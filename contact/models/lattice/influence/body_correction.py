@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.elasticity.half_space import cutoff_correction
-from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, rule
+from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
 from wheelrail.contact.models.fitted.influence import TILE, ElementInfluence
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
 from wheelrail.support.arrays import Array, Nodes
@@ -44,13 +44,7 @@ class BodyCorrection:
     @cached_property
     def weights(self) -> tuple[Array, Array]:
         """Even and odd weights (nodes, nk) of the samples of the spectrum in G at the nodes of the grid."""
-        x, samples = self.grid.x / self.body.unit, self.body.samples
-        k, w = rule(samples.k, float(x[-1]), samples.round)
-        phase = np.outer(x, k)
-        weighted = interpolation(samples.k, samples.shift, k) * w[:, None]
-        even = (0.5 * x[:, None] ** 2 * np.sinc(phase / (2 * np.pi)) ** 2) @ weighted
-        odd = ((phase - np.sin(phase)) / np.maximum(k, 1e-12 * k[-1]) ** 2) @ weighted
-        return np.asarray(even), np.asarray(odd)
+        return antiderivative_weights(self.grid.x / self.body.unit, self.body.samples)
 
     def between_lines(self, low: float, high: float) -> tuple[int, Array]:
         """First line, and coefficients (n, n, cells, DEGREE + 1, COMPONENTS) between n lines that cover an interval of
