@@ -12,7 +12,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.profile_bodies import ProfileBodies
 from wheelrail.contact.models.quadric_bodies import Blocks, QuadricBodies

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.elasticity.solid_compliance import distributed_body, solid_compliance
 from wheelrail.contact.elasticity.waveguide.bodies import rail_waveguide, wheel_waveguide
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.profile_pair import ProfilePair
+from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
-from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import ProfileStrips
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.outlines import rail_outline, rim_outline, wheel_outline
 from wheelrail.meshes.bodies.solids import Strip, rail, rail_contact_range, wheel, wheel_contact_range

@@ -14,14 +14,14 @@ from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance, distributed_body, solid_compliance
 from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.quadric_pair import QuadricPair, curvature
+from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
-from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.solids import FINE, RATIO, block
 from wheelrail.meshes.bodies.triangulation import Grading

@@ -12,12 +12,12 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_layout import StripLayout
+from wheelrail.contact.geometry.strip_surfaces import PenetrationProfile
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration
-from wheelrail.contact.models.fitted.layout import StripLayout
-from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.contact.solvers.active_set import CachedFactors
 from wheelrail.contact.solvers.tractions import ContactCompliance
 from wheelrail.support.arrays import Array

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg as la
 
+from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.models.fitted.cell_compliance import CellCompliance, FittedState
 from wheelrail.contact.models.fitted.edge_rules import edge_rules, tip
 from wheelrail.contact.models.fitted.initial_layout import NormalOperator, Overlap
-from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.contact.models.fitted.patch_layout import PatchSpan, assembled
 from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.solvers.active_set import CachedFactors

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.models.fitted.layout import StripLayout
+from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.support.arrays import Array
 
 FARTHEST = 1.0  # times the last change of the penetration: largest extrapolation of the Anderson step

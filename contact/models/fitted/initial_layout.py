@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_layout import StripLayout, marks
+from wheelrail.contact.geometry.strip_surfaces import PenetrationProfile, StripSurfaces
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.models.fitted.layout import StripLayout, marks
-from wheelrail.contact.models.fitted.surfaces import PenetrationProfile, StripSurfaces
 from wheelrail.contact.solvers.active_set import CachedFactors, normal_contact
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.support.arrays import Array

@@ -15,6 +15,8 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_layout import StripLayout, connected, marks
+from wheelrail.contact.geometry.strip_surfaces import PenetrationProfile
 from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -23,12 +25,10 @@ from wheelrail.contact.models.fitted.cell_compliance import CellCompliance, Fitt
 from wheelrail.contact.models.fitted.free_boundary import FittedPressure, fit, follow
 from wheelrail.contact.models.fitted.friction_penetration import FrictionPenetration, anderson_step, on_cells
 from wheelrail.contact.models.fitted.initial_layout import initial_layout, mean_overlap
-from wheelrail.contact.models.fitted.layout import StripLayout, connected, marks
-from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.fitted.patch_layout import patches, recounted, single
-from wheelrail.contact.models.fitted.patch_moments import sharpened
 from wheelrail.contact.models.fitted.resolution import Resolution
-from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
+from wheelrail.contact.models.lattice.patch_moments import sharpened
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.extrapolation import difference
 from wheelrail.contact.results.result import ContactResult, Statistics

@@ -9,10 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_layout import StripLayout
+from wheelrail.contact.geometry.strip_surfaces import PenetrationProfile
 from wheelrail.contact.models.fitted.edge_rules import tip
-from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.contact.models.fitted.resolution import Resolution
-from wheelrail.contact.models.fitted.surfaces import PenetrationProfile
 from wheelrail.support.arrays import Array
 
 VIRTUAL = 0.55  # of the approach

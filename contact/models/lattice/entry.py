@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.support.arrays import Array, Mask, Nodes

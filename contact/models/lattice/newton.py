@@ -9,10 +9,10 @@ import numpy as np
 import scipy.linalg as la
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged

@@ -15,7 +15,6 @@ import numpy as np
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.equations import (
     GAUSS,
     EquationData,
@@ -28,6 +27,7 @@ from wheelrail.contact.models.lattice.equations import (
 from wheelrail.contact.models.lattice.friction import CellFriction
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import (
     Motion,

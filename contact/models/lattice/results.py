@@ -8,11 +8,11 @@ from functools import partial
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_layout import StripLayout, connected
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
-from wheelrail.contact.models.fitted.layout import StripLayout, connected
-from wheelrail.contact.models.fitted.patch_moments import sharpened
 from wheelrail.contact.models.lattice.equations import strip_grid
 from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.lattice.patch_moments import sharpened
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.tangent import LatticeTangent
 from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch, Statistics

@@ -19,11 +19,11 @@ from scipy.special import roots_legendre
 from wheelrail.contact.elasticity.half_space import cutoff_correction, strip_antiderivative, strip_flexibility
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError, surface_error
+from wheelrail.contact.elasticity.waveguide.influence_tables import EVEN, ODD, TableNodes, full_table, normal_table
+from wheelrail.contact.elasticity.waveguide.line_interpolation import between_lines, shares
 from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, antiderivative_weights, pair_indices
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.fitted.influence_tables import EVEN, ODD, TableNodes, full_table, normal_table
-from wheelrail.contact.models.fitted.line_interpolation import between_lines, shares
 from wheelrail.support.arrays import Array
 
 NODES = 128  # of the table of G over x: its error in a mean compliance stays below 1e-4

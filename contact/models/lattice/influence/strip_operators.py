@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wheelrail.contact.elasticity.waveguide.influence import HalfSpaceInfluence
+from wheelrail.contact.elasticity.waveguide.influence_tables import add_all_means, add_normal_means
+from wheelrail.contact.geometry.strip_layout import StripLayout
+from wheelrail.contact.geometry.strip_surfaces import StripSurfaces
 from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.contact.models.fitted.influence import HalfSpaceInfluence
-from wheelrail.contact.models.fitted.influence_tables import add_all_means, add_normal_means
-from wheelrail.contact.models.fitted.layout import StripLayout
-from wheelrail.contact.models.fitted.surfaces import StripSurfaces
+from wheelrail.contact.models.lattice.influence.slip_difference import AHEAD, upstream
 from wheelrail.support.arrays import Array
 
-TOO_LONG = "the patch is longer than the influence tables of the fitted cells"
-AHEAD = 2  # cells in front of a strip, of the length of its first, in the upstream difference of the slip
+TOO_LONG = "the patch is longer than the tables of influence"
 
 
 @dataclass(frozen=True)
@@ -118,11 +118,3 @@ def level(across: Array, up: Array) -> Array:
     axes[:, 0, 0], axes[:, 2, 1], axes[:, 2, 2] = 1, across, up
     axes[:, 1, 1], axes[:, 1, 2] = np.abs(up), -across * np.sign(up)
     return axes
-
-
-def upstream(x: Array) -> tuple[Array, Array, Array]:
-    """Weights (S, M) of u at the cell itself and the next two upstream in -du/dx there, second order, for means at
-    places x (S, M + 2) m.
-    """
-    near, far = x[:, 1:-1] - x[:, :-2], x[:, 2:] - x[:, :-2]
-    return (near + far) / (near * far), -far / (near * (far - near)), near / (far * (far - near))

@@ -9,11 +9,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, curvature
+from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.geometry.wheel_surface import wheel_place
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.sensitivity import QuadricSensitivity, WheelPointSensitivity
-from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
