@@ -88,8 +88,7 @@ def _displacement(problem: LatticeProblem, state: LatticeState, free: Nodes, edg
     """Relative normal displacement (n, PROBES) m of the probes by the loaded strips."""
     stretch = problem.tables.stretch[free]
     i, j = (index.ravel() for index in np.meshgrid(free, state.strips, indexing="ij"))
-    feet = problem.at_crests.foot if problem.tables.moves else None
-    tables = problem.tables.of(np.minimum(i, j), np.maximum(i, j), feet, problem.reach)
+    tables = problem.tables.of(np.minimum(i, j), np.maximum(i, j), problem.feet, problem.reach)
     places = problem.of(state.strips).places
     grid = strip_grid(state.values, places, problem.basis)
     jumps = force_jumps(state.values, places, problem.basis, problem.rolls)

@@ -9,11 +9,17 @@ import numpy as np
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
-from wheelrail.contact.models.lattice.surface import Motion, SurfaceData, frames, penetration, rigid_shift
+from wheelrail.contact.models.lattice.surface import (
+    GAUSS,
+    Motion,
+    SurfaceData,
+    SurfaceFrames,
+    frames,
+    penetration,
+    rigid_shift,
+)
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
-
-GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
 
 
 class StripPlaces(NamedTuple):
@@ -116,18 +122,30 @@ def _add_penetration(values: Array, data: EquationData, moments: Array) -> tuple
 
 
 @compiled
+def cell_frames(
+    values: Array, places: StripPlaces, basis: StripBasis, surface: SurfaceData, motion: Motion
+) -> SurfaceFrames:
+    """Points and axes of the upper body at the middles of all cells (S M,)."""
+    S, M = len(values), len(basis.marks) - 1
+    s, x = np.empty(S * M), np.empty(S * M)
+    for i in range(S):
+        for r in range(M):
+            mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
+            s[i * M + r] = places.middle[i]
+            x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
+    return frames(surface, motion.origin, motion.rotation, s, x)
+
+
+@compiled
 def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
     """Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x."""
     places, basis, motion = data.places, data.basis, data.motion
     S, M = len(values), len(basis.marks) - 1
-    s, x, level = np.empty(S * M), np.empty(S * M), np.empty((S * M, 3))
+    level = np.empty((S * M, 3))
     for i in range(S):
         for r in range(M):
-            s[i * M + r] = places.middle[i]
-            mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
-            x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
             level[i * M + r] = places.level[i]
-    at = frames(data.surface, motion.origin, motion.rotation, s, x)
+    at = cell_frames(values, places, basis, data.surface, motion)
     shift, change, _ = rigid_shift(at, level, motion)
     slip, slope = np.empty((S, 2, M)), np.empty((S, 2, M))
     for i in range(S):
@@ -136,6 +154,30 @@ def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
                 slip[i, k, r] = shift[i * M + r, k] / motion.speed
                 slope[i, k, r] = change[i * M + r, k] / motion.speed
     return slip, slope
+
+
+@compiled
+def resultants(values: Array, data: EquationData, pressure: Array) -> Array:
+    """Force N and moment N m about the origin (6,) on the upper body; pressure (S, M) Pa, means over the cells."""
+    places, basis = data.places, data.basis
+    S, M = pressure.shape
+    rolls = data.motion.speed > 0.0
+    at = cell_frames(values, places, basis, data.surface, data.motion)
+    total, force = np.zeros(6), np.empty(3)
+    for i in range(S):
+        length = places.stretch[i] * (values[i, -1] - values[i, -2])
+        for r in range(M):
+            area = length * (basis.marks[r + 1] - basis.marks[r]) * places.width[i]
+            axes, point = at.axes[i * M + r], at.point[i * M + r]
+            along = values[i, r] if rolls else 0.0
+            across = values[i, M + r] if rolls else 0.0
+            for c in range(3):
+                force[c] = area * (along * axes[0, c] + across * axes[1, c] - pressure[i, r] * axes[2, c])
+                total[c] += force[c]
+            for c in range(3):
+                a, b = (c + 1) % 3, (c + 2) % 3
+                total[3 + c] += point[a] * force[b] - point[b] * force[a]
+    return total
 
 
 @compiled

@@ -36,12 +36,15 @@ class LatticeTangent:
     Parameters:
         problem: equations.
         solution: their solution.
-        places: cells of the solution.
     """
 
     problem: LatticeProblem
     solution: LatticeSolution
-    places: SurfacePoints
+
+    @cached_property
+    def places(self) -> SurfacePoints:
+        """Cells of the solution."""
+        return self.problem.cell_places(self.solution.state)
 
     @cached_property
     def matrix(self) -> Array:
@@ -151,7 +154,7 @@ class LatticeTangent:
         strips = problem.of(state.strips).places
         grid = strip_grid(state.values, strips, problem.basis)
         jumps = force_jumps(state.values, strips, problem.basis, problem.rolls)
-        at = problem.at_crests
+        at = problem.lines
         before = slips_and_moments(self.solution.evaluation.V, grid, problem.basis)
         shapes, size, amounts = np.linalg.svd(at.foot_pose[state.strips], full_matrices=False)
         for k in np.flatnonzero(size > NEGLIGIBLE * size[0]):
@@ -168,7 +171,7 @@ class LatticeTangent:
         """Derivative (6, S M) by the pose of the rail's velocity along the level axes, less that along the circle."""
         problem, state = self.problem, self.solution.state
         strips, rail = problem.of(state.strips).places, problem.motion.rail
-        at, M = problem.at_crests, problem.cells
+        at, M = problem.lines, problem.cells
         velocity = rail.at(self.places.point)
         level = np.repeat(strips.level, M, axis=0)
         moved = displacement_derivative(self.places.point - problem.pose.origin) @ skew(rail.rotation).T
