@@ -25,8 +25,6 @@ from wheelrail.meshes.profiles.profile import Profile
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
-REACH = 0.2  # m, largest length of fitted cells along the rolling direction
-
 
 @dataclass(frozen=True)
 class ProfileBodies:
@@ -56,13 +54,13 @@ class ProfileBodies:
             (rail_outline(rail_profile), rail_contact_range(rail_profile), self.materials[1]),
         ):
             arc = Strip.over(outline, ends, half_length=size, size=size).arc
-            yield HalfSpaceInfluence.under(outline.surface(arc), arc, REACH, material)
+            yield HalfSpaceInfluence.under(outline.surface(arc), arc, material)
 
     def waveguide_strips(self, how: Discretisation) -> StripOperators:
         return StripOperators(
             self._strips,
             *(
-                ElementInfluence.of_waveguide(body, outline.surface(strip.arc), strip.arc, REACH, material, how.degree)
+                ElementInfluence.of_waveguide(body, outline.surface(strip.arc), strip.arc, material, how.degree)
                 for (outline, (body, _, strip)), material in zip(self._waveguides(how), self.materials, strict=True)
             ),
         )

@@ -109,11 +109,6 @@ class QuadricBodies:
             return self.blocks.half_width / how.surface_size
         return float(2.0 ** np.ceil(np.log2(WIDTH * self._expected[1] / how.surface_size)))
 
-    @property
-    def _reach(self) -> float:
-        """Longest distance along the strips, m."""
-        return 5 * float(np.sqrt(self._expected[0] / self._curvatures[0]))
-
     def _equal_or_not(self, make: Callable[[Material], Any]) -> tuple[Any, Any]:
         """What is made for the material of each body, once where they are equal."""
         upper, lower = self.materials
@@ -124,16 +119,14 @@ class QuadricBodies:
         across = self._half_cells(how)[1]
         lines = np.arange(-across, across + 1, dtype=np.float64) * how.surface_size
         flat = np.column_stack([lines, np.zeros_like(lines)])
-        halves = self._equal_or_not(lambda material: HalfSpaceInfluence.under(flat, lines, self._reach, material))
+        halves = self._equal_or_not(lambda material: HalfSpaceInfluence.under(flat, lines, material))
         return StripOperators(QuadricStrips(*self.radii), *halves)
 
     def waveguide_strips(self, how: Discretisation) -> StripOperators:
         def influence(material: Material) -> ElementInfluence:
             body, grid = self._waveguide(how, material)
             lines = grid.position[0, :, 1:]
-            return ElementInfluence.of_waveguide(
-                body, lines, lines[:, 0], self._reach, material, how.degree, unit=how.surface_size
-            )
+            return ElementInfluence.of_waveguide(body, lines, lines[:, 0], material, how.degree, unit=how.surface_size)
 
         return StripOperators(QuadricStrips(*self.radii), *self._equal_or_not(influence))
 

@@ -22,7 +22,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "meshes.curves": {"support"},
     "meshes.profiles": {"meshes.curves", "support"},
     "meshes.bodies": {"meshes.curves", "meshes.profiles", "support"},
-    "contact": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models", "contact.models.fitted"}
+    "contact": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models"}
     | {
         "contact.models.full",
         "contact.models.lattice",
@@ -52,12 +52,11 @@ MAY_IMPORT |= {
 MAY_IMPORT["contact.models.lattice"] = MAY_IMPORT["contact.models.lattice.influence"] | {
     "contact.models.lattice.influence"
 }
-MAY_IMPORT["contact.models.fitted"] = MAY_IMPORT["contact.models.lattice"] | {"contact.models.lattice"}
 MAY_IMPORT["contact.models"] = {
     "contact.analytical",
     "contact.elasticity.waveguide",
-    *(f"contact.models.{name}" for name in ("fitted", "full", "lattice", "standard")),
-    *(MAY_IMPORT["contact.models.fitted"] | MAY_IMPORT["contact.models.full"]),
+    *(f"contact.models.{name}" for name in ("full", "lattice", "standard")),
+    *(MAY_IMPORT["contact.models.lattice"] | MAY_IMPORT["contact.models.full"]),
 }
 MAY_IMPORT |= {
     "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"},
