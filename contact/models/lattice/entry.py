@@ -6,11 +6,12 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.fitted.operators import TOO_LONG
-from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, strip_grid
+from wheelrail.contact.models.lattice.equations import force_jumps, strip_grid
 from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.surface import GAUSS
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 PROBES = 12  # cells along an unloaded strip
