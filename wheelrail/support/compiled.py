@@ -71,7 +71,8 @@ def address(function: Callable[..., Any], signature: Any) -> int:
     """
     key = f"{function.__module__}.{function.__qualname__}"
     if key not in _c_functions:
-        c_function, path = CFunc(function, normalize_signature(signature), {}, {"nopython": True}), folder()
+        c_function: Any = CFunc(function, normalize_signature(signature), {}, {"nopython": True})
+        path = folder()
         if path is not None:
             with _cached_in(path), suppress(OSError):
                 c_function._cache = TolerantCache(function)

@@ -8,12 +8,15 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg as la
 from numba.extending import get_cython_function_address
+from numpy.typing import NDArray
 
 from wheelrail.contact.models.lattice.influence.basis import MOMENTS
 from wheelrail.contact.solvers.options import NotConverged
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import call, compiled
 
+Integers = NDArray[np.int32]
+Bytes = NDArray[np.uint8]
 STRESS, LENGTH, GAP = 1e9, 1e-3, 1e-6  # Pa, m, m: scales of the unknowns and of the moments
 
 
@@ -28,7 +31,7 @@ class Factors(NamedTuple):
     """
 
     lu: Array
-    pivots: Nodes
+    pivots: Integers
     rows: Array
     columns: Array
     rho: Array
@@ -76,7 +79,9 @@ def newton_step(factors: Factors, solver: int, residual: Array) -> Array:
 
 
 @compiled
-def _back_substitute(solver: int, lu: Array, pivots: Nodes, right: Array, sizes: Nodes, transposed: Nodes) -> None:
+def _back_substitute(
+    solver: int, lu: Array, pivots: Integers, right: Array, sizes: Integers, transposed: Bytes
+) -> None:
     """Solve in place; as parameters of a function, the arrays outlive the call."""
     at = sizes.ctypes.data
     call(

@@ -20,6 +20,7 @@ from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.newton import LatticeSolution
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -69,8 +70,8 @@ def rolling(y: float, z: float, yaw: float = 0.0, creepage: float = 0.0) -> Whee
 
 
 def start(result: ContactResult) -> LatticeState:
-    assert isinstance(result.warm_start, LatticeState)
-    return result.warm_start
+    assert isinstance(result.warm_start, LatticeSolution)
+    return result.warm_start.state
 
 
 def test_modes_vanish_at_the_ends_and_carry_their_load() -> None:
