@@ -318,8 +318,10 @@ class ElementInfluence(HalfSpaceInfluence):
         stretch = self._stretch(sides.mean(axis=1))
         flat = strip_flexibility(self.samples.k, across, across, self.nu, self._cutoff)
         spectrum = np.einsum("kija,ijab,ijac->kijbc", flat[..., :3], axes, axes, optimize=True)
-        spectrum[..., 0, 1:] = flat[..., 3:] * axes[:, :, 1, 1:]
-        spectrum[..., 1:, 0] = -spectrum[..., 0, 1:]
+        by_across, by_normal = (flat[..., 3 + k, None] * axes[:, :, 1 + k, 1:] for k in range(2))
+        spectrum[..., 0, 1:], spectrum[..., 1:, 0] = by_across + by_normal, by_normal - by_across
+        spectrum[..., 1, 2] += flat[..., 5]
+        spectrum[..., 2, 1] -= flat[..., 5]
         return np.asarray(spectrum / (0.5 * (stretch[:, None] + stretch))[..., None, None])
 
     def _pair_axes(self, arc: Array) -> Array:
