@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
@@ -14,8 +16,8 @@ from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import frames, rigid_shift
-from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
-from wheelrail.contact.solvers.tractions import solve_tractions
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
 
 CELLS = 8
@@ -47,9 +49,29 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
         at = frames(problem.surface, motion.origin, motion.rotation, middle, place)
         shift = rigid_shift(at, level, motion)[0]
         rigid = shift.T.ravel() / problem.speed
-    tractions = solve_tractions(matrix, depth, rigid, laws=laws, speed=problem.speed, options=OPTIONS, count=count)
+    tractions = _tractions(matrix, depth, rigid, laws, problem.speed, count)
     q = tractions.tangential.T.reshape(2, len(strips), CELLS)
     return state_of_cells(problem, strips, ends, tractions.pressure.reshape(len(strips), CELLS), q)
+
+
+def _tractions(
+    matrix: Array, depth: Array, rigid: Array | None, laws: ContactLaws, speed: float, count: IterationCount
+) -> Tractions:
+    """Tractions of the cells, see `solve_tractions`. Where they do not converge, those of friction that is not coupled
+    to the pressure, and where these do not either, the pressure alone.
+    """
+    try:
+        return solve_tractions(matrix, depth, rigid, laws=laws, speed=speed, options=OPTIONS, count=count)
+    except NotConverged:
+        if rigid is None:
+            raise
+    n = len(depth)
+    uncoupled = matrix.copy()
+    uncoupled[-n:, :-n] = 0.0
+    with suppress(NotConverged):
+        return solve_tractions(uncoupled, depth, rigid, laws=laws, speed=speed, options=OPTIONS, count=count)
+    normal = np.ascontiguousarray(matrix[-n:, -n:])
+    return solve_tractions(normal, depth, None, laws=ContactLaws(friction=0.0), speed=speed, count=count)
 
 
 def first_ends(problem: LatticeProblem, strips: Nodes) -> Array:
