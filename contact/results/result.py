@@ -171,8 +171,6 @@ class Statistics:
         points: candidate points.
         residual: final relative residual.
         seconds: by phase.
-        settled: whether the patch-edge iteration of fitted cells converged; if not, the laws hold on cells whose ends
-            deviate slightly from the edge of the contact.
     """
 
     newton: int = 0
@@ -180,7 +178,6 @@ class Statistics:
     points: int = 0
     residual: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
-    settled: bool = True
 
 
 class ForceTangent(Protocol):

@@ -8,10 +8,10 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.influence.basis import MODES, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import GAUSS, frames, rigid_shift

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.cold_start import state_of_cells
 from wheelrail.contact.models.lattice.equations import force_jumps, strip_grid
 from wheelrail.contact.models.lattice.influence.basis import equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator, normal_displacements
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import GAUSS

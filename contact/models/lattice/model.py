@@ -13,7 +13,6 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.fitted.operators import StripOperators
 from wheelrail.contact.models.lattice.chords import chords
 from wheelrail.contact.models.lattice.cold_start import cold_start
 from wheelrail.contact.models.lattice.entry import entering
@@ -21,6 +20,7 @@ from wheelrail.contact.models.lattice.factors import back_substitution
 from wheelrail.contact.models.lattice.friction import CellFriction
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.contact.models.lattice.newton import LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.factors import Factors
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState, leaving, longest, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged

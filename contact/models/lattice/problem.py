@@ -12,12 +12,11 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.residual_call import ResidualCode
-from wheelrail.contact.models.fitted.layout import StripLayout
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.equations import (
     EquationData,
     Evaluation,
@@ -29,6 +28,7 @@ from wheelrail.contact.models.lattice.equations import (
 from wheelrail.contact.models.lattice.friction import CellFriction
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import (
     ContactLines,

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import curvature
+from wheelrail.contact.geometry.strip_surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.contact.geometry.wheel_surface import wheel_place
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
-from wheelrail.contact.models.fitted.surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.elasticity.half_space import cutoff_correction
+from wheelrail.contact.elasticity.waveguide.influence import TILE, ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
-from wheelrail.contact.models.fitted.influence import TILE, ElementInfluence
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled

@@ -22,11 +22,11 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.elasticity.half_space import strip_antiderivative
-from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
-from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
+from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, BodyCorrection, pair_means
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, NN, ROLL, TN, PairGrid
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.support.arrays import Array, Nodes
 
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond

@@ -1,76 +1,61 @@
-"""Mean compliance between cells of any length and offset along the strips of a body invariant along x or in angle.
+"""Surface lines of a body invariant along x or in angle, as half-spaces and as their deviation by finite elements.
 
 Near its load a body is a half-space, with a solution in closed form; the solution by finite elements differs from it
-smoothly across the surface, and this correction is interpolated from line to line.
+smoothly across the surface.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
-from typing import ClassVar
+from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import convolve1d
-from scipy.special import roots_legendre
 
-from wheelrail.contact.elasticity.half_space import cutoff_correction, strip_antiderivative, strip_flexibility
+from wheelrail.contact.elasticity.half_space import strip_flexibility
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError, surface_error
-from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, antiderivative_weights, pair_indices
+from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pair_indices
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.fitted.influence_tables import EVEN, ODD, TableNodes, full_table, normal_table
-from wheelrail.contact.models.fitted.line_interpolation import between_lines, shares
 from wheelrail.support.arrays import Array
 
-NODES = 128  # of the table of G over x: its error in a mean compliance stays below 1e-4
-FINEST = 0.005  # spacing of the first nodes over that of the surface's lines
+ODD = (1, 2, 3, 6)  # of the nine components: xy, xz, yx, zx
+EVEN = (0, 4, 5, 7, 8)
 NEIGHBOURS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16  # shares of a line in the mean over its neighbours
 TILE = 8  # lines: granularity of the parts of the surface whose correction is assembled
-KEPT = 3.2e7  # numbers (256 MB) in stored parts, a body: S1002 on UIC60 at 1 mm fill 124 MB in both from -8 to -5.5 mm
-GAUSS, WEIGHT = roots_legendre(6)  # points and weights over the width of a strip
 
 
 @dataclass
 class HalfSpaceInfluence:
-    """Influence between strips on half-spaces that touch the surface of a body: tables of G in closed form.
+    """Half-spaces that touch the surface of a body at its lines.
 
     Parameters:
         points: (ns, 2) m, lines of the surface on the section.
         arc: (ns,) m, their arc length.
-        reach: longest distance along x, m.
         nu: Poisson's ratio.
         radius: of a body of revolution, m.
-        unit, scale: factors from the tables' lengths and compliances to m and m/N.
+        unit, scale: factors from the lengths and compliances of the spectrum to m and m/N.
     """
 
     points: Array
     arc: Array
-    reach: float
     nu: float
     radius: float | None = None
     unit: float = 1.0
     scale: float = 1.0
-    flat: ClassVar[bool] = True  # the surface is taken as level along x
 
     @classmethod
-    def under(cls, points: Array, arc: Array, reach: float, steel: Material) -> HalfSpaceInfluence:
+    def under(cls, points: Array, arc: Array, material: Material) -> HalfSpaceInfluence:
         """Below the lines (ns, 2) m at arc lengths (ns,) m."""
-        return cls(points, arc, reach, steel.nu, scale=1 / steel.E)
+        return cls(points, arc, material.nu, scale=1 / material.E)
 
     @cached_property
     def bounds(self) -> Array:
         """Ends (ns + 1,) m of the cells around the lines."""
         middle = 0.5 * (self.arc[1:] + self.arc[:-1])
         return np.concatenate([[2 * self.arc[0] - middle[0]], middle, [2 * self.arc[-1] - middle[-1]]])
-
-    @cached_property
-    def nodes(self) -> TableNodes:
-        """Nodes of the tables, units."""
-        return TableNodes.over(NODES, FINEST * float(np.diff(self.arc).min()) / self.unit, self.reach / self.unit)
 
     def window(self, low: float, high: float) -> tuple[int, int]:
         """First and one past the last line whose cells meet an interval of arc length, m.
@@ -81,54 +66,6 @@ class HalfSpaceInfluence:
             raise OutsideSurface("the bodies touch beyond the part of their surface that carries contact points")
         first, last = np.searchsorted(self.bounds, [low, high], side="right") - 1
         return max(int(first), 0), min(int(last) + 1, len(self.arc))
-
-    def normal(self, sides: Array, reach: float) -> Array:
-        """Table (pairs, nodes) of G along the surface's normals between strips with sides (S, 2) m, row by row of the
-        pairs i <= j, for distances along x up to a reach [m]. Raises OutsideSurface beyond the lines.
-        """
-        self.window(float(sides.min()), float(sides.max()))
-        count = self.nodes.up_to(reach / self.unit)
-        across, stretch, tangent = self._strips(sides)
-        turn = np.minimum(tangent @ tangent.T, 1.0)
-        near = strip_antiderivative(self.nodes.x[:count], across, self.nu)
-        correction = self._normal_correction(sides, count)
-        return normal_table(near, self._far_field[:count], stretch, turn, correction, self.scale)
-
-    def full(self, sides: Array, reach: float) -> Array:
-        """The same (pairs, nodes, 9) of all components: displacement by force."""
-        self.window(float(sides.min()), float(sides.max()))
-        count = self.nodes.up_to(reach / self.unit)
-        across, stretch, tangent = self._strips(sides)
-        near = strip_antiderivative(self.nodes.x[:count], across, self.nu)
-        even, odd = self._full_correction(sides, count)
-        return full_table(near, self._far_field[:count], stretch, tangent, even, odd, self.scale)
-
-    @cached_property
-    def _far_field(self) -> Array:
-        """Far-field correction (nodes, 3) at the table's nodes: none."""
-        return np.zeros((NODES, 3))
-
-    def _normal_correction(self, sides: Array, count: int) -> Array:
-        """Correction (pairs, count) of `normal`: none."""
-        return np.zeros((len(pairs_of(len(sides))), count))
-
-    def _full_correction(self, sides: Array, count: int) -> tuple[Array, Array]:
-        """Corrections (pairs, 5, count) and (pairs, 4, count) of the even and odd components of `full`: none."""
-        pairs = len(pairs_of(len(sides)))
-        return np.zeros((pairs, len(EVEN), count)), np.zeros((pairs, len(ODD), count))
-
-    def _strips(self, sides: Array) -> tuple[Array, Array, Array]:
-        """Sides (S, 2) of strips on half-spaces, in units; metric factors (S,) and tangents (S, 2) of the strips."""
-        sides = np.ascontiguousarray(sides)
-        across = between_lines(self.arc, self._along_lines[:, :1], sides.ravel()).reshape(sides.shape) / self.unit
-        middle = between_lines(self.arc, self._along_lines, 0.5 * (sides[:, 0] + sides[:, 1]))
-        tangent = middle[:, 2:]
-        return across, middle[:, 1], tangent / np.sqrt((tangent * tangent).sum(axis=1))[:, None]
-
-    @cached_property
-    def _along_lines(self) -> Array:
-        """Of every line (ns, 4): arc length over the metric factor, m, metric factor, and tangent."""
-        return np.column_stack([self._across, self._stretch(self.arc), self._slope])
 
     @cached_property
     def _across(self) -> Array:
@@ -155,33 +92,24 @@ class HalfSpaceInfluence:
 
 @dataclass(frozen=True)
 class ElementCorrection:
-    """Spectrum by finite elements minus that of half-spaces, of lines low to high, wavenumber by wavenumber.
+    """Spectrum by finite elements minus that of half-spaces, of a run of lines, wavenumber by wavenumber.
 
-    normal (lines, lines, nk) along the normals; even (lines, lines, 5 nk) and odd (lines, lines, 4 nk) components.
+    even (lines, lines, 5 nk) and odd (lines, lines, 4 nk) components.
     """
 
-    low: int
-    high: int
-    normal: Array
     even: Array
     odd: Array
-
-    @property
-    def size(self) -> int:
-        return self.normal.size + self.even.size + self.odd.size
 
 
 @dataclass
 class ElementInfluence(HalfSpaceInfluence):
-    """Half-spaces corrected by finite elements: tables of G from the spectrum of a body's surface lines.
+    """Half-spaces corrected by finite elements, from the spectrum of a body's surface lines.
 
     spectrum returns the samples, error the near-field error of the elements; both are called on first use.
     """
 
     spectrum: Callable[[], ComplianceSpectrum] = field(kw_only=True)
     error: Callable[[], SurfaceError] = field(kw_only=True)
-    flat: ClassVar[bool] = False
-    _cache: dict[tuple[int, int], ElementCorrection] = field(init=False, default_factory=dict, repr=False)
 
     @classmethod
     def of_waveguide(
@@ -189,7 +117,6 @@ class ElementInfluence(HalfSpaceInfluence):
         body: WaveguideCompliance,
         lines: Array,
         arc: Array,
-        reach: float,
         material: Material,
         degree: int,
         *,
@@ -201,15 +128,13 @@ class ElementInfluence(HalfSpaceInfluence):
             body: compliance by wavenumbers, with its spectrum.
             lines: (ns, 2) m, lines of the surface on the section.
             arc: (ns,) m, their arc length.
-            reach: longest distance along x, m.
             material: of the body.
             degree: of the elements, 1 or 2.
-            unit: length of the tables' unit, m.
+            unit: length of the spectrum's unit, m.
         """
         return cls(
             lines,
             arc,
-            reach,
             material.nu,
             radius=body.radius,
             unit=unit,
@@ -226,11 +151,6 @@ class ElementInfluence(HalfSpaceInfluence):
             raise ValueError(f"the spectrum must have {len(self.arc)} lines, got {spectrum.lines}")
         return spectrum
 
-    @cached_property
-    def weights(self) -> tuple[Array, Array]:
-        """Even and odd weights (nodes, nk) of the samples in G at the table's nodes."""
-        return antiderivative_weights(self.nodes.x, self.samples)
-
     @property
     def _cutoff(self) -> float:
         """Low-wavenumber cut-off of the half-space's spectrum, 1 / unit: that of the body's size, or of two
@@ -239,48 +159,15 @@ class ElementInfluence(HalfSpaceInfluence):
         samples = self.samples
         return max(samples.shift, 4 * np.pi / samples.round if samples.round else 0.0)
 
-    @cached_property
-    def _far_field(self) -> Array:
-        """Far-field correction (nodes, 3) at the table's nodes: effect of the cut-off on the half-space."""
-        return cutoff_correction(self.nodes.x, self._cutoff, self.nu)
-
-    def _normal_correction(self, sides: Array, count: int) -> Array:
-        share, correction, lines = self._correction(sides)
-        means = _pair_means(share, correction.normal[lines, lines], 1)
-        return np.asarray((means @ self.weights[0][:count].T).reshape(-1, count))
-
-    def _full_correction(self, sides: Array, count: int) -> tuple[Array, Array]:
-        share, correction, lines = self._correction(sides)
-        even = _pair_means(share, correction.even[lines, lines], len(EVEN)) @ self.weights[0][:count].T
-        odd = _pair_means(share, correction.odd[lines, lines], len(ODD)) @ self.weights[1][:count].T
-        return even, odd
-
-    def _correction(self, sides: Array) -> tuple[Array, ElementCorrection, slice]:
-        """Weights (S, lines) of the lines in the strips' means, the correction that covers these lines, and their range
-        in it.
-        """
-        first, last = self.window(float(sides.min()), float(sides.max()))
-        first, last = max(first - 1, 0), min(last + 1, len(self.arc))
-        key = first // TILE, -(-last // TILE)
-        correction = self._cache.pop(key, None)
-        if correction is None:
-            correction = self._assembled(max(TILE * key[0], 0), min(TILE * key[1], len(self.arc)))
-            while self._cache and correction.size + sum(other.size for other in self._cache.values()) > KEPT:
-                del self._cache[next(iter(self._cache))]
-        self._cache[key] = correction  # in the order of their last use
-        share = shares(self.arc[first:last], np.ascontiguousarray(sides), GAUSS, WEIGHT)
-        return share, correction, slice(first - correction.low, last - correction.low)
-
     def _assembled(self, low: int, high: int) -> ElementCorrection:
+        """Correction of the lines from low up to high."""
         # with neighbours, so that smoothing does not depend on the part
         first, last = max(low - len(NEIGHBOURS), 0), min(high + len(NEIGHBOURS), len(self.arc))
         lines = self._remainder(first, last)[:, low - first : high - first, low - first : high - first]
-        normal = self._tangents(self.arc[low:high])[:, ::-1] * [-1.0, 1.0]
-        along = np.einsum("kijab,ia,jb->ijk", lines[..., 1:, 1:], normal, normal, optimize=True)
         nine = lines.reshape(*lines.shape[:3], 9).transpose(1, 2, 3, 0)
         n = high - low
         even, odd = (np.ascontiguousarray(nine[:, :, list(which)]).reshape(n, n, -1) for which in (EVEN, ODD))
-        return ElementCorrection(low, high, np.ascontiguousarray(along), even, odd)
+        return ElementCorrection(even, odd)
 
     def _remainder(self, low: int, high: int) -> Array:
         """Spectrum (nk, n, n, 3, 3) of a run of lines minus that of half-spaces."""
@@ -344,17 +231,3 @@ def in_body_axes(components: Array, axes: Array) -> Array:
     spectrum[..., 1, 2] += components[..., 5]
     spectrum[..., 2, 1] -= components[..., 5]
     return np.asarray(spectrum)
-
-
-def _pair_means(share: Array, lines: Array, count: int) -> Array:
-    """Means (pairs, count, nk) over two strips, of values (L, L, count nk) at lines with weights (S, L)."""
-    S, L = share.shape
-    half = (share @ lines.reshape(L, -1)).reshape(S, L, -1)
-    return np.asarray((share @ half).reshape(S * S, count, -1)[pairs_of(S)])
-
-
-@lru_cache(maxsize=32)
-def pairs_of(strips: int) -> NDArray[np.int64]:
-    """Indices of the pairs i <= j in a square of strips, row by row."""
-    i, j = np.triu_indices(strips)
-    return np.asarray(i * strips + j)
