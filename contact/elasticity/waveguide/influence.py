@@ -192,10 +192,10 @@ class ElementInfluence(HalfSpaceInfluence):
         for d in range(missing.shape[2]):
             one, other = line[: len(line) - d], line[d:]
             value = 0.5 * (missing[:, one, d] + missing[:, other, d])
-            part = np.einsum("kna,nab,nac->knbc", value, axes[one, other], axes[one, other], optimize=True)
+            part = in_body_axes(value, axes[one, other])
             spectrum[:, one, other] += part
             if d:
-                spectrum[:, other, one] += part
+                spectrum[:, other, one] += part.swapaxes(-1, -2)
 
     def _half_space_spectrum(self, sides: Array) -> Array:
         """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m on half-spaces that touch the surface in between."""
@@ -204,10 +204,7 @@ class ElementInfluence(HalfSpaceInfluence):
         across = np.interp(sides, self.arc, self._across) / self.unit
         stretch = self._stretch(sides.mean(axis=1))
         flat = strip_flexibility(self.samples.k, across, across, self.nu, self._cutoff)
-        spectrum = np.einsum("kija,ijab,ijac->kijbc", flat[..., :3], axes, axes, optimize=True)
-        spectrum[..., 0, 1:] = flat[..., 3:] * axes[:, :, 1, 1:]
-        spectrum[..., 1:, 0] = -spectrum[..., 0, 1:]
-        return np.asarray(spectrum / (0.5 * (stretch[:, None] + stretch))[..., None, None])
+        return np.asarray(in_body_axes(flat, axes) / (0.5 * (stretch[:, None] + stretch))[..., None, None])
 
     def _pair_axes(self, arc: Array) -> Array:
         """Mean local axes (n, n, 3, 3) of pairs of lines, rows along x, across and normal."""
@@ -217,3 +214,20 @@ class ElementInfluence(HalfSpaceInfluence):
         axes = np.zeros((*t.shape[:2], 3, 3))
         axes[..., 0, 0], axes[..., 1, 1:], axes[..., 2, 1], axes[..., 2, 2] = 1, t, -t[..., 1], t[..., 0]
         return axes
+
+
+def in_body_axes(components: Array, axes: Array) -> Array:
+    """Spectrum (nk, .., 3, 3) of pairs of lines in the axes of a body.
+
+    Parameters:
+        components: (nk, .., 6) of `strip_flexibility`, in the pairs' local axes.
+        axes: (.., 3, 3) these axes, rows along x, across and outward normal.
+
+    Along x by across is a sine, and across by x the opposite one; along x and by x with the normal are equal sines.
+    """
+    spectrum = np.einsum("k...a,...ab,...ac->k...bc", components[..., :3], axes, axes, optimize=True)
+    by_across, by_normal = (components[..., 3 + k, None] * axes[..., 1 + k, 1:] for k in range(2))
+    spectrum[..., 0, 1:], spectrum[..., 1:, 0] = by_across + by_normal, by_normal - by_across
+    spectrum[..., 1, 2] += components[..., 5]
+    spectrum[..., 2, 1] -= components[..., 5]
+    return np.asarray(spectrum)

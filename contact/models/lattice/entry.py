@@ -5,12 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, strip_grid
-from wheelrail.contact.models.lattice.influence.basis import MODES
-from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
+from wheelrail.contact.models.lattice.cold_start import state_of_cells
+from wheelrail.contact.models.lattice.equations import force_jumps, strip_grid
+from wheelrail.contact.models.lattice.influence.basis import equal_cells
+from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator, normal_displacements
+from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.surface import GAUSS
+from wheelrail.contact.solvers.active_set import normal_contact
+from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 PROBES = 12  # cells along an unloaded strip
@@ -18,7 +23,8 @@ RANGE = 1.2  # half length of the probed range over that of the next loaded stri
 NEXT_TO = 2  # strips: those nearer to a loaded one are probed around its middle
 EXCESS = 1e-7  # of the approach: least penetration of a strip that enters
 UNCERTAIN = 1e-5  # of the approach: penetration that a strip may leave unloaded, where it cannot stay loaded either
-FIRST = 0.25  # squared half length of a strip that enters over that of its remaining penetration
+MARGIN = 1.5  # half length of the cells of a strip that enters over that of a parabola of its remaining penetration
+WIDENINGS = 4  # of these cells until they cover the remaining penetration
 
 
 def entering(
@@ -26,8 +32,7 @@ def entering(
 ) -> LatticeState | None:
     """Unloaded strips that penetrate by more than a least fraction of the approach; None without any.
 
-    They have first ends, and the pressure of a line contact between these, E* times curvature times half length / 2.
-    Raises OutsideSurface.
+    Raises OutsideSurface, NotConverged.
     """
     free = np.setdiff1d(problem.candidates, state.strips)
     free = free[[int(strip) not in barred for strip in free]] if len(free) else free
@@ -38,17 +43,40 @@ def entering(
     if not close.any():
         return None
     # once more around the maximum: the penetration beside a loaded strip is flatter than a parabola
-    free, middle = free[close], place[close]
-    top, place, curvature, _ = _excess(problem, state, free, middle, 2 * half[close] / PROBES)
+    free, middle, half = free[close], place[close], half[close]
+    top, place, curvature, _ = _excess(problem, state, free, middle, 2 * half / PROBES)
     chosen = top > least * problem.approach
     if not chosen.any():
         return None
-    new_half = np.sqrt(FIRST * 2 * top[chosen] / curvature[chosen])
-    M = problem.cells if problem.rolls else 0
-    values = np.zeros((int(chosen.sum()), 2 * M + MODES + 2))
-    values[:, 2 * M] = 0.5 * problem.tables.modulus * curvature[chosen] * new_half
-    values[:, -2], values[:, -1] = place[chosen] - new_half, place[chosen] + new_half
-    return LatticeState(free[chosen], values)
+    extent = np.minimum(MARGIN * np.sqrt(2 * top[chosen] / curvature[chosen]), half[chosen])
+    return _pressed(problem, state, free[chosen], place[chosen], extent)
+
+
+def _pressed(
+    problem: LatticeProblem, state: LatticeState, new: Nodes, middle: Array, half: Array
+) -> LatticeState | None:
+    """Strips new (n,) under their remaining penetration, by complementarity on cells around middles (n,) m, while the
+    loaded strips do not change.
+    """
+    ends = np.column_stack([middle - half, middle + half])
+    for _ in range(WIDENINGS):
+        edges = ends[:, :1] + np.diff(ends) * np.linspace(0.0, 1.0, PROBES + 1)
+        at = 0.5 * (edges[:, 1:] + edges[:, :-1])
+        excess = _depth(problem, new, at) + _displacement(problem, state, new, edges)
+        cut = excess[:, [0, -1]] > 0
+        if not cut.any():
+            break
+        ends = ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0]
+    stretch = problem.tables.stretch[new]
+    basis = equal_cells(PROBES)
+    x = stretch[:, None] * (ends[:, :1] + np.diff(ends) * basis.row_marks)
+    grid = StripGrid(x, stretch * np.diff(ends)[:, 0], problem.width[new], stretch)
+    inside, matrix = cell_operator(problem.pairs(new), grid, basis, False)
+    if not inside:
+        raise OutsideSurface(TOO_LONG)
+    pressure, _ = normal_contact(matrix, excess.ravel(), excess.ravel() > 0, IterationCount())
+    cells = pressure.reshape(len(new), PROBES)
+    return state_of_cells(problem, new, ends, cells, np.zeros((2, *cells.shape)))
 
 
 def _ranges(problem: LatticeProblem, state: LatticeState, free: Nodes) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.residual_call import ResidualCode
 from wheelrail.contact.models.lattice.equations import (
     EquationData,
     Evaluation,
@@ -41,6 +42,7 @@ from wheelrail.contact.models.lattice.surface import (
 )
 from wheelrail.support.arrays import Array, Nodes
 
+NO_FRICTION = ResidualCode(0, np.zeros(0), 0.0)
 OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
 
 
@@ -162,7 +164,8 @@ class LatticeProblem:
         key = strips.tobytes()
         if key not in self._stored:
             places, tables = self.places(strips), self.pairs(strips)
-            self._stored[key] = EquationData(tables, self.surface, self.data, places, self.basis)
+            law = NO_FRICTION if self.law is None else self.law.code
+            self._stored[key] = EquationData(tables, self.surface, self.data, places, self.basis, law)
         return self._stored[key]
 
     @cached_property
@@ -171,10 +174,9 @@ class LatticeProblem:
 
     def evaluate(self, state: LatticeState, rho: Array) -> Evaluation:
         """Residual of a state; rho (S, M) 1/Pa. Raises OutsideSurface."""
-        evaluation = evaluate(state.values, self.of(state.strips))
+        evaluation = evaluate(state.values, self.of(state.strips), rho)
         if not evaluation.inside:
             raise OutsideSurface(TOO_LONG)
-        self._add_friction(state, evaluation, rho)
         return evaluation
 
     def linearise(self, state: LatticeState) -> tuple[Evaluation, Array, Array]:
@@ -182,16 +184,9 @@ class LatticeProblem:
         evaluation, jacobian, rho = linearise(state.values, self.of(state.strips))
         if not evaluation.inside:
             raise OutsideSurface(TOO_LONG)
-        self._add_friction(state, evaluation, rho)
         if self.law is not None:
             friction_rows(jacobian, self.friction_slopes(state, evaluation, rho), self.basis.mean)
         return evaluation, jacobian, rho
-
-    def _add_friction(self, state: LatticeState, evaluation: Evaluation, rho: Array) -> None:
-        """Complete the residual of an evaluation in place."""
-        if self.law is not None:
-            F = self.law.residual(state.tractions, evaluation.slip, evaluation.pressure, rho, self.speed)
-            evaluation.residual[:, : 2 * self.cells] = F.reshape(len(F), -1)
 
     def friction_slopes(self, state: LatticeState, evaluation: Evaluation, rho: Array) -> Array:
         """Slopes (S, M, 12) of the friction residual, see `CellFriction.slopes`."""

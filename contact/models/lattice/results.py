@@ -25,7 +25,7 @@ SAMPLES = 65  # of the pressure along a strip
 def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistics: Statistics) -> ContactResult:
     """Forces, patches, fields and tangent of a solution; all but the forces are computed when first needed."""
     state, details = solution.state, SolutionDetails(problem, solution)
-    load = resultants(state.values, problem.of(state.strips), solution.evaluation.pressure)
+    load = resultants(state.values, problem.of(state.strips))
     return ContactResult(
         force=load[:3],
         moment=load[3:],
@@ -35,7 +35,7 @@ def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistic
         status="converged",
         statistics=statistics,
         force_tangent=ContactTangent(LatticeTangent(problem, solution)),
-        warm_start=state,
+        warm_start=solution,
     )
 
 
@@ -54,7 +54,8 @@ class SolutionDetails:
     @cached_property
     def result(self) -> ContactResult:
         """Result with fields and patches."""
-        problem, state, evaluation = self.problem, self.solution.state, self.solution.evaluation
+        problem, state = self.problem, self.solution.state
+        evaluation = problem.evaluate(state, self.solution.factors.rho)
         S, M = evaluation.pressure.shape
         layout, places = problem.layout(state), problem.cell_places(state)
         pressure = evaluation.pressure.ravel()

@@ -84,7 +84,7 @@ def test_strips_of_a_half_space_by_quadrature() -> None:
             turned = nu * np.sign(y[:, None] - eta) * z * k0(z)
             parts = np.stack([k0(z) - nu * z * k1(z), (1 - nu) * k0(z) + nu * z * k1(z), (1 - nu) * k0(z), turned], -1)
             mean = np.einsum("kyec,y,e->kc", parts, weight, weight) / 4 * 2 * (1 + nu) / np.pi
-            np.testing.assert_allclose(found[:, i, j], mean, rtol=1e-6, atol=1e-12)
+            np.testing.assert_allclose(found[:, i, j, :4], mean, rtol=1e-6, atol=1e-12)
 
 
 @pytest.mark.parametrize("bodies", ["half-space", "waveguide"])

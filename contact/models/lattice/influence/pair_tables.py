@@ -31,6 +31,7 @@ from wheelrail.support.arrays import Array, Nodes
 
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
 GROWTH = 1.5  # of the storage
+NORMAL_COUPLING = slice(4, 6)  # of the half-space's components: along x and across by normal, for outward normals
 
 
 class PairTables(NamedTuple):
@@ -135,8 +136,9 @@ class LatticeTables:
         samples = np.zeros((len(grid.x), COMPONENTS))
         tilt = 0.5 * (self._angle[j] - self._angle[i])
         wheel: Array | None = None
-        for body in (self.operators.upper, self.operators.lower):
+        for body, outward in zip((self.operators.upper, self.operators.lower), OUTWARD, strict=True):
             near = strip_antiderivative(grid.x, sides, body.nu)[min(j - i, 1)]
+            near[:, NORMAL_COUPLING] *= outward
             part = half_space_scale(body) * rotated(near, -tilt, tilt)
             samples += part
             wheel = part if body is self.operators.upper and body.radius is not None else wheel
@@ -175,23 +177,29 @@ def half_space_scale(body: HalfSpaceInfluence) -> float:
 
 
 def rotated(near: Array, row: float, column: float) -> Array:
-    """Components (n, COMPONENTS) from those along, across, normal and along by across (n, 4) in the mean axes of two
-    strips that are inclined to them by angles rad, positive from the lateral towards the upper body's outward normal.
+    """Components (n, COMPONENTS) of a half-space in the axes of two strips.
+
+    Parameters:
+        near: (n, 6) along, across, normal, along by across, along by normal and across by normal, in the strips' mean
+            axes.
+        row, column: rad, inclinations of the displaced and the loaded strip to these, positive from the lateral towards
+            the upper body's outward normal.
     """
-    along, across, normal, mixed = near.T
+    along, across, normal, x_by_t, x_by_n, t_by_n = near.T
     ci, si, cj, sj = np.cos(row), np.sin(row), np.cos(column), np.sin(column)
-    tn, nt = -ci * sj * across + si * cj * normal, -si * cj * across + ci * sj * normal
-    xt, tx = mixed * cj, mixed * ci
+    tn = -ci * sj * across + si * cj * normal + np.cos(column - row) * t_by_n
+    nt = -si * cj * across + ci * sj * normal - np.cos(column - row) * t_by_n
+    turned = np.sin(column - row) * t_by_n
     return np.stack(
         [
             along,
-            ci * cj * across + si * sj * normal,
-            si * sj * across + ci * cj * normal,
+            ci * cj * across + si * sj * normal + turned,
+            si * sj * across + ci * cj * normal + turned,
             0.5 * (tn + nt),
             0.5 * (tn - nt),
-            0.5 * (xt + tx),
+            0.5 * (x_by_t * (ci + cj) + x_by_n * (sj - si)),
             np.zeros_like(along),
-            0.5 * mixed * (si - sj),
+            0.5 * (x_by_t * (si - sj) + x_by_n * (ci + cj)),
         ],
         axis=1,
     )
