@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from wheelrail.contact.geometry.strip_layout import StripLayout
-from wheelrail.contact.models.lattice.patch_area import patch_area
+from wheelrail.contact.results.patch_area import patch_area
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 
