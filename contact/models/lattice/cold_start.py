@@ -33,8 +33,8 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
     stretch = problem.tables.stretch[strips]
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
-    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch)
-    inside, matrix = cell_operator(problem.pairs(strips), grid, basis, problem.rolls)
+    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch, strips)
+    inside, matrix = cell_operator(problem.pairs, grid, basis, problem.rolls)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     place = (ends[:, :1] + length * 0.5 * (basis.marks[1:] + basis.marks[:-1])).ravel()
