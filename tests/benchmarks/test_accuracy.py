@@ -20,7 +20,7 @@ from benchmarks.common.reference_table import TableSection, measure, reference, 
 from wheelrail.contact.analytical.kalker import Name, kalker
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.results.result import ContactResult
 
 TARGET = {
@@ -85,7 +85,7 @@ def test_kalkers_coefficients() -> None:
 def test_creep_curves() -> None:
     forces, moments = [], []
     for curve in reference("creep_curves")["curves"][1:]:
-        errors, points = curve_errors(curve, Resolution(), every=5)
+        errors, points = curve_errors(curve, LatticeResolution(), every=5)
         assert points <= 300
         forces.append(100 * errors[:, :2])
         moments.append(100 * errors[:, 2] / np.abs([case[6] for case in curve["cases"]]).max())

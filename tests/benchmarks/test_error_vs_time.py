@@ -17,15 +17,15 @@ from benchmarks.error_vs_time.measure import normal_row, rolling_row
 from benchmarks.error_vs_time.plan import rows
 from benchmarks.error_vs_time.reference import Reference, contact_rows, extrapolated
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-SMALL = ModelVariant("fitted, half-space", "half-space", Resolution(6, 8))
+SMALL = ModelVariant("lattice, half-space", "half-space", LatticeResolution(6, 8))
 
 
 @cache
 def coarse() -> Reference:
     """Extrapolated from 12 x 16 and 6 x 8 cells: the ellipse that is timed and one case per ratio of semi-axes."""
-    return extrapolated(Resolution(12, 16), creep_cases(44), lambda _: None)
+    return extrapolated(LatticeResolution(12, 16), creep_cases(44), lambda _: None)
 
 
 def test_timed_ellipse_is_that_of_contact() -> None:
@@ -51,7 +51,7 @@ def test_an_extrapolation_needs_convergence(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(TimedCase, "forces", lambda *_: np.full(2, next(steps)))
     monkeypatch.setattr(ModelVariant, "loaded_depth", lambda *_: 0.0)
     with pytest.raises(RuntimeError, match="do not converge"):
-        extrapolated(Resolution(24, 32), (), lambda _: None)
+        extrapolated(LatticeResolution(24, 32), (), lambda _: None)
 
 
 def test_errors_of_contact_are_those_of_its_grids() -> None:
@@ -65,7 +65,7 @@ def test_errors_of_contact_are_those_of_its_grids() -> None:
 
 def test_cold_and_warm_models_are_close_to_hertz_and_to_the_reference() -> None:
     for warm in (False, True):
-        variant = ModelVariant("fitted", "half-space", SMALL.fineness, warm=warm)
+        variant = ModelVariant("lattice", "half-space", SMALL.fineness, warm=warm)
         normal, creep = normal_row(variant), rolling_row(variant, coarse(), coarse().cases[1:])
         assert abs(normal["force error"]) < 0.6  # %
         assert abs(normal["peak error"]) < 2.0
@@ -102,7 +102,7 @@ def test_variants_name_their_laws() -> None:
 
 
 def test_every_family_has_its_own_style() -> None:
-    every = [*error_plan.fitted(False), *error_plan.grids(False), *error_plan.laws(False), *error_plan.solids()]
+    every = [*error_plan.lattices(False), *error_plan.grids(False), *error_plan.laws(False), *error_plan.solids()]
     assert {variant.family for variant in every} | {"CONTACT"} == set(STYLES)
     assert len(set(STYLES.values())) == len(STYLES)
 
@@ -118,7 +118,7 @@ def test_report_and_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     monkeypatch.setattr("sys.argv", ["error_vs_time", "--quick", "--picture", str(picture), "--json", str(data)])
     error_vs_time.main()
     told = capsys.readouterr().out
-    assert "| fitted, half-space, warm | 4 x 6 | exact | 24 |" in told
+    assert "| lattice, half-space, warm | 4 x 6 | exact | 24 |" in told
     assert "| CONTACT | dx 1 mm |" in told
     found = json.loads(data.read_text())["rows"]
     assert len(found) == 4 + 10

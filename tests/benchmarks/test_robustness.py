@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from small_fitted import warm_cells
+from small_strips import few_strips
 from standin_contact import CONTACT
 
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
@@ -95,7 +95,7 @@ def test_a_wheel_lifts_and_lands_again() -> None:
 
 def test_a_wheel_on_fitted_cells_lifts_and_lands_again() -> None:
     """From a result without cells, and with a tangent of zeros, to a contact; steps are as long as before then."""
-    contact = warm_cells()
+    contact = few_strips()
     history = run(contact, 0.012, initial=kicked(contact, wheelset_roll=0.15))
     assert history.status == "completed"
     off = in_the_air(history)

@@ -76,14 +76,14 @@ def test_rigid_motions_cause_no_strain() -> None:
 
 def test_report_and_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(scaling_plan, "QUICK_SIZES", (20,))
-    monkeypatch.setattr(scaling_plan, "POINTS", {("fitted", "half-space"): {"normal": 20, "rolling, LU": 20}})
+    monkeypatch.setattr(scaling_plan, "POINTS", {("lattice", "half-space"): {"normal": 20, "rolling, LU": 20}})
     found = measured(["points"], quick=True)
     normal, creeping = found["points"]
     assert [row["task"] for row in found["points"]] == ["normal", "rolling, LU"]
     assert abs(normal["force error"]) < 2.0  # % at some 20 points
     assert 0 < creeping["creep error"] < 5.0  # % of mu F_n
     assert creeping["memory"] > 0
-    assert "| fitted, half-space | normal |" in capsys.readouterr().out
+    assert "| lattice, half-space | normal |" in capsys.readouterr().out
     draw(tmp_path / "scaling.png", found["points"], found["floor"], [], [])
     assert (tmp_path / "scaling.png").stat().st_size > 10_000
 

@@ -34,7 +34,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "contact.kinematics": {"meshes.curves", "support"},
     "contact.laws": {"forms", "support"},  # laws in UFL, imported where a law is first compiled
     "contact.geometry": {"contact.kinematics", "meshes.bodies", "meshes.curves", "meshes.profiles", "support"},
-    "contact.results": {"contact.kinematics", "support"},
+    "contact.results": {"contact.geometry", "contact.kinematics", "support"},
     "contact.solvers": {"contact.kinematics", "contact.laws", "support"},
     "contact.elasticity": {"contact.geometry", "contact.laws", "forms", "meshes.bodies", "support"},
 }

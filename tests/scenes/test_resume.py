@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_fitted import warm_cells
+from small_strips import few_strips
 from spring_contact import patch
 from standin_contact import CONTACT
 from typer.testing import CliRunner
@@ -110,15 +110,15 @@ def test_no_checkpoint_where_a_cold_contact_solve_fails() -> None:
         assert_same(resumed(5, at, Clinging()), whole)
 
 
-def test_warm_cells_in_two_processes_resume_bitwise_identically() -> None:
+def test_few_strips_in_two_processes_resume_bitwise_identically() -> None:
     options = {"method": "rosenbrock", "rtol": 3e-3, "atol": 3e-6, "span": (0.0, 0.1)}
-    with in_parallel(warm_cells()) as contact:
+    with in_parallel(few_strips()) as contact:
         whole, found = kept(3, contact, **options)
     assert whole.status == "completed"
     assert len(found) > 2
-    with in_parallel(warm_cells()) as contact:
+    with in_parallel(few_strips()) as contact:
         assert_same(resumed(3, found[1], contact, **options), whole)
-    assert_same(resumed(3, found[-1], warm_cells(), **options), whole)
+    assert_same(resumed(3, found[-1], few_strips(), **options), whole)
 
 
 def checkpoint_file(path: Path, messages: list[str] | None = None) -> CheckpointFile:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from small_fitted import warm_cells
+from small_strips import few_strips
 from standard_pair import wheel_on_rail
 from standin_contact import CONTACT
 
@@ -33,9 +33,9 @@ def into_a_curve(contact: object, curvature: float, method: str, end: float) -> 
         (lambda: CONTACT, "rosenbrock", 0.6),
         (wheel_on_rail, "rosenbrock", 0.6),
         (lambda: wheel_on_rail(normal="hertz", tangential="polach"), "rosenbrock", 0.4),
-        (warm_cells, "rosenbrock", 0.35),
+        (few_strips, "rosenbrock", 0.35),
     ],
-    ids=["explicit", "implicit by differences", "standard", "hertz and polach", "warm fitted cells"],
+    ids=["explicit", "implicit by differences", "standard", "hertz and polach", "strips"],
 )
 def test_mirror_image(contact: Callable[[], object], method: str, end: float) -> None:
     left, right = (into_a_curve(contact(), curvature, method, end) for curvature in (1 / 600, -1 / 600))

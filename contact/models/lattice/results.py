@@ -11,9 +11,9 @@ import numpy as np
 from wheelrail.contact.geometry.strip_layout import StripLayout, connected
 from wheelrail.contact.models.lattice.equations import resultants, strip_grid
 from wheelrail.contact.models.lattice.newton import LatticeSolution
-from wheelrail.contact.models.lattice.patch_moments import sharpened
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.tangent import LatticeTangent
+from wheelrail.contact.results.patch_moments import sharpened
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result
 from wheelrail.contact.solvers.tangent import ContactTangent

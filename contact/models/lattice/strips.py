@@ -28,11 +28,10 @@ def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int) -> Array:
 
 
 def _uniform(arc: Array, strips: int) -> Array:
-    """Strips over an ellipse's lines, whose extent is little more than the expected patch."""
+    """Strips over all of an ellipse's lines, whose extent is little more than the expected patch."""
     half = 0.5 * (arc[-1] - arc[0])
-    width = 2 * half / np.sqrt(2.5) / strips
-    count = int(np.floor(half / width))
-    return np.asarray(width * np.arange(-count, count + 1))
+    count = int(np.ceil(0.5 * np.sqrt(2.5) * strips))
+    return np.asarray(half / count * np.arange(-count, count + 1))
 
 
 def _widths(surfaces: ProfileStrips, s: Array) -> Array:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_fitted import LOAD, exact, flowing, pair
+from test_strips import LOAD, exact, flowing, pair
 
 from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.loading.hertz import hertz_under_load
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.results.result import ContactResult, Patch
 
 SPEED = 1.0  # of `flowing`
 
 
-def rolling(motion: RigidMotion, resolution: Resolution | None = None) -> ContactResult:
+def rolling(motion: RigidMotion, resolution: LatticeResolution | None = None) -> ContactResult:
     model = pair(0.3, resolution=resolution)
     return hertz_under_load(model, motion, LOAD, expected=exact().approach).results[0]
 
@@ -49,7 +49,7 @@ def test_local_slip_tends_to_the_same_power() -> None:
     apart = []
     cells = (8, 16, 32)
     for count in cells:
-        result = rolling(flowing(xi=1e-3), Resolution(8, count))
+        result = rolling(flowing(xi=1e-3), LatticeResolution(8, count))
         power = result.patches[0].frictional_power
         apart.append(1.0 - by_local_slip(result) / power)
     slope = np.polyfit(np.log(cells), np.log(apart), 1)[0]

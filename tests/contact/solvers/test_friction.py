@@ -16,7 +16,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.fitted.model import FittedContact
+from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.solvers.active_set import CachedFactors, CoupledPressure
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.semismooth_newton import newton, tangential_contact
@@ -167,7 +167,7 @@ def test_shift_of_a_pair() -> None:
         assert result.force[:2] @ way[:2] / result.force[2] == pytest.approx(-0.3 * (1 - 0.5**1.5), rel=0.03)
         (patch,) = result.patches
         assert patch.stick_area / patch.area == pytest.approx(0.5, abs=0.06)
-    assert isinstance(pair, FittedContact)
+    assert isinstance(pair, LatticeContact)
     with pytest.raises(ValueError, match="slip velocity"):
         replace(pair, laws=ContactLaws(regularisation=1e-5))
 

@@ -1,8 +1,6 @@
-"""A new wheelset on half-spaces with few fitted cells and warm starts at every call."""
+"""A new wheelset on half-spaces with few strips and cells at every call."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.laws.material import Material
@@ -13,9 +11,9 @@ from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.profiles.named import named_profile
 
 
-def warm_cells() -> WheelsetContact:
+def few_strips() -> WheelsetContact:
     rail = named_profile("UIC60-benchmark")
-    how = Discretisation(1e-3, bodies="half-space", strips=4, cells=8)
+    how = Discretisation(1e-3, bodies="half-space", strips=6, cells=8)
     profiles, steels = (named_profile("S1002"), rail), (Material(), Material())
     model = wheel_rail_pair(profiles, 0.46, steels, ContactLaws(friction=0.3), how)
-    return WheelsetContact(replace(model, warm=True), Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
+    return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))

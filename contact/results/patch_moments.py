@@ -1,4 +1,4 @@
-"""Peak pressure, semi-axes and stick area of a patch from the means of its cells, to second order."""
+"""Peak pressure, semi-axes, area and stick area of a patch from the means of its cells, to second order."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from wheelrail.contact.geometry.strip_layout import StripLayout
+from wheelrail.contact.results.patch_area import patch_area
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 
@@ -18,7 +19,7 @@ EDGE = 2  # cells next to an end, where the pressure is a square root, have no p
 
 
 def sharpened(result: ContactResult, layout: StripLayout, bound: Array) -> ContactResult:
-    """The result with peak pressure, semi-axes and stick area interpolated within cells.
+    """The result with peak pressure, semi-axes, area and stick area interpolated within cells.
 
     bound (n,) Pa: the largest possible traction.
     """
@@ -44,7 +45,10 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
             for row, part, wide in zip(left[own], length, area[own], strict=True)
         )
         highest = peak(p[own], x, length, s, width)
-        corrected.append(replace(patch, max_pressure=highest, semi_axes=axes, stick_area=float(stick)))
+        strips = area[own].sum(axis=1)
+        smooth = patch_area(strips / width, np.append(layout.sides[own, 0], layout.sides[own, 1][-1]))
+        sticks = float(stick) * smooth / float(strips.sum())
+        corrected.append(replace(patch, max_pressure=highest, semi_axes=axes, area=smooth, stick_area=sticks))
     return tuple(corrected)
 
 
