@@ -29,7 +29,7 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
     if not len(strips):
         return None
     ends = first_ends(problem, strips)
-    basis = equal_cells(CELLS)
+    basis = equal_cells(CELLS, problem.tangential)
     stretch = problem.tables.stretch[strips]
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)

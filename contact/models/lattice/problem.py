@@ -26,7 +26,7 @@ from wheelrail.contact.models.lattice.equations import (
     linearise,
 )
 from wheelrail.contact.models.lattice.friction import CellFriction
-from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.state import LatticeState
@@ -67,6 +67,16 @@ class LatticeProblem:
     def rolls(self) -> bool:
         """Whether there are tractions."""
         return self.law is not None
+
+    @property
+    def shifts(self) -> bool:
+        """Whether the motion is a tangential displacement, which counts at a speed of 1 m/s."""
+        return self.rolls and self.basis.slip_power == 1
+
+    @property
+    def tangential(self) -> Tangential:
+        """Kind of the tangential problem."""
+        return "shift" if self.shifts else "rolling" if self.rolls else "none"
 
     @property
     def cells(self) -> int:
@@ -120,6 +130,8 @@ class LatticeProblem:
         """Rolling speed m/s: mean over all strips, weighted by the squared penetration. Raises NotRolling."""
         if not self.rolls:
             return 0.0
+        if self.shifts:
+            return 1.0
         speed = self.lines.speed
         if not speed > 0:
             raise NotRolling(

@@ -67,7 +67,7 @@ class SolutionDetails:
             bound = problem.law.functions.coefficient(np.hypot(*slip.T) * problem.speed, pressure) * pressure
         grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
         result = assemble_result(
-            FrictionalWork.below(bound, places, q, problem.motion, problem.speed),
+            FrictionalWork.below(bound, places, q, problem.motion, 0.0 if problem.shifts else problem.speed),
             node=np.arange(S * M),
             patch=np.repeat(connected(layout, np.ones((S, M))), M),
             pressure=pressure,

@@ -136,7 +136,7 @@ class LatticeTangent:
         slips, moments = self._by_compliance()
         total[:, -MOMENTS:, :6] += moments
         if problem.rolls:
-            speed = self._speed()
+            speed = np.zeros(CHANGES) if problem.shifts else self._speed()
             rigid, _ = rigid_slip_of(state.values, problem.of(state.strips))
             shift, _ = rigid_slip(self.places, problem.pose.origin, problem.motion, np.zeros((6, S * M)))
             if problem.surface.revolves:

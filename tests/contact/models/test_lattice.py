@@ -81,7 +81,7 @@ def start(result: ContactResult) -> LatticeState:
 
 
 def test_modes_vanish_at_the_ends_and_carry_their_load() -> None:
-    basis = strip_basis(10, rolling=True)
+    basis = strip_basis(10, "rolling")
     length = 2 * np.diff(basis.marks)
     for values in (basis.mean, basis.loads):
         np.testing.assert_allclose(length @ values, [0.5 * np.pi, 0.0, 0.0], atol=1e-12)
@@ -172,7 +172,7 @@ def contraction_slip(x: Array, y: Array, strain: float, radius: float) -> Array:
 
 @pytest.mark.parametrize("swapped", [False, True])
 def test_slip_by_pressure_on_unlike_spheres(swapped: bool) -> None:
-    """Pressure contracts both surfaces by different amounts: the mean slip errs by second order in the cells' length."""
+    """Pressure contracts both surfaces by different amounts: the mean slip errs by second order in the cell length."""
     errors = []
     for M in (20, 40):
         model, expected = unlike(1e-7, (0.4, 0.4), M, swapped=swapped)

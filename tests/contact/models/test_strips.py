@@ -25,11 +25,11 @@ from wheelrail.contact.models.lattice.influence.pair_grid import NN, TT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.slip_difference import upstream
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.results.patch_area import patch_area
-from wheelrail.contact.results.patch_moments import stick_length
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.error_estimate import ErrorEstimate
+from wheelrail.contact.results.patch_area import patch_area
+from wheelrail.contact.results.patch_moments import stick_length
 from wheelrail.contact.results.result import ContactResult, LazyPatches
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array

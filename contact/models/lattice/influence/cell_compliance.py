@@ -32,6 +32,7 @@ def _add_cells(K: Array, width: float, place: tuple[int, int], length: float, ba
     """
     M = len(basis.marks) - 1
     over = 1.0 / length
+    per_slip = over**basis.slip_power
     for c in range(M):
         for r in range(M):
             m, n = place[0] * M + r, place[1] * M + c
@@ -43,7 +44,7 @@ def _add_cells(K: Array, width: float, place: tuple[int, int], length: float, ba
                     total = 0.0
                     for k in range(4):
                         total += basis.slip_edges[r, k] * (K[r + k, c, a, b] - K[r + k, c + 1, a, b])
-                    A[a, m, b, n] = width * over * over * total
+                    A[a, m, b, n] = width * per_slip * total
 
 
 @compiled

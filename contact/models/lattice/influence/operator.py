@@ -214,6 +214,7 @@ def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasi
     modes = basis.mean.shape[1]
     at = 2 * M if rolls else 0
     over = 1.0 / length
+    per_slip = over**basis.slip_power
     cells, out = work.cells.ctypes.data, work.out.ctypes.data
     moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
     for k in range(len(basis.moment_edges)):
@@ -228,11 +229,11 @@ def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasi
         for r in range(M):
             for c in range(M):
                 weighted(cells + VECTOR * (c * R + r), VECTOR, slip + 32 * r, 4, out)
-                _add_column(work.out, turn, over * over, c, 0, basis, rolls, A[r])
-                _add_column(work.out, turn, over * over, c, 1, basis, rolls, A[M + r])
+                _add_column(work.out, turn, per_slip, c, 0, basis, rolls, A[r])
+                _add_column(work.out, turn, per_slip, c, 1, basis, rolls, A[M + r])
             for end in range(2):
                 for k in range(4):
-                    weight = over * over * basis.slip_edges[r, k]
+                    weight = per_slip * basis.slip_edges[r, k]
                     A[r, at + modes + end] += weight * work.ends[end, r + k, 0]
                     A[M + r, at + modes + end] += weight * work.ends[end, r + k, 1]
 
@@ -249,6 +250,7 @@ def _own_ends(V: Array, slope: Array, grid: StripGrid, i: int, basis: StripBasis
     at = 2 * M if rolls else 0
     modes = basis.mean.shape[1]
     over = 1.0 / grid.length[i]
+    per_slip = over**basis.slip_power
     for end in range(2):
         column = at + modes + end
         longer = (stretch if end else -stretch) * over
@@ -265,8 +267,9 @@ def _own_ends(V: Array, slope: Array, grid: StripGrid, i: int, basis: StripBasis
                     for k in range(4):
                         mark = basis.row_marks[r + k]
                         moved = stretch * (mark if end else 1.0 - mark)
-                        total += basis.slip_edges[r, k] * (slope[r + k, a] * moved - 2.0 * V[r + k, a] * longer)
-                    A[a * M + r, column] += over * over * total
+                        change = slope[r + k, a] * moved - basis.slip_power * V[r + k, a] * longer
+                        total += basis.slip_edges[r, k] * change
+                    A[a * M + r, column] += per_slip * total
 
 
 @compiled
@@ -315,11 +318,12 @@ def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Arr
     slips, moments = np.zeros((S, 2, M)), np.zeros((S, len(basis.moment_edges)))
     for i in range(S):
         over = 1.0 / grid.length[i]
+        per_slip = over**basis.slip_power
         for k in range(moments.shape[1]):
             for e in range(M + 1):
                 moments[i, k] += over * basis.moment_edges[k, e] * V[i, e, 2]
         for a in range(2):
             for r in range(M):
                 for k in range(4):
-                    slips[i, a, r] += over * over * basis.slip_edges[r, k] * V[i, r + k, a]
+                    slips[i, a, r] += per_slip * basis.slip_edges[r, k] * V[i, r + k, a]
     return slips, moments

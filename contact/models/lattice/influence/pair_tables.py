@@ -63,10 +63,12 @@ class LatticeTables:
     Parameters:
         operators: bodies and surfaces.
         sides: (K + 1,) m, lateral bounds of the strips on the upper body.
+        rolls: whether displacements along x count by their slip, which contains u_r / R.
     """
 
     operators: StripOperators
     sides: Array
+    rolls: bool = True
     _values: Array = field(init=False, repr=False)
     _used: int = field(init=False, default=0)
 
@@ -157,7 +159,7 @@ class LatticeTables:
                 smooth = self._means(correction, pair, self.middle[pair], len(correction.grid.lower))[0, 1]
                 part = stretch**2 * correction.grid.at(smooth, grid.x / stretch)
                 samples += part
-                if wheel is not None and correction.body is self.operators.upper:
+                if self.rolls and wheel is not None and correction.body is self.operators.upper:
                     angle, radius = 0.5 * (self._angle[i] + self._angle[j]), self.operators.upper.radius
                     assert radius is not None
                     samples[:, ROLL] = grid.integral(radial(wheel + part, angle)) / (radius * stretch)
