@@ -171,7 +171,7 @@ def contraction_slip(x: Array, y: Array, strain: float, radius: float) -> Array:
 
 @pytest.mark.parametrize("swapped", [False, True])
 def test_slip_by_pressure_on_unlike_spheres(swapped: bool) -> None:
-    """Pressure contracts both surfaces by different amounts: the mean slip errs by second order in the cells' length."""
+    """Pressure contracts both surfaces by different amounts: the mean slip errs by second order in cell length."""
     errors = []
     for M in (20, 40):
         model, expected = unlike(1e-7, (0.4, 0.4), M, swapped=swapped)
