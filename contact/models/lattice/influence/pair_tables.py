@@ -7,10 +7,12 @@ is tabulated once for all poses; the deviation of finite bodies from half-spaces
 Cells of the tables: z = 1 + |x| / start, `CELLS` equal ones in every octave of z, polynomials of degree `DEGREE` in
 each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body
 on either strip. Displacement by force is symmetric up to TN_TURN, ROLL and XN, which change their sign when the pair
-is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN; the
-parts of C_xt and C_xn with the other symmetry, by the slope of the bodies' flexibility across, are neglected. The first
-five components are even functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R,
-integrated along x. On a wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
+is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN. The
+coupling of normal with tangential directions, (1 + nu)(1 - 2 nu)/(2 pi E) times x/r^2 and y/r^2, has opposite signs in
+both bodies: half-spaces of equal material have none. Parts with the other symmetry are neglected: (C_xt - C_tx)/2, up
+to 1 % of XX at 5 mm and of the elastic slip, and (C_xn + C_nx)/2, about 0.1 %. The first five components are even
+functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R, integrated along x. On a wheel the
+slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
 """
 
 from __future__ import annotations
