@@ -29,9 +29,7 @@ class VehicleContact(Protocol):
         """
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
-        """Derivative (6, 8) of force N and moment N m at a result.
-
-        Columns: y, z, roll, yaw, y_rate, z_rate, roll_rate and pitch_rate.
+        """Derivative (6, 9) of force N and moment N m at a result by `WheelsetState.coordinates`.
 
         Parameters:
             state, side: for which the result was computed.

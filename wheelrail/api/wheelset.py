@@ -115,6 +115,7 @@ class Wheelset:
         y_rate: float | None = None,
         z_rate: float | None = None,
         roll_rate: float | None = None,
+        yaw_rate: float | None = None,
         sides: Sequence[str] | None = None,
         error_estimate: bool | None = None,
         stress: Mapping[str, Any] | None = None,
@@ -131,7 +132,7 @@ class Wheelset:
             speed: m/s, 10 by default.
             pitch_rate: rad/s, positive when rolling forward; pure rolling by default.
             y_rate, z_rate: m/s.
-            roll_rate: rad/s.
+            roll_rate, yaw_rate: rad/s.
             sides: ("left",), ("right",) or both.
             error_estimate: whether to estimate errors from a second solve on half as many cells.
             stress: {"depths": [...] in m, "body": "wheel", "rail" or "both"}: stress below the patches.
@@ -150,6 +151,7 @@ class Wheelset:
             "y_rate": y_rate,
             "z_rate": z_rate,
             "roll_rate": roll_rate,
+            "yaw_rate": yaw_rate,
             "sides": sides,
             "error_estimate": error_estimate,
             "stress": stress,
