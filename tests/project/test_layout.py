@@ -22,7 +22,14 @@ MAY_IMPORT: dict[str, set[str]] = {
     "meshes.curves": {"support"},
     "meshes.profiles": {"meshes.curves", "support"},
     "meshes.bodies": {"meshes.curves", "meshes.profiles", "support"},
-    "contact": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models", "contact.models.fitted"}
+    "contact": {
+        "contact.element",
+        "contact.kinematics",
+        "contact.laws",
+        "contact.loading",
+        "contact.models",
+        "contact.models.fitted",
+    }
     | {
         "contact.models.full",
         "contact.models.lattice",
@@ -35,6 +42,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "contact.laws": {"forms", "support"},  # laws in UFL, imported where a law is first compiled
     "contact.geometry": {"contact.kinematics", "meshes.bodies", "meshes.curves", "meshes.profiles", "support"},
     "contact.results": {"contact.kinematics", "support"},
+    "contact.element": {"contact.kinematics", "contact.results", "support"},
     "contact.solvers": {"contact.kinematics", "contact.laws", "support"},
     "contact.elasticity": {"contact.geometry", "contact.laws", "forms", "meshes.bodies", "support"},
 }
@@ -66,6 +74,7 @@ MAY_IMPORT |= {
 }
 # One call drives a contact model: no meshes, no elements.
 _DRIVEN = {
+    "contact.element",
     "contact.kinematics",
     "contact.loading",
     "contact.results",

@@ -113,10 +113,8 @@ class Jacobian:
 
     def analytical_tangents(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
         """The tangents (2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
-        contact = self.dynamics.contact
         try:
-            contact.ahead_tangent(wheelset, contacts["right"])
-            tangents = np.array([contact.tangent(wheelset, side, contacts[side]) for side in SIDES])
+            tangents = self.dynamics.element.side_tangents(wheelset, contacts)
         except ValueError:  # some models and results have no tangent
             return None
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
