@@ -4,6 +4,7 @@ from .condensed import CondensedContact as CondensedContact
 from .discretisation import Discretisation as Discretisation
 from .fitted.model import FittedContact as FittedContact
 from .full.model import FullContact as FullContact
+from .hertz import HertzContact as HertzContact
 from .lattice.model import LatticeContact as LatticeContact
 from .standard.model import StandardContact as StandardContact
 from .wheelset import ContactModel as ContactModel
