@@ -102,8 +102,9 @@ MAY_IMPORT["scenes.schema"] = {
 for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
-MAY_IMPORT["api"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
-MAY_IMPORT[""] = {"api", "scenes.schema", "support"}
+MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
+MAY_IMPORT["api.elements"] = {"contact.element", "contact.kinematics", "contact.models", "scenes.schema"}
+MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}
 
 ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"}
 HEAVY = ELEMENTS | {"gmsh", "pyvista", "xarray", "matplotlib", "netCDF4"}
