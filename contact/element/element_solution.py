@@ -13,6 +13,7 @@ from wheelrail.support.arrays import Array
 
 S = TypeVar("S")
 K = TypeVar("K", bound=str)
+ArrayBySide = dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -45,12 +46,12 @@ class ElementSolution(Generic[S, K]):
         return all(result.ok for result in self.results.values())
 
     @property
-    def force(self) -> dict[K, Array]:
+    def force(self) -> ArrayBySide:
         """Force (3,) N on the wheel, or the upper body, of each side; NaN of one that failed."""
         return {side: _usable(result, result.force) for side, result in self.results.items()}
 
     @property
-    def moment(self) -> dict[K, Array]:
+    def moment(self) -> ArrayBySide:
         """Moment (3,) N m of each side, about the centre of the wheelset; NaN of one that failed."""
         return {side: _usable(result, result.moment) for side, result in self.results.items()}
 

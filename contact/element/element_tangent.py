@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from wheelrail.contact.element.element_solution import ArrayBySide
 from wheelrail.support.arrays import Array
 
 
@@ -27,12 +28,12 @@ class ElementTangent:
     columns: tuple[str, ...]
 
     @property
-    def force(self) -> dict[str, Array]:
+    def force(self) -> ArrayBySide:
         """Derivative (3, n) of the force of each side."""
         return dict(zip(self.sides, self.values[:, :3], strict=True))
 
     @property
-    def moment(self) -> dict[str, Array]:
+    def moment(self) -> ArrayBySide:
         """Derivative (3, n) of the moment of each side."""
         return dict(zip(self.sides, self.values[:, 3:], strict=True))
 
