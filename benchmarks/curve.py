@@ -14,8 +14,8 @@ from rich.console import Console
 
 from benchmarks.common.machine import machine_description
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
@@ -34,26 +34,25 @@ TRANSIENT_END = 0.1  # s, end of the initial transient
 
 @dataclass(frozen=True)
 class CurveVariant:
-    """Cells of the contact, tolerance of the integrator, warm starts of contact solves, number of processes."""
+    """Strips and cells of the contact, tolerance of the integrator, number of processes."""
 
     name: str
     fineness: tuple[int, int]
     rtol: float
-    warm: bool = True
     workers: int = 2
     method: str = "rosenbrock"
 
 
 VARIANTS = (
-    CurveVariant("scenes/curve.toml", (4, 10), 3e-3),
-    CurveVariant("one process", (4, 10), 3e-3, workers=1),
-    CurveVariant("tighter", (4, 10), 1e-3),
-    CurveVariant("6 x 8 cells", (6, 8), 3e-3),
-    CurveVariant("6 x 12 cells", (6, 12), 3e-3),
-    CurveVariant("6 x 12 cells, tighter", (6, 12), 1e-3),
+    CurveVariant("scenes/curve.toml", (8, 10), 3e-3),
+    CurveVariant("one process", (8, 10), 3e-3, workers=1),
+    CurveVariant("tighter", (8, 10), 1e-3),
+    CurveVariant("8 x 8 cells", (8, 8), 3e-3),
+    CurveVariant("16 x 10 cells", (16, 10), 3e-3),
+    CurveVariant("16 x 10 cells, tighter", (16, 10), 1e-3),
 )
-TIGHT = CurveVariant("tight tolerance", (4, 10), 1e-4)
-FINE = CurveVariant("finer cells", (8, 14), 3e-4)
+TIGHT = CurveVariant("tight tolerance", (8, 10), 1e-4)
+FINE = CurveVariant("finer cells", (24, 16), 3e-4)
 
 
 @dataclass(frozen=True)
@@ -72,8 +71,8 @@ class TimedRun:
 
 def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, seconds: float) -> TimedRun:
     """Runs the first seconds of the scene with prepared bodies."""
-    assert isinstance(contact.model, FittedContact)
-    model = replace(contact.model, resolution=Resolution(*variant.fineness), warm=variant.warm)
+    assert isinstance(contact.model, LatticeContact)
+    model = replace(contact.model, resolution=LatticeResolution(*variant.fineness))
     tuned = replace(contact, model=model)
     with in_parallel(tuned) if variant.workers == 2 else nullcontext(tuned) as parallel:
         began = perf_counter()

@@ -1,7 +1,7 @@
 """Lateral sweep of a wheel across its rail at constant load: smoothness of forces as patches merge, split or change
 cells.
 
-python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--size MM] [--points fitted|lattice|grid]
+python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--size MM] [--points lattice|grid]
                            [--picture FILE] [--json FILE]
 
 One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Output for
@@ -102,7 +102,7 @@ def main() -> None:
     parser.add_argument("--to", dest="high", type=float, default=8.0)
     parser.add_argument("--friction", type=float, default=0.3)
     parser.add_argument("--size", type=float, default=1.0)
-    parser.add_argument("--points", choices=("fitted", "lattice", "grid"), default="fitted")
+    parser.add_argument("--points", choices=("lattice", "grid"), default="lattice")
     parser.add_argument("--picture", type=Path)
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()

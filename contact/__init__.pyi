@@ -14,8 +14,6 @@ from .models.builders import hertz_pair as hertz_pair
 from .models.builders import wheel_rail_pair as wheel_rail_pair
 from .models.condensed import CondensedContact as CondensedContact
 from .models.discretisation import Discretisation as Discretisation
-from .models.fitted.model import FittedContact as FittedContact
-from .models.fitted.resolution import Resolution as Resolution
 from .models.full.model import FullContact as FullContact
 from .models.lattice.model import LatticeContact as LatticeContact
 from .models.lattice.resolution import LatticeResolution as LatticeResolution

@@ -14,13 +14,13 @@ from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.cattaneo import cattaneo
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 
 Say = Callable[[str], None]
 POINTS = 285  # of a grid as fine as the lines on the blocks
-FINENESS = Resolution(24, 24)
+FINENESS = LatticeResolution(32, 24)
 
 
 def push(distance: float) -> RigidMotion:

@@ -11,13 +11,13 @@ from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model,
 from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.kalker import Name, kalker
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.support.arrays import Array
 
 Say = Callable[[str], None]
 POINTS = 285  # of a grid as fine as the lines on the blocks
-FINENESS = Resolution()
-ROUGHER = tuple(Resolution(*n) for n in ((4, 6), (6, 8), (8, 10), (10, 13)))  # for the slope of the error
+FINENESS = LatticeResolution()
+ROUGHER = tuple(LatticeResolution(*n) for n in ((8, 5), (10, 6), (12, 7), (14, 8)))  # for the slope of the error
 RATIOS = (0.3, 0.5, 0.7, 1.0, 1 / 0.7, 2.0, 1 / 0.3)
 NAMES: tuple[Name, ...] = ("C11", "C22", "C23", "C33")
 STICKING = 1e3  # friction coefficient for full stick
@@ -30,7 +30,7 @@ def coefficients(pair: Ellipse, size: float) -> tuple[Array, int]:
     depth, _ = pressed(pair, size)
     a, b = pair.exact.semi_axes
     # at most 288 points: 24 cells along, as traction is singular where the contact ends, on at most 12 strips
-    model = hertz_model(pair, frictional(STICKING), size, strips=max(4, int(12 * min(1, a / b / 0.75))), cells=24)
+    model = hertz_model(pair, frictional(STICKING), size, strips=12, cells=24)
     c, small = np.sqrt(a * b), 1e-4
     results = [solved(model, depth, rolling(*creep)) for creep in np.diag([small, small, small / c])]
     (fx, *_), (_, fy, mz, _), (_, fy_spin, mz_spin, _) = (
@@ -95,7 +95,7 @@ def kalker_section(quick: bool, say: Say) -> TableSection:
     return section
 
 
-def curve_errors(curve: dict[str, Any], fineness: Resolution, every: int = 1) -> tuple[Array, int]:
+def curve_errors(curve: dict[str, Any], fineness: LatticeResolution, every: int = 1) -> tuple[Array, int]:
     """Errors (cases, 3) of Fx, Fy in mu F_n and Mz in mu F_n sqrt(a b), and the number of points under pressure."""
     pair = Ellipse((curve["Rx"] * 1e-3, curve["Ry"] * 1e-3), curve["Fn"], Material(curve["E"] * 1e6, curve["nu"]))
     size = pair.size(points=POINTS)

@@ -49,7 +49,7 @@ POINT_COLUMNS: list[Column] = [
     ("n", _of("points")),
     ("candidates", _of("candidates")),
     ("ms", _of("seconds", 1e3)),
-    ("projection or fit", phase("points", "fit")),
+    ("projection", phase("points")),
     ("compliance", phase("compliance")),
     ("solve", phase("solve")),
     ("Newton", _of("newton")),
@@ -112,7 +112,7 @@ def exponents(title: str, groups: dict[str, list[Row]], size: str, costs: Sequen
 
 POINT_COSTS: list[Column] = [
     ("time", _of("seconds")),
-    *[(name, of) for name, of in POINT_COLUMNS if name in ("projection or fit", "compliance", "solve", "MB")],
+    *[(name, of) for name, of in POINT_COLUMNS if name in ("projection", "compliance", "solve", "MB")],
 ]
 FULL_COSTS: list[Column] = [(name, of) for name, of in ELASTIC_COLUMNS if name in ("set-up s", "solve s", "MB")]
 BOUND_COSTS: list[Column] = [(name.removesuffix(", ms"), of) for name, of in BOUND_COLUMNS[1:]]

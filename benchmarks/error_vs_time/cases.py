@@ -15,13 +15,13 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_under_load
 from wheelrail.contact.models.discretisation import Bodies, Model
-from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
-LINES = 285  # points of a grid as fine as the lines that carry fitted cells
+LINES = 285  # points of a grid as fine as the lines under the strips
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,8 @@ def creep_cases(every: int) -> tuple[TimedCase, ...]:
 
 @dataclass(frozen=True)
 class ModelVariant:
-    """A contact model: cells of a resolution, or a regular grid with a number of points in the ellipse, on bodies.
+    """A contact model: strips and cells of a lattice, or a regular grid with a number of points in the
+    ellipse, on bodies.
 
     order of the slip formula; stiffness K [N/m3] and regularisation eps of the laws; warm: initial guess from a pose
     one step away.
@@ -83,7 +84,7 @@ class ModelVariant:
 
     family: str
     bodies: Bodies
-    fineness: Resolution | None = None
+    fineness: LatticeResolution | None = None
     points: int = LINES
     order: int = 2
     stiffness: float = EXACT
@@ -107,9 +108,9 @@ class ModelVariant:
         laws = ContactLaws(self.stiffness, friction, self.regularisation if friction else 0.0)
         if self.fineness is None:
             return _model(pair, laws, replace(self, family="", regularisation=0.0))
-        model = _model(pair, ContactLaws(), replace(self, family="", fineness=Resolution(), warm=False))
-        assert isinstance(model, FittedContact)
-        return replace(model, laws=laws, resolution=self.fineness, warm=self.warm)
+        model = _model(pair, ContactLaws(), replace(self, family="", fineness=LatticeResolution(), warm=False))
+        assert isinstance(model, LatticeContact)
+        return replace(model, laws=laws, resolution=self.fineness)
 
     def hertz_depth(self, pair: Ellipse) -> float:
         """Hertz's approach [m] on these bodies, corrected for finite blocks."""
@@ -132,7 +133,7 @@ def _loaded(variant: ModelVariant, pair: Ellipse) -> float:
 @lru_cache(maxsize=8)  # with friction and without, of all pairs: finenesses share them, and grids are large
 def _model(pair: Ellipse, laws: ContactLaws, variant: ModelVariant) -> ContactModel:
     """Model of a pair; resolutions share meshes, spectra and tables."""
-    choices: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "fitted" if variant.fineness else "grid"}
+    choices: dict[str, Any] = {} if variant.bodies == "solid" else {"points": "lattice" if variant.fineness else "grid"}
     return hertz_model(
         pair,
         laws,

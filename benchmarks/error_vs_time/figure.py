@@ -11,10 +11,10 @@ from benchmarks.common.measurement_tables import grouped
 
 # Okabe and Ito's colours, distinct for all colour vision; markers in addition
 STYLES: dict[str, tuple[str, str]] = {
-    "fitted, half-space": ("#0072B2", "o"),
-    "fitted, half-space, warm": ("#56B4E9", "o"),
-    "fitted, waveguide": ("#D55E00", "s"),
-    "fitted, waveguide, warm": ("#E69F00", "s"),
+    "lattice, half-space": ("#0072B2", "o"),
+    "lattice, half-space, warm": ("#56B4E9", "o"),
+    "lattice, waveguide": ("#D55E00", "s"),
+    "lattice, waveguide, warm": ("#E69F00", "s"),
     "grid, order 1": ("#CC79A7", "v"),
     "grid, order 2": ("#009E73", "^"),
     "grid, soft laws": ("#009E73", "x"),

@@ -100,7 +100,6 @@ def _timed(variant: ModelVariant, solve: Solve) -> tuple[Row, ContactResult]:
         "phases": dict(phases),
         "newton": result.statistics.newton,
         "force": result.force.tolist(),
-        "settled": result.statistics.settled,
     }
     return row, result
 

@@ -11,10 +11,10 @@ from benchmarks.error_vs_time.cases import ModelVariant, TimedCase
 from benchmarks.error_vs_time.measure import normal_row, rolling_row
 from benchmarks.error_vs_time.reference import Reference, Say
 from wheelrail.contact.models.discretisation import Bodies, Model
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-FINENESSES = ((4, 6), (6, 8), (6, 12), (8, 12), (12, 16), (20, 24))
-QUICK_FINENESSES = ((4, 6), (6, 12), (12, 16))
+FINENESSES = ((8, 5), (8, 8), (8, 10), (12, 10), (16, 10), (24, 16), (32, 20))
+QUICK_FINENESSES = ((8, 5), (8, 10), (16, 10))
 SIZES, QUICK_SIZES = (50, 100, 200, 400, 800), (50, 200)
 SOFT = 200  # points, where laws are compared
 FULL = 25  # points
@@ -25,13 +25,13 @@ MODELS: tuple[Model, Model] = ("condensed", "full")
 PATIENCE = 1.0  # s that a solve may take to be tried on all cases
 
 
-def fitted(quick: bool) -> Iterator[ModelVariant]:
-    """Fitted cells, cold and warm."""
+def lattices(quick: bool) -> Iterator[ModelVariant]:
+    """Strips of a lattice, cold and warm."""
     for bodies in BODIES:
         for warm in (False, True):
             for n in QUICK_FINENESSES if quick else FINENESSES:
-                name = f"fitted, {bodies}" + (", warm" if warm else "")
-                yield ModelVariant(name, bodies, Resolution(*n), warm=warm)
+                name = f"lattice, {bodies}" + (", warm" if warm else "")
+                yield ModelVariant(name, bodies, LatticeResolution(*n), warm=warm)
 
 
 def grids(quick: bool) -> Iterator[ModelVariant]:
@@ -59,7 +59,7 @@ def solids() -> Iterator[ModelVariant]:
 def measured(quick: bool, against: Reference, say: Say) -> Iterator[Row]:
     """Rows of all models; a row that fails holds `failed` with the reason."""
     every = against.cases[1:]
-    plan = [(fitted(quick), every), (grids(quick), every), (laws(quick), every)]
+    plan = [(lattices(quick), every), (grids(quick), every), (laws(quick), every)]
     if not quick:
         plan.append((solids(), ()))
     for variants, cases in plan:

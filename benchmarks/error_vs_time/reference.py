@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.common.measurement import Row
 from benchmarks.common.reference_table import reference
 from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, timing_case
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.support.arrays import Array
 
 Say = Callable[[str], None]
@@ -24,7 +24,7 @@ class Reference:
     extrapolation.
     """
 
-    finest: Resolution
+    finest: LatticeResolution
     cases: tuple[TimedCase, ...]
     forces: Array
     order: float
@@ -45,7 +45,7 @@ class Reference:
         others = np.delete(deviations, timed_index, axis=0)
         cells = f"{self.finest.strips} x {self.finest.cells}"
         return (
-            f"Reference of the creep forces: fitted cells on half-spaces, {cells} and half as many, extrapolated at "
+            f"Reference of the creep forces: strips x cells on half-spaces, {cells} and half as many, extrapolated at "
             f"the order {self.order:.2f} of their differences, which adds {100 * self.left:.3f} % RMS of mu F_n. "
             f"CONTACT's extrapolated forces differ from it by {rms(others):.3f} % RMS, {np.abs(others).max():.3f} % at "
             f"most, over {len(others)} cases (their uncertainty: up to {100 * _uncertainty():.2f} %), and by "
@@ -53,7 +53,7 @@ class Reference:
         )
 
 
-def extrapolated(finest: Resolution, cases: Sequence[TimedCase], say: Say) -> Reference:
+def extrapolated(finest: LatticeResolution, cases: Sequence[TimedCase], say: Say) -> Reference:
     """Reference whose order is that of the RMS of differences of three solutions as cells are halved."""
     all_cases = (timing_case(), *cases)
     levels = [finest.coarsened().coarsened(), finest.coarsened(), finest]

@@ -1,4 +1,4 @@
-"""Error over time of a contact solve: fitted cells and grids, cold and warm, regularised and exact laws, `full` and
+"""Error over time of a contact solve: lattices and grids, cold and warm, regularised and exact laws, `full` and
 `condensed`, and CONTACT.
 
 python -m benchmarks.error_vs_time.report [--quick] [--picture FILE] [--json FILE]
@@ -22,9 +22,9 @@ from benchmarks.error_vs_time.cases import creep_cases, timing_case
 from benchmarks.error_vs_time.plan import measured
 from benchmarks.error_vs_time.reference import contact_rows, extrapolated
 from benchmarks.scaling.report import progress
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-FINEST, QUICK_FINEST = Resolution(24, 32), Resolution(16, 20)
+FINEST, QUICK_FINEST = LatticeResolution(48, 32), LatticeResolution(32, 20)
 TITLES = {"normal": "Normal contact alone", "rolling": "Rolling with xi, eta and spin"}
 EVERY, QUICK_EVERY = 6, 15  # of the 132 cases, one in so many
 
@@ -48,7 +48,7 @@ COMMON: list[Column] = [
     ("points", lambda row: row.get("points")),
     _ms("least"),
     _ms("median"),
-    ("projection or fit, ms", phase("points", "fit")),
+    ("projection, ms", phase("points")),
     ("compliance, ms", phase("compliance")),
     ("solve, ms", phase("solve")),
     ("other, ms", _remaining_time),

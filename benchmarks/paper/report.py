@@ -111,7 +111,7 @@ def main() -> None:
         report["tables"][name] = {"columns": HEAD.split("|"), "rows": rows}
     if "new" in names:
         head = "contact model|residual at the start, % of axle load|y mm RMS|contact force, % of load RMS"
-        print(f"\n## Contact models compared with fitted points, tight runs\n\n{markdown(head, runs.models())}")
+        print(f"\n## Contact models compared with a lattice, tight runs\n\n{markdown(head, runs.models())}")
         text, data = tolerances(runs, 3 if arguments.quick else 10)
         print(f"\n## Force error against Newton's tolerance, fixed states\n{text}")
         report["tolerances"] = {body: [asdict(accuracy) for accuracy in rows] for body, rows in data.items()}

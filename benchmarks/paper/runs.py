@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.paper.error import Ran, difference
 from benchmarks.paper.segment import PaperBody, TrackSegment
-from benchmarks.paper.variants import FITTED, PaperVariant
+from benchmarks.paper.variants import LATTICE, PaperVariant
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
@@ -83,20 +83,20 @@ class Runs:
         return BySide({side: replace(contact, model=replace(model, options=tuned)) for side in SIDES})
 
     def models(self) -> list[list[Any]]:
-        """Reference of every contact model compared with that of fitted points: name, residual at the start in % of the
+        """Reference of every contact model compared with that on a lattice: name, residual at the start in % of the
         axle load, differences mm and % of load.
         """
-        fitted = self._parts.get((FITTED, self.seconds))
+        lattice = self._parts.get((LATTICE, self.seconds))
         rows: list[list[Any]] = []
         for (body, seconds), part in self._parts.items():
             if seconds != self.seconds:
                 continue
             try:
                 residual = f"{100 * part.steady.residual:.2g}"
-                if fitted is None:
-                    raise RuntimeError("no run with fitted points")
-                y, force = difference(part.reference, fitted.reference)
-                rows.append([body.name, residual, f"{1e3 * y:.4f}", f"{100 * force / fitted.load:.3f}"])
+                if lattice is None:
+                    raise RuntimeError("no run on a lattice")
+                y, force = difference(part.reference, lattice.reference)
+                rows.append([body.name, residual, f"{1e3 * y:.4f}", f"{100 * force / lattice.load:.3f}"])
             except FAILURES as error:
                 rows.append([body.name, "", "", f"{type(error).__name__}: {error}"])
         return rows

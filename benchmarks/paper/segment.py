@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.paper.error import Ran, difference
+from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.vehicle import track, wagon
@@ -74,8 +75,10 @@ class TrackSegment:
         return wheelset_contact(self.scene)
 
     def tuned(self, options: dict[str, Any]) -> WheelsetContact:
-        """The same bodies with other options of Newton's method."""
+        """The same bodies with other options of Newton's method, which a lattice does not have."""
         model: Any = self.contact.model
+        if isinstance(model, LatticeContact):
+            return self.contact
         return replace(self.contact, model=replace(model, options=replace(model.options, **options)))
 
     def dynamics(self, contact: VehicleContact) -> Dynamics:

@@ -15,7 +15,7 @@ COARSE = PaperBody("solids 4 mm, paper's laws", (("surface_size", 4e-3),))
 SOLID_EXACT = PaperBody("solids 2 mm, exact laws", (("laws", "exact"), ("bodies", "solid")))
 WAVES = PaperBody("waveguides 2 mm on a grid, paper's laws", (("bodies", "waveguide"),))
 WAVES_EXACT = PaperBody("waveguides 2 mm on a grid, exact laws", (("laws", "exact"), ("points", "grid")))
-FITTED = PaperBody("waveguides 2 mm, fitted points, exact laws", (("laws", "exact"),))
+LATTICE = PaperBody("waveguides 2 mm, lattice, exact laws", (("laws", "exact"),))
 
 
 @dataclass(frozen=True)
@@ -66,12 +66,12 @@ def additional_rows() -> list[PaperVariant]:
     return [
         *(
             PaperVariant("Eq. (15), ODE23, LU", body, "ode23", LU)
-            for body in (SOLID, SOLID_EXACT, WAVES, WAVES_EXACT, FITTED)
+            for body in (SOLID, SOLID_EXACT, WAVES, WAVES_EXACT, LATTICE)
         ),
         *(
             PaperVariant(f"Eq. (15), {method}, LU", body, method, LU)
             for method in implicit()
-            for body in (SOLID, WAVES_EXACT, FITTED)
+            for body in (SOLID, WAVES_EXACT, LATTICE)
         ),
         both_forms("ode23")[0],
         PaperVariant("Eq. (12), ODE23, product by differences (20)", COARSE, "ode23", sparse("difference"), full=True),

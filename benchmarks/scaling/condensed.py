@@ -19,14 +19,15 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.discretisation import Bodies, Points
-from wheelrail.contact.models.fitted.model import FittedContact
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import LinearSolver, NewtonOptions
 
 CURVE, CASE = 1, 2  # of creep_curves.json: a round patch, the third mixed case, at 0.59 of mu F_n
 ALONG = 4 / 3  # cells of a strip by number of strips
-LINES = 285  # points of a grid as fine as the lines that carry fitted cells
+LINES = 285  # points of a grid as fine as the lines under the strips
+LOADED = 0.75  # of the strips over a usual patch, in an ellipse
 ENOUGH, MOST = 0.6, 5  # seconds and repeats
 AGAIN = 5.0  # s: a solve that takes longer is not repeated
 TASKS: dict[str, LinearSolver | None] = {"normal": None, "rolling, LU": "lu", "rolling, BiCGStab": "bicgstab"}
@@ -46,23 +47,25 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
     depth = pair.exact.approach
     if bodies == "waveguide":  # finite blocks
         depth -= 2 * block_correction(pair.steel.nu)[0] * pair.load / (pair.steel.E * pair.half_width(size))
-    strips = max(4, round(np.sqrt(wanted / ALONG)))
+    loaded = max(4, round(np.sqrt(wanted / ALONG)))
     choices: dict[str, Any] = {}
     if points != "grid":
-        choices = {"strips": strips, "cells": max(4, round(wanted / strips))}
+        choices = {"strips": round(loaded / LOADED), "cells": max(5, round(wanted / loaded))}
     laws = frictional(curve["mu"])  # with room upstream
     model = hertz_model(pair, laws, size, bodies=bodies, points=points, **choices)
-    assert isinstance(model, CondensedContact | FittedContact)
+    assert isinstance(model, CondensedContact | LatticeContact)
     # a first solve computes spectra, tables and compiled kernels, which all solves share
-    coarse = replace(model, resolution=Resolution(4, 8)) if isinstance(model, FittedContact) else model
-    if isinstance(model, FittedContact):
+    coarse = replace(model, resolution=LatticeResolution(4, 8)) if isinstance(model, LatticeContact) else model
+    if isinstance(model, LatticeContact):
         coarse(hertz_pose(depth), rolling(xi), None)
     replace(coarse, laws=frictionless())(hertz_pose(depth), rolling(0.0), None)
     bound = curve["mu"] * pair.load
     for task in tasks:
         linear = TASKS[task]
         laws = frictional(curve["mu"]) if linear else frictionless()
-        variant = replace(model, laws=laws, options=NewtonOptions(linear=linear or "lu"))
+        variant: Any = replace(model, laws=laws)
+        if isinstance(model, CondensedContact):
+            variant = replace(variant, options=NewtonOptions(linear=linear or "lu"))
         motion = rolling(xi, eta, 1e3 * phi) if linear else rolling(0.0)
         result, seconds, phases, memory = timed(variant, depth, motion)
         if result.status != "converged":

@@ -12,8 +12,8 @@ QUICK_SIZES = SIZES[:3]
 # the most points by family (points, bodies) and task
 POINTS: dict[tuple[str, str], dict[str, int]] = {
     ("grid", "waveguide"): {"normal": 3000, "rolling, LU": 1500, "rolling, BiCGStab": 800},
-    ("fitted", "half-space"): {"normal": 3000, "rolling, LU": 3000, "rolling, BiCGStab": 800},
-    ("fitted", "waveguide"): {"normal": 1500, "rolling, LU": 800, "rolling, BiCGStab": 800},
+    ("lattice", "half-space"): {"normal": 3000, "rolling, LU": 3000},
+    ("lattice", "waveguide"): {"normal": 1500, "rolling, LU": 800},
 }
 POINTS_LIMIT, FULL_LIMIT = 120.0, 100.0  # seconds a case
 # elements across the patch by method and ranks: 4, 5, 6, 8, 12, 16, 20 are 25e3 to 1e6 unknowns of one body

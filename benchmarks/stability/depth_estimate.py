@@ -11,9 +11,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from benchmarks.stability.sample import RADIUS, SampledCase
+from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.fitted.surfaces import ProfileStrips
 from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.named import named_profile
 

@@ -16,12 +16,12 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.fitted.resolution import Resolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
 
-TWIN_FINENESS = Resolution(16, 24)
+TWIN_FINENESS = LatticeResolution(32, 20)
 LEAVES = "beyond the part of its surface"  # status of models when the contact leaves the meshed surface
 LONG = "longer than what fitted cells"
 BETWEEN = "separated: the contact lies between the grid's points"

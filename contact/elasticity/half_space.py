@@ -1,8 +1,10 @@
 """Strips on a half-space: flexibility by wavenumbers and by distance along x, in closed form (Boussinesq, Cerruti).
 
 The displacement by a unit force in its own direction at (x, y) is 1/(2 pi G) times (1 - nu)/r along the normal, (1 -
-nu)/r + nu x^2/r^3 along x and (1 - nu)/r + nu y^2/r^3 across; x and across are coupled by nu x y/r^3 (Johnson 1985,
-eqs. 3.19, 3.75). Means over strips, and over cells along x, are second differences of antiderivatives.
+nu)/r + nu x^2/r^3 along x and (1 - nu)/r + nu y^2/r^3 across; x and across are coupled by nu x y/r^3. A force along the
+outward normal displaces the surface by (1/2 - nu) x/r^2 along x and (1/2 - nu) y/r^2 across, away from itself (Johnson
+1985, eqs. 3.18, 3.19, 3.75); tangential forces displace it along the normal by the same with the opposite sign. Means
+over strips, and over cells along x, are second differences of antiderivatives.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ TERMS = 40  # of the series of `cutoff_correction`, for arguments up to 10
 
 
 def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, cutoff: float) -> Array:
-    """Mean displacement (nk, R, C, 4) of strips by harmonic unit loads per length along x on strips; unit modulus.
+    """Mean displacement (nk, R, C, 6) of strips by harmonic unit loads per length along x on strips; unit modulus.
 
     Parameters:
         k: (nk,) 1/m, wavenumbers.
@@ -28,7 +30,8 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, cutoff: 
         cutoff: 1/m, low-wavenumber cut-off: the transform of 1/r, singular like ln k at k = 0, is taken at
             sqrt(k^2 + cutoff^2); see `cutoff_correction`.
 
-    Components: along x, across, normal, and along x by across (sine by cosine).
+    Components: along x, across, normal, along x by across (sine by cosine), along x by normal (sine by cosine), and
+    across by normal; the last two for outward normals, bounded at k = 0.
     """
 
     def second_antiderivative(z: Array) -> Array:  # second antiderivative of K0
@@ -38,60 +41,83 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, cutoff: 
     def antiderivative(z: Array) -> Array:  # of z K0
         return np.asarray(z * k0(z) - np.where(z < 40.0, iti0k0(np.minimum(z, 40.0))[1], 0.5 * np.pi))
 
+    def exponential(z: Array) -> Array:  # second antiderivative of exp(-z)
+        return np.asarray(np.where(z < 0.5, _exponential_series(z), np.expm1(-z) + z))
+
     widths = (rows[:, 1] - rows[:, 0])[:, None] * (columns[:, 1] - columns[:, 0])
     regularised, plain = np.hypot(k, cutoff), np.maximum(k, 1e-9 * k[-1])
     K0 = second_difference(rows, columns, lambda y: second_antiderivative(_phases(regularised, y)), 0.0)
     zK1 = second_difference(rows, columns, lambda y: _phases(regularised, y) * k1(_phases(regularised, y)), 1.0) + K0
     yK0 = second_difference(rows, columns, lambda y: antiderivative(_phases(plain, y)), 0.0, odd=True)
+    decay = second_difference(rows, columns, lambda y: exponential(_phases(plain, y)), 0.0)
+    signed = second_difference(rows, columns, lambda y: exponential(_phases(plain, y)), 0.0, odd=True)
     scale = 2 * (1 + nu) / np.pi / (regularised[:, None, None] ** 2 * widths)
     cross = 2 * (1 + nu) / np.pi / (plain[:, None, None] ** 2 * widths)
+    normal = 0.25 * np.pi * (1 - 2 * nu) * cross
     return np.stack(
-        [(K0 - nu * zK1) * scale, ((1 - nu) * K0 + nu * zK1) * scale, (1 - nu) * K0 * scale, nu * yK0 * cross], axis=-1
+        [
+            (K0 - nu * zK1) * scale,
+            ((1 - nu) * K0 + nu * zK1) * scale,
+            (1 - nu) * K0 * scale,
+            nu * yK0 * cross,
+            decay * normal,
+            signed * normal,
+        ],
+        axis=-1,
     )
 
 
 @compiled
 def strip_antiderivative(x: Array, sides: Array, nu: float) -> Array:
-    """G (pairs, nodes, 4), whose second derivative is the mean compliance between strips; unit modulus.
+    """G (pairs, nodes, 6), whose second derivative is the mean compliance between strips; unit modulus.
 
     Parameters:
         x: (nodes,) m, distances.
         sides: (S, 2) m, lateral bounds of the strips.
         nu: Poisson's ratio.
 
-    Pairs i <= j row by row; components as for `strip_flexibility`, the last one odd in x, the others even.
+    Pairs i <= j row by row; components as for `strip_flexibility`, those along x by across and by normal odd in x, the
+    others even.
     """
     S = len(sides)
     side_number, distances, distance_number = _distances(sides)
-    result = np.empty((S * (S + 1) // 2, len(x), 4))
-    values = np.empty((3, len(distances)))
+    result = np.empty((S * (S + 1) // 2, len(x), 6))
+    values = np.empty((5, len(distances)))
     for k in range(len(x)):
         for d in range(len(distances)):
-            values[0, d], values[1, d], values[2, d] = _fourfold(abs(x[k]), distances[d])
+            values[:3, d] = _fourfold(abs(x[k]), distances[d])
+            values[3:, d] = _fourfold_normal(abs(x[k]), distances[d])
         sign = 1.0 if x[k] >= 0.0 else -1.0
         at = 0
         for i in range(S):
             for j in range(i, S):
                 low, high, first, last = side_number[i, 0], side_number[i, 1], side_number[j, 0], side_number[j, 1]
                 # distances between unlike and between like sides
-                up, down, lows, highs = (
+                corners = (
                     distance_number[high, first],
                     distance_number[low, last],
                     distance_number[low, first],
                     distance_number[high, last],
                 )
-                xx = values[0, up] + values[0, down] - values[0, lows] - values[0, highs]
-                yy = values[1, up] + values[1, down] - values[1, lows] - values[1, highs]
-                xy = 0.0  # odd across: zero on the strip itself, and i lies below j
+                xx, yy, xn = _mixed(values[0], corners), _mixed(values[1], corners), _mixed(values[3], corners)
+                xy, yn = 0.0, 0.0  # odd across: zero on the strip itself, and i lies below j
                 if i != j:
-                    xy = values[2, lows] + values[2, highs] - values[2, down] - values[2, up]
+                    xy, yn = -_mixed(values[2], corners), -_mixed(values[4], corners)
                 scale = (1.0 + nu) / np.pi / ((sides[i, 1] - sides[i, 0]) * (sides[j, 1] - sides[j, 0]))
                 result[at, k, 0] = scale * ((1.0 - nu) * (xx + yy) + nu * xx)
                 result[at, k, 1] = scale * ((1.0 - nu) * (xx + yy) + nu * yy)
                 result[at, k, 2] = scale * (1.0 - nu) * (xx + yy)
                 result[at, k, 3] = sign * scale * nu * xy
+                result[at, k, 4] = sign * scale * (0.5 - nu) * xn
+                result[at, k, 5] = scale * (0.5 - nu) * yn
                 at += 1
     return result
+
+
+@compiled
+def _mixed(values: Array, corners: tuple[int, int, int, int]) -> float:
+    """Second difference from the numbers of two distances between unlike sides and of two between like sides."""
+    return float(values[corners[0]] + values[corners[1]] - values[corners[2]] - values[corners[3]])
 
 
 @compiled
@@ -146,6 +172,25 @@ def _fourfold(x: float, y: float) -> tuple[float, float, float]:
     a, b, c = 0.5 * x * x * y * over_x, 0.5 * x * y * y * over_y, r * r * r / 6.0
     cross = -(x * y * r / 3.0 + x * x * x / 6.0 * over_x + y * y * y / 6.0 * over_y)
     return c + b - 0.5 * y * y * r, c + a - 0.5 * x * x * r, cross
+
+
+@compiled
+def _fourfold_normal(x: float, y: float) -> tuple[float, float]:
+    """Antiderivatives, twice in x and twice in y, of x/r^2 and y/r^2 at x, y >= 0."""
+    logarithm = 0.5 * np.log(x * x + y * y) if x + y > 0.0 else 0.0
+    to_x, to_y = np.arctan2(y, x), np.arctan2(x, y)  # angles with the axes
+    xxx, xxy, xyy, yyy = x * x * x, x * x * y, x * y * y, y * y * y
+    along = (3.0 * xyy - xxx) * logarithm + 3.0 * xxy * to_x + yyy * to_y
+    across = (3.0 * xxy - yyy) * logarithm + 3.0 * xyy * to_y + xxx * to_x
+    return along / 6.0, across / 6.0
+
+
+def _exponential_series(z: Array) -> Array:
+    """exp(-z) + z - 1 to 1e-15 at z < 0.5, without cancellation."""
+    total = np.ones_like(z)
+    for m in range(16, 2, -1):
+        total = 1.0 - total * z / m
+    return np.asarray(0.5 * z * z * total)
 
 
 def _phases(k: Array, y: Array) -> Array:

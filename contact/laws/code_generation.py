@@ -11,7 +11,7 @@ from wheelrail.contact.laws.normal import NormalLaw
 if TYPE_CHECKING:
     from ufl.core.expr import Expr
 
-HEAD = "import math\n\nimport numpy as np\n"
+HEAD = "import math\n\nimport numpy as np\nfrom numba import carray\n"
 
 FRICTION = """
 DEPENDS_ON_SPEED, DEPENDS_ON_PRESSURE = {depends}
@@ -37,6 +37,15 @@ def residual(q, s, p, rho, speed, eps, parameters):
         bound[i], F[0, i], F[1, i] = {residual_out}
         total += F[0, i] * F[0, i] + F[1, i] * F[1, i]
     return bound, F, math.sqrt(total)
+
+
+def residual_at(q, s, p, rho, counts, numbers, parameters, out):
+    n, own = carray(counts, (2,))
+    speed, eps = carray(numbers, (2,))
+    _, F, _ = residual(
+        carray(q, (2, n)), carray(s, (2, n)), carray(p, (n,)), carray(rho, (n,)), speed, eps, carray(parameters, (own,))
+    )
+    carray(out, (2, n))[:] = F
 
 
 def bounded_residual(q, s, bound, rho, eps):

@@ -11,21 +11,24 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numba import types
 
 from wheelrail.contact.laws.code_generation import friction_source, pressure_source
 from wheelrail.contact.laws.friction import FrictionLaw, parameters
 from wheelrail.contact.laws.normal import NormalLaw
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.atomic_file import atomic_file
-from wheelrail.support.compiled import compiled, folder
+from wheelrail.support.compiled import address, compiled, folder
 
+NUMBERS = types.CPointer(types.float64)
+RESIDUAL_AT = types.void(*[NUMBERS] * 4, types.CPointer(types.int64), *[NUMBERS] * 3)
 FRICTION = ("coefficient", "residual", "bounded_residual", "slopes", "bounded_slopes")
 VELOCITIES = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0])  # m/s, at which laws are checked
 PRESSURES = np.array([0.0, 1.0, 1e6, 1e9, 5e9])  # Pa, likewise
@@ -54,6 +57,11 @@ class FrictionFunctions:
         """Bounds (n,) Pa, F (2, n) Pa and its norm."""
         bound, F, norm = self.code.residual(q, s, p, rho, speed, eps, self.parameters)
         return bound, F, norm
+
+    @cached_property
+    def residual_address(self) -> int:
+        """Address of `residual` for `wheelrail.contact.laws.residual_call`."""
+        return address(self.code.residual_at, RESIDUAL_AT)
 
     def bounded_residual(self, q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, float]:
         """F (2, n) Pa and its norm for given bounds."""

@@ -1,9 +1,9 @@
 """Contact models, ready to call; one module or folder per value of the scene keys `model` and `points`.
 
-`CondensedContact` solves for tractions on a grid with the surface compliance, `FittedContact` on strips of cells fitted
-to the patch, `LatticeContact` on strips of a lattice fixed on the upper body, `FullContact` for all displacements of
-both bodies, `StandardContact` by the approximate theories of multibody codes. `hertz_pair` and `wheel_rail_pair` build
-any of them; `WheelsetContact` is one model applied to both wheels.
+`LatticeContact` solves for tractions on strips of a lattice fixed on the upper body, `CondensedContact` on a grid with
+the surface compliance, `FullContact` for all displacements of both bodies, `StandardContact` by the approximate
+theories of multibody codes. `hertz_pair` and `wheel_rail_pair` build any of them; `WheelsetContact` is one model
+applied to both wheels.
 """
 
 import lazy_loader

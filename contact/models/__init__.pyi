@@ -2,7 +2,6 @@ from .builders import hertz_pair as hertz_pair
 from .builders import wheel_rail_pair as wheel_rail_pair
 from .condensed import CondensedContact as CondensedContact
 from .discretisation import Discretisation as Discretisation
-from .fitted.model import FittedContact as FittedContact
 from .full.model import FullContact as FullContact
 from .hertz import HertzContact as HertzContact
 from .lattice.model import LatticeContact as LatticeContact

@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from wheelrail.contact.models.fitted.resolution import Resolution
     from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
 Model = Literal["condensed", "full"]
 Bodies = Literal["solid", "waveguide", "half-space"]
-Points = Literal["fitted", "lattice", "grid"]
+Points = Literal["lattice", "grid"]
 Cell = Literal["tetrahedron", "hexahedron"]
 DEGREE: dict[Bodies, int] = {"solid": 1, "waveguide": 2, "half-space": 0}
 
@@ -37,13 +36,12 @@ class Discretisation:
         surface_size: spacing of the nodes or lines of the surface in contact, m.
         model: "condensed" solves for tractions on the surface compliance, "full" for all displacements.
         bodies: meshed solids, bodies invariant along the track or about the axle by wavenumbers, or half-spaces.
-        points: strips of cells "fitted" to the patch, strips of a "lattice" fixed on the upper body, or a regular
-            "grid".
+        points: strips of a "lattice" fixed on the upper body, or a regular "grid".
         degree: of the displacements, 1 or 2; 0 is 1 for solids, 2 for waveguides.
         cell: of solids.
         slip_order: of the difference formula for the slip on a grid, 1 or 2.
-        strips, cells: of fitted points or a lattice, over the width of a patch and along a strip; None is the default
-            of `Resolution` or `LatticeResolution`.
+        strips, cells: of a lattice, over the width of a usual patch and along a strip; None is the default of
+            `LatticeResolution`.
     """
 
     surface_size: float
@@ -66,39 +64,26 @@ class Discretisation:
         """
         meshed = not exact or self.model == "full" or self.cell == "hexahedron"
         bodies: Bodies = self.bodies or ("solid" if meshed else "waveguide")
-        fittable = bodies != "solid" and exact
-        strips: Points = "lattice" if self.points == "lattice" else "fitted"
-        points: Points = strips if fittable and self.points != "grid" else "grid"
+        strips = bodies != "solid" and exact
+        points: Points = self.points or ("lattice" if strips else "grid")
         if bodies != "solid" and (self.model == "full" or self.cell == "hexahedron"):
             raise IncompatibleChoice("bodies", '"solid" with model = "full" or hexahedra, which need meshes in 3D')
         if bodies == "half-space" and points == "grid":
-            needs = 'points = "fitted" or "lattice" and the exact normal law'
-            raise IncompatibleChoice("bodies", f'"half-space" needs {needs}')
-        if self.points in ("fitted", "lattice") and not fittable:
+            raise IncompatibleChoice("bodies", '"half-space" needs points = "lattice" and the exact normal law')
+        if points == "lattice" and not strips:
             needs = 'bodies = "waveguide" and laws = "exact", or stiffness_per_area = inf'
-            raise IncompatibleChoice("points", f'"{self.points}" needs {needs}')
+            raise IncompatibleChoice("points", f'"lattice" needs {needs}')
         for key in ("strips", "cells"):
             if getattr(self, key) is not None and points == "grid":
-                raise IncompatibleChoice(key, 'only with points = "fitted" or "lattice"')
+                raise IncompatibleChoice(key, 'only with points = "lattice"')
         if self.slip_order == 1 and points != "grid":
             raise IncompatibleChoice("slip_order", '1 only with points = "grid"; strips have second order')
         return replace(self, bodies=bodies, points=points, degree=self.degree or DEGREE[bodies])
 
     @property
-    def resolution(self) -> Resolution:
-        """Strips and cells of fitted points. Raises ValueError for too few."""
-        from wheelrail.contact.models.fitted.resolution import Resolution
-
-        return Resolution(**self._numbers)
-
-    @property
-    def lattice_resolution(self) -> LatticeResolution:
+    def resolution(self) -> LatticeResolution:
         """Strips and cells of a lattice. Raises ValueError for too few."""
         from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-        return LatticeResolution(**self._numbers)
-
-    @property
-    def _numbers(self) -> dict[str, int]:
         numbers = {"strips": self.strips, "cells": self.cells}
-        return {key: number for key, number in numbers.items() if number is not None}
+        return LatticeResolution(**{key: number for key, number in numbers.items() if number is not None})

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.elasticity.solid_compliance import distributed_body, solid_compliance
 from wheelrail.contact.elasticity.waveguide.bodies import rail_waveguide, wheel_waveguide
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.profile_pair import ProfilePair
+from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
-from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import ProfileStrips
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.outlines import rail_outline, rim_outline, wheel_outline
 from wheelrail.meshes.bodies.solids import Strip, rail, rail_contact_range, wheel, wheel_contact_range
@@ -24,8 +24,6 @@ from wheelrail.meshes.profiles.profile import Profile
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
-
-REACH = 0.2  # m, largest length of fitted cells along the rolling direction
 
 
 @dataclass(frozen=True)
@@ -56,13 +54,13 @@ class ProfileBodies:
             (rail_outline(rail_profile), rail_contact_range(rail_profile), self.materials[1]),
         ):
             arc = Strip.over(outline, ends, half_length=size, size=size).arc
-            yield HalfSpaceInfluence.under(outline.surface(arc), arc, REACH, material)
+            yield HalfSpaceInfluence.under(outline.surface(arc), arc, material)
 
     def waveguide_strips(self, how: Discretisation) -> StripOperators:
         return StripOperators(
             self._strips,
             *(
-                ElementInfluence.of_waveguide(body, outline.surface(strip.arc), strip.arc, REACH, material, how.degree)
+                ElementInfluence.of_waveguide(body, outline.surface(strip.arc), strip.arc, material, how.degree)
                 for (outline, (body, _, strip)), material in zip(self._waveguides(how), self.materials, strict=True)
             ),
         )

@@ -14,14 +14,14 @@ from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance, distributed_body, solid_compliance
 from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.quadric_pair import QuadricPair, curvature
+from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
-from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.solids import FINE, RATIO, block
 from wheelrail.meshes.bodies.triangulation import Grading
@@ -109,11 +109,6 @@ class QuadricBodies:
             return self.blocks.half_width / how.surface_size
         return float(2.0 ** np.ceil(np.log2(WIDTH * self._expected[1] / how.surface_size)))
 
-    @property
-    def _reach(self) -> float:
-        """Longest distance along the strips, m."""
-        return 5 * float(np.sqrt(self._expected[0] / self._curvatures[0]))
-
     def _equal_or_not(self, make: Callable[[Material], Any]) -> tuple[Any, Any]:
         """What is made for the material of each body, once where they are equal."""
         upper, lower = self.materials
@@ -124,16 +119,14 @@ class QuadricBodies:
         across = self._half_cells(how)[1]
         lines = np.arange(-across, across + 1, dtype=np.float64) * how.surface_size
         flat = np.column_stack([lines, np.zeros_like(lines)])
-        halves = self._equal_or_not(lambda material: HalfSpaceInfluence.under(flat, lines, self._reach, material))
+        halves = self._equal_or_not(lambda material: HalfSpaceInfluence.under(flat, lines, material))
         return StripOperators(QuadricStrips(*self.radii), *halves)
 
     def waveguide_strips(self, how: Discretisation) -> StripOperators:
         def influence(material: Material) -> ElementInfluence:
             body, grid = self._waveguide(how, material)
             lines = grid.position[0, :, 1:]
-            return ElementInfluence.of_waveguide(
-                body, lines, lines[:, 0], self._reach, material, how.degree, unit=how.surface_size
-            )
+            return ElementInfluence.of_waveguide(body, lines, lines[:, 0], material, how.degree, unit=how.surface_size)
 
         return StripOperators(QuadricStrips(*self.radii), *self._equal_or_not(influence))
 

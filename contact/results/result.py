@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from typing import Protocol, overload
 
@@ -141,6 +141,27 @@ class Fields:
     sticks: Mask | None = None
 
 
+class LazyFields(Fields):
+    """Fields, computed at the first access.
+
+    Parameters:
+        compute: returns the fields.
+    """
+
+    def __init__(self, compute: Callable[[], Fields]) -> None:
+        object.__setattr__(self, "_compute", compute)
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("__") or "_compute" not in self.__dict__:
+            raise AttributeError(name)
+        computed = self.__dict__.pop("_compute")()
+        self.__dict__.update(vars(computed))
+        return getattr(self, name)
+
+    def __reduce__(self) -> tuple[type[Fields], tuple[object, ...]]:
+        return Fields, tuple(getattr(self, part.name) for part in fields(self))
+
+
 @dataclass(frozen=True)
 class Statistics:
     """Solver statistics of one solve.
@@ -150,8 +171,6 @@ class Statistics:
         points: candidate points.
         residual: final relative residual.
         seconds: by phase.
-        settled: whether the patch-edge iteration of fitted cells converged; if not, the laws hold on cells whose ends
-            deviate slightly from the edge of the contact.
     """
 
     newton: int = 0
@@ -159,7 +178,6 @@ class Statistics:
     points: int = 0
     residual: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
-    settled: bool = True
 
 
 class ForceTangent(Protocol):

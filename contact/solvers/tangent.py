@@ -2,10 +2,7 @@
 
 With the points fixed, and the same ones active, sticking and sliding, the laws are linear in small changes: N p' = d0'
 + D q' on the active points, s' = c' + S q' + T p', and F' = 0 of `wheelrail.contact.solvers.tangential`. Fixed are the
-points (material points of the wheel in a frame that does not spin), their areas and the compliance between them. Fitted
-cells are fixed likewise: pressure vanishes at their ends, so that moving ends contribute nothing to first order. At the
-leading end, however, the traction of incoming material starts from zero and rises like the pressure: as this end moves
-with the pressure's change, q / p stays constant next to it.
+points (material points of the wheel in a frame that does not spin), their areas and the compliance between them.
 """
 
 from __future__ import annotations
@@ -24,10 +21,9 @@ from wheelrail.contact.laws.linearised_friction import LinearisedFriction
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
-from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.arrays import Array, Nodes
 
 CHANGES = 12
-ENTRY = 2  # first cells at the leading end, whose slip uses points ahead of the contact
 MIRRORED = np.concatenate([MIRROR, -MIRROR])  # of a vector and an axial one
 
 
@@ -43,9 +39,6 @@ class TangentProblem:
             displacement.
         laws: of the interface.
         found: the solution.
-        strip: cells of each fitted strip, from the trailing end; 0 for points of a grid, where the traction starts at
-            points without pressure.
-        scale: by which displacements, including a tangential displacement, exceed the operator's at equal slip.
 
     Cost for a active points with friction: 18 a^3 if it changes the pressure, 5 a^3 if not or if a `ContactCompliance`
     has cached the linearisation; 2 a^3 / 3 without friction.
@@ -59,8 +52,6 @@ class TangentProblem:
     speed: float
     laws: ContactLaws
     found: Tractions
-    strip: int = 0
-    scale: float = 1.0
 
     @cached_property
     def matrix(self) -> Array:
@@ -93,14 +84,14 @@ class TangentProblem:
         factor = body.normal.of(active, IterationCount())
         penetration = places.sensitivity.penetration(places, self.origin)
         deepening = np.zeros((a, CHANGES))
-        deepening[:, :6] = penetration[:, index].T / self.scale
+        deepening[:, :6] = penetration[:, index].T
         p = la.lu_solve(factor, deepening, check_finite=False)
         if self.rigid is None:
             return p, None
         rows = np.concatenate([index, n + index])
         rigid_change, speed = rigid_slip(places, self.origin, self.motion, penetration)
         creep = rigid_change[:, rows].T
-        creep = (creep - self.rigid[rows, None] * speed) / self.speed if self.speed else creep / self.scale
+        creep = (creep - self.rigid[rows, None] * speed) / self.speed if self.speed else creep
         shift = body.shift if a == n else body.shift[np.ix_(rows, index)]
         p0, q0 = self.found.pressure[index], self.found.tangential[index].T
         rho, s0 = self_compliance(np.diag(body.slip)[rows]), self.found.slip[index].T
@@ -122,22 +113,8 @@ class TangentProblem:
             if slope is not None:
                 jacobian[i * a : (i + 1) * a] -= law.by_pressure[i][:, None] * slope
         right = law.by_speed.reshape(-1, 1) * speed + law.pressure(p) - law.slip(creep + shift @ p)
-        leading = self._leading(index) & ~law.slides
-        start = np.flatnonzero(np.tile(leading, 2))
-        unit_tractions = np.zeros((2 * a, len(start)))
-        unit_tractions[start, np.arange(len(start))] = 1.0
-        solution = solve(jacobian, np.hstack([right, unit_tractions]))
-        q, response = solution[:, :CHANGES], solution[:, CHANGES:]
-        if leading.any():
-            rise = (p if slope is None else p + slope @ q)[leading]
-            fixed_ratio = (q0 / p0 - law.by_pressure)[:, leading, None] * rise
-            q = q + response @ np.linalg.solve(response[start], fixed_ratio.reshape(-1, CHANGES))
+        q = solve(jacobian, right)
         return (p if slope is None else p + slope @ q), q
-
-    def _leading(self, index: Nodes) -> Mask:
-        """Mask of the active points at the leading end of a fitted strip."""
-        rolls = self.strip and self.speed
-        return np.asarray(index % self.strip >= self.strip - ENTRY) if rolls else np.zeros(len(index), dtype=bool)
 
 
 def co_moving_load(load: Array, origin: Array) -> Array:

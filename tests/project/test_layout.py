@@ -22,14 +22,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "meshes.curves": {"support"},
     "meshes.profiles": {"meshes.curves", "support"},
     "meshes.bodies": {"meshes.curves", "meshes.profiles", "support"},
-    "contact": {
-        "contact.element",
-        "contact.kinematics",
-        "contact.laws",
-        "contact.loading",
-        "contact.models",
-        "contact.models.fitted",
-    }
+    "contact": {"contact.element", "contact.kinematics", "contact.laws", "contact.loading", "contact.models"}
     | {
         "contact.models.full",
         "contact.models.lattice",
@@ -46,23 +39,25 @@ MAY_IMPORT: dict[str, set[str]] = {
     "contact.solvers": {"contact.kinematics", "contact.laws", "support"},
     "contact.elasticity": {"contact.geometry", "contact.laws", "forms", "meshes.bodies", "support"},
 }
-MAY_IMPORT["contact.elasticity.waveguide"] = MAY_IMPORT["contact.elasticity"] | {"contact.elasticity"}
+MAY_IMPORT["contact.elasticity.waveguide"] = MAY_IMPORT["contact.elasticity"] | {
+    "contact.elasticity",
+    "contact.kinematics",
+}
 _MODEL = {"contact.geometry", "contact.kinematics", "contact.laws", "contact.results", "support"}
 MAY_IMPORT |= {
     "contact.models.standard": _MODEL | {"contact.analytical"},
     "contact.models.full": _MODEL | {"contact.elasticity", "contact.solvers", "forms", "meshes.bodies"},
-    "contact.models.fitted": _MODEL
+    "contact.models.lattice.influence": _MODEL
     | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
 }
-MAY_IMPORT["contact.models.lattice.influence"] = MAY_IMPORT["contact.models.fitted"] | {"contact.models.fitted"}
 MAY_IMPORT["contact.models.lattice"] = MAY_IMPORT["contact.models.lattice.influence"] | {
     "contact.models.lattice.influence"
 }
 MAY_IMPORT["contact.models"] = {
     "contact.analytical",
     "contact.elasticity.waveguide",
-    *(f"contact.models.{name}" for name in ("fitted", "full", "lattice", "standard")),
-    *(MAY_IMPORT["contact.models.fitted"] | MAY_IMPORT["contact.models.full"]),
+    *(f"contact.models.{name}" for name in ("full", "lattice", "standard")),
+    *(MAY_IMPORT["contact.models.lattice"] | MAY_IMPORT["contact.models.full"]),
 }
 MAY_IMPORT |= {
     "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"},

@@ -74,7 +74,7 @@ assert sides == {{"left": "converged", "right": "converged"}}
 run = (Path({str(ROOT)!r}) / "scenes" / "paper_curve.toml").read_text()
 wheelset_contact(parse_scene(run.replace('model = "condensed"', 'model = "standard"')))
 import sys
-wrong = ("models.builders", "elasticity.solid_compliance", "elasticity.waveguide.compliance", "models.fitted.model")
+wrong = ("models.builders", "elasticity.solid_compliance", "elasticity.waveguide.compliance", "models.lattice.model")
 assert not [name for name in wrong if f"wheelrail.contact.{{name}}" in sys.modules]
 """
     heavy_after(script)  # generates the code of the friction law from UFL, unless cached

@@ -13,8 +13,11 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any, Literal, TypeVar, cast
 
-from numba import config, njit
+from numba import config, njit, types
 from numba.core.caching import FunctionCache
+from numba.core.ccallback import CFunc
+from numba.core.sigutils import normalize_signature
+from numba.extending import intrinsic
 
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.cache import cache_folder, source_digest
@@ -59,6 +62,44 @@ def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python")
         with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
     return cast(F, dispatcher)
+
+
+def address(function: Callable[..., Any], signature: Any) -> int:
+    """Address of a C function with a Numba signature, compiled from a function in Python; it lives until the end.
+
+    Compiled code that is called with it works with functions that were unknown when it was compiled.
+    """
+    key = f"{function.__module__}.{function.__qualname__}"
+    if key not in _c_functions:
+        c_function: Any = CFunc(function, normalize_signature(signature), {}, {"nopython": True})
+        path = folder()
+        if path is not None:
+            with _cached_in(path), suppress(OSError):
+                c_function._cache = TolerantCache(function)
+        c_function.compile()
+        _c_functions[key] = c_function
+    return int(_c_functions[key].address)
+
+
+_c_functions: dict[str, Any] = {}
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def call(context: Any, at: Any, arguments: Any) -> Any:
+    """Compiled: call of the function at an address without a result; its arguments are addresses (tuple of integers),
+    those of arrays `array.ctypes.data`.
+    """
+
+    def generate(ctx: Any, builder: Any, _: Any, values: Any) -> Any:
+        from llvmlite import ir  # type: ignore[import-untyped]
+
+        pointer = ir.IntType(8).as_pointer()
+        function = ir.FunctionType(ir.VoidType(), [pointer] * len(arguments)).as_pointer()
+        given = [builder.inttoptr(builder.extract_value(values[1], i), pointer) for i in range(len(arguments))]
+        builder.call(builder.inttoptr(values[0], function), given)
+        return ctx.get_dummy_value()
+
+    return types.void(at, arguments), generate
 
 
 @cache

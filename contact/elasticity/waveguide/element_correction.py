@@ -19,23 +19,25 @@ from wheelrail.contact.elasticity.waveguide.spectrum import pair_indices
 from wheelrail.contact.laws.material import Material
 from wheelrail.support.arrays import Array
 
+MIRRORED = np.array([[1, -1, 1], [-1, 1, -1], [1, -1, 1]])  # mirrored across the surface H(k) = MIRRORED * H(k)^T
+ODD_ACROSS = [3, 5]  # components that change their sign with the lateral distance
 FAR = 8  # lines away from the load, where elements and half-space differ by the block's finite size only
 
 
 @dataclass(frozen=True)
 class SurfaceError:
-    """Missing flexibility of loads over one line, by components along x, y, z, lines 0 .. 7 apart, per unit modulus.
+    """Missing flexibility of loads over one line, lines 0 .. 7 apart, per unit modulus.
 
     Parameters:
         log_q: (m,), log q, q = k times the lines' spacing.
-        values: (m, 8, 3).
+        values: (m, 8, 6), components of `strip_flexibility`.
     """
 
     log_q: Array
     values: Array
 
     def at(self, q: Array) -> Array:
-        """Missing flexibility (..., 8, 3) at wavenumbers times spacing (...)."""
+        """Missing flexibility (..., 8, 6) at wavenumbers times spacing (...)."""
         limited = np.clip(np.log(np.maximum(q, 1e-300)), self.log_q[0], self.log_q[-1])
         return np.asarray(CubicSpline(self.log_q, self.values)(limited))
 
@@ -56,11 +58,15 @@ def surface_error(nu: float, degree: int) -> SurfaceError:
     resolved = samples.k > 0.02
     q, lines = samples.k[resolved], np.arange(FAR + 1)
     index = pair_indices(ns)
-    elements = np.empty((len(q), FAR + 1, 3))
+    elements = np.empty((len(q), FAR + 1, 6))
     middle = np.arange(FAR // 2, ns - FAR // 2 - FAR)
     for d in lines:
         flexibility = samples.values[resolved][:, index[middle, middle + d]].mean(axis=1)
-        elements[:, d] = np.diagonal(flexibility, axis1=1, axis2=2)
+        mirrored = flexibility.swapaxes(1, 2) * MIRRORED
+        elements[:, d, :3] = np.diagonal(flexibility, axis1=1, axis2=2)
+        elements[:, d, 3:] = 0.5 * (flexibility + mirrored)[:, *np.triu_indices(3, 1)]
     unit = np.column_stack([lines - 0.5, lines + 0.5])
-    missing = strip_flexibility(q, unit[:1], unit, nu, 0.0)[:, 0, :, :3] - elements
-    return SurfaceError(np.log(q), missing[:, :FAR] - missing[:, FAR:])
+    missing = strip_flexibility(q, unit[:1], unit, nu, 0.0)[:, 0] - elements
+    near = missing[:, :FAR] - missing[:, FAR:]
+    near[:, 0, ODD_ACROSS] = 0.0
+    return SurfaceError(np.log(q), near)

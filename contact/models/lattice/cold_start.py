@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.fitted.operators import TOO_LONG
-from wheelrail.contact.models.lattice.equations import GAUSS
-from wheelrail.contact.models.lattice.influence.basis import MODES, StripBasis, equal_cells
+from wheelrail.contact.models.lattice.influence.basis import MODES, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
-from wheelrail.contact.models.lattice.surface import frames, rigid_shift
-from wheelrail.contact.solvers.options import IterationCount, NewtonOptions
+from wheelrail.contact.models.lattice.surface import GAUSS, frames, rigid_shift
+from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
 
@@ -32,8 +33,8 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
     stretch = problem.tables.stretch[strips]
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
-    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch)
-    inside, matrix = cell_operator(problem.pairs(strips), grid, basis, problem.rolls)
+    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch, strips)
+    inside, matrix = cell_operator(problem.pairs, grid, basis, problem.rolls)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     place = (ends[:, :1] + length * 0.5 * (basis.marks[1:] + basis.marks[:-1])).ravel()
@@ -47,8 +48,29 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
         at = frames(problem.surface, motion.origin, motion.rotation, middle, place)
         shift = rigid_shift(at, level, motion)[0]
         rigid = shift.T.ravel() / problem.speed
-    tractions = solve_tractions(matrix, depth, rigid, laws=laws, speed=problem.speed, options=OPTIONS, count=count)
-    return _state(problem, strips, ends, tractions, basis)
+    tractions = _tractions(matrix, depth, rigid, laws, problem.speed, count)
+    q = tractions.tangential.T.reshape(2, len(strips), CELLS)
+    return state_of_cells(problem, strips, ends, tractions.pressure.reshape(len(strips), CELLS), q)
+
+
+def _tractions(
+    matrix: Array, depth: Array, rigid: Array | None, laws: ContactLaws, speed: float, count: IterationCount
+) -> Tractions:
+    """Tractions of the cells, see `solve_tractions`. Where they do not converge, those of friction that is not coupled
+    to the pressure, and where these do not either, the pressure alone.
+    """
+    try:
+        return solve_tractions(matrix, depth, rigid, laws=laws, speed=speed, options=OPTIONS, count=count)
+    except NotConverged:
+        if rigid is None:
+            raise
+    n = len(depth)
+    uncoupled = matrix.copy()
+    uncoupled[-n:, :-n] = 0.0
+    with suppress(NotConverged):
+        return solve_tractions(uncoupled, depth, rigid, laws=laws, speed=speed, options=OPTIONS, count=count)
+    normal = np.ascontiguousarray(matrix[-n:, -n:])
+    return solve_tractions(normal, depth, None, laws=ContactLaws(friction=0.0), speed=speed, count=count)
 
 
 def first_ends(problem: LatticeProblem, strips: Nodes) -> Array:
@@ -61,27 +83,32 @@ def first_ends(problem: LatticeProblem, strips: Nodes) -> Array:
     return np.column_stack([x - half, x + half])
 
 
-def _state(
-    problem: LatticeProblem, strips: Nodes, ends: Array, tractions: Tractions, basis: StripBasis
+def state_of_cells(
+    problem: LatticeProblem, strips: Nodes, ends: Array, pressure: Array, tractions: Array
 ) -> LatticeState | None:
-    """Strips with pressure, their ends where its square falls to zero, and modes of equal load."""
-    pressure = tractions.pressure.reshape(len(strips), CELLS)
-    traction = tractions.tangential.T.reshape(2, len(strips), CELLS)
-    M = problem.cells if problem.rolls else 0
+    """Strips with pressure, their ends where its square falls to zero, and modes of equal load; None without any.
+
+    Parameters:
+        strips: (S,).
+        ends: (S, 2) m, of the equal cells.
+        pressure: (S, N) Pa.
+        tractions: (2, S, N) Pa.
+    """
+    M, N = problem.cells if problem.rolls else 0, pressure.shape[1]
     chosen, rows = [], []
     for i, p in enumerate(pressure):
         loaded = np.flatnonzero(p > 0)
         if not len(loaded):
             continue
-        cell = (ends[i, 1] - ends[i, 0]) / CELLS
+        cell = (ends[i, 1] - ends[i, 0]) / N
         low, high = _extent(p, loaded, float(ends[i, 0]), float(cell))
         values = np.zeros(2 * M + MODES + 2)
         values[-2:] = low, high
         values[2 * M] = 4 * p.sum() * cell / (np.pi * (high - low))
         if M:
-            ratio = traction[:, i] / np.maximum(p, 1e-3 * p.max())
+            ratio = tractions[:, i] / np.maximum(p, 1e-3 * p.max())
             at = low + (high - low) * problem.cell_middles
-            middles = ends[i, 0] + cell * (np.arange(CELLS) + 0.5)
+            middles = ends[i, 0] + cell * (np.arange(N) + 0.5)
             new = values[2 * M] * problem.basis.mean[:, 0]
             for k in range(2):
                 values[k * M : (k + 1) * M] = new * np.interp(at, middles[loaded], ratio[k][loaded])
@@ -91,7 +118,7 @@ def _state(
 
 
 def _extent(p: Array, loaded: Nodes, start: float, cell: float) -> tuple[float, float]:
-    """Ends m of the pressure (CELLS,) on cells, extrapolated by its square where there are three loaded cells."""
+    """Ends m of the pressure (N,) on cells, extrapolated by its square where there are three loaded cells."""
     a, b = loaded[0], loaded[-1]
     low, high = start + a * cell, start + (b + 1) * cell
     if len(loaded) >= 3:

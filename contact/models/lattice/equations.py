@@ -6,25 +6,33 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.contact.laws.residual_call import ResidualCode, friction_residual
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
-from wheelrail.contact.models.lattice.surface import Motion, SurfaceData, frames, penetration, rigid_shift
-from wheelrail.support.arrays import Array
+from wheelrail.contact.models.lattice.surface import (
+    GAUSS,
+    Motion,
+    SurfaceData,
+    SurfaceFrames,
+    frames,
+    penetration,
+    rigid_shift,
+)
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
-
-GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
 
 
 class StripPlaces(NamedTuple):
-    """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, and their
-    longitudinal axes (S, 3) where the surfaces touch.
+    """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, their longitudinal
+    axes (S, 3) where the surfaces touch, and their numbers (S,) on the lattice.
     """
 
     middle: Array
     width: Array
     stretch: Array
     level: Array
+    strip: Nodes
 
 
 class EquationData(NamedTuple):
@@ -35,6 +43,7 @@ class EquationData(NamedTuple):
     motion: Motion
     places: StripPlaces
     basis: StripBasis
+    law: ResidualCode
 
 
 class Evaluation(NamedTuple):
@@ -69,7 +78,7 @@ def strip_grid(values: Array, places: StripPlaces, basis: StripBasis) -> StripGr
         length[i] = places.stretch[i] * (high - low)
         for r in range(R):
             x[i, r] = places.stretch[i] * (low + (high - low) * basis.row_marks[r])
-    return StripGrid(x, length, places.width, places.stretch)
+    return StripGrid(x, length, places.width, places.stretch, places.strip)
 
 
 @compiled
@@ -102,17 +111,32 @@ def _add_penetration(values: Array, data: EquationData, moments: Array) -> tuple
                 at = (2 * i + g) * n + k
                 s[at] = places.middle[i] + (2 * g - 1) * GAUSS * places.width[i]
                 x[at] = values[i, -2] + (values[i, -1] - values[i, -2]) * basis.stations[k]
-    found = penetration(data.surface, motion.origin, motion.rotation, s, x)
+    at_points = penetration(data.surface, motion.origin, motion.rotation, s, x)
     slope, inside = np.zeros((S, n)), True
     for i in range(S):
         for g in range(2):
             for k in range(n):
                 at = (2 * i + g) * n + k
-                inside = inside and np.isfinite(found.depth[at])
-                slope[i, k] += 0.5 * found.slope[at]
+                inside = inside and np.isfinite(at_points.depth[at])
+                slope[i, k] += 0.5 * at_points.slope[at]
                 for m in range(moments.shape[1]):
-                    moments[i, m] += 0.5 * basis.penetration[m, k] * found.depth[at]
+                    moments[i, m] += 0.5 * basis.penetration[m, k] * at_points.depth[at]
     return inside, slope
+
+
+@compiled
+def cell_frames(
+    values: Array, places: StripPlaces, basis: StripBasis, surface: SurfaceData, motion: Motion
+) -> SurfaceFrames:
+    """Points and axes of the upper body at the middles of all cells (S M,)."""
+    S, M = len(values), len(basis.marks) - 1
+    s, x = np.empty(S * M), np.empty(S * M)
+    for i in range(S):
+        for r in range(M):
+            mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
+            s[i * M + r] = places.middle[i]
+            x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
+    return frames(surface, motion.origin, motion.rotation, s, x)
 
 
 @compiled
@@ -120,14 +144,11 @@ def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
     """Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x."""
     places, basis, motion = data.places, data.basis, data.motion
     S, M = len(values), len(basis.marks) - 1
-    s, x, level = np.empty(S * M), np.empty(S * M), np.empty((S * M, 3))
+    level = np.empty((S * M, 3))
     for i in range(S):
         for r in range(M):
-            s[i * M + r] = places.middle[i]
-            mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
-            x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
             level[i * M + r] = places.level[i]
-    at = frames(data.surface, motion.origin, motion.rotation, s, x)
+    at = cell_frames(values, places, basis, data.surface, motion)
     shift, change, _ = rigid_shift(at, level, motion)
     slip, slope = np.empty((S, 2, M)), np.empty((S, 2, M))
     for i in range(S):
@@ -139,19 +160,53 @@ def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
 
 
 @compiled
-def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> Evaluation:
-    """Evaluation from the antiderivative V of the displacements; the friction residual is left to the law."""
-    basis, motion = data.basis, data.motion
-    S, M, modes = len(values), len(basis.marks) - 1, basis.mean.shape[1]
-    rolls = motion.speed > 0.0
-    slip, moments = slips_and_moments(V, grid, basis)
-    inside, depth_slope = _add_penetration(values, data, moments)
+def _pressure(values: Array, basis: StripBasis, rolls: bool) -> Array:
+    """Pressure (S, M) Pa, means over the cells."""
+    S, M = len(values), len(basis.marks) - 1
     at = 2 * M if rolls else 0
     pressure = np.zeros((S, M))
     for i in range(S):
         for r in range(M):
-            for m in range(modes):
+            for m in range(basis.mean.shape[1]):
                 pressure[i, r] += values[i, at + m] * basis.mean[r, m]
+    return pressure
+
+
+@compiled
+def resultants(values: Array, data: EquationData) -> Array:
+    """Force N and moment N m about the origin (6,) on the upper body."""
+    places, basis = data.places, data.basis
+    S, M = len(values), len(basis.marks) - 1
+    pressure = _pressure(values, basis, data.motion.speed > 0.0)
+    rolls = data.motion.speed > 0.0
+    at = cell_frames(values, places, basis, data.surface, data.motion)
+    total, force = np.zeros(6), np.empty(3)
+    for i in range(S):
+        length = places.stretch[i] * (values[i, -1] - values[i, -2])
+        for r in range(M):
+            area = length * (basis.marks[r + 1] - basis.marks[r]) * places.width[i]
+            axes, point = at.axes[i * M + r], at.point[i * M + r]
+            along = values[i, r] if rolls else 0.0
+            across = values[i, M + r] if rolls else 0.0
+            for c in range(3):
+                force[c] = area * (along * axes[0, c] + across * axes[1, c] - pressure[i, r] * axes[2, c])
+                total[c] += force[c]
+            for c in range(3):
+                a, b = (c + 1) % 3, (c + 2) % 3
+                total[3 + c] += point[a] * force[b] - point[b] * force[a]
+    return total
+
+
+@compiled
+def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> Evaluation:
+    """Evaluation from the antiderivative V of the displacements; the friction residual needs rho."""
+    basis, motion = data.basis, data.motion
+    S, M = len(values), len(basis.marks) - 1
+    rolls = motion.speed > 0.0
+    slip, moments = slips_and_moments(V, grid, basis)
+    inside, depth_slope = _add_penetration(values, data, moments)
+    at = 2 * M if rolls else 0
+    pressure = _pressure(values, basis, rolls)
     residuals = np.empty((S, at + moments.shape[1]))
     residuals[:, at:] = moments
     rigid_slope = np.zeros((S, 2, M))
@@ -162,14 +217,36 @@ def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> 
 
 
 @compiled
-def evaluate(values: Array, data: EquationData) -> Evaluation:
-    """Evaluation of a state with values (S, block); the friction residual is left to the law."""
+def _add_friction(values: Array, evaluation: Evaluation, rho: Array, data: EquationData) -> None:
+    """Complete the residual by that of friction; rho (S, M) 1/Pa. The pressure of a trial state may be negative: its
+    bound is zero.
+    """
+    S, M = evaluation.pressure.shape
+    q, s, p = np.empty((2, S * M)), np.empty((2, S * M)), np.empty(S * M)
+    for i in range(S):
+        for r in range(M):
+            p[i * M + r] = max(evaluation.pressure[i, r], 0.0)
+            for k in range(2):
+                q[k, i * M + r] = values[i, k * M + r]
+                s[k, i * M + r] = evaluation.slip[i, k, r]
+    F = friction_residual(data.law, q, s, p, rho, data.motion.speed)
+    for i in range(S):
+        for k in range(2):
+            for r in range(M):
+                evaluation.residual[i, k * M + r] = F[k, i * M + r]
+
+
+@compiled
+def evaluate(values: Array, data: EquationData, rho: Array) -> Evaluation:
+    """Evaluation of a state with values (S, block); rho (S, M) 1/Pa of the friction residual."""
     places, basis = data.places, data.basis
     grid = strip_grid(values, places, basis)
     jumps = force_jumps(values, places, basis, data.motion.speed > 0.0)
     inside, V = antiderivatives(data.tables, grid, jumps)
-    found = _assembled(values, V, grid, data)
-    return Evaluation(inside and found.inside, *found[1:])
+    evaluation = _assembled(values, V, grid, data)
+    if data.motion.speed > 0.0:
+        _add_friction(values, evaluation, rho, data)
+    return Evaluation(inside and evaluation.inside, *evaluation[1:])
 
 
 @compiled
@@ -197,22 +274,24 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Arr
     grid = strip_grid(values, places, basis)
     inside, A, V = operator(data.tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
     rho = self_compliance(A, S, M) if rolls else np.zeros((S, M))
-    found = _assembled(values, V, grid, data)
+    evaluation = _assembled(values, V, grid, data)
+    if rolls:
+        _add_friction(values, evaluation, rho, data)
     block, moments = values.shape[1], basis.penetration.shape[0]
     for i in range(S):
         last = (i + 1) * block
         for k in range(moments):
             for g in range(len(basis.stations)):
-                part = basis.penetration[k, g] * found.depth_slope[i, g]
+                part = basis.penetration[k, g] * evaluation.depth_slope[i, g]
                 A[last - moments + k, last - 2] += part * (1.0 - basis.stations[g])
                 A[last - moments + k, last - 1] += part * basis.stations[g]
         if rolls:
             for a in range(2):
                 for r in range(M):
                     mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
-                    A[i * block + a * M + r, last - 2] += found.rigid_slope[i, a, r] * (1.0 - mark)
-                    A[i * block + a * M + r, last - 1] += found.rigid_slope[i, a, r] * mark
-    return Evaluation(inside and found.inside, *found[1:]), A, rho
+                    A[i * block + a * M + r, last - 2] += evaluation.rigid_slope[i, a, r] * (1.0 - mark)
+                    A[i * block + a * M + r, last - 1] += evaluation.rigid_slope[i, a, r] * mark
+    return Evaluation(inside and evaluation.inside, *evaluation[1:]), A, rho
 
 
 @compiled

@@ -7,11 +7,13 @@ are over the rolling speed V. Pressures of a trial state may be negative: their 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.laws.pointwise import FrictionFunctions
+from wheelrail.contact.laws.residual_call import ResidualCode
 from wheelrail.support.arrays import Array
 
 
@@ -31,8 +33,13 @@ class CellFriction:
     def of(cls, laws: ContactLaws) -> CellFriction:
         return cls(laws.pointwise_friction, laws.regularisation)
 
-    def residual(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
-        """F (S, 2, M) Pa.
+    @cached_property
+    def code(self) -> ResidualCode:
+        """The residual F (2, n) Pa for compiled code."""
+        return ResidualCode.of(self.functions, self.regularisation)
+
+    def slopes(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
+        """Slopes (S, M, 12) of F by traction (4), slip (4), pressure (2), speed (2).
 
         Parameters:
             tractions: (S, 2, M) Pa.
@@ -41,12 +48,6 @@ class CellFriction:
             rho: (S, M) 1/Pa.
             speed: m/s.
         """
-        q, s, p, r = _by_point(tractions, slip, pressure, rho)
-        _, F, _ = self.functions.residual(q, s, p, r, speed, self.regularisation)
-        return np.asarray(F.reshape(2, *pressure.shape).transpose(1, 0, 2))
-
-    def slopes(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
-        """Slopes (S, M, 12) of F by traction (4), slip (4), pressure (2), speed (2); parameters as for `residual`."""
         q, s, p, r = _by_point(tractions, slip, pressure, rho)
         slopes = self.functions.slopes(np.arange(len(p)), q, s, p, r, speed, self.regularisation)
         slopes[p == 0.0, 8:10] = 0.0

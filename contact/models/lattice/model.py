@@ -13,11 +13,14 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.fitted.operators import StripOperators
+from wheelrail.contact.models.lattice.chords import chords
 from wheelrail.contact.models.lattice.cold_start import cold_start
+from wheelrail.contact.models.lattice.entry import entering
+from wheelrail.contact.models.lattice.factors import back_substitution
 from wheelrail.contact.models.lattice.friction import CellFriction
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.contact.models.lattice.newton import LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
@@ -102,7 +105,7 @@ class LatticeContact:
             statistics = Statistics(
                 newton=count.newton,
                 linear=count.linear,
-                points=solution.evaluation.pressure.size,
+                points=len(solution.state.strips) * problem.cells,
                 residual=count.residual,
                 seconds={"solve": perf_counter() - start},
             )
@@ -114,13 +117,33 @@ class LatticeContact:
         self, problem: LatticeProblem, guess: ContactResult | None, count: IterationCount
     ) -> LatticeSolution | None:
         """Solution from the strips of an earlier result; None where that is too far away."""
-        state = None if guess is None else guess.warm_start
-        if not isinstance(state, LatticeState) or state.values.shape[1] != self._block:
+        earlier = None if guess is None else guess.warm_start
+        if not isinstance(earlier, LatticeSolution) or earlier.state.values.shape[1] != self._block:
             return None
-        state = state.at(np.isin(state.strips, problem.candidates))
-        if not len(state.strips):
+        remain = np.isin(earlier.state.strips, problem.candidates, assume_unique=True)
+        if not remain.any():
             return None
+        state = earlier.state.at(remain)
         try:
+            if remain.all():
+                steps = chords(
+                    state.values,
+                    problem.of(state.strips),
+                    earlier.factors,
+                    back_substitution(),
+                    self.tolerance,
+                    FARTHEST,
+                )
+                count.linear += steps.evaluations
+                state = LatticeState(state.strips, steps.values)
+                if steps.converged:
+                    new = entering(problem, state, set())
+                    if new is None:
+                        count.residual = steps.size
+                        return LatticeSolution(state, earlier.factors)
+                    state = state.joined(new)
+                elif not steps.size < FARTHEST:
+                    return None
             return LatticeNewton(problem, self.tolerance, count).solve(state, FARTHEST, WARM_ITERATIONS)
         except (NotConverged, OutsideSurface) as error:
             log.debug("from the earlier result: %s", error)

@@ -6,61 +6,34 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as la
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.fitted.operators import TOO_LONG
 from wheelrail.contact.models.lattice.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.equations import Evaluation
-from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
+from wheelrail.contact.models.lattice.factors import Factors
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
-from wheelrail.contact.models.lattice.state import LatticeState, relative_size
+from wheelrail.contact.models.lattice.state import LatticeState, leaving, longest, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
-from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.arrays import Array
 
 log = logging.getLogger(__name__)
 
-STRESS, LENGTH, GAP = 1e9, 1e-3, 1e-6  # Pa, m, m: scales of the unknowns and of the moments
 ITERATIONS = 60
 HALVINGS = 6  # of a step in the line search
 CHORDS = 8  # steps with one Jacobian
 CONTRACTION = 0.3  # of a step with old factors, for another one
 NEAR = 0.1  # step below which strips may enter
-LARGE = 0.5  # step after which a load without pressure is no reason to leave
-VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
-LONGEST = 3.0  # largest relative growth of a squared half length in one step
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
 RELEASES = 2  # times that such strips may enter again
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class LatticeSolution:
-    """Converged state with its evaluation and rho (S, M) 1/Pa of the friction residual."""
+    """Converged state, and factors of a Jacobian near to it, with which the solution at the next pose begins."""
 
     state: LatticeState
-    evaluation: Evaluation
-    rho: Array
-
-
-class Linearisation:
-    """LU factors of the Jacobian (n, n) of a state with values (S, block), in units of `STRESS`, `LENGTH` and `GAP`."""
-
-    def __init__(self, jacobian: Array, values: Array) -> None:
-        S, block = values.shape
-        self._rows = np.tile(np.r_[np.full(block - MOMENTS, 1 / STRESS), np.full(MOMENTS, 1 / GAP)], S)
-        self._columns = np.tile(np.r_[np.full(block - 2, STRESS), np.full(2, LENGTH)], S)
-        jacobian *= self._rows[:, None]
-        jacobian *= self._columns
-        self._factors, self._pivots, info = la.lapack.dgetrf(jacobian.T, overwrite_a=1)  # of the transpose: no copy
-        if info:
-            raise NotConverged("the Jacobian of the contact is singular")
-
-    def solve(self, right: Array) -> Array:
-        """Solution of the shape of the right-hand side: (S, block), or (n, k)."""
-        n = len(self._rows)
-        scaled = self._rows[:, None] * right.reshape(n, -1)
-        solution, _ = la.lapack.dgetrs(self._factors, self._pivots, scaled, trans=1)
-        return np.asarray((self._columns[:, None] * solution).reshape(right.shape))
+    factors: Factors
 
 
 class LatticeNewton:
@@ -90,7 +63,7 @@ class LatticeNewton:
         for iteration in range(iterations):
             evaluation, jacobian, rho = self.problem.linearise(state)
             self.count.newton += 1
-            factors = Linearisation(jacobian, state.values)
+            factors = Factors.of(jacobian, rho)
             step = factors.solve(-evaluation.residual)
             size, _ = relative_size(state.values, step)
             if not np.isfinite(size):
@@ -98,7 +71,7 @@ class LatticeNewton:
             if iteration == 0 and size > farthest:
                 return None
             log.debug("iteration %d: step %.1e, %d strips", iteration, size, len(state.strips))
-            remains = self._remain(state, step)
+            remains = ~leaving(state.values, step, size)
             if not remains.all():
                 if not remains.any():
                     return None
@@ -116,14 +89,14 @@ class LatticeNewton:
                     grown = self._released(state)
                     if grown is None:
                         self.count.residual = size
-                        return LatticeSolution(state, evaluation, rho)
+                        return LatticeSolution(state, factors)
                     state, checked = grown, False
                 else:
                     checked = True
         raise NotConverged(f"Newton's method did not converge in {iterations} iterations (last step {size:.1e})")
 
     def _moved(
-        self, state: LatticeState, step: Array, rho: Array, factors: Linearisation, evaluation: Evaluation
+        self, state: LatticeState, step: Array, rho: Array, factors: Factors, evaluation: Evaluation
     ) -> tuple[LatticeState, float, Evaluation]:
         """State after a step and further ones with the same factors while they contract; size of the next one, and the
         evaluation.
@@ -132,7 +105,7 @@ class LatticeNewton:
         """
         for _ in range(CHORDS):
             _, before = relative_size(state.values, step)
-            factor = self._longest(state, step)
+            factor = longest(state.values, step)
             best: tuple[float, LatticeState, Array, Evaluation] | None = None
             for _ in range(HALVINGS):
                 trial = state.moved(step, factor)
@@ -155,19 +128,9 @@ class LatticeNewton:
             size, _ = relative_size(state.values, step)
             if size < self.tolerance or factor < 1.0 or not after < CONTRACTION * before:
                 break
-            if not self._remain(state, step).all():
+            if leaving(state.values, step, size).any():
                 break
         return state, size, evaluation
-
-    def _remain(self, state: LatticeState, step: Array) -> Mask:
-        """Strips (S,) that stay loaded: those with positive load after a full step. Others leave once they have nearly
-        vanished, or are in tension already and the step is a moderate one: a step from a poor start overshoots.
-        """
-        half, change = state.half, 0.5 * (step[:, -1] - step[:, -2])
-        load = state.modes[:, 0] * half + step[:, -2 - MODES] * half + state.modes[:, 0] * change
-        size, _ = relative_size(state.values, step)
-        leaves = (half < VANISHED * half.max()) | ((state.modes[:, 0] < 0) & (size < LARGE))
-        return np.asarray(~(leaves & (load <= 0)))
 
     def _released(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter although they had left too often; None without any.
@@ -198,12 +161,3 @@ class LatticeNewton:
             return None
         log.debug("strips %s enter", new.strips)
         return state.joined(new)
-
-    @staticmethod
-    def _longest(state: LatticeState, step: Array) -> float:
-        """Largest fraction of a step at which no strip moves by more than its length or grows too much."""
-        half, change = state.half, 0.5 * (step[:, -1] - step[:, -2])
-        growth = 2 * np.abs(change) / half / LONGEST
-        away = np.abs(step[:, -2:].mean(axis=1)) / half.max()
-        growth = np.where(half > 0.3 * half.max(), growth, 0.0)
-        return float(min(1.0, 1 / max(growth.max(), away.max(), 1e-300)))

@@ -12,12 +12,12 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.geometry.strip_layout import StripLayout
+from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.models.fitted.operators import TOO_LONG
+from wheelrail.contact.laws.residual_call import ResidualCode
 from wheelrail.contact.models.lattice.equations import (
-    GAUSS,
     EquationData,
     Evaluation,
     StripPlaces,
@@ -28,23 +28,22 @@ from wheelrail.contact.models.lattice.equations import (
 from wheelrail.contact.models.lattice.friction import CellFriction
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import (
+    ContactLines,
     Motion,
     Penetration,
     SurfaceData,
-    crests,
-    frames,
+    contact_lines,
     motion_data,
     penetration,
-    rigid_shift,
     surface_data,
 )
 from wheelrail.support.arrays import Array, Nodes
 
+NO_FRICTION = ResidualCode(0, np.zeros(0), 0.0)
 OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
-BETWEEN = 4  # strips between those at which the penetration is estimated first
-MARGIN = 3e-4  # m, by which it may be larger in between
 
 
 @dataclass(frozen=True)
@@ -89,31 +88,19 @@ class LatticeProblem:
         return surface_data(self.tables.operators.surfaces)
 
     @cached_property
-    def _profile(self) -> tuple[Array, Array, Array]:
-        """Of all strips (K,): largest penetration m, the mean over their widths, its place m along x and its curvature
-        1/m there; -inf where the bodies are far apart.
-        """
-        K = len(self.middle)
-        some = np.unique(np.append(np.arange(0, K, BETWEEN), K - 1))
-        near = np.flatnonzero(crests(self.surface, *self._frame, self.middle[some])[0] > -MARGIN)
-        depth, x, bend = np.full(K, -np.inf), np.zeros(K), np.ones(K)
-        own = np.zeros(K, dtype=bool)
-        for k in near:
-            own[max(some[k] - BETWEEN, 0) : some[k] + BETWEEN + 1] = True
-        s = self.middle[own, None] + self.width[own, None] * [-GAUSS, GAUSS]
-        lines = crests(self.surface, *self._frame, s.ravel())
-        depth[own], x[own], bend[own] = (values.reshape(-1, 2).mean(axis=1) for values in lines)
-        return depth, x, bend
+    def lines(self) -> ContactLines:
+        """Where the strips touch."""
+        return contact_lines(self.surface, motion_data(self.pose, self.motion, 1.0), self.middle, self.width)
 
     @property
     def depth(self) -> Array:
         """Largest penetration (K,) m of the strips, the mean over their widths."""
-        return self._profile[0]
+        return self.lines.depth
 
     @property
     def crest(self) -> tuple[Array, Array]:
         """Place (K,) m along x of the largest penetration, and curvature (K,) 1/m there."""
-        return self._profile[1:]
+        return self.lines.x, self.lines.curvature
 
     @cached_property
     def approach(self) -> float:
@@ -133,12 +120,7 @@ class LatticeProblem:
         """Rolling speed m/s: mean over all strips, weighted by the squared penetration. Raises NotRolling."""
         if not self.rolls:
             return 0.0
-        own = self.candidates
-        weight = self.depth[own] ** 2 * self.width[own]
-        places = frames(self.surface, *self._frame, self.middle[own], self.crest[0][own])
-        motion = motion_data(self.pose, self.motion, 1.0)
-        flow = rigid_shift(places, np.ascontiguousarray(places.axes[:, 0]), motion)[2]
-        speed = -float(weight @ flow / weight.sum())
+        speed = self.lines.speed
         if not speed > 0:
             raise NotRolling(
                 f"friction needs a wheel that rolls forward, but the material flows at {speed:g} m/s; mu = 0 needs none"
@@ -150,18 +132,10 @@ class LatticeProblem:
         """Pose and velocities for compiled code."""
         return motion_data(self.pose, self.motion, self.speed)
 
-    @property
-    def _frame(self) -> tuple[Array, Array]:
-        return np.asarray(self.pose.origin, dtype=float), np.ascontiguousarray(self.pose.rotation)
-
     def penetration(self, s: Array, x: Array) -> Penetration:
         """Undeformed penetration at points (n,)."""
-        return penetration(self.surface, *self._frame, np.ascontiguousarray(s), np.ascontiguousarray(x))
-
-    @cached_property
-    def at_crests(self) -> Penetration:
-        """Penetration (K,) at the strips' middles, where that of their profile is largest."""
-        return self.penetration(self.middle, self.crest[0])
+        data = self.data
+        return penetration(self.surface, data.origin, data.rotation, np.ascontiguousarray(s), np.ascontiguousarray(x))
 
     @cached_property
     def reach(self) -> float:
@@ -172,21 +146,20 @@ class LatticeProblem:
 
     def places(self, strips: Nodes) -> StripPlaces:
         """Places of some strips (S,)."""
-        level = frames(self.surface, *self._frame, self.middle[strips], self.crest[0][strips]).axes[:, 0]
         width, stretch = self.width[strips], self.tables.stretch[strips]
-        return StripPlaces(self.middle[strips], width, stretch, np.ascontiguousarray(level))
+        return StripPlaces(self.middle[strips], width, stretch, self.lines.level[strips], strips)
 
-    def pairs(self, strips: Nodes) -> PairTables:
-        """Tables of the pairs i <= j of some strips (S,). Raises OutsideSurface."""
-        feet = self.at_crests.foot if self.tables.moves else None
-        return self.tables.of(*triangle(strips), feet, self.reach)
+    @cached_property
+    def pairs(self) -> PairTables:
+        """Tables of the pairs of all strips that penetrate. Raises OutsideSurface."""
+        return self.tables.of(self.candidates, self.lines.foot if self.tables.moves else None, self.reach)
 
     def of(self, strips: Nodes) -> EquationData:
         """Data of the equations of some strips (S,), stored. Raises OutsideSurface."""
         key = strips.tobytes()
         if key not in self._stored:
-            places, tables = self.places(strips), self.pairs(strips)
-            self._stored[key] = EquationData(tables, self.surface, self.data, places, self.basis)
+            law = NO_FRICTION if self.law is None else self.law.code
+            self._stored[key] = EquationData(self.pairs, self.surface, self.data, self.places(strips), self.basis, law)
         return self._stored[key]
 
     @cached_property
@@ -195,10 +168,9 @@ class LatticeProblem:
 
     def evaluate(self, state: LatticeState, rho: Array) -> Evaluation:
         """Residual of a state; rho (S, M) 1/Pa. Raises OutsideSurface."""
-        evaluation = evaluate(state.values, self.of(state.strips))
+        evaluation = evaluate(state.values, self.of(state.strips), rho)
         if not evaluation.inside:
             raise OutsideSurface(TOO_LONG)
-        self._add_friction(state, evaluation, rho)
         return evaluation
 
     def linearise(self, state: LatticeState) -> tuple[Evaluation, Array, Array]:
@@ -206,29 +178,26 @@ class LatticeProblem:
         evaluation, jacobian, rho = linearise(state.values, self.of(state.strips))
         if not evaluation.inside:
             raise OutsideSurface(TOO_LONG)
-        self._add_friction(state, evaluation, rho)
         if self.law is not None:
             friction_rows(jacobian, self.friction_slopes(state, evaluation, rho), self.basis.mean)
         return evaluation, jacobian, rho
-
-    def _add_friction(self, state: LatticeState, evaluation: Evaluation, rho: Array) -> None:
-        """Complete the residual of an evaluation in place."""
-        if self.law is not None:
-            F = self.law.residual(state.tractions, evaluation.slip, evaluation.pressure, rho, self.speed)
-            evaluation.residual[:, : 2 * self.cells] = F.reshape(len(F), -1)
 
     def friction_slopes(self, state: LatticeState, evaluation: Evaluation, rho: Array) -> Array:
         """Slopes (S, M, 12) of the friction residual, see `CellFriction.slopes`."""
         assert self.law is not None
         return self.law.slopes(state.tractions, evaluation.slip, evaluation.pressure, rho, self.speed)
 
+    def layout(self, state: LatticeState) -> StripLayout:
+        """Strips and cells of a state."""
+        sides = self.tables.sides
+        bounds = np.column_stack([sides[state.strips], sides[state.strips + 1]])
+        return StripLayout(bounds, state.ends, np.zeros(len(bounds), dtype=int), self.basis.marks)
+
+    def cell_places(self, state: LatticeState) -> SurfacePoints:
+        """Middles of the cells of a state, strip by strip from the trailing end."""
+        return self.tables.operators.surfaces.places(self.pose, self.layout(state))
+
     @cached_property
     def cell_middles(self) -> Array:
         """Middles (M,) of the cells, from 0 to 1."""
         return np.asarray(0.5 * (self.basis.marks[1:] + self.basis.marks[:-1]))
-
-
-def triangle(strips: Nodes) -> tuple[Nodes, Nodes]:
-    """Strips of all pairs i <= j, row by row."""
-    i, j = np.triu_indices(len(strips))
-    return strips[i], strips[j]

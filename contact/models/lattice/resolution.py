@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+LEAST_STRIPS, LEAST_CELLS = 4, 5
+
 
 @dataclass(frozen=True)
 class LatticeResolution:
-    """Strips over the width of a usual patch, and cells along a strip. Raises ValueError for fewer than 4."""
+    """Strips over the width of a usual patch, and cells along a strip.
+
+    Raises ValueError for fewer than 4 strips, or fewer than 5 cells: as many as there are moments of the gap.
+    """
 
     strips: int = 16
     cells: int = 10
 
     def __post_init__(self) -> None:
-        if min(self.strips, self.cells) < 4:
-            raise ValueError(f"strips and cells must be at least 4, got {self.strips} and {self.cells}")
+        if self.strips < LEAST_STRIPS or self.cells < LEAST_CELLS:
+            least = f"{LEAST_STRIPS} and {LEAST_CELLS}"
+            raise ValueError(f"strips and cells must be at least {least}, got {self.strips} and {self.cells}")
 
     def coarsened(self) -> LatticeResolution:
-        """Half as many strips and cells, at least 4 of each."""
-        return LatticeResolution(max(self.strips // 2, 4), max(self.cells // 2, 4))
+        """Half as many strips and cells, or the least numbers."""
+        return LatticeResolution(max(self.strips // 2, LEAST_STRIPS), max(self.cells // 2, LEAST_CELLS))

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
-from wheelrail.contact.kinematics.contact_points import SurfacePoints
-from wheelrail.contact.models.fitted.layout import StripLayout, connected
-from wheelrail.contact.models.fitted.patch_moments import sharpened
-from wheelrail.contact.models.lattice.equations import strip_grid
+from wheelrail.contact.geometry.strip_layout import StripLayout, connected
+from wheelrail.contact.models.lattice.equations import resultants, strip_grid
 from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.lattice.patch_moments import sharpened
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.tangent import LatticeTangent
-from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch, Statistics
+from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result
 from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.support.arrays import Array, Nodes
@@ -24,44 +23,72 @@ SAMPLES = 65  # of the pressure along a strip
 
 
 def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistics: Statistics) -> ContactResult:
-    """Forces, patches, fields and tangent of a solution."""
-    state, evaluation = solution.state, solution.evaluation
-    S, M = evaluation.pressure.shape
-    bounds = problem.tables.sides
-    sides = np.column_stack([bounds[state.strips], bounds[state.strips + 1]])
-    layout = StripLayout(sides, state.ends, np.zeros(S, dtype=int), problem.basis.marks)
-    places = problem.tables.operators.surfaces.places(problem.pose, layout)
-    pressure = evaluation.pressure.ravel()
-    q, slip = np.zeros((S * M, 2)), np.zeros((S * M, 2))
-    bound = np.zeros(S * M)
-    if problem.law is not None:
-        q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
-        slip = evaluation.slip.transpose(0, 2, 1).reshape(-1, 2)
-        bound = problem.law.functions.coefficient(np.hypot(*slip.T) * problem.speed, pressure) * pressure
-    grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
-    strip = connected(layout, np.ones((S, M)))
-    result = assemble_result(
-        FrictionalWork.below(bound, places, q, problem.motion, problem.speed),
-        node=np.arange(S * M),
-        patch=np.repeat(strip, M),
-        pressure=pressure,
-        slip=slip,
-        displacement=_displacement(evaluation.V, grid.x),
+    """Forces, patches, fields and tangent of a solution; all but the forces are computed when first needed."""
+    state, details = solution.state, SolutionDetails(problem, solution)
+    load = resultants(state.values, problem.of(state.strips))
+    return ContactResult(
+        force=load[:3],
+        moment=load[3:],
+        patches=LazyPatches(lambda: tuple(details.result.patches)),
+        fields=LazyFields(lambda: details.fields),
         approach=problem.approach,
+        status="converged",
         statistics=statistics,
+        force_tangent=ContactTangent(LatticeTangent(problem, solution)),
+        warm_start=solution,
     )
-    result = _with_peaks(sharpened(result, layout, bound), layout, state.modes)
-    return replace(result, force_tangent=_tangent(problem, solution, places), warm_start=state)
+
+
+@dataclass(frozen=True, eq=False)
+class SolutionDetails:
+    """Fields and patches of a solution.
+
+    Parameters:
+        problem: equations.
+        solution: their solution.
+    """
+
+    problem: LatticeProblem
+    solution: LatticeSolution
+
+    @cached_property
+    def result(self) -> ContactResult:
+        """Result with fields and patches."""
+        problem, state = self.problem, self.solution.state
+        evaluation = problem.evaluate(state, self.solution.factors.rho)
+        S, M = evaluation.pressure.shape
+        layout, places = problem.layout(state), problem.cell_places(state)
+        pressure = evaluation.pressure.ravel()
+        q, slip = np.zeros((S * M, 2)), np.zeros((S * M, 2))
+        bound = np.zeros(S * M)
+        if problem.law is not None:
+            q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
+            slip = evaluation.slip.transpose(0, 2, 1).reshape(-1, 2)
+            bound = problem.law.functions.coefficient(np.hypot(*slip.T) * problem.speed, pressure) * pressure
+        grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
+        result = assemble_result(
+            FrictionalWork.below(bound, places, q, problem.motion, problem.speed),
+            node=np.arange(S * M),
+            patch=np.repeat(connected(layout, np.ones((S, M))), M),
+            pressure=pressure,
+            slip=slip,
+            displacement=_displacement(evaluation.V, grid.x),
+            approach=problem.approach,
+            statistics=Statistics(),
+        )
+        return _with_peaks(sharpened(result, layout, bound), layout, state.modes)
+
+    @property
+    def fields(self) -> Fields:
+        """Fields at the cells."""
+        assert self.result.fields is not None
+        return self.result.fields
 
 
 def _displacement(V: Array, x: Array) -> Array:
     """Relative displacement (n, 3) m, means over the cells, from the antiderivative (S, M + 3, 3)."""
     means = np.diff(V, axis=1) / np.diff(x)[..., None]
     return np.asarray(means[:, :-2].reshape(-1, 3))
-
-
-def _tangent(problem: LatticeProblem, solution: LatticeSolution, places: SurfacePoints) -> ContactTangent | None:
-    return None if places.sensitivity is None else ContactTangent(LatticeTangent(problem, solution, places))
 
 
 def _with_peaks(result: ContactResult, layout: StripLayout, modes: Array) -> ContactResult:

@@ -11,6 +11,9 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
 SHORTEST = 0.02  # of the squared half length: the least that remains of it after one step
+LARGE = 0.5  # step after which a load without pressure is no reason to leave
+VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
+LONGEST = 3.0  # largest relative growth of a squared half length in one step
 LEAST_PRESSURE = 1e3  # Pa, to which steps are related at least
 
 
@@ -59,11 +62,11 @@ class LatticeState:
 
     def moved(self, step: Array, factor: float) -> LatticeState:
         """The state after a fraction of a Newton step (S, block)."""
-        return LatticeState(self.strips, _moved(self.values, step, factor))
+        return LatticeState(self.strips, moved(self.values, step, factor))
 
 
 @compiled
-def _moved(values: Array, step: Array, factor: float) -> Array:
+def moved(values: Array, step: Array, factor: float) -> Array:
     """Values (S, block) after a fraction of a step.
 
     The steps are taken in the squared half length and in loads per width, in which the birth of a strip is nearly
@@ -97,3 +100,36 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
             largest = max(largest, part)
             total += part * part
     return largest if np.isfinite(total) else np.inf, np.sqrt(total)
+
+
+@compiled
+def leaving(values: Array, step: Array, size: float) -> Mask:
+    """Strips (S,) that leave by a step of a relative size: those with negative load after a full step that have nearly
+    vanished, or are in tension already and the step is a moderate one: a step from a poor start overshoots.
+    """
+    S, last = len(values), values.shape[1] - 1
+    largest = 0.0
+    for i in range(S):
+        largest = max(largest, 0.5 * (values[i, last] - values[i, last - 1]))
+    leaves = np.zeros(S, dtype=np.bool_)
+    for i in range(S):
+        half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
+        amplitude = values[i, last - 1 - MODES]
+        load = amplitude * half + step[i, last - 1 - MODES] * half + amplitude * change
+        leaves[i] = load <= 0.0 and (half < VANISHED * largest or (amplitude < 0.0 and size < LARGE))
+    return leaves
+
+
+@compiled
+def longest(values: Array, step: Array) -> float:
+    """Largest fraction of a step at which no strip moves by more than its length or grows too much."""
+    S, last = len(values), values.shape[1] - 1
+    largest, limit = 0.0, 1.0
+    for i in range(S):
+        largest = max(largest, 0.5 * (values[i, last] - values[i, last - 1]))
+    for i in range(S):
+        half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
+        away = 0.5 * abs(step[i, last] + step[i, last - 1]) / largest
+        growth = 2.0 * abs(change) / half / LONGEST if half > 0.3 * largest else 0.0
+        limit = max(limit, growth, away)
+    return 1.0 / limit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.contact.models.fitted.surfaces import ProfileStrips, QuadricStrips, StripSurfaces
+from wheelrail.contact.geometry.strip_surfaces import ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import curvature
+from wheelrail.contact.geometry.strip_surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.contact.geometry.wheel_surface import wheel_place
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
-from wheelrail.contact.models.fitted.surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
@@ -280,3 +280,70 @@ def rigid_shift(places: SurfaceFrames, level: Array, motion: Motion) -> tuple[Ar
             slope[i, 0] += x * own_change + x_change * own - level[i, c] * other_change
             slope[i, 1] += y * (own_change - other_change) + y_change * (own - other)
     return shift, slope, flow
+
+
+class ContactLines(NamedTuple):
+    """Where K strips touch: on their middles, the points of largest penetration along x.
+
+    Parameters:
+        depth: (K,) m, largest penetration, the mean over the width; -inf far from contact.
+        x: (K,) m, its place along x.
+        curvature: (K,) 1/m, relative curvature along x there.
+        foot: (K,) m, arc length of the closest points on the lower body; NaN where the penetration is negative.
+        foot_pose: (K, 6) its derivative by the pose.
+        level: (K, 3) longitudinal axis.
+        speed: m/s at which both materials flow backwards, the mean weighted by the squared penetration; 0 without
+            penetration.
+    """
+
+    depth: Array
+    x: Array
+    curvature: Array
+    foot: Array
+    foot_pose: Array
+    level: Array
+    speed: float
+
+
+GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
+BETWEEN = 4  # strips between those at which the penetration is estimated first
+MARGIN = 3e-4  # m, by which it may be larger in between
+
+
+@compiled
+def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Array) -> ContactLines:
+    """`ContactLines` of strips with middles and widths (K,) m."""
+    K = len(middle)
+    depth, x, curvature = np.full(K, -np.inf), np.zeros(K), np.ones(K)
+    count = (K + BETWEEN - 2) // BETWEEN + 1
+    probes = np.empty(count, dtype=np.int64)
+    for k in range(count):
+        probes[k] = min(k * BETWEEN, K - 1)
+    near = crests(surface, motion.origin, motion.rotation, middle[probes])[0] > -MARGIN
+    own = np.zeros(K, dtype=np.bool_)
+    for k in range(count):
+        if near[k]:
+            own[max(probes[k] - BETWEEN, 0) : probes[k] + BETWEEN + 1] = True
+    inside = np.flatnonzero(own)
+    lines = np.empty(2 * len(inside))
+    for k in range(len(inside)):
+        lines[2 * k] = middle[inside[k]] - GAUSS * width[inside[k]]
+        lines[2 * k + 1] = middle[inside[k]] + GAUSS * width[inside[k]]
+    at = crests(surface, motion.origin, motion.rotation, lines)
+    for k in range(len(inside)):
+        depth[inside[k]] = 0.5 * (at[0][2 * k] + at[0][2 * k + 1])
+        x[inside[k]] = 0.5 * (at[1][2 * k] + at[1][2 * k + 1])
+        curvature[inside[k]] = 0.5 * (at[2][2 * k] + at[2][2 * k + 1])
+    foot, foot_pose, level = np.full(K, np.nan), np.zeros((K, 6)), np.zeros((K, 3))
+    touching = np.flatnonzero(depth > 0.0)
+    s, along = middle[touching], x[touching]
+    closest = penetration(surface, motion.origin, motion.rotation, s, along)
+    places = frames(surface, motion.origin, motion.rotation, s, along)
+    flow = rigid_shift(places, np.ascontiguousarray(places.axes[:, 0]), motion)[2]
+    total, weights = 0.0, 0.0
+    for k in range(len(touching)):
+        i = touching[k]
+        foot[i], foot_pose[i], level[i] = closest.foot[k], closest.foot_pose[k], places.axes[k, 0]
+        weight = depth[i] * depth[i] * width[i]
+        total, weights = total - weight * flow[k], weights + weight
+    return ContactLines(depth, x, curvature, foot, foot_pose, level, total / weights if weights > 0.0 else 0.0)

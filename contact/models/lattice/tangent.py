@@ -15,13 +15,14 @@ import numpy as np
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.sensitivity import displacement_derivative, rigid_slip, rotation_derivative, skew
-from wheelrail.contact.models.lattice.equations import GAUSS, force_jumps, strip_grid
+from wheelrail.contact.models.lattice.equations import Evaluation, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.equations import rigid_slip as rigid_slip_of
+from wheelrail.contact.models.lattice.factors import Factors
 from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.influence.operator import antiderivatives, slips_and_moments
-from wheelrail.contact.models.lattice.newton import LatticeSolution, Linearisation
-from wheelrail.contact.models.lattice.problem import LatticeProblem, triangle
-from wheelrail.contact.models.lattice.surface import SurfaceFrames, crest_changes, frames
+from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.lattice.problem import LatticeProblem
+from wheelrail.contact.models.lattice.surface import GAUSS, SurfaceFrames, crest_changes, frames
 from wheelrail.contact.solvers.tangent import CHANGES, co_moving_load
 from wheelrail.support.arrays import Array
 
@@ -36,19 +37,32 @@ class LatticeTangent:
     Parameters:
         problem: equations.
         solution: their solution.
-        places: cells of the solution.
     """
 
     problem: LatticeProblem
     solution: LatticeSolution
-    places: SurfacePoints
+
+    @cached_property
+    def places(self) -> SurfacePoints:
+        """Cells of the solution."""
+        return self.problem.cell_places(self.solution.state)
+
+    @cached_property
+    def _linearised(self) -> tuple[Evaluation, Array, Array]:
+        """Evaluation, Jacobian and rho of the solution."""
+        return self.problem.linearise(self.solution.state)
+
+    @property
+    def evaluation(self) -> Evaluation:
+        """Evaluation of the solution."""
+        return self._linearised[0]
 
     @cached_property
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
-        state = self.solution.state
-        _, jacobian, _ = self.problem.linearise(state)
-        change = -Linearisation(jacobian, state.values).solve(self._by_pose())
+        _, jacobian, rho = self._linearised
+        self.solution.factors = Factors.of(jacobian, rho)
+        change = -self.solution.factors.solve(self._by_pose())
         displacements = displacement_derivative(self.places.point).transpose(1, 2, 0)
         units = (self.places.axes @ displacements) * self.places.area[:, None, None]
         total = self._by_unknowns(units) @ change
@@ -60,7 +74,7 @@ class LatticeTangent:
 
     def _local(self) -> Array:
         """Tractions (S, M, 3) Pa along, across and outward."""
-        evaluation, state = self.solution.evaluation, self.solution.state
+        evaluation, state = self.evaluation, self.solution.state
         local = np.zeros((*evaluation.pressure.shape, 3))
         if self.problem.rolls:
             local[..., :2] = state.tractions.transpose(0, 2, 1)
@@ -113,7 +127,7 @@ class LatticeTangent:
 
     def _by_pose(self) -> Array:
         """Derivative (n, 12) of the residual at fixed unknowns."""
-        problem, evaluation, state = self.problem, self.solution.evaluation, self.solution.state
+        problem, evaluation, state = self.problem, self.evaluation, self.solution.state
         S, block = state.values.shape
         M = problem.cells
         total = np.zeros((S, block, CHANGES))
@@ -129,7 +143,7 @@ class LatticeTangent:
                 shift[:6, : S * M] -= self._level()
             shift = shift.reshape(CHANGES, 2, S, M).transpose(2, 1, 3, 0)
             creep = (shift - rigid[..., None] * speed) / problem.speed
-            D = problem.friction_slopes(state, evaluation, self.solution.rho)
+            D = problem.friction_slopes(state, evaluation, self._linearised[2])
             by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
             creep[..., :6] += slips
             rows = np.einsum("srab,sbrj->sarj", by_slip, creep)
@@ -151,13 +165,13 @@ class LatticeTangent:
         strips = problem.of(state.strips).places
         grid = strip_grid(state.values, strips, problem.basis)
         jumps = force_jumps(state.values, strips, problem.basis, problem.rolls)
-        at = problem.at_crests
-        before = slips_and_moments(self.solution.evaluation.V, grid, problem.basis)
+        at = problem.lines
+        before = slips_and_moments(self.evaluation.V, grid, problem.basis)
         shapes, size, amounts = np.linalg.svd(at.foot_pose[state.strips], full_matrices=False)
         for k in np.flatnonzero(size > NEGLIGIBLE * size[0]):
             feet = at.foot.copy()
             feet[state.strips] += DIFFERENCE * shapes[:, k]
-            _, V = antiderivatives(problem.tables.of(*triangle(state.strips), feet, problem.reach), grid, jumps)
+            _, V = antiderivatives(problem.tables.of(state.strips, feet, problem.reach), grid, jumps)
             slip, moment = slips_and_moments(V, grid, problem.basis)
             amount = size[k] * amounts[k] / DIFFERENCE
             slips += (slip - before[0])[..., None] * amount
@@ -168,7 +182,7 @@ class LatticeTangent:
         """Derivative (6, S M) by the pose of the rail's velocity along the level axes, less that along the circle."""
         problem, state = self.problem, self.solution.state
         strips, rail = problem.of(state.strips).places, problem.motion.rail
-        at, M = problem.at_crests, problem.cells
+        at, M = problem.lines, problem.cells
         velocity = rail.at(self.places.point)
         level = np.repeat(strips.level, M, axis=0)
         moved = displacement_derivative(self.places.point - problem.pose.origin) @ skew(rail.rotation).T

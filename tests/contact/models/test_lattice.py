@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from half_space import Cells, HalfSpaces
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
@@ -18,14 +19,20 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
+from wheelrail.contact.models.lattice.equations import rigid_slip
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.newton import LatticeSolution
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.solvers.options import IterationCount
+from wheelrail.contact.solvers.tractions import solve_tractions
 from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.support.arrays import Array
 
 STEEL = Material()
+UNLIKE = Material(210e9, 0.0), Material(210e9, 0.3)
 RADII, LOAD = (0.46, 0.30), 60e3
 RADIUS, SPEED = 0.46, 20.0
 TIGHT = 1e-8  # of the last Newton step
@@ -69,8 +76,8 @@ def rolling(y: float, z: float, yaw: float = 0.0, creepage: float = 0.0) -> Whee
 
 
 def start(result: ContactResult) -> LatticeState:
-    assert isinstance(result.warm_start, LatticeState)
-    return result.warm_start
+    assert isinstance(result.warm_start, LatticeSolution)
+    return result.warm_start.state
 
 
 def test_modes_vanish_at_the_ends_and_carry_their_load() -> None:
@@ -137,6 +144,90 @@ def test_rolling_ellipse() -> None:
             for strips, cells in ((16, 10), (32, 20))
         )
         np.testing.assert_allclose(coarse.force, fine.force, atol=5e-3 * 0.3 * LOAD)
+
+
+def unlike(
+    friction: float, radii: tuple[float, float], cells: int = 10, bodies: Bodies = "half-space", *, swapped: bool
+) -> tuple[LatticeContact, Hertz]:
+    """Contact of bodies of different Poisson's ratio, and Hertz's solution."""
+    materials = UNLIKE[::-1] if swapped else UNLIKE
+    (E1, E2), (nu1, nu2) = ([m.E for m in materials], [m.nu for m in materials])
+    expected = hertz(0.5 / radii[0], 0.5 / radii[1], modulus((E1, nu1), (E2, nu2)), force=LOAD)
+    how = Discretisation(1e-3, bodies=bodies, points="lattice", strips=16, cells=cells)
+    model = hertz_pair((radii, (np.inf, np.inf)), materials, ContactLaws(friction=friction), how, load=LOAD)
+    assert isinstance(model, LatticeContact)
+    return model, expected
+
+
+def contraction_slip(x: Array, y: Array, strain: float, radius: float) -> Array:
+    """Slip (S, 2, M) by Hertz's pressure on a circle whose surface contracts by the strain where it is largest.
+
+    u_r = -strain a^2 / (3 r) (1 - (1 - r^2 / a^2)^1.5) (Johnson 1985, eq. 3.42b), the slip is -du/dx.
+    """
+    q = np.minimum((x**2 + y**2) / radius**2, 1.0)
+    root = np.sqrt(1 - q)
+    ratio, slope = (1 - root**3) / (3 * q), 0.5 * root / q - (1 - root**3) / (3 * q**2)
+    return strain * np.stack([ratio + 2 * slope * (x / radius) ** 2, 2 * slope * x * y / radius**2], axis=1)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_slip_by_pressure_on_unlike_spheres(swapped: bool) -> None:
+    """Pressure contracts both surfaces by different amounts: the mean slip errs by second order in the cells' length."""
+    errors = []
+    for M in (20, 40):
+        model, expected = unlike(1e-7, (0.4, 0.4), M, swapped=swapped)
+        pose = hertz_pose(expected.approach)
+        problem, state = model.problem(pose, flowing()), start(model(pose, flowing(), None))
+        evaluation = problem.evaluate(state, np.ones((len(state.strips), M)))
+        slip = evaluation.slip - rigid_slip(state.values, problem.of(state.strips))[0]
+        length = np.diff(state.ends) * np.diff(problem.basis.marks)
+        weight = evaluation.pressure * length * problem.width[state.strips, None]
+        weight /= weight.sum()
+        first, second = ((1 - 2 * m.nu) * (1 + m.nu) / m.E for m in (UNLIKE[::-1] if swapped else UNLIKE))
+        strain = (first - second) * expected.peak
+        x = state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles
+        y = np.broadcast_to(problem.middle[state.strips, None], x.shape)
+        exact = contraction_slip(x, y, strain, expected.semi_axes[0])
+        rms = np.sqrt((weight[:, None] * (slip - exact) ** 2).sum(axis=(0, 2)))
+        assert rms.max() < 0.02 * abs(strain)
+        errors.append((weight * slip[:, 0]).sum() / (3 / 8 * strain) - 1)
+    assert abs(errors[0]) < 0.015
+    assert abs(errors[1]) < 0.3 * abs(errors[0])
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("creepage", [(0.0, 0.0, 0.0), (2e-4, 2e-4, 0.1)])
+def test_rolling_of_unlike_half_spaces(creepage: tuple[float, float, float], swapped: bool) -> None:
+    """Pressure causes slip and tractions pressure: against Boussinesq's and Cerruti's integrals on a grid."""
+    model, expected = unlike(0.3, RADII, swapped=swapped)
+    materials = UNLIKE[::-1] if swapped else UNLIKE
+    a, b = expected.semi_axes
+    cells = Cells.inside_ellipse(1.06 * a, 1.06 * b, 24, 24)
+    depth = expected.approach - 0.5 / RADII[0] * cells.x**2 - 0.5 / RADII[1] * cells.y**2
+    xi, eta, phi = creepage
+    rigid = np.concatenate([xi - phi * cells.y, eta + phi * cells.x])
+    operator = HalfSpaces(cells, *materials).operator(2)
+    tractions = solve_tractions(
+        operator, depth, rigid, laws=ContactLaws(friction=0.3), speed=1.0, count=IterationCount()
+    )
+    result = model(hertz_pose(expected.approach), flowing(*creepage), None)
+    normal = tractions.pressure.sum() * cells.area
+    assert abs(result.force[0]) > 0.1 * 0.3 * LOAD
+    assert result.force[2] == pytest.approx(normal, rel=1e-4)
+    assert abs(normal / LOAD - 1) > 2e-3
+    np.testing.assert_allclose(result.force[:2], tractions.tangential.sum(axis=0) * cells.area, atol=0.01 * 0.3 * LOAD)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_unlike_blocks_are_unlike_half_spaces(swapped: bool) -> None:
+    """Blocks by finite elements, the half-spaces' part in closed form: the rest is small."""
+    half_space, expected = unlike(0.3, RADII, swapped=swapped)
+    blocks, _ = unlike(0.3, RADII, bodies="waveguide", swapped=swapped)
+    pose = hertz_pose(expected.approach)
+    exact, computed = (model(pose, flowing(), None).force for model in (half_space, blocks))
+    assert exact[0] * (-1 if swapped else 1) < -0.2 * 0.3 * LOAD
+    assert computed[0] / computed[2] == pytest.approx(exact[0] / exact[2], rel=3e-3)
+    assert abs(computed[1]) < 1e-4 * computed[2]
 
 
 @pytest.mark.parametrize(("friction", "yaw"), [(0.0, 0.0), (0.3, 15e-3), (0.6, 5e-3)])

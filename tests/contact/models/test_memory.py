@@ -12,14 +12,14 @@ import pytest
 from small_pairs import CREEP, FLAT, STEEL, TETRAHEDRA, quadrics, solid
 
 import wheelrail as wr
-import wheelrail.contact.models.fitted.influence
+import wheelrail.contact.elasticity.waveguide.influence
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.elasticity.waveguide.bodies import block_waveguide
 from wheelrail.contact.elasticity.waveguide.element_correction import FAR, surface_error
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.fitted.influence import ElementInfluence
 from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.models.full.preconditioner import Preconditioner
@@ -82,7 +82,7 @@ def test_cached_surface_parts_are_bounded(monkeypatch: pytest.MonkeyPatch) -> No
     parts = [part.size for part in kernel._cache.values()]
     assert len(parts) >= 4
     bound = 2 * max(parts)
-    monkeypatch.setattr(wheelrail.contact.models.fitted.influence, "KEPT", bound)
+    monkeypatch.setattr(wheelrail.contact.elasticity.waveguide.influence, "KEPT", bound)
     kernel._cache.clear()
     for sides, table in zip(strips, free, strict=True):
         assert np.array_equal(kernel.normal(sides, 5.0), table)

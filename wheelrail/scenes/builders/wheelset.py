@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.laws import laws, material, standard_contact
@@ -38,10 +37,8 @@ def wheelset_contact(
         return WheelsetContact(standard_contact(scene, rigid, scene, scene), mounting)
     from wheelrail.contact.models.builders import wheel_rail_pair
 
-    how = scene.discretisation
-    model = wheel_rail_pair(pair, radius, (material(scene), material(scene)), laws(scene), how)
-    if scene.kind == "run" and how.points == "fitted":
-        model = replace(model, warm=True)
+    materials = material(scene), material(scene)
+    model = wheel_rail_pair(pair, radius, materials, laws(scene), scene.discretisation)
     return WheelsetContact(model, mounting)
 
 

@@ -1,4 +1,4 @@
-"""Error estimate of a contact solution from a second solve on half as many cells."""
+"""Error estimate of a contact solution from a second solve on half as many strips and cells."""
 
 from __future__ import annotations
 
@@ -14,13 +14,10 @@ if TYPE_CHECKING:
 
 
 def halved(model: ContactModel) -> ContactModel:
-    """The model, on fitted points or a lattice, with half as many cells in both directions."""
-    from wheelrail.contact.models.fitted.model import FittedContact
+    """The model on a lattice of half as many strips and cells."""
     from wheelrail.contact.models.lattice.model import LatticeContact
 
-    if isinstance(model, LatticeContact):
-        return replace(model, resolution=model.resolution.coarsened())
-    assert isinstance(model, FittedContact)
+    assert isinstance(model, LatticeContact)
     return replace(model, resolution=model.resolution.coarsened())
 
 

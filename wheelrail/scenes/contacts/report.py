@@ -114,7 +114,6 @@ def _statistics(own: SideValues) -> dict[str, Any]:
             **{phase: value for phase, value in seconds.items() if not math.isnan(value)},
             "all_solves": own["contact_seconds"],
         },
-        "settled": own["settled"],
         "contact_solves": own["contact_solves"],
     }
 

@@ -19,7 +19,7 @@ def _numbers(values: Sequence[float], scale: float, digits: int) -> str:
 
 
 def _points(own: SideValues) -> str:
-    return f"{own['points_count']}" + ("" if own["settled"] else ", edges not converged")
+    return f"{own['points_count']}"
 
 
 def _tangential(own: SideValues) -> list[float]:

@@ -83,8 +83,6 @@ def _totals(results: Mapping[str, ContactResult]) -> dict[str, Any]:
         variables[f"{name}_count"] = ("side", counts, means("1", f"{text} of the last solve"))
     residual = means("1", "relative residual of the last solve")
     variables["residual"] = ("side", [result.statistics.residual for result in listed], residual)
-    settled = means("1", "whether the patch-edge iteration converged")
-    variables["settled"] = ("side", [result.statistics.settled for result in listed], settled)
     phases = list(dict.fromkeys(phase for result in listed for phase in result.statistics.seconds))
     if phases:
         seconds = [[result.statistics.seconds.get(phase, np.nan) for phase in phases] for result in listed]

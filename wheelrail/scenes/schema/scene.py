@@ -59,10 +59,9 @@ class Contact(SceneTable):
     bodies: "solid" (3D meshes, the default with laws = "paper" or model = "full"), "waveguide" (bodies invariant along
         the track or about the axle, the default with laws = "exact"), or "half-space", for comparison with other codes.
     degree: of the displacements; 1 for solids by default.
-    points: "fitted" (strips of cells that end at the patch edge, the default for the exact normal law unless bodies are
-        solid), "lattice" (strips fixed on the wheel: the force is a function of the pose alone), or "grid", not
-        available for half-spaces.
-    strips, cells: of fitted points or a lattice, over the width of a patch and along a strip; 12 and 16 by default.
+    points: "lattice" (strips fixed on the wheel that end at the patch edge, the default for the exact normal law unless
+        bodies are solid), or "grid", not available for half-spaces.
+    strips, cells: of a lattice, over the width of a usual patch and along a strip; 16 and 10 by default.
     slip_order: order of the upstream difference formula of the slip on a grid.
     stiffness_per_area: penalty, N/m3; regularisation: creepage; normal_law: a table with a normal law in place of the
         linear penalty.
@@ -79,7 +78,7 @@ class Contact(SceneTable):
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     bodies: Literal["solid", "waveguide", "half-space"] | None = None
     degree: Literal[1, 2] | None = None
-    points: Literal["fitted", "lattice", "grid"] | None = None
+    points: Literal["lattice", "grid"] | None = None
     strips: q.Fineness | None = None
     cells: q.Fineness | None = None
     slip_order: Literal[1, 2] = 2
@@ -163,14 +162,14 @@ NO_STRESS = 'allowed only with model = "condensed" or "full"'
 
 
 class Solve(Contact):
-    """Keys of one contact solve; error_estimate: from a second solve on half as many cells."""
+    """Keys of one contact solve; error_estimate: from a second solve on half as many strips and cells."""
 
     error_estimate: bool = False
 
     @model_validator(mode="after")
     def _estimable(self) -> Solve:
         if self.error_estimate and (self.model == "standard" or self.discretisation.points == "grid"):
-            raise q.reject('allowed only with points = "fitted" or "lattice"', "error_estimate")
+            raise q.reject('allowed only with points = "lattice"', "error_estimate")
         return self
 
 
@@ -225,8 +224,6 @@ class HertzScene(Solve):
             raise q.reject(NO_STRESS, "stress")
         if self.shift is not None and self.model != "condensed":
             raise q.reject('allowed only with model = "condensed"', "shift")
-        if self.shift is not None and self.points == "lattice":
-            raise q.reject('not with points = "lattice", which computes rolling contact', "shift")
         regularised = self.laws == "paper" and self.regularisation > 0.0
         if self.shift is not None and (self.falling or isinstance(self.friction, FrictionTable) or regularised):
             raise q.reject(

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import roots_legendre
 
-from wheelrail.contact.models.fitted.layout import marks
-from wheelrail.contact.models.fitted.operators import AHEAD, upstream
+from wheelrail.contact.geometry.strip_layout import marks
+from wheelrail.contact.models.lattice.influence.slip_difference import AHEAD, upstream
 from wheelrail.support.arrays import Array
 
 MODES = 3  # two are within 5e-5 of six in the force of frictionless contacts

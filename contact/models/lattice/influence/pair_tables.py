@@ -22,26 +22,29 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.elasticity.half_space import strip_antiderivative
-from wheelrail.contact.models.fitted.influence import ElementInfluence, HalfSpaceInfluence
-from wheelrail.contact.models.fitted.operators import StripOperators
-from wheelrail.contact.models.fitted.surfaces import QuadricStrips
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
+from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, BodyCorrection, pair_means
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, NN, ROLL, TN, PairGrid
+from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.support.arrays import Array, Nodes
 
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
 GROWTH = 1.5  # of the storage
+NO_CORRECTION = np.zeros((0, 0, 0, DEGREE + 1, COMPONENTS))
+NORMAL_COUPLING = slice(4, 6)  # of the half-space's components: along x and across by normal, for outward normals
 
 
 class PairTables(NamedTuple):
-    """Tables of the pairs i <= j of S strips, row by row.
+    """Tables of the pairs i <= j of a lattice of K strips, as far as needed at a pose.
 
     Parameters:
         values: (cells, DEGREE + 1, COMPONENTS) m/N times m2, coefficients of powers of z minus the cell's lower bound.
-        first: (pairs,) first cell of a pair.
-        cells: (pairs,) its number of cells.
-        inverse: (pairs,) 1/m, 1 / start.
-        smooth: (pairs, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
+        first: (K, K) first cell of a pair.
+        cells: (K, K) its number of cells.
+        inverse: (K, K) 1/m, 1 / start.
+        place: (K,) place of the strips in smooth.
+        smooth: (C, C, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
             `wheelrail.contact.models.lattice.influence.body_correction.START`; (0, ..) where it is contained in values.
     """
 
@@ -49,6 +52,7 @@ class PairTables(NamedTuple):
     first: Nodes
     cells: Nodes
     inverse: Array
+    place: Nodes
     smooth: Array
 
 
@@ -76,6 +80,8 @@ class LatticeTables:
         K = len(self.middle)
         self._first, self._count = np.full((K, K), -1), np.zeros((K, K), dtype=int)
         self._inverse = np.zeros((K, K))
+        self._place = np.zeros(K, dtype=int)
+        self._complete: set[bytes] = set()  # strips all of whose pairs have tables
 
     @cached_property
     def _corrections(self) -> tuple[BodyCorrection | None, BodyCorrection | None]:
@@ -98,34 +104,37 @@ class LatticeTables:
         """Whether the compliance depends on where the strips lie on the lower body."""
         return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)
 
-    def of(self, i: Nodes, j: Nodes, feet: Array | None, reach: float) -> PairTables:
-        """Tables of pairs of strips.
+    def of(self, strips: Nodes, feet: Array | None, reach: float) -> PairTables:
+        """Tables of all pairs of some strips.
 
         Parameters:
-            i, j: (pairs,) numbers of the strips, i <= j.
+            strips: (C,) numbers of the strips, ascending.
             feet: (K,) m, arc length of the strips' middles on the lower body; None where it does not matter.
             reach: m, longest distance along x.
 
         Raises OutsideSurface beyond the lines of the lower body.
         """
-        for k in np.flatnonzero(self._first[i, j] < 0):
-            if self._first[i[k], j[k]] < 0:
-                self._add(int(i[k]), int(j[k]))
-        smooth = np.zeros((0, 1, DEGREE + 1, COMPONENTS))
+        key = strips.tobytes()
+        if key not in self._complete:
+            for k, i in enumerate(strips):
+                for j in strips[k:]:
+                    if self._first[i, j] < 0:
+                        self._add(int(i), int(j))
+            self._complete.add(key)
+        smooth, place = NO_CORRECTION, self._place
         if feet is not None:
             lower = self._corrections[1]
             assert lower is not None
-            cells = lower.grid.cells_up_to(reach)
-            smooth = self._means(lower, i, j, feet, cells)
-        return PairTables(self._values, self._first[i, j], self._count[i, j], self._inverse[i, j], smooth)
+            smooth = self._means(lower, strips, feet[strips], lower.grid.cells_up_to(reach))
+            place = np.zeros(len(self.middle), dtype=int)
+            place[strips] = np.arange(len(strips))
+        return PairTables(self._values, self._first, self._count, self._inverse, place, smooth)
 
-    def _means(self, body: BodyCorrection, i: Nodes, j: Nodes, middle: Array, cells: int) -> Array:
-        """Coefficients (pairs, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (K,) m on it."""
-        own, number = np.unique(np.concatenate([i, j]), return_inverse=True)
-        at, width = middle[own], self.width[own]
-        first, lines = body.between_lines(float((at - 0.5 * width).min()), float((at + 0.5 * width).max()))
-        share = body.shares(first, len(lines), at, width)
-        return pair_means(lines, share, number[: len(i)], number[len(i) :], cells)
+    def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> Array:
+        """Coefficients (C, C, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (C,) m on it."""
+        width = self.width[strips]
+        first, lines = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
+        return pair_means(lines, body.shares(first, len(lines), middle, width), cells)
 
     def _add(self, i: int, j: int) -> None:
         sides = np.array([[self.sides[k], self.sides[k + 1]] for k in ((i,) if i == j else (i, j))])
@@ -135,16 +144,17 @@ class LatticeTables:
         samples = np.zeros((len(grid.x), COMPONENTS))
         tilt = 0.5 * (self._angle[j] - self._angle[i])
         wheel: Array | None = None
-        for body in (self.operators.upper, self.operators.lower):
+        for body, outward in zip((self.operators.upper, self.operators.lower), OUTWARD, strict=True):
             near = strip_antiderivative(grid.x, sides, body.nu)[min(j - i, 1)]
+            near[:, NORMAL_COUPLING] *= outward
             part = half_space_scale(body) * rotated(near, -tilt, tilt)
             samples += part
             wheel = part if body is self.operators.upper and body.radius is not None else wheel
         stretch = 0.5 * (self.stretch[i] + self.stretch[j])
         for correction in self._corrections[: 1 if self.moves else 2]:
             if correction is not None:
-                only = np.array([i]), np.array([j])
-                smooth = self._means(correction, *only, self.middle, len(correction.grid.lower))[0]
+                pair = np.array([i, j])
+                smooth = self._means(correction, pair, self.middle[pair], len(correction.grid.lower))[0, 1]
                 part = stretch**2 * correction.grid.at(smooth, grid.x / stretch)
                 samples += part
                 if wheel is not None and correction.body is self.operators.upper:
@@ -175,23 +185,29 @@ def half_space_scale(body: HalfSpaceInfluence) -> float:
 
 
 def rotated(near: Array, row: float, column: float) -> Array:
-    """Components (n, COMPONENTS) from those along, across, normal and along by across (n, 4) in the mean axes of two
-    strips that are inclined to them by angles rad, positive from the lateral towards the upper body's outward normal.
+    """Components (n, COMPONENTS) of a half-space in the axes of two strips.
+
+    Parameters:
+        near: (n, 6) along, across, normal, along by across, along by normal and across by normal, in the strips' mean
+            axes.
+        row, column: rad, inclinations of the displaced and the loaded strip to these, positive from the lateral towards
+            the upper body's outward normal.
     """
-    along, across, normal, mixed = near.T
+    along, across, normal, x_by_t, x_by_n, t_by_n = near.T
     ci, si, cj, sj = np.cos(row), np.sin(row), np.cos(column), np.sin(column)
-    tn, nt = -ci * sj * across + si * cj * normal, -si * cj * across + ci * sj * normal
-    xt, tx = mixed * cj, mixed * ci
+    tn = -ci * sj * across + si * cj * normal + np.cos(column - row) * t_by_n
+    nt = -si * cj * across + ci * sj * normal - np.cos(column - row) * t_by_n
+    turned = np.sin(column - row) * t_by_n
     return np.stack(
         [
             along,
-            ci * cj * across + si * sj * normal,
-            si * sj * across + ci * cj * normal,
+            ci * cj * across + si * sj * normal + turned,
+            si * sj * across + ci * cj * normal + turned,
             0.5 * (tn + nt),
             0.5 * (tn - nt),
-            0.5 * (xt + tx),
+            0.5 * (x_by_t * (ci + cj) + x_by_n * (sj - si)),
             np.zeros_like(along),
-            0.5 * mixed * (si - sj),
+            0.5 * (x_by_t * (si - sj) + x_by_n * (ci + cj)),
         ],
         axis=1,
     )

@@ -9,14 +9,14 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, curvature
+from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.geometry.wheel_surface import wheel_place
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.sensitivity import QuadricSensitivity, WheelPointSensitivity
-from wheelrail.contact.models.fitted.layout import StripLayout
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.meshes.profiles.profile import Profile
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 
@@ -36,12 +36,6 @@ class PenetrationProfile:
     x: Array
     curvature: Array
 
-    @property
-    def maxima(self) -> Nodes:
-        """Lines of the local maxima of positive penetration."""
-        o = self.penetration
-        return np.flatnonzero((o[1:-1] > 0) & (o[1:-1] > o[:-2]) & (o[1:-1] >= o[2:])) + 1
-
 
 class StripSurfaces(Protocol):
     """Surfaces of a pair of bodies for strips: s m across and x m along the rolling circle of the upper body."""
@@ -53,9 +47,6 @@ class StripSurfaces(Protocol):
 
     def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         """The cells' middles, strip by strip from the trailing end."""
-
-    def lower_sides(self, pose: Pose, layout: StripLayout) -> Array:
-        """Sides (S, 2) m of the strips on the lower body."""
 
     def along(self, s: Array) -> Array:
         """Length on the surface at s over length on the rolling circle."""
@@ -154,10 +145,6 @@ class ProfileStrips:
     def along(self, s: Array) -> Array:
         return stretched(self.wheel.shape, self.radius, s)
 
-    def lower_sides(self, pose: Pose, layout: StripLayout) -> Array:
-        x = np.repeat(layout.ends.mean(axis=1), 2).reshape(-1, 2)
-        return self._seen(pose, layout.sides, x).foot.reshape(x.shape)
-
     def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         edges = layout.edges
         x = 0.5 * (edges[:, 1:] + edges[:, :-1])
@@ -196,9 +183,6 @@ class QuadricStrips:
 
     def along(self, s: Array) -> Array:
         return np.ones_like(s)
-
-    def lower_sides(self, pose: Pose, layout: StripLayout) -> Array:
-        return layout.sides
 
     def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         edges = layout.edges

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from wheelrail.contact.models.fitted.layout import StripLayout
+from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 

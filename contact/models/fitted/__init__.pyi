@@ -1,2 +1,0 @@
-from .model import FittedContact as FittedContact
-from .resolution import Resolution as Resolution

@@ -1,0 +1,69 @@
+"""Compiled: Newton's method with the factors of an earlier state, for poses near to it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.equations import EquationData, evaluate
+from wheelrail.contact.models.lattice.factors import Factors, newton_step
+from wheelrail.contact.models.lattice.state import leaving, longest, moved, relative_size
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
+
+STEPS = 8
+CONTRACTION = 0.3  # of a step, for another one with the same factors
+
+
+class ChordState(NamedTuple):
+    """Outcome of steps with old factors.
+
+    Parameters:
+        converged: whether the last step is below the tolerance.
+        values: (S, block), the state.
+        size: of the next step, relative; infinite where none could be evaluated.
+        evaluations: of the residual.
+    """
+
+    converged: bool
+    values: Array
+    size: float
+    evaluations: int
+
+
+@compiled
+def chords(
+    values: Array, data: EquationData, factors: Factors, solver: int, tolerance: float, farthest: float
+) -> ChordState:
+    """Steps from values (S, block) as long as they contract and no strip leaves.
+
+    Parameters:
+        values: initial state.
+        data: of the equations.
+        factors, solver: see `wheelrail.contact.models.lattice.factors.newton_step`.
+        tolerance: of the last step, relative; it is taken.
+        farthest: first step beyond which the state is of no use.
+    """
+    evaluation = evaluate(values, data, factors.rho)
+    if not evaluation.inside:
+        return ChordState(False, values, np.inf, 1)
+    step = newton_step(factors, solver, evaluation.residual)
+    size, before = relative_size(values, step)
+    if not size < farthest:
+        return ChordState(False, values, size, 1)
+    for k in range(STEPS):
+        if longest(values, step) < 1.0 or leaving(values, step, size).any():
+            return ChordState(False, values, size, k + 1)
+        trial = moved(values, step, 1.0)
+        if size < tolerance:
+            return ChordState(True, trial, size, k + 1)
+        evaluation = evaluate(trial, data, factors.rho)
+        if not evaluation.inside:
+            return ChordState(False, values, size, k + 2)
+        step = newton_step(factors, solver, evaluation.residual)
+        size, after = relative_size(trial, step)
+        if not after < CONTRACTION * before:
+            return ChordState(False, trial if after < before else values, size, k + 2)
+        values, before = trial, after
+    return ChordState(False, values, size, STEPS + 1)
