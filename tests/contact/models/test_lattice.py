@@ -261,9 +261,6 @@ def test_strips_come_and_go_without_a_jump() -> None:
     assert np.abs(np.diff(forces, 2)).max() < 2e-4 * forces[-1]
 
 
-KEYS = ("y", "z", "roll", "yaw", "y_rate", "z_rate", "roll_rate", "pitch_rate")
-
-
 @pytest.mark.parametrize(
     ("friction", "bodies", "place"),
     [
@@ -281,8 +278,8 @@ def test_tangent(friction: float, bodies: Bodies, place: tuple[float, float, flo
     state = replace(rolling(*place), y_rate=0.01, frame_rate=(0.0, 0.0, SPEED / 600))
     result = contact(state, "left")
     found = contact.tangent(state, "left", result)
-    expected = np.zeros((6, 8))
-    for k, key in enumerate(KEYS):
+    expected = np.zeros((6, len(state.coordinates)))
+    for k, key in enumerate(state.coordinates):
         step = 2e-7 if k < 4 else 2e-4
         ahead, behind = (
             contact(replace(state, **{key: getattr(state, key) + sign * step}), "left", result) for sign in (1, -1)
