@@ -60,13 +60,12 @@ def _pressed(
     ends = np.column_stack([middle - half, middle + half])
     for _ in range(WIDENINGS):
         edges = ends[:, :1] + np.diff(ends) * np.linspace(0.0, 1.0, PROBES + 1)
-        at = 0.5 * (edges[:, 1:] + edges[:, :-1])
-        excess = _depth(problem, new, at) + _displacement(problem, state, new, edges)
+        excess = remaining_penetration(problem, state, new, edges)
         cut = excess[:, [0, -1]] > 0
         if not cut.any():
             break
         ends = ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0]
-    stretch = problem.tables.stretch[new]
+    ends, stretch = edges[:, [0, -1]], problem.tables.stretch[new]
     basis = equal_cells(PROBES)
     x = stretch[:, None] * (ends[:, :1] + np.diff(ends) * basis.row_marks)
     grid = StripGrid(x, stretch * np.diff(ends)[:, 0], problem.width[new], stretch)
@@ -97,22 +96,26 @@ def _excess(
     """
     edges = middle[:, None] + half[:, None] * np.linspace(-1.0, 1.0, PROBES + 1)
     at = 0.5 * (edges[:, 1:] + edges[:, :-1])
-    excess = _depth(problem, free, at) + _displacement(problem, state, free, edges)
+    excess = remaining_penetration(problem, state, free, edges)
     top, place, curvature = _crest(excess, at)
     return top, place, curvature, top + 2 * (top - excess.max(axis=1)) > 0
 
 
-def _depth(problem: LatticeProblem, free: Nodes, at: Array) -> Array:
-    """Penetration (n, PROBES) m, the mean over the widths."""
-    total = np.zeros(at.shape)
+def remaining_penetration(problem: LatticeProblem, state: LatticeState, strips: Nodes, edges: Array) -> Array:
+    """Penetration (n, C) m of unloaded strips (n,) that the tractions of the loaded ones leave.
+
+    edges: (n, C + 1) m, boundaries of cells along the strips. Raises OutsideSurface.
+    """
+    at = 0.5 * (edges[:, 1:] + edges[:, :-1])
+    depth = np.zeros(at.shape)
     for line in (-GAUSS, GAUSS):
-        s = np.repeat(problem.middle[free] + line * problem.width[free], PROBES)
-        total += 0.5 * problem.penetration(s, at.ravel()).depth.reshape(at.shape)
-    return np.where(np.isfinite(total), total, -problem.approach)
+        s = np.repeat(problem.middle[strips] + line * problem.width[strips], at.shape[1])
+        depth += 0.5 * problem.penetration(s, at.ravel()).depth.reshape(at.shape)
+    return np.where(np.isfinite(depth), depth, -problem.approach) + _displacement(problem, state, strips, edges)
 
 
 def _displacement(problem: LatticeProblem, state: LatticeState, free: Nodes, edges: Array) -> Array:
-    """Relative normal displacement (n, PROBES) m of the probes by the loaded strips."""
+    """Relative normal displacement (n, C) m of cells by the loaded strips."""
     stretch = problem.tables.stretch[free]
     i, j = (index.ravel() for index in np.meshgrid(free, state.strips, indexing="ij"))
     feet = problem.at_crests.foot if problem.tables.moves else None
