@@ -29,6 +29,7 @@ NEAR = 0.1  # step below which strips may enter
 LARGE = 0.5  # step after which a load without pressure is no reason to leave
 VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
 LONGEST = 3.0  # largest relative growth of a squared half length in one step
+SHRUNK = 0.7  # largest relative decrease of that of a long strip
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
 RELEASES = 2  # times that such strips may enter again
 
@@ -203,7 +204,7 @@ class LatticeNewton:
     def _longest(state: LatticeState, step: Array) -> float:
         """Largest fraction of a step at which no strip moves by more than its length or grows too much."""
         half, change = state.half, 0.5 * (step[:, -1] - step[:, -2])
-        growth = 2 * np.abs(change) / half / LONGEST
+        growth = 2 * np.where(change > 0, change / LONGEST, -change / SHRUNK) / half
         away = np.abs(step[:, -2:].mean(axis=1)) / half.max()
         growth = np.where(half > 0.3 * half.max(), growth, 0.0)
         return float(min(1.0, 1 / max(growth.max(), away.max(), 1e-300)))
