@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import roots_legendre
 
 from wheelrail.support.arrays import Array
 
-PLACE, WEIGHT = np.polynomial.legendre.leggauss(12)  # Gauss rule on -1 to 1
+PLACE, WEIGHT = roots_legendre(12)  # Gauss rule on -1 to 1
 
 
 def patch_area(length: Array, bounds: Array) -> float:

@@ -35,34 +35,46 @@ def entering(
     free = np.array([strip for strip in problem.candidates.tolist() if strip not in loaded], dtype=int)
     if not len(free):
         return None
-    probes = Probes(problem.middle, problem.width, problem.tables.stretch, PROBES)
-    rest = remaining(state.values, problem.of(state.strips), probes, problem.lines, free)
+    rest = remaining(state.values, problem.of(state.strips), _probes(problem), problem.lines, free)
     if not rest.inside:
         raise OutsideSurface(TOO_LONG)
     enters = rest.depth > least * problem.approach
     if not enters.any():
         return None
     half = np.minimum(MARGIN * np.sqrt(2 * rest.depth / rest.curvature), rest.half)[enters]
-    return _pressed(problem, state, probes, rest.strips[enters], rest.place[enters], half)
+    return _pressed(problem, state, rest.strips[enters], rest.place[enters], half)
+
+
+def remaining_penetration(
+    problem: LatticeProblem, state: LatticeState, strips: Nodes, low: Array, high: Array
+) -> Array:
+    """Penetration (n, C) m of unloaded strips (n,) that the tractions of the loaded ones leave, means over equal cells
+    from low to high (n,) m. Raises OutsideSurface.
+    """
+    inside, depth = excess(state.values, problem.of(state.strips), _probes(problem), strips, low, high)
+    if not inside:
+        raise OutsideSurface(TOO_LONG)
+    return np.where(np.isfinite(depth), depth, -problem.approach)
+
+
+def _probes(problem: LatticeProblem) -> Probes:
+    return Probes(problem.middle, problem.width, problem.tables.stretch, PROBES)
 
 
 def _pressed(
-    problem: LatticeProblem, state: LatticeState, probes: Probes, new: Nodes, middle: Array, half: Array
+    problem: LatticeProblem, state: LatticeState, new: Nodes, middle: Array, half: Array
 ) -> LatticeState | None:
     """Strips new (n,) under their remaining penetration, by complementarity on cells around middles (n,) m, while the
     loaded strips do not change.
     """
     low, high = middle - half, middle + half
-    for _ in range(WIDENINGS):
-        inside, depth = excess(state.values, problem.of(state.strips), probes, new, low, high)
-        if not inside:
-            raise OutsideSurface(TOO_LONG)
+    for widening in range(WIDENINGS):
+        depth = remaining_penetration(problem, state, new, low, high)
         cut = depth[:, [0, -1]] > 0
-        if not cut.any():
+        if not cut.any() or widening == WIDENINGS - 1:
             break
         length = high - low
         low, high = low - 0.5 * cut[:, 0] * length, high + 0.5 * cut[:, 1] * length
-    depth = np.where(np.isfinite(depth), depth, -problem.approach)
     stretch = problem.tables.stretch[new]
     x = stretch[:, None] * (low[:, None] + (high - low)[:, None] * PROBES.row_marks)
     grid = StripGrid(x, stretch * (high - low), problem.width[new], stretch, new)
