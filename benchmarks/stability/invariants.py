@@ -9,6 +9,7 @@ from benchmarks.stability.sample import SampledCase
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.lattice.entry import remaining_penetration
+from wheelrail.contact.models.lattice.influence.basis import equal_cells
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.newton import LatticeSolution
 from wheelrail.contact.models.wheelset import ContactModel
@@ -32,7 +33,7 @@ LATTICE = {  # limits of strips: means over cells deviate from a gap that vanish
     "penetration": 1e-2,
     "unloaded": 1e-3,
 }
-PROBES = 60  # cells along an unloaded strip
+PROBES = equal_cells(60)  # along an unloaded strip
 G = Material().E / (2 + 2 * Material().nu)  # Pa
 
 
@@ -103,7 +104,8 @@ def _strips(pose: Pose, motion: RigidMotion, result: ContactResult, model: Latti
         return depth, 0.0
     place, bend = (values[free] for values in problem.crest)
     half = np.sqrt(2 * problem.depth[free] / bend)
-    return depth, max(float(remaining_penetration(problem, state, free, place - half, place + half).max()), 0.0)
+    remaining = remaining_penetration(problem, state, free, place - half, place + half, cells=PROBES)
+    return depth, max(float(remaining.max()), 0.0)
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from small_strips import few_strips
 from standin_contact import CONTACT
+from wheelrail.contact.models.fitted.patch_layout import single
+from wheelrail.contact.models.fitted.resolution import Resolution
 
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.geometry.strip_surfaces import PenetrationProfile
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.fitted.patch_layout import single
-from wheelrail.contact.models.fitted.resolution import Resolution
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult

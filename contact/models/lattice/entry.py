@@ -6,7 +6,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.cold_start import state_of_cells
-from wheelrail.contact.models.lattice.influence.basis import equal_cells
+from wheelrail.contact.models.lattice.influence.basis import StripBasis, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
@@ -35,7 +35,7 @@ def entering(
     free = np.array([strip for strip in problem.candidates.tolist() if strip not in loaded], dtype=int)
     if not len(free):
         return None
-    rest = remaining(state.values, problem.of(state.strips), _probes(problem), problem.lines, free)
+    rest = remaining(state.values, problem.of(state.strips), _probes(problem, PROBES), problem.lines, free)
     if not rest.inside:
         raise OutsideSurface(TOO_LONG)
     enters = rest.depth > least * problem.approach
@@ -46,19 +46,19 @@ def entering(
 
 
 def remaining_penetration(
-    problem: LatticeProblem, state: LatticeState, strips: Nodes, low: Array, high: Array
+    problem: LatticeProblem, state: LatticeState, strips: Nodes, low: Array, high: Array, *, cells: StripBasis = PROBES
 ) -> Array:
     """Penetration (n, C) m of unloaded strips (n,) that the tractions of the loaded ones leave, means over equal cells
     from low to high (n,) m. Raises OutsideSurface.
     """
-    inside, depth = excess(state.values, problem.of(state.strips), _probes(problem), strips, low, high)
+    inside, depth = excess(state.values, problem.of(state.strips), _probes(problem, cells), strips, low, high)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     return np.where(np.isfinite(depth), depth, -problem.approach)
 
 
-def _probes(problem: LatticeProblem) -> Probes:
-    return Probes(problem.middle, problem.width, problem.tables.stretch, PROBES)
+def _probes(problem: LatticeProblem, cells: StripBasis) -> Probes:
+    return Probes(problem.middle, problem.width, problem.tables.stretch, cells)
 
 
 def _pressed(
