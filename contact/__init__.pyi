@@ -1,3 +1,4 @@
+from .element.contact_element import ContactElement as ContactElement
 from .kinematics.frames import Pose as Pose
 from .kinematics.frames import RigidMotion as RigidMotion
 from .kinematics.frames import Twist as Twist

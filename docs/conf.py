@@ -45,6 +45,6 @@ html_copy_source = False
 html_show_sphinx = False
 
 autodoc_member_order = "bysource"
-autodoc_type_aliases = {name: name for name in ("Array", "Nodes", "Mask", "Law", "RailShift", "Contact")}
+autodoc_type_aliases = {name: name for name in ("Array", "Nodes", "Mask", "Law", "RailShift", "Contact", "ArrayBySide")}
 python_use_unqualified_type_names = True
 python_display_short_literal_types = True

@@ -16,6 +16,8 @@ from wheelrail.support.progress import LOGGER
 
 if TYPE_CHECKING:
     from wheelrail.api.contact_geometry import contact_geometry
+    from wheelrail.api.elements.hertz_element import HertzElement
+    from wheelrail.api.elements.wheelset_element import WheelsetElement
     from wheelrail.api.figures import plot_convergence, plot_profiles, plot_work_precision
     from wheelrail.api.files import load, open, profile, report
     from wheelrail.api.hertz import Hertz
@@ -28,11 +30,13 @@ if TYPE_CHECKING:
 # Name: the module that it is taken from when it is first asked for, so that importing the package costs nothing.
 _HOMES = {
     "Hertz": "wheelrail.api.hertz",
+    "HertzElement": "wheelrail.api.elements.hertz_element",
     "Run": "wheelrail.api.runs",
     "SceneError": "wheelrail.scenes.schema.messages",
     "Solution": "wheelrail.api.solution",
     "Study": "wheelrail.api.studies",
     "Wheelset": "wheelrail.api.wheelset",
+    "WheelsetElement": "wheelrail.api.elements.wheelset_element",
     "contact_geometry": "wheelrail.api.contact_geometry",
     "load": "wheelrail.api.files",
     "open": "wheelrail.api.files",
@@ -46,11 +50,13 @@ _HOMES = {
 }
 __all__ = [
     "Hertz",
+    "HertzElement",
     "Run",
     "SceneError",
     "Solution",
     "Study",
     "Wheelset",
+    "WheelsetElement",
     "contact_geometry",
     "load",
     "open",

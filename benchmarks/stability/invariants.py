@@ -6,8 +6,13 @@ import numpy as np
 
 from benchmarks.stability.depth_estimate import penetration_outside
 from benchmarks.stability.sample import SampledCase
-from wheelrail.contact.kinematics.frames import Pose
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.material import Material
+from wheelrail.contact.models.lattice.entry import remaining_penetration
+from wheelrail.contact.models.lattice.influence.basis import equal_cells
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -22,21 +27,29 @@ LIMITS = {
     "work": 1e-8,
     "penetration": 1e-7,
     "missed": 1.0,
+    "unloaded": 0.0,
 }
+LATTICE = {  # limits of strips: means over cells deviate from a gap that vanishes in its moments alone
+    "penetration": 1e-2,
+    "unloaded": 1e-3,
+}
+PROBES = equal_cells(60)  # along an unloaded strip
 G = Material().E / (2 + 2 * Material().nu)  # Pa
 
 
-def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, float]:
+def findings(case: SampledCase, depth: float, result: ContactResult, model: ContactModel) -> dict[str, float]:
     """Values by name, see LIMITS.
 
     residual of the solve; force and moment (about the wheel's origin) of the result minus the opposite of those of the
     tractions on the rail, over load and load times a metre; the patches' forces minus the result's; pull, the largest
     tension over the peak pressure; friction, traction beyond mu p over mu times the peak; law, the largest q max(|s|,
     eps) + mu p s, and work, the largest q . s > 0, over mu times the peak times the largest slip, or the strain due to
-    mu times the peak; penetration at loaded and open points over the approach, exact law only; missed, the largest
-    undeformed penetration outside all patches over that inside: pressure lowers a surface most where it acts. All
-    infinite without any pressure: penetrating bodies must carry some.
+    mu times the peak; penetration at loaded and open points over the approach; missed, the largest undeformed
+    penetration outside all patches over that inside: pressure lowers a surface most where it acts; unloaded, the
+    largest penetration that remains in a strip of a lattice without pressure, over the approach. All infinite without
+    any pressure: penetrating bodies must carry some.
     """
+    pose, motion = case.at(depth)
     fields = result.fields
     if fields is None or not fields.pressure.any():
         return dict.fromkeys(LIMITS, np.inf)
@@ -52,8 +65,11 @@ def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, 
     most = max(case.friction * peak, 1e-300)
     power_scale = max(most * max(float(np.hypot(*s.T).max()), most / G), 1e-300)
     in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
+    undeformed, unloaded = fields.penetration, 0.0
+    if isinstance(model, LatticeContact):
+        undeformed, unloaded = _strips(pose, motion, result, model)
     # deformed penetration minus that of the penalty: zero at loaded points, negative at open ones
-    d = fields.penetration + fields.displacement[:, 2] - p * case.laws.normal_compliance
+    d = undeformed + fields.displacement[:, 2] - p * case.laws.normal_compliance
     apart = np.where(p > 0, np.abs(d), np.maximum(d, 0.0))
     return {
         "residual": result.statistics.residual,
@@ -66,7 +82,30 @@ def findings(case: SampledCase, pose: Pose, result: ContactResult) -> dict[str, 
         "work": float(np.maximum(power, 0.0).max()) / power_scale,
         "penetration": float(apart.max()) / result.approach,
         "missed": penetration_outside(case, pose, [patch.wheel_band for patch in result.patches]),
+        "unloaded": unloaded / result.approach,
     }
+
+
+def _strips(pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact) -> tuple[Array, float]:
+    """Undeformed penetration m of cells, the mean over the widths of their strips by Simpson's rule, and the largest
+    remaining penetration m of unloaded strips between the ends of their undeformed one.
+    """
+    assert isinstance(result.warm_start, LatticeSolution)
+    state = result.warm_start.state
+    problem = model.problem(pose, motion)
+    x = (state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles).ravel()
+    middle, width = (np.repeat(v[state.strips], problem.cells) for v in (problem.middle, problem.width))
+    depth = sum(
+        (weight / 6 * problem.penetration(middle + k * width, x).depth for k, weight in ((-0.5, 1), (0, 4), (0.5, 1))),
+        np.zeros(len(x)),
+    )
+    free = np.setdiff1d(problem.candidates, state.strips)
+    if not len(free):
+        return depth, 0.0
+    place, bend = (values[free] for values in problem.crest)
+    half = np.sqrt(2 * problem.depth[free] / bend)
+    remaining = remaining_penetration(problem, state, free, place - half, place + half, cells=PROBES)
+    return depth, max(float(remaining.max()), 0.0)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -74,6 +113,11 @@ def cross(a: Array, b: Array) -> Array:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def broken(values: dict[str, float]) -> list[str]:
+def limits(case: SampledCase) -> dict[str, float]:
+    """Limits of a case by name."""
+    return LIMITS | LATTICE if case.laws.exact_normal else LIMITS
+
+
+def broken(case: SampledCase, values: dict[str, float]) -> list[str]:
     """Names of the values beyond their limits."""
-    return [name for name, limit in LIMITS.items() if not values[name] <= limit]
+    return [name for name, limit in limits(case).items() if not values[name] <= limit]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,7 +21,9 @@ class WheelsetState:
         y, z: m; z from the nominal height, at which the centre is one rolling radius above the top of the rails.
         roll, yaw: rad.
         y_rate, z_rate: m/s.
-        roll_rate, pitch_rate: rad/s; pitch_rate is positive for rolling forward.
+        roll_rate, yaw_rate, pitch_rate: rad/s, time derivatives of roll and yaw, and the spin about the axle, positive
+            for rolling forward. The angular velocity relative to the track frame is their sum about the line of nodes
+            (cos yaw, sin yaw, 0), about z and about the axle.
         speed: V, m/s.
         frame_rate: (3,) rad/s, angular velocity of the track frame in its own axes; (0, 0, V K) on a flat left-hand
             curve.
@@ -33,6 +36,11 @@ class WheelsetState:
     of d (1e-3) with creepage, and the longitudinal part d N of a normal force, which the constraint along x carries.
     """
 
+    coordinates: ClassVar[tuple[str, ...]] = (
+        *("y", "z", "roll", "yaw"),
+        *("y_rate", "z_rate", "roll_rate", "yaw_rate", "pitch_rate"),
+    )  # columns of tangents
+
     y: float = 0.0
     z: float = 0.0
     roll: float = 0.0
@@ -40,6 +48,7 @@ class WheelsetState:
     y_rate: float = 0.0
     z_rate: float = 0.0
     roll_rate: float = 0.0
+    yaw_rate: float = 0.0
     pitch_rate: float = 0.0
     speed: float = 0.0
     frame_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -55,9 +64,15 @@ class WheelsetState:
             yaw=-self.yaw,
             y_rate=-self.y_rate,
             roll_rate=-self.roll_rate,
+            yaw_rate=-self.yaw_rate,
             frame_rate=(-wx, wy, -wz),
             rail_shift=shift and ((-shift[1][0], shift[1][1]), (-shift[0][0], shift[0][1])),
         )
+
+    @property
+    def nodes(self) -> Array:
+        """Axis (3,) of the roll: the x axis after yaw."""
+        return np.array([np.cos(self.yaw), np.sin(self.yaw), 0.0])
 
     @property
     def rotation(self) -> Array:
@@ -95,7 +110,7 @@ class Mounting:
         frame_rate = np.asarray(state.frame_rate, dtype=float)
         wheel = Twist(
             velocity=np.array([0.0, state.y_rate, state.z_rate]),
-            rotation=np.array([state.roll_rate, 0.0, 0.0]) + state.pitch_rate * axle,
+            rotation=state.roll_rate * state.nodes + [0.0, 0.0, state.yaw_rate] + state.pitch_rate * axle,
             reference=centre - rail,
         )
         # The rail is at rest in inertial space: in the moving frame it moves backwards and rotates against the frame.

@@ -3,6 +3,7 @@ from .builders import wheel_rail_pair as wheel_rail_pair
 from .condensed import CondensedContact as CondensedContact
 from .discretisation import Discretisation as Discretisation
 from .full.model import FullContact as FullContact
+from .hertz import HertzContact as HertzContact
 from .lattice.model import LatticeContact as LatticeContact
 from .standard.model import StandardContact as StandardContact
 from .wheelset import ContactModel as ContactModel

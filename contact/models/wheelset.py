@@ -38,7 +38,7 @@ class WheelsetContact(VehicleContact):
         return result if side == "left" else result.mirrored()
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
-        """Derivatives (6, 8) of force N and moment N m by y, z, roll, yaw and y_rate, z_rate, roll_rate, pitch_rate.
+        """Derivatives (6, 9) of force N and moment N m by `WheelsetState.coordinates`.
 
         Parameters:
             state: of the wheelset, m, rad, m/s and rad/s.
@@ -58,21 +58,24 @@ class WheelsetContact(VehicleContact):
         return derivative
 
 
-STATE_MIRRORED = np.array([-1.0, 1.0, -1.0, -1.0, -1.0, 1.0, -1.0, 1.0])  # signs of the mirrored variables of `tangent`
+EVEN = ("z", "z_rate", "pitch_rate")  # unchanged in the mirror y = 0
+STATE_MIRRORED = np.array([1.0 if name in EVEN else -1.0 for name in WheelsetState.coordinates])
 
 
 def pair_slope(mounting: Mounting, state: WheelsetState) -> Array:
-    """Derivatives (12, 8) of `Mounting.left_pair` by y, z, roll, yaw and the rates, rows as in `ContactResult.tangent`.
+    """Derivatives (12, 9) of `Mounting.left_pair` by `WheelsetState.coordinates`, rows as in `ContactResult.tangent`.
 
     The wheelset rotates about its centre, which remains the reference point of the wheel's motion.
     """
     axle = state.rotation[:, 1]
-    rotation_axes = np.array([[np.cos(state.yaw), np.sin(state.yaw), 0.0], [0.0, 0.0, 1.0]])  # of roll and yaw
+    vertical = np.array([0.0, 0.0, 1.0])
+    rotation_axes = np.array([state.nodes, vertical])  # of roll and yaw
     axle_change = np.cross(rotation_axes, axle).T
-    slope = np.zeros((12, 8))
+    slope = np.zeros((12, 9))
     slope[1, 0] = slope[2, 1] = 1.0
     slope[:3, 2:4], slope[3:6, 2:4] = mounting.wheel_y * axle_change, rotation_axes.T
     slope[9:, 2:4] = state.pitch_rate * axle_change
-    slope[7, 4] = slope[8, 5] = slope[9, 6] = 1.0
-    slope[9:, 7] = axle
+    slope[9:, 3] += state.roll_rate * np.cross(vertical, state.nodes)
+    slope[7, 4] = slope[8, 5] = 1.0
+    slope[9:, 6], slope[9:, 7], slope[9:, 8] = state.nodes, vertical, axle
     return slope

@@ -1,9 +1,9 @@
-"""Interface between the contact of a wheelset and the equations of motion of a vehicle."""
+"""Interface between a contact and the equations of motion of the bodies."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
@@ -11,27 +11,37 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
 
-class VehicleContact(Protocol):
-    """Contact model of the left and the right wheel of a wheelset.
+class HasCoordinates(Protocol):
+    """Position and velocity of a body."""
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates and rates by which forces are differentiated."""
+
+
+S = TypeVar("S", contravariant=True)
+K = TypeVar("K", contravariant=True)
+
+
+class StateContact(Protocol[S, K]):
+    """Contact model of the sides of a body: state and side in, result out.
 
     Subclasses define the call; `tangent`, `ahead` and `ahead_tangent` are optional, with defaults for models without
     them.
     """
 
     @abstractmethod
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        """Result of one side in the track's axes, with the moment about the wheelset's centre.
+    def __call__(self, state: S, side: K, guess: ContactResult | None = None) -> ContactResult:
+        """Result of one side in the axes of the track, or of the lower body.
 
         Parameters:
-            state: of the wheelset.
-            side: "left" or "right".
+            state: position and velocity.
+            side: name of the side.
             guess: an earlier result of the same side, as initial guess.
         """
 
-    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
-        """Derivative (6, 8) of force N and moment N m at a result.
-
-        Columns: y, z, roll, yaw, y_rate, z_rate, roll_rate and pitch_rate.
+    def tangent(self, state: S, side: K, result: ContactResult) -> Array:
+        """Derivative (6, n) of force N and moment N m at a result by the coordinates of the state.
 
         Parameters:
             state, side: for which the result was computed.
@@ -41,10 +51,14 @@ class VehicleContact(Protocol):
         """
         raise ValueError("the contact has no tangent")
 
-    def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
-        """Announces the solve of the right side after that of the left one, so that both can run in parallel."""
+    def ahead(self, state: S, guess: ContactResult | None) -> None:
+        """Announces the solve of the last side after those before it, so that they can run in parallel."""
         return  # sequential
 
-    def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
-        """Announces the tangent of the right side, see `ahead`."""
+    def ahead_tangent(self, state: S, result: ContactResult) -> None:
+        """Announces the tangent of the last side, see `ahead`."""
         return
+
+
+class VehicleContact(StateContact[WheelsetState, Side], Protocol):
+    """Contact model of the left and the right wheel of a wheelset, with the moment about the wheelset's centre."""

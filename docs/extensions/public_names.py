@@ -14,6 +14,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
     "Contact: kinematics and laws": (
         "wheelrail.contact.kinematics.frames",
         "wheelrail.contact.kinematics.wheelset_state",
+        "wheelrail.contact.kinematics.hertz_state",
         "wheelrail.contact.laws.material",
         "wheelrail.contact.laws.parameters",
     ),
@@ -26,7 +27,13 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.contact.models.lattice.resolution",
         "wheelrail.contact.models.standard.model",
         "wheelrail.contact.models.wheelset",
+        "wheelrail.contact.models.hertz",
         "wheelrail.contact.solvers.options",
+    ),
+    "Contact: element of a time integration": (
+        "wheelrail.contact.element.contact_element",
+        "wheelrail.contact.element.element_solution",
+        "wheelrail.contact.element.element_tangent",
     ),
     "Contact: results": (
         "wheelrail.contact.results.result",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -20,7 +20,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.wheelset import ContactModel
-from wheelrail.contact.results.result import ContactResult, Patch, Statistics
+from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.meshes.profiles.named import named_profile
 
 SIZE = 3e-3  # m: spectra of coarse lines take half a second each
@@ -29,7 +29,7 @@ COUNT, SEED = 10, 7
 
 @cache
 def outcomes() -> tuple[SolveOutcome, ...]:
-    """Twins of unconverged cases have finer cells on the same lines, whose spectra are cached."""
+    """On the same lines, whose spectra are cached."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(stability_run, "SIZES", (SIZE,))
         return tuple(attempt(replace(case, size=SIZE), twin=False) for case in cases(COUNT, SEED))
@@ -39,15 +39,15 @@ def test_solvable_cases_converge_within_all_limits() -> None:
     assert [(o.reason, o.broken, o.case) for o in outcomes() if o.kind == "failed" or o.broken] == []
 
 
-def test_fitted_cells_with_large_yaw() -> None:
-    fitted = [o for o in outcomes() if o.fitted]
-    assert len(fitted) > COUNT / 3
-    assert [(o.reason, o.case) for o in fitted if o.kind != "converged"] == []
+def test_strips_with_large_yaw() -> None:
+    strips = [o for o in outcomes() if o.strips]
+    assert len(strips) > COUNT / 3
+    assert [(o.reason, o.case) for o in strips if o.kind != "converged"] == []
 
 
 def test_grids_report_contacts_between_points() -> None:
     blind = [o for o in outcomes() if o.kind == "no answer"]
-    assert not any(o.fitted for o in blind)
+    assert not any(o.strips for o in blind)
     assert all("carries contact points" in o.reason or o.reason == BETWEEN for o in blind)
 
 
@@ -58,7 +58,7 @@ def half_spaces(rail: str) -> ContactModel:
 
 
 def test_depth_estimate_on_half_spaces_and_elastic_bodies() -> None:
-    found = [o for o in outcomes() if o.fitted]
+    found = [o for o in outcomes() if o.strips]
     ratios = []
     for outcome in found[:5]:
         pose, motion = outcome.case.at(outcome.depth)
@@ -86,7 +86,7 @@ def test_the_sample_covers_its_ranges() -> None:
 @cache
 def rubbing() -> tuple[SampledCase, float, ContactResult]:
     """A case with friction, its depth and result."""
-    outcome = next(o for o in outcomes() if o.fitted and o.case.friction > 0.1)
+    outcome = next(o for o in outcomes() if o.strips and o.case.friction > 0.1)
     pose, motion = outcome.case.at(outcome.depth)
     return outcome.case, outcome.depth, model_of(outcome.case)(pose, motion, None)
 
@@ -122,9 +122,9 @@ def elsewhere(result: ContactResult) -> ContactResult:
 )
 def test_wrong_results_are_detected(wrong: Callable[[ContactResult], ContactResult], noticed: set[str]) -> None:
     case, depth, result = rubbing()
-    pose, _ = case.at(depth)
-    assert broken(findings(case, pose, result)) == []
-    assert set(broken(findings(case, pose, wrong(result)))) >= noticed
+    model = model_of(case)
+    assert broken(case, findings(case, depth, result, model)) == []
+    assert set(broken(case, findings(case, depth, wrong(result), model))) >= noticed
 
 
 def test_deviations_from_the_twin_are_detected() -> None:
@@ -133,29 +133,10 @@ def test_deviations_from_the_twin_are_detected() -> None:
     for outcome, said in (
         (replace(alone, twin="converged", force_differs=0.5), "from its twin"),
         (replace(alone, twin="failed: not found"), "not found"),
-        (replace(alone, settled=False), "no twin"),
+        (replace(alone, history=1e-3), "other starts"),
     ):
         assert said in trouble(outcome)
         assert said in show([outcome])
-
-
-@dataclass(frozen=True)
-class Loose(Statistics):
-    """Statistics of an unconverged patch-edge iteration."""
-
-    settled: bool = False
-
-
-def test_unconverged_cases_are_always_compared(monkeypatch: pytest.MonkeyPatch) -> None:
-    case, _, result = rubbing()
-    monkeypatch.setattr(stability_run, "twin_of", model_of)
-    assert solve(case).twin == ""
-    loose = replace(result, statistics=Loose(residual=result.statistics.residual))
-    monkeypatch.setattr(stability_run, "model_of", lambda _: lambda *_: loose)
-    outcome = solve(case)
-    assert not outcome.settled
-    assert outcome.force_differs == 0.0
-    assert "1 cases with unconverged patch edges, 1 of them compared" in show([outcome])
 
 
 @pytest.mark.parametrize("status", ["separated", "failed: not found"])

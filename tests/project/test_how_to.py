@@ -87,3 +87,13 @@ def test_own_law_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     paper = re.sub(r"^laws = .*$", 'laws = "paper"', scene, flags=re.MULTILINE)
     paper = paper if 'laws = "paper"' in paper else 'laws = "paper"\n' + paper
     assert laws(parse_scene(f"{paper}\n{law}")).normal == PowerPenalty(2e17, 1.5)
+
+
+def test_the_element_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
+    """The step of the page ends where the wheelset's own momentum balance says."""
+    (code,) = blocks("element", "python")
+    names: dict[str, Any] = {}
+    exec(compile(code, "element.md", "exec"), names)
+    assert re.fullmatch(r"-0\.\d{4} mm, \d+\.\d kN, \d+ MPa\n", capsys.readouterr().out)
+    assert abs(names["residual"]) < 1e-6 * names["weight"]
+    assert names["element"].solve(z=names["z"], speed=20.0).ok

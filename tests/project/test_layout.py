@@ -22,7 +22,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "meshes.curves": {"support"},
     "meshes.profiles": {"meshes.curves", "support"},
     "meshes.bodies": {"meshes.curves", "meshes.profiles", "support"},
-    "contact": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models"}
+    "contact": {"contact.element", "contact.kinematics", "contact.laws", "contact.loading", "contact.models"}
     | {
         "contact.models.full",
         "contact.models.lattice",
@@ -35,6 +35,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "contact.laws": {"forms", "support"},  # laws in UFL, imported where a law is first compiled
     "contact.geometry": {"contact.kinematics", "meshes.bodies", "meshes.curves", "meshes.profiles", "support"},
     "contact.results": {"contact.geometry", "contact.kinematics", "support"},
+    "contact.element": {"contact.kinematics", "contact.results", "support"},
     "contact.solvers": {"contact.kinematics", "contact.laws", "support"},
     "contact.elasticity": {"contact.geometry", "contact.laws", "forms", "meshes.bodies", "support"},
 }
@@ -68,6 +69,7 @@ MAY_IMPORT |= {
 }
 # One call drives a contact model: no meshes, no elements.
 _DRIVEN = {
+    "contact.element",
     "contact.kinematics",
     "contact.loading",
     "contact.results",
@@ -95,8 +97,9 @@ MAY_IMPORT["scenes.schema"] = {
 for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
-MAY_IMPORT["api"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
-MAY_IMPORT[""] = {"api", "scenes.schema", "support"}
+MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
+MAY_IMPORT["api.elements"] = {"contact.element", "contact.kinematics", "contact.models", "scenes.schema"}
+MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}
 
 ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"}
 HEAVY = ELEMENTS | {"gmsh", "pyvista", "xarray", "matplotlib", "netCDF4"}

@@ -128,7 +128,7 @@ class Tangential(VehicleContact):
         return self.inner(state, side, guess)
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> np.ndarray:
-        found = np.zeros((6, 8))
+        found = np.zeros((6, len(WheelsetState.coordinates)))
         for column, name in zip(COLUMNS, FIELDS, strict=True):
             ends = [replace(state, **{name: getattr(state, name) + d}) for d in (-1e-7, 1e-7)]
             low, high = (self.inner(end, side) for end in ends)

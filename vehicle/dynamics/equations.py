@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.support.interrupts import check_interrupt
 from wheelrail.vehicle.dynamics.state import COUNT, split
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.track.frame import Frame
@@ -98,6 +98,11 @@ class Dynamics:
         return SpeedProfile.of(self.speed)
 
     @cached_property
+    def element(self) -> ContactElement[WheelsetState, Side]:
+        """Both contacts; an evaluation starts from the one before it, within a step from the stage before."""
+        return ContactElement(self.contact, SIDES)
+
+    @cached_property
     def plane(self) -> Wagon:
         return self.wagon.plane
 
@@ -167,20 +172,12 @@ class Dynamics:
 
     def solve_wheelset(self, wheelset: WheelsetState, guess: Contacts | None) -> Contacts:
         """Both contacts at a state of the wheelset; raises StepFailure as `solve_contacts`."""
-        self.contact.ahead(wheelset, guess["right"] if guess else None)
-        return {side: self._solve(wheelset, side, guess[side] if guess else None) for side in SIDES}
-
-    def _solve(self, wheelset: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
-        check_interrupt()
-        try:
-            result = self.contact(wheelset, side, guess)
-        except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
-            raise StepFailure(f"{side} contact: {type(error).__name__}: {error}") from error
-        if not result.ok:
-            raise StepFailure(f"{side} contact: {result.status}")
-        if not (np.isfinite(result.force).all() and np.isfinite(result.moment).all()):
-            raise StepFailure(f"{side} contact: force or moment is not finite")
-        return result
+        contacts: Contacts = {}
+        for side, result in self.element.solve_sides(wheelset, guess):
+            if not result.ok:
+                raise StepFailure(f"{side} contact: {result.status}")
+            contacts[side] = result
+        return contacts
 
     def accelerations(self, frame: Frame, state: Array, contact: Wrench) -> tuple[Array, Array]:
         """Accelerations under given contact forces.

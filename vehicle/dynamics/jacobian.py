@@ -15,12 +15,12 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.track.frame import Frame
 
-# Fields of a WheelsetState that depend on the state, their indices in the state and the columns of the contact tangent
-# (whose fourth column is the yaw); difference steps well above the residual noise of a contact solve and small enough
+# Fields of a WheelsetState that depend on the state, their indices in the state and in the contact tangent (which has
+# yaw and its rate as well); difference steps well above the residual noise of a contact solve and small enough
 # for its curvature.
 FIELDS = ("y", "z", "roll", "y_rate", "z_rate", "roll_rate", "pitch_rate")
 INDICES = np.array([Y, Z, ROLL, COUNT + Y, COUNT + Z, COUNT + ROLL, COUNT + PITCH])
-COLUMNS = [0, 1, 2, 4, 5, 6, 7]
+COLUMNS = [WheelsetState.coordinates.index(name) for name in FIELDS]
 ODD = ("y", "roll", "y_rate", "roll_rate")  # antisymmetric: central differences keep the mirror symmetry exact
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
 STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
@@ -104,7 +104,7 @@ class Jacobian:
         return result
 
     def tangents(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
-        """Derivatives (2, 6, 8) of force and moment of the left and the right wheel with respect to the wheelset's
+        """Derivatives (2, 6, 9) of force and moment of the left and the right wheel with respect to the wheelset's
         position and rates.
         """
         wheelset = self.dynamics.wheelset_state(frame, state)
@@ -112,11 +112,9 @@ class Jacobian:
         return self._differences(wheelset, contacts) if tangents is None else tangents
 
     def analytical_tangents(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
-        """The tangents (2, 6, 8) of the contact model; None if it has none. Raises StepFailure when one fails."""
-        contact = self.dynamics.contact
+        """The tangents (2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
-            contact.ahead_tangent(wheelset, contacts["right"])
-            tangents = np.array([contact.tangent(wheelset, side, contacts[side]) for side in SIDES])
+            tangents = self.dynamics.element.side_tangents(wheelset, contacts)
         except ValueError:  # some models and results have no tangent
             return None
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
@@ -127,7 +125,7 @@ class Jacobian:
         self.age = (self.age + 1) % REUSED
         if self.differences is not None and self.age:
             return self.differences
-        result, centre = np.zeros((2, 6, 8)), _wrenches(contacts)
+        result, centre = np.zeros((2, 6, len(WheelsetState.coordinates))), _wrenches(contacts)
         for column, name, step in zip(COLUMNS, FIELDS, DIFFERENCE_STEPS, strict=True):
             plus = self._perturbed(wheelset, contacts, name, step)
             central = self.central or name in ODD

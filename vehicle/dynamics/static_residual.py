@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Wrench
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
@@ -19,7 +20,7 @@ from wheelrail.vehicle.track.frame import Frame
 DIFFERENCE_STEPS = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
 LARGE = np.array([3e-2, 3e-2, 2e-2, 3e-3, 3e-3, 5e-3, 1e-3, 2e-4, 1e-3, 1e-3])
 CONTACT_UNKNOWNS = [Y, Z, ROLL, PITCH]
-TANGENT_COLUMNS = [0, 1, 2, 7]  # y, z, roll and the rate of pitch
+TANGENT_COLUMNS = [WheelsetState.coordinates.index(name) for name in ("y", "z", "roll", "pitch_rate")]
 
 
 def size_of(vector: Array) -> float:

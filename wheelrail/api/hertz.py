@@ -10,10 +10,12 @@ from wheelrail.api.arguments import check_keys, keys_of, plain, replaced, scene_
 from wheelrail.api.solution import Solution, solved
 from wheelrail.scenes.builders.hertz import hertz_model
 from wheelrail.scenes.contacts.solve import solve_sides
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import HertzScene
 from wheelrail.scenes.schema.tables import BodyTable
 
 if TYPE_CHECKING:
+    from wheelrail.api.elements.hertz_element import HertzElement
     from wheelrail.contact.analytical.hertz import Hertz as ClosedForm
     from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import ContactModel
@@ -96,6 +98,23 @@ class Hertz:
         return solved(
             scene, dict(solve_sides(scene, model=self._model(scene))), (), replaced(self.arguments, arguments, GROUPS)
         )
+
+    def element(self, *, load: float | None = None, approach: float | None = None) -> HertzElement:
+        """Contact element for a time integration; bodies and tables are shared with this pair.
+
+        Parameters:
+            load: largest normal load, N, for which the compliance of the bodies is computed; or
+            approach: largest approach, m.
+
+        The speed is by default that of this pair. Raises SceneError, also for a pair with a tangential displacement.
+        """
+        from wheelrail.api.elements.hertz_element import HertzElement
+        from wheelrail.contact.models.hertz import HertzContact
+
+        if self.arguments.get("shift") is not None:
+            raise SceneError("Hertz: shift: an element rolls; for a tangential displacement use solve")
+        scene = self._scene({"load": load, "approach": approach})
+        return HertzElement(HertzContact(self._model(scene)), scene.speed or 0.0)
 
     def closed_form(self, *, load: float | None = None, approach: float | None = None) -> ClosedForm:
         """Hertz's closed-form solution: semi_axes, m, peak, Pa, approach, m, force, N.

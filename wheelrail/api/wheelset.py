@@ -11,7 +11,7 @@ from wheelrail.api.arguments import check_keys, keys_of, replaced, scene_of
 from wheelrail.api.solution import Solution, solved
 from wheelrail.meshes.profiles.library import load_profile
 from wheelrail.meshes.profiles.profile import Kind, Profile
-from wheelrail.scenes.builders.wheelset import mounted, wheelset_contact
+from wheelrail.scenes.builders.wheelset import mounted, wheelset_contact, wheelset_state
 from wheelrail.scenes.contacts.solve import solve_sides
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene
@@ -19,6 +19,7 @@ from wheelrail.scenes.schema.tables import ProfilesTable, TrackTable
 from wheelrail.scenes.schema.tables import WheelsetTable as Position
 
 if TYPE_CHECKING:
+    from wheelrail.api.elements.wheelset_element import WheelsetElement
     from wheelrail.contact.kinematics.wheelset_state import Mounting
     from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import WheelsetContact
@@ -115,6 +116,7 @@ class Wheelset:
         y_rate: float | None = None,
         z_rate: float | None = None,
         roll_rate: float | None = None,
+        yaw_rate: float | None = None,
         sides: Sequence[str] | None = None,
         error_estimate: bool | None = None,
         stress: Mapping[str, Any] | None = None,
@@ -131,7 +133,7 @@ class Wheelset:
             speed: m/s, 10 by default.
             pitch_rate: rad/s, positive when rolling forward; pure rolling by default.
             y_rate, z_rate: m/s.
-            roll_rate: rad/s.
+            roll_rate, yaw_rate: rad/s.
             sides: ("left",), ("right",) or both.
             error_estimate: whether to estimate errors from a second solve on half as many cells.
             stress: {"depths": [...] in m, "body": "wheel", "rail" or "both"}: stress below the patches.
@@ -150,6 +152,7 @@ class Wheelset:
             "y_rate": y_rate,
             "z_rate": z_rate,
             "roll_rate": roll_rate,
+            "yaw_rate": yaw_rate,
             "sides": sides,
             "error_estimate": error_estimate,
             "stress": stress,
@@ -157,6 +160,19 @@ class Wheelset:
         scene = self._scene(arguments)
         sides_solved = dict(solve_sides(scene, model=self._contact, profiles=self.profiles))
         return solved(scene, sides_solved, self.profiles, replaced(self.arguments, arguments, GROUPS))
+
+    def element(self) -> WheelsetElement:
+        """Contact element for a time integration; bodies and tables are shared with this wheelset.
+
+        Arguments of `WheelsetElement.solve` that are not given are those of this wheelset; y, z, roll and yaw are 0 m
+        and 0 rad unless given here.
+        """
+        from wheelrail.api.elements.wheelset_element import WheelsetElement
+
+        position = {key: self.arguments.get(key) for key in PLACED}
+        placed = {key: value if isinstance(value, float | int) else 0.0 for key, value in position.items()}
+        scene = self._scene(placed)
+        return WheelsetElement(self._contact, wheelset_state(scene), scene.track.curvature)
 
     @cached_property
     def profiles(self) -> tuple[Profile, Profile]:

@@ -20,6 +20,7 @@ from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
 
 CELLS = 8
+WIDENINGS = 4  # of the cells until no pressure is left at their ends
 OPTIONS = NewtonOptions(tolerance=1e-3)  # of a start
 
 
@@ -29,12 +30,26 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
     if not len(strips):
         return None
     ends = first_ends(problem, strips)
-    basis = equal_cells(CELLS)
+    for _ in range(WIDENINGS):
+        pressure, tractions = _solved(problem, strips, ends, laws, count)
+        state = state_of_cells(problem, strips, ends, pressure, tractions)
+        cut = pressure[:, [0, -1]] > 0
+        if not cut.any():
+            break
+        ends = ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0]
+    return state
+
+
+def _solved(
+    problem: LatticeProblem, strips: Nodes, ends: Array, laws: ContactLaws, count: IterationCount
+) -> tuple[Array, Array]:
+    """Pressure (S, CELLS) and tractions (2, S, CELLS) Pa of equal cells between ends (S, 2) m."""
+    basis = equal_cells(CELLS, problem.tangential)
     stretch = problem.tables.stretch[strips]
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
-    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch)
-    inside, matrix = cell_operator(problem.pairs(strips), grid, basis, problem.rolls)
+    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch, strips)
+    inside, matrix = cell_operator(problem.pairs, grid, basis, problem.rolls)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     place = (ends[:, :1] + length * 0.5 * (basis.marks[1:] + basis.marks[:-1])).ravel()
@@ -49,8 +64,8 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount
         shift = rigid_shift(at, level, motion)[0]
         rigid = shift.T.ravel() / problem.speed
     tractions = _tractions(matrix, depth, rigid, laws, problem.speed, count)
-    q = tractions.tangential.T.reshape(2, len(strips), CELLS)
-    return state_of_cells(problem, strips, ends, tractions.pressure.reshape(len(strips), CELLS), q)
+    shape = len(strips), CELLS
+    return tractions.pressure.reshape(shape), tractions.tangential.T.reshape(2, *shape)
 
 
 def _tractions(

@@ -19,19 +19,20 @@ from wheelrail.contact.models.lattice.surface import (
     penetration,
     rigid_shift,
 )
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
 
 class StripPlaces(NamedTuple):
-    """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, and their
-    longitudinal axes (S, 3) where the surfaces touch.
+    """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, their longitudinal
+    axes (S, 3) where the surfaces touch, and their numbers (S,) on the lattice.
     """
 
     middle: Array
     width: Array
     stretch: Array
     level: Array
+    strip: Nodes
 
 
 class EquationData(NamedTuple):
@@ -77,7 +78,7 @@ def strip_grid(values: Array, places: StripPlaces, basis: StripBasis) -> StripGr
         length[i] = places.stretch[i] * (high - low)
         for r in range(R):
             x[i, r] = places.stretch[i] * (low + (high - low) * basis.row_marks[r])
-    return StripGrid(x, length, places.width, places.stretch)
+    return StripGrid(x, length, places.width, places.stretch, places.strip)
 
 
 @compiled

@@ -6,9 +6,11 @@ import logging
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
+from typing import Literal
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_lattice import lattice_sides
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -26,7 +28,6 @@ from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.state import LatticeState
-from wheelrail.contact.models.lattice.strips import lattice_sides
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.extrapolation import difference
 from wheelrail.contact.results.result import ContactResult, Statistics
@@ -46,22 +47,27 @@ class LatticeContact:
         operators: compliance and surfaces of both bodies.
         laws: of the interface.
         resolution: strips over a usual patch, cells along a strip.
+        tangential: steady "rolling", or "shift", one step of tangential loading from none (Cattaneo, Mindlin): the
+            motion's velocities are displacements in m and rad.
         tolerance: of the last Newton step, relative to the largest pressure and length; the error is its square.
         estimate: results carry an error estimate, from a lattice of half the resolution.
 
     The guess is an initial guess only: results do not depend on it. Raises ValueError for a penalty, whose pressure has
-    no sharp ends.
+    no sharp ends, and for a friction law that depends on the slip velocity together with tangential = "shift".
     """
 
     operators: StripOperators
     laws: ContactLaws
     resolution: LatticeResolution = field(default_factory=LatticeResolution)
+    tangential: Literal["rolling", "shift"] = "rolling"
     tolerance: float = 1e-5
     estimate: bool = False
 
     def __post_init__(self) -> None:
         if not self.laws.exact_normal:
             raise ValueError(f"a lattice needs the exact normal law, got {self.laws}")
+        if self.tangential == "shift" and self.laws.depend_on_slip:
+            raise ValueError("friction that depends on the slip velocity needs rolling, not a tangential displacement")
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         """Result of a pose and motion; the guess changes the number of iterations only."""
@@ -79,11 +85,12 @@ class LatticeContact:
     def tables(self) -> LatticeTables:
         """Compliance of pairs of strips of the lattice."""
         surfaces, upper = self.operators.surfaces, self.operators.upper
-        return LatticeTables(self.operators, lattice_sides(surfaces, upper.arc, self.resolution.strips))
+        sides = lattice_sides(surfaces, upper.arc, self.resolution.strips)
+        return LatticeTables(self.operators, sides, rolls=self.tangential == "rolling")
 
     @cached_property
     def basis(self) -> StripBasis:
-        return strip_basis(self.resolution.cells, rolling=self.laws.frictional)
+        return strip_basis(self.resolution.cells, self.tangential if self.laws.frictional else "none")
 
     def problem(self, pose: Pose, motion: RigidMotion) -> LatticeProblem:
         """Equations of a pose and motion."""

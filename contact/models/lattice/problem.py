@@ -26,7 +26,7 @@ from wheelrail.contact.models.lattice.equations import (
     linearise,
 )
 from wheelrail.contact.models.lattice.friction import CellFriction
-from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.state import LatticeState
@@ -67,6 +67,16 @@ class LatticeProblem:
     def rolls(self) -> bool:
         """Whether there are tractions."""
         return self.law is not None
+
+    @property
+    def shifts(self) -> bool:
+        """Whether the motion is a tangential displacement, which counts at a speed of 1 m/s."""
+        return self.rolls and self.basis.slip_power == 1
+
+    @property
+    def tangential(self) -> Tangential:
+        """Kind of the tangential problem."""
+        return "shift" if self.shifts else "rolling" if self.rolls else "none"
 
     @property
     def cells(self) -> int:
@@ -120,6 +130,8 @@ class LatticeProblem:
         """Rolling speed m/s: mean over all strips, weighted by the squared penetration. Raises NotRolling."""
         if not self.rolls:
             return 0.0
+        if self.shifts:
+            return 1.0
         speed = self.lines.speed
         if not speed > 0:
             raise NotRolling(
@@ -137,11 +149,6 @@ class LatticeProblem:
         data = self.data
         return penetration(self.surface, data.origin, data.rotation, np.ascontiguousarray(s), np.ascontiguousarray(x))
 
-    @property
-    def feet(self) -> Array | None:
-        """Arc length (K,) m of the strips on the lower body; None where its compliance does not depend on it."""
-        return self.lines.foot if self.tables.moves else None
-
     @cached_property
     def reach(self) -> float:
         """Longest distance m along x in the contact: twice the region of penetration."""
@@ -151,21 +158,20 @@ class LatticeProblem:
 
     def places(self, strips: Nodes) -> StripPlaces:
         """Places of some strips (S,)."""
-        return StripPlaces(
-            self.middle[strips], self.width[strips], self.tables.stretch[strips], self.lines.level[strips]
-        )
+        width, stretch = self.width[strips], self.tables.stretch[strips]
+        return StripPlaces(self.middle[strips], width, stretch, self.lines.level[strips], strips)
 
-    def pairs(self, strips: Nodes) -> PairTables:
-        """Tables of the pairs i <= j of some strips (S,). Raises OutsideSurface."""
-        return self.tables.of(*triangle(strips), self.feet, self.reach)
+    @cached_property
+    def pairs(self) -> PairTables:
+        """Tables of the pairs of all strips that penetrate. Raises OutsideSurface."""
+        return self.tables.of(self.candidates, self.lines.foot if self.tables.moves else None, self.reach)
 
     def of(self, strips: Nodes) -> EquationData:
         """Data of the equations of some strips (S,), stored. Raises OutsideSurface."""
         key = strips.tobytes()
         if key not in self._stored:
-            places, tables = self.places(strips), self.pairs(strips)
             law = NO_FRICTION if self.law is None else self.law.code
-            self._stored[key] = EquationData(tables, self.surface, self.data, places, self.basis, law)
+            self._stored[key] = EquationData(self.pairs, self.surface, self.data, self.places(strips), self.basis, law)
         return self._stored[key]
 
     @cached_property
@@ -207,9 +213,3 @@ class LatticeProblem:
     def cell_middles(self) -> Array:
         """Middles (M,) of the cells, from 0 to 1."""
         return np.asarray(0.5 * (self.basis.marks[1:] + self.basis.marks[:-1]))
-
-
-def triangle(strips: Nodes) -> tuple[Nodes, Nodes]:
-    """Strips of all pairs i <= j, row by row."""
-    i, j = np.triu_indices(len(strips))
-    return strips[i], strips[j]

@@ -67,7 +67,7 @@ class SolutionDetails:
             bound = problem.law.functions.coefficient(np.hypot(*slip.T) * problem.speed, pressure) * pressure
         grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
         result = assemble_result(
-            FrictionalWork.below(bound, places, q, problem.motion, problem.speed),
+            FrictionalWork.below(bound, places, q, problem.motion, 0.0 if problem.shifts else problem.speed),
             node=np.arange(S * M),
             patch=np.repeat(connected(layout, np.ones((S, M))), M),
             pressure=pressure,
@@ -109,11 +109,13 @@ def _peaks(patches: Sequence[Patch], layout: StripLayout, modes: Array, labels: 
 
 
 def peak_across(highest: Array, middle: Array) -> float:
-    """Largest pressure Pa over adjacent strips: a parabola through the largest values (n,) Pa of the strips with
-    middles (n,) m next to the largest of all.
+    """Largest pressure Pa over adjacent strips: a parabola, as in an ellipse, through the squares of the largest values
+    (n,) Pa of the three strips with middles (n,) m at the largest of all.
+
+    Over patches of 3 strips this errs by up to 9 %, of 4 by 2 to 5 %, from 5 on by 0.6 %.
     """
     k = int(np.argmax(highest))
     if not 0 < k < len(highest) - 1:
         return float(highest[k])
-    a, b, c = np.polyfit(middle[k - 1 : k + 2] - middle[k], highest[k - 1 : k + 2], 2)
-    return float(c - b * b / (4 * a)) if a < 0 else float(highest[k])
+    a, b, c = np.polyfit(middle[k - 1 : k + 2] - middle[k], highest[k - 1 : k + 2] ** 2, 2)
+    return float(np.sqrt(c - b * b / (4 * a))) if a < 0 else float(highest[k])

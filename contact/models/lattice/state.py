@@ -14,6 +14,7 @@ SHORTEST = 0.02  # of the squared half length: the least that remains of it afte
 LARGE = 0.5  # step after which a load without pressure is no reason to leave
 VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
 LONGEST = 3.0  # largest relative growth of a squared half length in one step
+SHRUNK = 0.7  # largest relative decrease of that of a long strip
 LEAST_PRESSURE = 1e3  # Pa, to which steps are related at least
 
 
@@ -130,6 +131,6 @@ def longest(values: Array, step: Array) -> float:
     for i in range(S):
         half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
         away = 0.5 * abs(step[i, last] + step[i, last - 1]) / largest
-        growth = 2.0 * abs(change) / half / LONGEST if half > 0.3 * largest else 0.0
+        growth = 2.0 * max(change / LONGEST, -change / SHRUNK) / half if half > 0.3 * largest else 0.0
         limit = max(limit, growth, away)
     return 1.0 / limit

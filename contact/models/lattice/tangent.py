@@ -21,7 +21,7 @@ from wheelrail.contact.models.lattice.factors import Factors
 from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS
 from wheelrail.contact.models.lattice.influence.operator import antiderivatives, slips_and_moments
 from wheelrail.contact.models.lattice.newton import LatticeSolution
-from wheelrail.contact.models.lattice.problem import LatticeProblem, triangle
+from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.surface import GAUSS, SurfaceFrames, crest_changes, frames
 from wheelrail.contact.solvers.tangent import CHANGES, co_moving_load
 from wheelrail.support.arrays import Array
@@ -136,7 +136,7 @@ class LatticeTangent:
         slips, moments = self._by_compliance()
         total[:, -MOMENTS:, :6] += moments
         if problem.rolls:
-            speed = self._speed()
+            speed = np.zeros(CHANGES) if problem.shifts else self._speed()
             rigid, _ = rigid_slip_of(state.values, problem.of(state.strips))
             shift, _ = rigid_slip(self.places, problem.pose.origin, problem.motion, np.zeros((6, S * M)))
             if problem.surface.revolves:
@@ -171,7 +171,7 @@ class LatticeTangent:
         for k in np.flatnonzero(size > NEGLIGIBLE * size[0]):
             feet = at.foot.copy()
             feet[state.strips] += DIFFERENCE * shapes[:, k]
-            _, V = antiderivatives(problem.tables.of(*triangle(state.strips), feet, problem.reach), grid, jumps)
+            _, V = antiderivatives(problem.tables.of(state.strips, feet, problem.reach), grid, jumps)
             slip, moment = slips_and_moments(V, grid, problem.basis)
             amount = size[k] * amounts[k] / DIFFERENCE
             slips += (slip - before[0])[..., None] * amount

@@ -174,17 +174,18 @@ def test_both_wheels_of_a_centred_wheelset_have_equal_loads() -> None:
 
 def test_velocities_of_the_right_hand_pair() -> None:
     """Mirroring the state must give what a right wheel does, worked out directly in the track frame."""
-    pose, motion = MOUNTING.left_pair(STATE.mirrored())
+    state = replace(STATE, yaw=0.05, yaw_rate=0.02)
+    pose, motion = MOUNTING.left_pair(state.mirrored())
     rail = np.array([0.0, -MOUNTING.rail_y, 0.0])
-    centre = np.array([0.0, STATE.y, RADIUS + STATE.z])
-    cy, sy, cr, sr = np.cos(STATE.yaw), np.sin(STATE.yaw), np.cos(STATE.roll), np.sin(STATE.roll)
+    centre = np.array([0.0, state.y, RADIUS + state.z])
+    cy, sy, cr, sr = np.cos(state.yaw), np.sin(state.yaw), np.cos(state.roll), np.sin(state.roll)
     axle = np.array([-sy * cr, cy * cr, sr])  # unit vector to the left along the axle
     np.testing.assert_allclose(MIRROR * pose.origin, centre - MOUNTING.wheel_y * axle - rail, atol=1e-15)
     rng = np.random.default_rng(0)
     place = rail + rng.normal(size=(5, 3)) * 0.1  # in the track frame
-    spin = np.array([STATE.roll_rate, 0.0, 0.0]) + STATE.pitch_rate * axle
-    wheel = np.array([0.0, STATE.y_rate, STATE.z_rate]) + np.cross(spin, place - centre)
-    ground = -(np.array([STATE.speed, 0.0, 0.0]) + np.cross(STATE.frame_rate, place))
+    spin = state.roll_rate * np.array([cy, sy, 0.0]) + [0.0, 0.0, state.yaw_rate] + state.pitch_rate * axle
+    wheel = np.array([0.0, state.y_rate, state.z_rate]) + np.cross(spin, place - centre)
+    ground = -(np.array([state.speed, 0.0, 0.0]) + np.cross(state.frame_rate, place))
     seen = (place - rail) * MIRROR
     np.testing.assert_allclose(motion.wheel.at(seen) * MIRROR, wheel, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(motion.rail.at(seen) * MIRROR, ground, rtol=1e-12, atol=1e-12)

@@ -55,7 +55,7 @@ def test_wheelset(side: Side) -> None:
         y=2e-3, z=-2.5e-4, roll=2e-5, yaw=1e-3, y_rate=5e-3, speed=20.0, pitch_rate=20 / 0.46 * 1.0005
     )
     tangent = contact.tangent(state, side, contact(state, side))
-    steps = (2e-6, 2e-7, 1e-6, 1e-6, 1e-3, 1e-3, 1e-3, 1e-3)
+    steps = (2e-6, 2e-7, 1e-6, 1e-6, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3)
     for j, (name, step) in enumerate(zip(STATES, steps, strict=True)):
         ends = [contact(replace(state, **{name: getattr(state, name) + sign * step}), side) for sign in (1, -1)]
         there, back = (np.concatenate([end.force, end.moment]) for end in ends)

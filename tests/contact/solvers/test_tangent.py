@@ -15,6 +15,7 @@ from small_wheelset import MOUNTING, STATE, model
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.geometry.contact_operators import ContactOperators
 from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side, Twist
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -34,7 +35,7 @@ ALUMINIUM = Material(70e9, 0.2)
 FAST = rolling(3e-3, 1e-3, 1.0)
 # of each kind of change: translation, rotation (which only moves a motion's reference), velocity, rotation rate
 STEPS = np.repeat([1e-9, 1e-4, 1e-5, 1e-4], 3)
-STATES = ("y", "z", "roll", "yaw", "y_rate", "z_rate", "roll_rate", "pitch_rate")
+STATES = WheelsetState.coordinates
 
 
 def pair(laws: ContactLaws, steel: Material = STEEL) -> CondensedContact:
@@ -181,8 +182,8 @@ def test_wheelset(side: Side) -> None:
         moved = {name: getattr(state, name) + float(c) for name, c in zip(STATES, change, strict=True)}
         return contact(replace(state, **moved), side)
 
-    result = solve(np.zeros(8))
-    steps = np.array([1e-9, 1e-9, 1e-8, 1e-8, 1e-4, 1e-4, 1e-4, 1e-4])
+    result = solve(np.zeros(9))
+    steps = np.array([1e-9, 1e-9, 1e-8, 1e-8, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4])
     expected = differences(solve, steps, ContactLaws())
     assert_close(contact.tangent(state, side, result), expected, 2e-6, group=1)
 

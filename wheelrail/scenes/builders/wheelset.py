@@ -88,6 +88,7 @@ def wheelset_state(scene: WheelsetScene) -> WheelsetState:
         y_rate=position.y_rate,
         z_rate=position.z_rate,
         roll_rate=position.roll_rate,
+        yaw_rate=position.yaw_rate,
         pitch_rate=position.pitch_rate or 0.0,
         speed=position.speed or 0.0,
         frame_rate=(0.0, 0.0, (position.speed or 0.0) * scene.track.curvature),

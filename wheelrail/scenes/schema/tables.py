@@ -125,6 +125,7 @@ class WheelsetTable(AxleTable):
     y_rate: q.Rate = 0.0
     z_rate: q.Rate = 0.0
     roll_rate: q.Rate = 0.0
+    yaw_rate: q.Rate = 0.0
     wheel_load: q.WheelLoad | None = None
     axle_load: q.AxleLoad | None = None
     z: q.Offset | None = None

@@ -8,7 +8,7 @@ is weighted by T_k(xi) / sqrt(1 - xi^2); the two moments more than modes determi
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.special import roots_legendre
@@ -23,6 +23,9 @@ STATIONS = 6  # along a strip, at which the penetration is evaluated: it is near
 ORDER = 16  # of the Gauss rules below
 
 
+Tangential = Literal["none", "rolling", "shift"]  # problem: none, steady rolling, one step of displacement from none
+
+
 class StripBasis(NamedTuple):
     """Constants of strips of M cells.
 
@@ -35,7 +38,8 @@ class StripBasis(NamedTuple):
         moment_edges: (MOMENTS, M + 1) weights of an antiderivative at the marks in the moments of a displacement, times
             the length of the strip.
         slip_edges: (M, 4) weights of an antiderivative at a cell's first boundary and the next three in its slip, times
-            the length squared: the upstream difference of second order.
+            a power of the length: the upstream difference of second order, or the mean for a tangential displacement.
+        slip_power: this power, 2 or 1.
         stations: (STATIONS,) places from 0 to 1 at which the penetration is evaluated.
         penetration: (MOMENTS, STATIONS) weights of the penetration there in its moments.
         cell_penetration: (M, STATIONS) the same in its means over the cells.
@@ -48,24 +52,27 @@ class StripBasis(NamedTuple):
     moments: Array
     moment_edges: Array
     slip_edges: Array
+    slip_power: int
     stations: Array
     penetration: Array
     cell_penetration: Array
 
 
 @lru_cache(maxsize=16)
-def strip_basis(cells: int, *, rolling: bool) -> StripBasis:
+def strip_basis(cells: int, tangential: Tangential) -> StripBasis:
     """Basis of strips of a number of cells, refined towards both ends."""
-    return _basis(marks(cells, rolling=True) if rolling else 0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, cells + 1)))
+    if tangential == "rolling":
+        return _basis(marks(cells, rolling=True), tangential)
+    return _basis(0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, cells + 1)), tangential)
 
 
 @lru_cache(maxsize=16)
-def equal_cells(cells: int) -> StripBasis:
+def equal_cells(cells: int, tangential: Tangential = "none") -> StripBasis:
     """Basis of strips of a number of equal cells."""
-    return _basis(np.linspace(0.0, 1.0, cells + 1))
+    return _basis(np.linspace(0.0, 1.0, cells + 1), tangential)
 
 
-def _basis(edges: Array) -> StripBasis:
+def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     """Basis for cell boundaries (M + 1,) from 0 to 1."""
     lead = edges[-1] - edges[-2]
     row_marks = np.concatenate([edges, 1.0 + lead * np.arange(1, AHEAD + 1)])
@@ -81,19 +88,23 @@ def _basis(edges: Array) -> StripBasis:
     middle = 0.5 * (row_marks[1:] + row_marks[:-1])
     stations = 0.5 - 0.5 * np.cos(np.pi * (np.arange(STATIONS) + 0.5) / STATIONS)
     means = _cell_means_of_lagrange(edges, stations)
-    fields = (
+    shifts = tangential == "shift"
+    here = np.outer([1.0, 0.0, 0.0], np.ones(len(edges) - 1))
+    difference = here if shifts else np.stack(upstream(middle[None]))[:, 0]
+    fixed = np.ascontiguousarray  # loops take addresses
+    return StripBasis(
         edges,
         row_marks,
-        mean,
-        _loads(edges, mean),
-        moments,
-        _edge_weights(moments / np.diff(edges)),
-        _slip_edges(np.stack(upstream(middle[None]))[:, 0], np.diff(row_marks)),
+        fixed(mean),
+        fixed(_loads(edges, mean)),
+        fixed(moments),
+        fixed(_edge_weights(moments / np.diff(edges))),
+        fixed(_slip_edges(difference, np.diff(row_marks))),
+        1 if shifts else 2,
         stations,
-        moments @ means,
-        means,
+        fixed(moments @ means),
+        fixed(means),
     )
-    return StripBasis(*(np.ascontiguousarray(values) for values in fields))  # compiled loops take their addresses
 
 
 def _loads(edges: Array, mean: Array) -> Array:

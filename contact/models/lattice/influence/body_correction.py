@@ -16,7 +16,7 @@ from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import TILE, ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 START = 0.02  # m: cells of 2.5 mm up to this distance
@@ -152,22 +152,23 @@ def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
 
 
 @compiled
-def pair_means(lines: Array, share: Array, rows: Nodes, columns: Nodes, cells: int) -> Array:
-    """Coefficients (pairs, cells, DEGREE + 1, COMPONENTS) of pairs of strips, from those of lines (n, n, ..).
+def pair_means(lines: Array, share: Array, cells: int) -> Array:
+    """Coefficients (S, S, cells, DEGREE + 1, COMPONENTS) of the pairs i <= j of strips, from those of lines (n, n, ..).
 
-    share (S, n): weights of the lines in the strips; rows, columns (pairs,): strips of the pairs.
+    share (S, n): weights of the lines in the strips.
     """
-    tables = np.zeros((len(rows), cells, lines.shape[3], lines.shape[4]))
-    for pair in range(len(rows)):
-        i, j = rows[pair], columns[pair]
-        to = tables[pair].ravel()
-        for k in range(share.shape[1]):
-            if share[i, k] == 0.0:
-                continue
-            for m in range(share.shape[1]):
-                weight = share[i, k] * share[j, m]
-                if weight != 0.0:
-                    values = lines[k, m, :cells].ravel()
-                    for c in range(len(to)):
-                        to[c] += weight * values[c]
+    S, n = share.shape
+    tables = np.zeros((S, S, cells, lines.shape[3], lines.shape[4]))
+    for i in range(S):
+        for j in range(i, S):
+            to = tables[i, j].ravel()
+            for k in range(n):
+                if share[i, k] == 0.0:
+                    continue
+                for m in range(n):
+                    weight = share[i, k] * share[j, m]
+                    if weight != 0.0:
+                        values = lines[k, m, :cells].ravel()
+                        for c in range(len(to)):
+                            to[c] += weight * values[c]
     return tables

@@ -8,7 +8,7 @@ from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import StripGrid, look_up
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
-from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
 
@@ -32,6 +32,7 @@ def _add_cells(K: Array, width: float, place: tuple[int, int], length: float, ba
     """
     M = len(basis.marks) - 1
     over = 1.0 / length
+    per_slip = over**basis.slip_power
     for c in range(M):
         for r in range(M):
             m, n = place[0] * M + r, place[1] * M + c
@@ -43,7 +44,7 @@ def _add_cells(K: Array, width: float, place: tuple[int, int], length: float, ba
                     total = 0.0
                     for k in range(4):
                         total += basis.slip_edges[r, k] * (K[r + k, c, a, b] - K[r + k, c + 1, a, b])
-                    A[a, m, b, n] = width * over * over * total
+                    A[a, m, b, n] = width * per_slip * total
 
 
 @compiled
@@ -56,11 +57,10 @@ def cell_operator(tables: PairTables, grid: StripGrid, basis: StripBasis, rolls:
     n = S * (R - 3)
     A = np.zeros((3, n, 3, n))
     G, H, K = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((R, R, 3, 3))
-    pair, inside = -1, True
+    inside = True
     for i in range(S):
         for j in range(i, S):
-            pair += 1
-            inside = inside and look_up(tables, pair, grid.x[i], grid.x[j], G, H)
+            inside = inside and look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, H)
             _matrix(G, 1.0, K)
             _add_cells(K, grid.width[j], (i, j), grid.length[i], basis, A)
             if i != j:
@@ -73,13 +73,13 @@ def cell_operator(tables: PairTables, grid: StripGrid, basis: StripBasis, rolls:
 
 @compiled
 def normal_displacements(
-    tables: PairTables, before: Mask, edges: Array, grid: StripGrid, jumps: Array
+    tables: PairTables, strips: Nodes, edges: Array, grid: StripGrid, jumps: Array
 ) -> tuple[bool, Array]:
     """Relative normal displacement (n, C) m of cells with boundaries (n, C + 1) m on n unloaded strips.
 
     Parameters:
-        tables: of the pairs of unloaded and loaded strips, row by row.
-        before: (pairs,) whether the unloaded strip has the lower number.
+        tables: of the pairs of strips.
+        strips: (n,) numbers of the unloaded ones.
         edges: (n, C + 1) m, by length on the surface.
         grid, jumps: of the loaded strips.
 
@@ -89,14 +89,13 @@ def normal_displacements(
     S, M = jumps.shape[0], jumps.shape[1] - 1
     displacement = np.zeros((n, C))
     G, H = np.empty((C + 1, M + 1, 8)), np.empty((C + 1, M + 1, 8))
-    pair = -1
     for i in range(n):
         for j in range(S):
-            pair += 1
-            turn = 1.0 if before[pair] else -1.0  # reciprocity: the transposed table at the opposite distance
-            if not look_up(tables, pair, turn * edges[i], turn * grid.x[j, : M + 1], G, H):
+            first, last = min(strips[i], grid.strip[j]), max(strips[i], grid.strip[j])
+            turn = 1.0 if strips[i] == first else -1.0  # reciprocity: the transposed table at the opposite distance
+            if not look_up(tables, first, last, turn * edges[i], turn * grid.x[j, : M + 1], G, H):
                 return False, displacement
-            last = 0.0
+            before = 0.0
             for r in range(C + 1):
                 total = 0.0
                 for e in range(M + 1):
@@ -104,6 +103,6 @@ def normal_displacements(
                     total += g[NN] * jumps[j, e, 2] - turn * g[XN] * jumps[j, e, 0]
                     total += (g[TN] - turn * g[TN_TURN]) * jumps[j, e, 1]
                 if r > 0:
-                    displacement[i, r - 1] += (total - last) / (edges[i, r] - edges[i, r - 1])
-                last = total
+                    displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])
+                before = total
     return True, displacement

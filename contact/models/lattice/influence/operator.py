@@ -24,7 +24,7 @@ from wheelrail.contact.models.lattice.influence.vectors import (
     products,
     weighted,
 )
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
 SHIFT = 49  # bits of a double below the three leading ones of its fraction: eight cells an octave
@@ -39,22 +39,24 @@ class StripGrid(NamedTuple):
         x: (S, M + 3) m, cell boundaries and those of two more cells ahead, by length on the surface.
         length, width: (S,) m.
         stretch: (S,) length on the surface over length on the rolling circle.
+        strip: (S,) numbers on the lattice.
     """
 
     x: Array
     length: Array
     width: Array
     stretch: Array
+    strip: Nodes
 
 
 @compiled
-def look_up(tables: PairTables, pair: int, rows: Array, columns: Array, G: Array, H: Array) -> bool:
-    """Write G (R, C, 8) and its slope H at the distances of boundaries rows (R,) and columns (C,) of a pair of strips.
+def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: Array, H: Array) -> bool:
+    """Write G (R, C, 8) and its slope H at the distances of boundaries rows (R,) on strip i and columns (C,) on j >= i.
 
     False where they are farther apart than the table reaches.
     """
-    first, inverse = tables.first[pair], tables.inverse[pair]
-    last = tables.cells[pair]
+    first, inverse = tables.first[i, j], tables.inverse[i, j]
+    last = tables.cells[i, j]
     start, values, slopes = tables.values.ctypes.data + BLOCK * first, G.ctypes.data, H.ctypes.data
     wide = G.shape[1]
     for r in range(len(rows)):
@@ -68,7 +70,9 @@ def look_up(tables: PairTables, pair: int, rows: Array, columns: Array, G: Array
             sign = 1.0 if x >= 0.0 else -1.0
             at = VECTOR * (r * wide + c)
             polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
-    return _add_smooth(tables.smooth[pair], rows, columns, G, H) if len(tables.smooth) else True
+    if not len(tables.smooth):
+        return True
+    return _add_smooth(tables.smooth[tables.place[i], tables.place[j]], rows, columns, G, H)
 
 
 @compiled
@@ -130,11 +134,9 @@ def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[
     S, R = grid.x.shape
     V = np.zeros((S, R, 3))
     G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
-    pair = -1
     for i in range(S):
         for j in range(i, S):
-            pair += 1
-            if not look_up(tables, pair, grid.x[i], grid.x[j], G, H):
+            if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, H):
                 return False, V
             _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
             if i != j:
@@ -212,6 +214,7 @@ def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasi
     modes = basis.mean.shape[1]
     at = 2 * M if rolls else 0
     over = 1.0 / length
+    per_slip = over**basis.slip_power
     cells, out = work.cells.ctypes.data, work.out.ctypes.data
     moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
     for k in range(len(basis.moment_edges)):
@@ -226,11 +229,11 @@ def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasi
         for r in range(M):
             for c in range(M):
                 weighted(cells + VECTOR * (c * R + r), VECTOR, slip + 32 * r, 4, out)
-                _add_column(work.out, turn, over * over, c, 0, basis, rolls, A[r])
-                _add_column(work.out, turn, over * over, c, 1, basis, rolls, A[M + r])
+                _add_column(work.out, turn, per_slip, c, 0, basis, rolls, A[r])
+                _add_column(work.out, turn, per_slip, c, 1, basis, rolls, A[M + r])
             for end in range(2):
                 for k in range(4):
-                    weight = over * over * basis.slip_edges[r, k]
+                    weight = per_slip * basis.slip_edges[r, k]
                     A[r, at + modes + end] += weight * work.ends[end, r + k, 0]
                     A[M + r, at + modes + end] += weight * work.ends[end, r + k, 1]
 
@@ -247,6 +250,7 @@ def _own_ends(V: Array, slope: Array, grid: StripGrid, i: int, basis: StripBasis
     at = 2 * M if rolls else 0
     modes = basis.mean.shape[1]
     over = 1.0 / grid.length[i]
+    per_slip = over**basis.slip_power
     for end in range(2):
         column = at + modes + end
         longer = (stretch if end else -stretch) * over
@@ -263,8 +267,9 @@ def _own_ends(V: Array, slope: Array, grid: StripGrid, i: int, basis: StripBasis
                     for k in range(4):
                         mark = basis.row_marks[r + k]
                         moved = stretch * (mark if end else 1.0 - mark)
-                        total += basis.slip_edges[r, k] * (slope[r + k, a] * moved - 2.0 * V[r + k, a] * longer)
-                    A[a * M + r, column] += over * over * total
+                        change = slope[r + k, a] * moved - basis.slip_power * V[r + k, a] * longer
+                        total += basis.slip_edges[r, k] * change
+                    A[a * M + r, column] += per_slip * total
 
 
 @compiled
@@ -285,12 +290,10 @@ def operator(
     work = LoadedColumns(
         np.empty((M, R, 8)), np.empty((2, R, 3)), np.empty((R, 3)), sums, np.empty((2, M + 1, 3)), np.empty(8)
     )
-    pair = -1
     for i in range(S):
         own = slice(i * block, (i + 1) * block)
         for j in range(i, S):
-            pair += 1
-            if not look_up(tables, pair, grid.x[i], grid.x[j], G, H):
+            if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, H):
                 return False, A, V
             other = slice(j * block, (j + 1) * block)
             _load_strip(G, H, jumps[j], grid, j, basis, 1.0, work)
@@ -315,11 +318,12 @@ def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Arr
     slips, moments = np.zeros((S, 2, M)), np.zeros((S, len(basis.moment_edges)))
     for i in range(S):
         over = 1.0 / grid.length[i]
+        per_slip = over**basis.slip_power
         for k in range(moments.shape[1]):
             for e in range(M + 1):
                 moments[i, k] += over * basis.moment_edges[k, e] * V[i, e, 2]
         for a in range(2):
             for r in range(M):
                 for k in range(4):
-                    slips[i, a, r] += over * over * basis.slip_edges[r, k] * V[i, r + k, a]
+                    slips[i, a, r] += per_slip * basis.slip_edges[r, k] * V[i, r + k, a]
     return slips, moments

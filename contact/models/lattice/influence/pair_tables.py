@@ -7,10 +7,12 @@ is tabulated once for all poses; the deviation of finite bodies from half-spaces
 Cells of the tables: z = 1 + |x| / start, `CELLS` equal ones in every octave of z, polynomials of degree `DEGREE` in
 each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body
 on either strip. Displacement by force is symmetric up to TN_TURN, ROLL and XN, which change their sign when the pair
-is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN; the
-parts of C_xt and C_xn with the other symmetry, by the slope of the bodies' flexibility across, are neglected. The first
-five components are even functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R,
-integrated along x. On a wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
+is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN. The
+coupling of normal with tangential directions, (1 + nu)(1 - 2 nu)/(2 pi E) times x/r^2 and y/r^2, has opposite signs in
+both bodies: half-spaces of equal material have none. Parts with the other symmetry are neglected: (C_xt - C_tx)/2, up
+to 1 % of XX at 5 mm and of the elastic slip, and (C_xn + C_nx)/2, about 0.1 %. The first five components are even
+functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R, integrated along x. On a wheel the
+slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
 """
 
 from __future__ import annotations
@@ -31,18 +33,20 @@ from wheelrail.support.arrays import Array, Nodes
 
 START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
 GROWTH = 1.5  # of the storage
+NO_CORRECTION = np.zeros((0, 0, 0, DEGREE + 1, COMPONENTS))
 NORMAL_COUPLING = slice(4, 6)  # of the half-space's components: along x and across by normal, for outward normals
 
 
 class PairTables(NamedTuple):
-    """Tables of the pairs i <= j of S strips, row by row.
+    """Tables of the pairs i <= j of a lattice of K strips, as far as needed at a pose.
 
     Parameters:
         values: (cells, DEGREE + 1, COMPONENTS) m/N times m2, coefficients of powers of z minus the cell's lower bound.
-        first: (pairs,) first cell of a pair.
-        cells: (pairs,) its number of cells.
-        inverse: (pairs,) 1/m, 1 / start.
-        smooth: (pairs, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
+        first: (K, K) first cell of a pair.
+        cells: (K, K) its number of cells.
+        inverse: (K, K) 1/m, 1 / start.
+        place: (K,) place of the strips in smooth.
+        smooth: (C, C, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
             `wheelrail.contact.models.lattice.influence.body_correction.START`; (0, ..) where it is contained in values.
     """
 
@@ -50,6 +54,7 @@ class PairTables(NamedTuple):
     first: Nodes
     cells: Nodes
     inverse: Array
+    place: Nodes
     smooth: Array
 
 
@@ -60,10 +65,12 @@ class LatticeTables:
     Parameters:
         operators: bodies and surfaces.
         sides: (K + 1,) m, lateral bounds of the strips on the upper body.
+        rolls: whether displacements along x count by their slip, which contains u_r / R.
     """
 
     operators: StripOperators
     sides: Array
+    rolls: bool = True
     _values: Array = field(init=False, repr=False)
     _used: int = field(init=False, default=0)
 
@@ -77,6 +84,8 @@ class LatticeTables:
         K = len(self.middle)
         self._first, self._count = np.full((K, K), -1), np.zeros((K, K), dtype=int)
         self._inverse = np.zeros((K, K))
+        self._place = np.zeros(K, dtype=int)
+        self._complete: set[bytes] = set()  # strips all of whose pairs have tables
 
     @cached_property
     def _corrections(self) -> tuple[BodyCorrection | None, BodyCorrection | None]:
@@ -99,34 +108,37 @@ class LatticeTables:
         """Whether the compliance depends on where the strips lie on the lower body."""
         return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)
 
-    def of(self, i: Nodes, j: Nodes, feet: Array | None, reach: float) -> PairTables:
-        """Tables of pairs of strips.
+    def of(self, strips: Nodes, feet: Array | None, reach: float) -> PairTables:
+        """Tables of all pairs of some strips.
 
         Parameters:
-            i, j: (pairs,) numbers of the strips, i <= j.
+            strips: (C,) numbers of the strips, ascending.
             feet: (K,) m, arc length of the strips' middles on the lower body; None where it does not matter.
             reach: m, longest distance along x.
 
         Raises OutsideSurface beyond the lines of the lower body.
         """
-        for k in np.flatnonzero(self._first[i, j] < 0):
-            if self._first[i[k], j[k]] < 0:
-                self._add(int(i[k]), int(j[k]))
-        smooth = np.zeros((0, 1, DEGREE + 1, COMPONENTS))
+        key = strips.tobytes()
+        if key not in self._complete:
+            for k, i in enumerate(strips):
+                for j in strips[k:]:
+                    if self._first[i, j] < 0:
+                        self._add(int(i), int(j))
+            self._complete.add(key)
+        smooth, place = NO_CORRECTION, self._place
         if feet is not None:
             lower = self._corrections[1]
             assert lower is not None
-            cells = lower.grid.cells_up_to(reach)
-            smooth = self._means(lower, i, j, feet, cells)
-        return PairTables(self._values, self._first[i, j], self._count[i, j], self._inverse[i, j], smooth)
+            smooth = self._means(lower, strips, feet[strips], lower.grid.cells_up_to(reach))
+            place = np.zeros(len(self.middle), dtype=int)
+            place[strips] = np.arange(len(strips))
+        return PairTables(self._values, self._first, self._count, self._inverse, place, smooth)
 
-    def _means(self, body: BodyCorrection, i: Nodes, j: Nodes, middle: Array, cells: int) -> Array:
-        """Coefficients (pairs, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (K,) m on it."""
-        own, number = np.unique(np.concatenate([i, j]), return_inverse=True)
-        at, width = middle[own], self.width[own]
-        first, lines = body.between_lines(float((at - 0.5 * width).min()), float((at + 0.5 * width).max()))
-        share = body.shares(first, len(lines), at, width)
-        return pair_means(lines, share, number[: len(i)], number[len(i) :], cells)
+    def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> Array:
+        """Coefficients (C, C, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (C,) m on it."""
+        width = self.width[strips]
+        first, lines = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
+        return pair_means(lines, body.shares(first, len(lines), middle, width), cells)
 
     def _add(self, i: int, j: int) -> None:
         sides = np.array([[self.sides[k], self.sides[k + 1]] for k in ((i,) if i == j else (i, j))])
@@ -145,11 +157,11 @@ class LatticeTables:
         stretch = 0.5 * (self.stretch[i] + self.stretch[j])
         for correction in self._corrections[: 1 if self.moves else 2]:
             if correction is not None:
-                only = np.array([i]), np.array([j])
-                smooth = self._means(correction, *only, self.middle, len(correction.grid.lower))[0]
+                pair = np.array([i, j])
+                smooth = self._means(correction, pair, self.middle[pair], len(correction.grid.lower))[0, 1]
                 part = stretch**2 * correction.grid.at(smooth, grid.x / stretch)
                 samples += part
-                if wheel is not None and correction.body is self.operators.upper:
+                if self.rolls and wheel is not None and correction.body is self.operators.upper:
                     angle, radius = 0.5 * (self._angle[i] + self._angle[j]), self.operators.upper.radius
                     assert radius is not None
                     samples[:, ROLL] = grid.integral(radial(wheel + part, angle)) / (radius * stretch)

@@ -1,0 +1,140 @@
+"""A contact with a last accepted state, from which solves start."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from wheelrail.contact.element.element_solution import ElementSolution
+from wheelrail.contact.element.element_tangent import ElementTangent
+from wheelrail.contact.results.result import ContactResult, Patch
+from wheelrail.contact.results.vehicle_contact import HasCoordinates, StateContact
+from wheelrail.support.arrays import Array
+from wheelrail.support.interrupts import check_interrupt
+
+S = TypeVar("S", bound=HasCoordinates)
+K = TypeVar("K", bound=str)
+
+BREAKDOWN = (ArithmeticError, RuntimeError, np.linalg.LinAlgError)  # of a solver, at a state it was not made for
+
+
+@dataclass(frozen=True)
+class ElementState(Generic[K]):
+    """The accepted state of an element; it can be pickled.
+
+    Parameters:
+        accepted: results of each side from which solves start; empty before the first accepted solve.
+    """
+
+    accepted: Mapping[K, ContactResult]
+
+
+class ContactElement(Generic[S, K]):
+    """Contact of one or several sides, solved for trial states between accepted ones.
+
+    Parameters:
+        contact: model of all sides.
+        sides: their names.
+
+    `solve_sides` and `side_tangents` are functions of their arguments alone. `solve_state` starts from the last
+    accepted results; trial states that are not accepted have no influence on later ones.
+    """
+
+    def __init__(self, contact: StateContact[S, K], sides: tuple[K, ...]) -> None:
+        self.contact, self.sides = contact, sides
+        self._accepted: Mapping[K, ContactResult] = {}
+        self._latest: ElementSolution[S, K] | None = None
+
+    def solve_sides(self, state: S, start: Mapping[K, ContactResult] | None) -> Iterator[tuple[K, ContactResult]]:
+        """Result of one side after the other.
+
+        Parameters:
+            state: position and velocity.
+            start: results of all sides as initial guess.
+
+        A breakdown of the solver and a force that is not finite are failed results.
+        """
+        start = start or {}
+        self.contact.ahead(state, start.get(self.sides[-1]))
+        for side in self.sides:
+            check_interrupt()
+            yield side, self._solve_side(state, side, start.get(side))
+
+    def _solve_side(self, state: S, side: K, guess: ContactResult | None) -> ContactResult:
+        try:
+            result = self.contact(state, side, guess)
+        except BREAKDOWN as error:
+            return ContactResult.failed(f"{type(error).__name__}: {error}")
+        if result.ok and not (np.isfinite(result.force).all() and np.isfinite(result.moment).all()):
+            return ContactResult.failed("force or moment is not finite", result.approach)
+        return result
+
+    def side_tangents(self, state: S, results: Mapping[K, ContactResult]) -> Array:
+        """Derivatives (sides, 6, n) of force N and moment N m by the state's coordinates.
+
+        Parameters:
+            state: position and velocity.
+            results: of this state.
+
+        Raises ValueError for a model or a result without tangent.
+        """
+        self.contact.ahead_tangent(state, results[self.sides[-1]])
+        return np.array([self.contact.tangent(state, side, results[side]) for side in self.sides])
+
+    def solve_state(self, state: S) -> ElementSolution[S, K]:
+        """Solution of a trial state, from the last accepted results."""
+        self._latest = None
+        self._latest = ElementSolution(state, dict(self.solve_sides(state, self._accepted)))
+        return self._latest
+
+    def accept(self) -> None:
+        """Let the next solves start from the last solved state. Raises ValueError when it failed, or there is none."""
+        self._accepted = {side: _initial_guess(result) for side, result in self._solved("accept").results.items()}
+
+    def tangent(self) -> ElementTangent:
+        """Derivatives of force and moment at the last solved state.
+
+        Raises ValueError when it failed, or there is none, and for a model without tangent.
+        """
+        solution = self._solved("tangent")
+        values = self.side_tangents(solution.state, solution.results)
+        return ElementTangent(values, self.sides, solution.state.coordinates)
+
+    def patches(self) -> dict[K, tuple[Patch, ...]]:
+        """Patches of each side at the last solved state. Raises ValueError when it failed, or there is none."""
+        return {side: tuple(result.patches) for side, result in self._solved("patches").results.items()}
+
+    def state(self) -> ElementState[K]:
+        """The accepted state; a trial state that is not accepted is not part of it."""
+        return ElementState(self._accepted)
+
+    def restore(self, state: ElementState[K]) -> None:
+        """Return to an accepted state, also that of an equal element in another process.
+
+        Parameters:
+            state: from `state`.
+
+        Solves after it repeat those after `state` to the last bit. Raises ValueError for a state of other sides,
+        TypeError for anything else.
+        """
+        if not isinstance(state, ElementState):
+            raise TypeError(f"restore: must be given the state of an element, got {type(state).__name__}")
+        if state.accepted and set(state.accepted) != set(self.sides):
+            raise ValueError(f"restore: must be a state of {', '.join(self.sides)}, got {', '.join(state.accepted)}")
+        self._accepted, self._latest = state.accepted, None
+
+    def _solved(self, purpose: str) -> ElementSolution[S, K]:
+        """The last solution. Raises ValueError when it failed, or there is none."""
+        if self._latest is None:
+            raise ValueError(f"{purpose}: no state has been solved since the element was made or restored")
+        if not self._latest.ok:
+            raise ValueError(f"{purpose}: the last solve {self._latest.status}")
+        return self._latest
+
+
+def _initial_guess(result: ContactResult) -> ContactResult:
+    """What the next solve starts from: the result without patches and tangent, which hold on to whole problems."""
+    return replace(result, patches=(), force_tangent=None)

@@ -1,0 +1,134 @@
+"""Compiled: penetration that remains on unloaded strips beside the loaded ones."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.equations import EquationData, force_jumps, strip_grid
+from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
+from wheelrail.contact.models.lattice.surface import GAUSS, ContactLines, penetration
+from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import compiled
+
+RANGE = 1.2  # half length of the probed range over that of the next loaded strip
+NEXT_TO = 2  # strips: those nearer to a loaded one are probed around its middle
+
+
+class Remaining(NamedTuple):
+    """Remaining penetration of n unloaded strips on which it may be positive.
+
+    Parameters:
+        inside: whether all points lie on the surfaces and in the tables.
+        strips: (n,) their numbers.
+        depth: (n,) m, its maximum along x.
+        place: (n,) m, of the maximum.
+        curvature: (n,) 1/m there.
+        half: (n,) m, half length of the probed range.
+    """
+
+    inside: bool
+    strips: Nodes
+    depth: Array
+    place: Array
+    curvature: Array
+    half: Array
+
+
+class Probes(NamedTuple):
+    """Where the remaining penetration is evaluated, and the loaded strips.
+
+    Parameters:
+        middle, width: (K,) m, of all strips of the lattice.
+        stretch: (K,).
+        basis: of equal cells along the probed range.
+    """
+
+    middle: Array
+    width: Array
+    stretch: Array
+    basis: StripBasis
+
+
+@compiled
+def excess(
+    values: Array, data: EquationData, probes: Probes, strips: Nodes, low: Array, high: Array
+) -> tuple[bool, Array]:
+    """Remaining penetration (n, C) m, means over equal cells from low to high (n,) m along strips (n,) that are not
+    loaded; values (S, block) of the loaded ones. The flag is as in `Remaining`; beyond the lower body it is -inf.
+    """
+    basis, motion = probes.basis, data.motion
+    n, C, count = len(strips), len(basis.marks) - 1, len(basis.stations)
+    edges, s, x = np.empty((n, C + 1)), np.empty(2 * n * count), np.empty(2 * n * count)
+    for i in range(n):
+        k = strips[i]
+        for r in range(C + 1):
+            edges[i, r] = probes.stretch[k] * (low[i] + (high[i] - low[i]) * basis.marks[r])
+        for g in range(2):
+            for m in range(count):
+                at = (2 * i + g) * count + m
+                s[at] = probes.middle[k] + (2 * g - 1) * GAUSS * probes.width[k]
+                x[at] = low[i] + (high[i] - low[i]) * basis.stations[m]
+    grid = strip_grid(values, data.places, data.basis)
+    jumps = force_jumps(values, data.places, data.basis, motion.speed > 0.0)
+    inside, total = normal_displacements(data.tables, strips, edges, grid, jumps)
+    depth = penetration(data.surface, motion.origin, motion.rotation, s, x).depth
+    for i in range(n):
+        for r in range(C):
+            for m in range(2 * count):
+                total[i, r] += 0.5 * basis.cell_penetration[r, m % count] * depth[2 * i * count + m]
+            if not np.isfinite(total[i, r]):
+                total[i, r] = -np.inf
+    return inside, total
+
+
+@compiled
+def _maximum(values: Array, low: float, high: float) -> tuple[float, float, float]:
+    """Maximum, its place and the curvature by a parabola through the largest of values (C,) and its neighbours."""
+    C = len(values)
+    step = (high - low) / C
+    k = min(max(int(np.argmax(values)), 1), C - 2)
+    left, middle, right = values[k - 1], values[k], values[k + 1]
+    place = low + (k + 0.5) * step
+    if not np.isfinite(left + middle + right):
+        return float(values.max()), place, 1e-2
+    curvature = max((2.0 * middle - left - right) / (step * step), 1e-2)
+    slope = (right - left) / (2.0 * step)
+    offset = min(max(slope / curvature, -step), step)
+    return middle + slope * offset - 0.5 * curvature * offset * offset, place + offset, curvature
+
+
+@compiled
+def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactLines, free: Nodes) -> Remaining:
+    """`Remaining` penetration of the strips free (n,), values (S, block) of the loaded ones."""
+    n, S, last = len(free), len(values), values.shape[1] - 1
+    low, high, extent = np.empty(n), np.empty(n), 0.0
+    for i in range(S):
+        extent = max(extent, 0.5 * (values[i, last] - values[i, last - 1]))
+    for k in range(n):
+        strip, near = free[k], 0
+        for i in range(S):
+            if abs(strip - data.places.strip[i]) < abs(strip - data.places.strip[near]):
+                near = i
+        middle, half = lines.x[strip], np.sqrt(2.0 * lines.depth[strip] / lines.curvature[strip])
+        if abs(strip - data.places.strip[near]) <= NEXT_TO:
+            middle = 0.5 * (values[near, last] + values[near, last - 1])
+            half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent)
+        low[k], high[k] = middle - half, middle + half
+    inside, first = excess(values, data, probes, free, low, high)
+    close = np.zeros(n, dtype=np.bool_)
+    place = np.empty(n)
+    for k in range(n):
+        depth, place[k], _ = _maximum(first[k], low[k], high[k])
+        close[k] = depth + 2.0 * (depth - first[k].max()) > 0.0
+    strips, place, half = free[close], place[close], 0.5 * (high[close] - low[close])
+    # once more around the maximum: the penetration beside a loaded strip is flatter than a parabola
+    C = first.shape[1]
+    low, high = place - 2.0 * half / C, place + 2.0 * half / C
+    found, second = excess(values, data, probes, strips, low, high)
+    deepest, curvature = np.empty(len(strips)), np.empty(len(strips))
+    for k in range(len(strips)):
+        deepest[k], place[k], curvature[k] = _maximum(second[k], low[k], high[k])
+    return Remaining(inside and found, strips, deepest, place, curvature, half)

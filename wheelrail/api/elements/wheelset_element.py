@@ -1,0 +1,85 @@
+"""Contact of both wheels of a wheelset as an element of a time integration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.api.elements.checks import checked_numbers, checked_rates, checked_shifts
+from wheelrail.contact.element.contact_element import ContactElement
+from wheelrail.contact.element.element_solution import ElementSolution
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+
+if TYPE_CHECKING:
+    from wheelrail.contact.models.wheelset import WheelsetContact
+
+
+class WheelsetElement(ContactElement[WheelsetState, Side]):
+    """Contact of both wheels of a wheelset as an element of a time integration, from `wheelrail.Wheelset.element`.
+
+    Parameters:
+        contact: model of both contacts.
+        default: values of arguments that a solve does not give.
+        curvature: of the track, 1/m.
+
+    SI units; x forward, y to the left, z up; forces act on the wheels, moments are about the wheelset's centre.
+    """
+
+    def __init__(self, contact: WheelsetContact, default: WheelsetState, curvature: float) -> None:
+        super().__init__(contact, SIDES)
+        self._default, self._radius, self._curvature = default, contact.mounting.radius, curvature
+
+    def solve(
+        self,
+        *,
+        y: float | None = None,
+        z: float | None = None,
+        roll: float | None = None,
+        yaw: float | None = None,
+        y_rate: float | None = None,
+        z_rate: float | None = None,
+        roll_rate: float | None = None,
+        yaw_rate: float | None = None,
+        pitch_rate: float | None = None,
+        speed: float | None = None,
+        frame_rate: Sequence[float] | None = None,
+        rail_shift: Sequence[Sequence[float]] | None = None,
+    ) -> ElementSolution[WheelsetState, Side]:
+        """Solve both contacts of a trial state, starting from the last accepted one.
+
+        Parameters:
+            y, z: position of the wheelset's centre, m, z above the nominal height.
+            roll, yaw: rad.
+            y_rate, z_rate: m/s.
+            roll_rate, yaw_rate: time derivatives of roll and yaw, rad/s.
+            pitch_rate: spin about the axle, rad/s, positive when rolling forward; pure rolling by default.
+            speed: of the track frame along the track, m/s.
+            frame_rate: (3,) angular velocity of the track frame, rad/s; that of the wheelset's curvature by default.
+            rail_shift: ((y, z), (y, z)), displacement of the left and the right rail by irregularities, m.
+
+        Other defaults are those of the `Wheelset`. A contact that cannot be solved gives status "failed: ..." and no
+        exception. Raises SceneError for values that are not numbers in range, naming argument and value.
+        """
+        numbers = {
+            "y": y,
+            "z": z,
+            "roll": roll,
+            "yaw": yaw,
+            "y_rate": y_rate,
+            "z_rate": z_rate,
+            "roll_rate": roll_rate,
+            "yaw_rate": yaw_rate,
+            "pitch_rate": pitch_rate,
+            "speed": speed,
+        }
+        given: dict[str, Any] = checked_numbers(numbers)
+        if speed is not None:
+            given.setdefault("pitch_rate", given["speed"] / self._radius)
+            given["frame_rate"] = (0.0, 0.0, given["speed"] * self._curvature)
+        if frame_rate is not None:
+            given["frame_rate"] = checked_rates("frame_rate", frame_rate)
+        if rail_shift is not None:
+            given["rail_shift"] = checked_shifts("rail_shift", rail_shift)
+        return self.solve_state(replace(self._default, **given))
