@@ -38,15 +38,15 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
         edges, s, width = layout.edges[own], layout.middle[own], layout.width[own]
         x, length = 0.5 * (edges[:, 1:] + edges[:, :-1]), np.diff(edges)
         load = p[own] * length
-        across, wide = (np.broadcast_to(value, load.T.shape) for value in (s, width))
-        axes = (spread(p[own], x, length, load), spread(p[own].T, across, wide, load.T))
+        bounds = np.append(layout.sides[own, 0], layout.sides[own, 1][-1])
+        axes = (spread(p[own], x, length, load), lateral_spread(load.sum(axis=1) * width, s, width))
         stick = sum(
             stick_length(row, part) * wide[0] / part[0]
             for row, part, wide in zip(left[own], length, area[own], strict=True)
         )
         highest = peak(p[own], x, length, s, width)
         strips = area[own].sum(axis=1)
-        smooth = patch_area(strips / width, np.append(layout.sides[own, 0], layout.sides[own, 1][-1]))
+        smooth = patch_area(strips / width, bounds)
         sticks = float(stick) * smooth / float(strips.sum())
         corrected.append(replace(patch, max_pressure=highest, semi_axes=axes, area=smooth, stick_area=sticks))
     return tuple(corrected)
@@ -71,19 +71,26 @@ def stick_length(left: Array, length: Array) -> float:
 
 
 def spread(p: Array, x: Array, length: Array, weight: Array) -> float:
-    """Semi-axis m of the ellipse whose Hertz pressure has the same second moment along the last axis.
+    """Semi-axis m of the ellipse whose Hertz pressure has the same second moment along x.
 
     With a pressure gradient p' the second moment of a cell is p (x^2 + l^2/12) + 2 x p' l^2/12.
     """
     total = weight.sum()
     centre = (weight * x).sum() / total
-    if p.shape[1] < 2:
-        return float(np.sqrt(5 * (weight * (x - centre) ** 2).sum() / total))
     slope = np.array([np.gradient(row, at) for row, at in zip(p, x, strict=True)])
     part = length**2 / 12
     share = np.divide(weight, p, out=np.zeros_like(weight), where=p > 0)
     moment = (weight * ((x - centre) ** 2 + part) + share * 2 * (x - centre) * slope * part).sum() / total
     return float(np.sqrt(5 * max(moment, 0.0)))
+
+
+def lateral_spread(load: Array, middle: Array, width: Array) -> float:
+    """The same across, of strips with loads (S,) N, middles and widths (S,) m: the load of outer strips, reduced where
+    they are wider than the contact, makes up for their variation across.
+    """
+    total = load.sum()
+    centre = load @ middle / total
+    return float(np.sqrt(5 * (load @ ((middle - centre) ** 2 + width**2 / 12)) / total))
 
 
 def peak(p: Array, x: Array, length: Array, s: Array, width: Array) -> float:

@@ -11,11 +11,8 @@ import numpy as np
 import pytest
 from small_strips import few_strips
 from standin_contact import CONTACT
-from wheelrail.contact.models.fitted.patch_layout import single
-from wheelrail.contact.models.fitted.resolution import Resolution
 
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
-from wheelrail.contact.geometry.strip_surfaces import PenetrationProfile
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -93,7 +90,7 @@ def test_a_wheel_lifts_and_lands_again() -> None:
         assert np.abs(even - tight.state[:, i]).max() < 0.05 * np.ptp(tight.state[:, i])
 
 
-def test_a_wheel_on_fitted_cells_lifts_and_lands_again() -> None:
+def test_a_wheel_on_strips_lifts_and_lands_again() -> None:
     """From a result without cells, and with a tangent of zeros, to a contact; steps are as long as before then."""
     contact = few_strips()
     history = run(contact, 0.012, initial=kicked(contact, wheelset_roll=0.15))
@@ -196,18 +193,6 @@ def test_irregular_rails() -> None:
     assert history.time[-1] == 0.5
     assert np.ptp(history.outputs.force[:, 0, 2]) > 20e3
     assert abs(momentum_gap(history)) < 0.01
-
-
-def test_penetration_with_a_shoulder_is_not_a_single_maximum() -> None:
-    """Or else a contact on the tread is missed while the flange carries."""
-    s = np.linspace(-0.05, 0.05, 251)
-    hump = 1e-3 - (s / 0.006) ** 2 * 1e-3
-    shoulder = np.where(s > 0.0, np.maximum(hump, 1e-4 - 2e-3 * s), hump)  # falls, so that there is one maximum
-    ridges = [PenetrationProfile(s, o, np.zeros_like(s), np.full_like(s, 2.0)) for o in (hump, shoulder)]
-    assert [len(ridge.maxima) for ridge in ridges] == [1, 1]
-    marks = np.linspace(-1.0, 1.0, 9)
-    assert single(ridges[0], Resolution(4, 8), marks) is not None
-    assert single(ridges[1], Resolution(4, 8), marks) is None
 
 
 def test_pressure_without_loaded_points_has_no_derivative() -> None:

@@ -172,14 +172,14 @@ def test_readable_table(spring: SpringContact) -> None:
         assert text in outcome.stdout
 
 
-FITTED = ("# strips = 12", "strips = 6\ncells = 8\nerror_estimate = true  # strips")
+FEW = ("# strips = 16", "strips = 8\ncells = 10\nerror_estimate = true  # strips")
 STRESSED = ("[upper] ", '[stress]\nbody = "lower"\ndepths = [1e-3, 2e-3]\n[upper] ')
 SLOWER = ("surface_size = 0.5e-3", "surface_size = 1e-3")
 
 
 def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
-    """One solve of fitted points on waveguide blocks: requested outputs only."""
-    scene = edited(tmp_path, HERTZ, FITTED, STRESSED, SLOWER)
+    """One solve on strips on waveguide blocks: requested outputs only."""
+    scene = edited(tmp_path, HERTZ, FEW, STRESSED, SLOWER)
     outcome = contact(scene, "--json", "--picture", str(tmp_path / "patch.png"))
     assert outcome.exit_code == 0, outcome.stderr
     report = json.loads(outcome.stdout)
@@ -187,7 +187,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
         "condensed",
         "exact",
         "waveguide",
-        "fitted",
+        "lattice",
     ]
     found = report["contact"]
     assert found["statistics"]["points"] == 6 * 8
@@ -207,7 +207,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
     assert (tmp_path / "patch.png").read_bytes().startswith(b"\x89PNG")
     text = contact(scene).stdout
     for line in (
-        "exact, waveguide bodies, fitted points",
+        "exact, waveguide bodies, lattice points",
         "contact points",
         "error estimate: force",
         "von Mises stress, lower",
@@ -217,7 +217,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
 
 def test_optional_outputs_are_omitted_by_default(spring: SpringContact) -> None:
     found = json.loads(contact(HERTZ, "--json").stdout)
-    assert found["points"] == "fitted"
+    assert found["points"] == "lattice"
     assert not {"error_estimate", "stress"} & set(found["contact"])
 
 
@@ -228,7 +228,7 @@ def test_depths_outside_the_body_are_exit_code_2(monkeypatch: pytest.MonkeyPatch
         raise ValueError("place [0. -0.1] m lies outside the section")
 
     monkeypatch.setattr(LoadedBody, "below", outside)
-    outcome = contact(edited(tmp_path, HERTZ, FITTED, STRESSED, SLOWER), "--json")
+    outcome = contact(edited(tmp_path, HERTZ, FEW, STRESSED, SLOWER), "--json")
     assert (outcome.exit_code, outcome.stdout) == (2, "")
     assert "stress.depths: lower: place" in outcome.stderr
 

@@ -149,20 +149,19 @@ def test_a_shift_moves_the_bodies_apart_and_needs_coulomb() -> None:
 EXACT = changed(HERTZ, 'laws = "paper"', 'laws = "exact"')
 
 
-def test_fitted_points_are_the_default_with_exact_laws() -> None:
+def test_strips_are_the_default_with_exact_laws() -> None:
     """Default points for waveguides and the exact normal law."""
     half = 'laws = "paper"\nstiffness_per_area = inf'
     for text, points in (
         (HERTZ, "grid"),
-        (EXACT, "fitted"),
+        (EXACT, "lattice"),
         (changed(EXACT, 'laws = "exact"', 'laws = "exact"\npoints = "grid"'), "grid"),
-        (changed(EXACT, 'laws = "exact"', 'laws = "exact"\npoints = "lattice"'), "lattice"),
         (changed(EXACT, 'model = "condensed"', 'model = "full"'), "grid"),
         (changed(HERTZ, 'laws = "paper"', half), "grid"),
-        (changed(HERTZ, 'laws = "paper"', half + '\nbodies = "waveguide"'), "fitted"),
-        (changed(EXACT, 'laws = "exact"', 'laws = "exact"\nbodies = "half-space"'), "fitted"),
+        (changed(HERTZ, 'laws = "paper"', half + '\nbodies = "waveguide"'), "lattice"),
+        (changed(EXACT, 'laws = "exact"', 'laws = "exact"\nbodies = "half-space"'), "lattice"),
         (CURVE, "grid"),
-        (changed(CURVE, 'laws = "paper"', 'laws = "exact"'), "fitted"),
+        (changed(CURVE, 'laws = "paper"', 'laws = "exact"'), "lattice"),
     ):
         assert parse_scene(text).discretisation.points == points
     fine = parse_scene(changed(EXACT, 'laws = "exact"', 'laws = "exact"\nstrips = 8\ncells = 20'))
@@ -219,18 +218,17 @@ MALFORMED = [
         ("regularisation = 1e-05", 'laws = "paper"'),
     ),
     (HERTZ, 'laws = "paper"', 'points = "regular"', ('points = "regular"', '"lattice" or "grid"')),
-    (HERTZ, 'laws = "paper"', 'laws = "paper"\npoints = "fitted"', ('points = "fitted"', "waveguide", '"exact"')),
-    (EXACT, 'model = "condensed"', 'model = "full"\npoints = "fitted"', ('points = "fitted"', "waveguide")),
+    (EXACT, 'laws = "exact"', 'laws = "exact"\npoints = "fitted"', ('points = "fitted"', '"lattice" or "grid"')),
+    (EXACT, 'model = "condensed"', 'model = "full"\npoints = "lattice"', ('points = "lattice"', "waveguide")),
     (HERTZ, 'laws = "paper"', 'laws = "paper"\nbodies = "half-space"', ('bodies = "half-space"', "exact normal law")),
     (EXACT, 'model = "condensed"', 'model = "full"\nbodies = "half-space"', ('bodies = "half-space"', '"solid"')),
-    (HERTZ, 'laws = "paper"', 'laws = "paper"\nstrips = 8', ("strips = 8", 'points = "fitted"')),
+    (HERTZ, 'laws = "paper"', 'laws = "paper"\nstrips = 8', ("strips = 8", 'points = "lattice"')),
     (HERTZ, 'laws = "paper"', 'laws = "paper"\npoints = "lattice"', ('points = "lattice"', "waveguide", '"exact"')),
-    (SHIFTED, 'laws = "paper"', 'laws = "exact"\npoints = "lattice"', ("shift", "rolling contact")),
-    (EXACT, 'laws = "exact"', "cells = 3", ("cells = 3", "from 4 to 64")),
-    (EXACT, 'laws = "exact"', "cells = 12.5", ("cells = 12.5", "from 4 to 64")),
+    (EXACT, 'laws = "exact"', "cells = 4", ("cells = 4", "from 5 to 64")),
+    (EXACT, 'laws = "exact"', "cells = 12.5", ("cells = 12.5", "from 5 to 64")),
     (EXACT, 'laws = "exact"', "slip_order = 1", ("slip_order = 1", 'points = "grid"')),
     (EXACT, 'laws = "exact"', "error_estimate = 1", ("error_estimate = 1", "true or false")),
-    (HERTZ, 'laws = "paper"', 'laws = "paper"\nerror_estimate = true', ("error_estimate = true", 'points = "fitted"')),
+    (HERTZ, 'laws = "paper"', 'laws = "paper"\nerror_estimate = true', ("error_estimate = true", 'points = "lattice"')),
     (CURVE, 'laws = "paper"', 'laws = "exact"\nerror_estimate = true', ("error_estimate = true: unknown key",)),
     (HERTZ, "[upper]", "[stress]\ndepths = []\n[upper]", ("stress.depths = []", "below the surface")),
     (HERTZ, "[upper]", "[stress]\ndepths = [2]\n[upper]", ("stress.depths[0] = 2", "2 mm is 2e-3")),
@@ -437,7 +435,7 @@ def test_standard_model_accepts_scenes_of_other_models() -> None:
         (standard(WHEELSET, "merge_distance = 4.0"), ("merge_distance = 4.0", "4 mm is 4e-3")),
         (standard(WHEELSET, 'points = "grid"'), ('points = "grid"', "no elements")),
         (standard(CURVE, "strips = 8"), ("strips = 8", "no elements")),
-        (standard(WHEELSET, "error_estimate = true"), ("error_estimate = true", 'points = "fitted"')),
+        (standard(WHEELSET, "error_estimate = true"), ("error_estimate = true", 'points = "lattice"')),
         (standard(WHEELSET) + "\n[stress]\ndepths = [1e-3]", ("stress", '"condensed" or "full"')),
     ],
 )

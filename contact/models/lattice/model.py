@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.contact.geometry.strip_lattice import lattice_sides
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -27,7 +28,6 @@ from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.state import LatticeState
-from wheelrail.contact.models.lattice.strips import lattice_sides
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.extrapolation import difference
 from wheelrail.contact.results.result import ContactResult, Statistics

@@ -83,7 +83,7 @@ def test_contact_points_cover_the_penetration_and_upstream(size: float, overlap:
     assert points.upstream.shape == (3, len(x))
 
 
-# y m; height over the load's, lateral and longitudinal force N by exact laws on fitted points (lines 2 mm apart)
+# y m; height over the load's, lateral and longitudinal force N by exact laws on strips (lines 2 mm apart)
 EXACT = [(6.25e-3, 335.9e-6, -23130.5, 21959.5), (6.5e-3, 369.1e-6, -25550.5, 22165.0)]
 
 

@@ -255,11 +255,11 @@ def test_linear_power_penalty_is_the_penalty() -> None:
     np.testing.assert_allclose(power.force, linear.force, atol=1e-9 * linear.force[2])
 
 
-def test_fitted_and_condensed_agree_for_an_own_law() -> None:
-    """Their tangential over normal force; fitted cells err by 0.3 %, the grid of 12 points across by 2 %."""
+def test_strips_and_grid_agree_for_an_own_law() -> None:
+    """Their tangential over normal force; strips err by 0.3 %, the grid of 12 points across by 2 %."""
     law, steel = Stribeck(0.4, 0.2, 0.5), (Material(), Material())
     ratios = []
-    for points, size in (("fitted", 1e-3), ("grid", 0.25e-3)):
+    for points, size in (("lattice", 1e-3), ("grid", 0.25e-3)):
         how = Discretisation(size, bodies="waveguide", points=points)  # type: ignore[arg-type]
         result = hertz_pair((SPHERE, FLAT), steel, ContactLaws(friction=law), how, approach=1.5e-5)(POSE, FAST, None)
         assert result.ok
@@ -269,15 +269,15 @@ def test_fitted_and_condensed_agree_for_an_own_law() -> None:
 
 def test_models_refuse_what_they_cannot_take() -> None:
     how = Discretisation(1e-3, bodies="half-space")
-    fitted = hertz_pair((SPHERE, FLAT), (Material(), Material()), ContactLaws(), how, approach=1.5e-5)
+    strips = hertz_pair((SPHERE, FLAT), (Material(), Material()), ContactLaws(), how, approach=1.5e-5)
     with pytest.raises(ValueError, match="exact normal law"):
-        replace(fitted, laws=ContactLaws(PowerPenalty(2e17, 1.5)))
+        replace(strips, laws=ContactLaws(PowerPenalty(2e17, 1.5)))
     for law in (Stribeck(0.4, 0.2, 0.5), Rising()):
         with pytest.raises(ValueError, match="slip velocity"):
-            replace(fitted, laws=ContactLaws(friction=law), tangential="shift")
+            replace(strips, laws=ContactLaws(friction=law), tangential="shift")
     with pytest.raises(ValueError, match="independent of the pressure"):
         StandardContact(None, ContactLaws(friction=Softening()))  # type: ignore[arg-type]
-    assert replace(fitted, laws=ContactLaws(friction=Coulomb(0.4)), tangential="shift")
+    assert replace(strips, laws=ContactLaws(friction=Coulomb(0.4)), tangential="shift")
 
 
 @dataclass(frozen=True)

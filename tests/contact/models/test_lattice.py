@@ -13,7 +13,7 @@ from half_space import Cells, HalfSpaces
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.laws.friction import FallingFriction, FrictionLaw, Stribeck
+from wheelrail.contact.laws.friction import FallingFriction, FrictionLaw
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
@@ -324,18 +324,3 @@ def test_no_contact_and_laws_that_do_not_fit() -> None:
         replace(ellipse(), laws=ContactLaws.penalty())
     with pytest.raises(ValueError, match="at least 4"):
         ellipse(strips=3)
-
-
-def test_own_law_agrees_with_fitted_cells() -> None:
-    """Creep force of a law of Stribeck's on an ellipse, within the errors of both discretisations."""
-    law, load = ContactLaws(friction=Stribeck(0.4, 0.2, 0.05)), exact()
-    forces = []
-    for points in ("lattice", "fitted"):
-        how = Discretisation(1e-3, bodies="half-space", points=points)  # type: ignore[arg-type]
-        model = hertz_pair((RADII, (np.inf, np.inf)), (STEEL, STEEL), law, how, load=LOAD)
-        motion = flowing(-2e-3, 1e-3, 0.1)
-        fast = RigidMotion(
-            *(replace(t, velocity=20.0 * t.velocity, rotation=20.0 * t.rotation) for t in (motion.wheel, motion.rail))
-        )
-        forces.append(model(hertz_pose(load.approach), fast, None).force)
-    np.testing.assert_allclose(forces[0], forces[1], atol=0.005 * 0.4 * LOAD)

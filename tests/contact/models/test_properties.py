@@ -20,6 +20,7 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.results.result import ContactResult
 
 FEW = settings(
@@ -167,7 +168,7 @@ def test_power_balance_of_full_sliding(ratio: float, depth: float, mu: float, xi
 
 @pytest.mark.parametrize("ratio", [0.4, 1.0])
 def test_force_is_the_slope_of_the_elastic_energy(ratio: float) -> None:
-    """dE/d(approach) = F without friction but for the cells, whose error falls faster than their number squared."""
+    """dE/d(approach) = F without friction, but for the cells: 2.2e-3 at 12, and with the order 2.1 of their number."""
     numbers, error = np.array([6, 8, 12, 16]), []
     for cells in numbers:
         model, depth = frictionless(ratio, cells=int(cells)), 3e-5
@@ -175,19 +176,30 @@ def test_force_is_the_slope_of_the_elastic_energy(ratio: float) -> None:
         slope = (elastic_energy(above) - elastic_energy(below)) / (0.04 * depth)
         # of d^(5/2) the central difference is too large by 5e-5
         error.append(slope / 1.00005 / float(here.force[2]) - 1)
-    order = -np.polyfit(np.log(numbers), np.log(np.abs(error)), 1)[0]
-    assert order > 2.1
-    assert abs(error[-1]) < 2.2e-3
+    assert (np.abs(error) < 2.2e-3 * (12 / numbers) ** 2.1).all()
 
 
-@pytest.mark.parametrize(("bodies", "off"), [("half-space", 1e-5), ("waveguide", 6e-3)])
 @pytest.mark.parametrize("ratio", [0.4, 1.0])
-def test_force_grows_like_the_approach_to_three_halves(bodies: Bodies, off: float, ratio: float) -> None:
-    """Fitted slope; blocks end after 40 to 80 semi-axes, which reduces the approach by about 1 %, more for larger
-    patches: 0.3 to 0.5 % of the slope.
+def test_force_grows_like_the_approach_to_three_halves(ratio: float) -> None:
+    """On lattices in proportion to the patch."""
+    at = APPROACH * np.geomspace(0.1, 1.0, 5)
+    force = []
+    for depth in at:
+        how = Discretisation(SIZE * np.sqrt(depth / APPROACH), bodies="half-space", strips=CELLS, cells=CELLS)
+        radii, laws = ((RADIUS, ratio * RADIUS), (np.inf, np.inf)), ContactLaws(np.inf, 0.0, 0.0)
+        model = hertz_pair(radii, (Material(), Material()), laws, how, approach=float(depth))
+        force.append(float(solved(model, hertz_pose(depth), rolling(0, 0, 0)).force[2]))
+    assert np.polyfit(np.log(at), np.log(force), 1)[0] == pytest.approx(1.5, abs=1e-5)
+
+
+@pytest.mark.parametrize(("bodies", "off"), [("half-space", 1e-3), ("waveguide", 6e-3)])
+@pytest.mark.parametrize("ratio", [0.4, 1.0])
+def test_force_on_one_lattice_grows_like_the_approach_to_three_halves(bodies: Bodies, off: float, ratio: float) -> None:
+    """Fitted slope; 4 to 12 strips are loaded. Blocks end after 40 to 80 semi-axes, which reduces the approach by about
+    1 %, more for larger patches: 0.3 to 0.5 % of the slope.
     """
     at = APPROACH * np.geomspace(0.1, 1.0, 5)
-    model = frictionless(ratio, bodies=bodies)
+    model = replace(frictionless(ratio, bodies=bodies), resolution=LatticeResolution())
     force = [float(solved(model, hertz_pose(d), rolling(0, 0, 0)).force[2]) for d in at]
     slope = np.polyfit(np.log(at), np.log(force), 1)[0]
     assert slope == pytest.approx(1.5, abs=off)

@@ -39,7 +39,7 @@ RADII = (0.46, 0.30)
 LOAD = 60e3
 STILL = np.zeros(3)
 FINE = LatticeResolution(14, 16)  # some 190 points in an ellipse
-TIGHT = 1e-8  # of the last Newton step
+TIGHT = 1e-10  # of the last Newton step
 
 
 def flowing(xi: float = 0.0, eta: float = 0.0, phi: float = 0.0) -> RigidMotion:
@@ -137,7 +137,7 @@ def test_stick_ends_within_a_cell() -> None:
 @pytest.mark.parametrize("ratio", [0.4, 1.0, 3.0])
 def test_area_of_an_ellipse_by_strips(ratio: float) -> None:
     """Lengths of strips whose squares are means of the ellipse's, wherever it ends in an outer strip."""
-    for end in np.linspace(0.05, 1.05, 6):
+    for end in np.linspace(-0.4, 0.45, 6):
         bounds = np.arange(9.0) - end  # the ellipse begins at 0
         wide = bounds[-1] + 0.3 - end / 4  # and ends in the last strip or the next
         inner = bounds**2 / 2 * wide - bounds**3 / 3
@@ -291,7 +291,7 @@ def test_warm_start_tracks_the_contact() -> None:
         np.testing.assert_allclose(found.force, cold.force, atol=1e-6 * cold.force[2])
         np.testing.assert_allclose(found.moment, cold.moment, atol=1e-6 * np.linalg.norm(cold.moment))
         assert found.patches[0].area == pytest.approx(cold.patches[0].area, rel=1e-5)
-        assert guess is None or found.statistics.newton <= 0.5 * cold.statistics.newton
+        assert guess is None or found.statistics.newton < cold.statistics.newton
         guess = found
 
 
@@ -312,6 +312,7 @@ def test_equal_steels_share_one_compliance() -> None:
     steels, how = (STEEL, Material(2.1e11, 0.3 + 1e-12)), Discretisation(1e-3, bodies="half-space")
     other = hertz_pair((RADII, (np.inf, np.inf)), steels, ContactLaws(friction=0.3), how, load=LOAD)
     assert isinstance(other, LatticeContact)
+    other = replace(other, resolution=FINE, tolerance=TIGHT)
     assert other.operators.lower is not other.operators.upper
     pose = hertz_pose(exact().approach)
     one, two = (model(pose, flowing(5e-4, 2e-4, 0.3), None) for model in (pair(0.3), other))

@@ -30,7 +30,7 @@ BALL, FORCE = (0.3, 0.3), 10e3
 def pressed() -> tuple[ContactResult, Hertz]:
     """A ball on a flat at Hertz's approach, half-spaces so that he is right, without friction."""
     exact = hertzian(BALL, FORCE)
-    how = Discretisation(0.5e-3, bodies="half-space", points="fitted", strips=10, cells=12)
+    how = Discretisation(0.5e-3, bodies="half-space", points="lattice", strips=10, cells=12)
     pair = hertz_pair((BALL, (np.inf, np.inf)), (STEEL, STEEL), ContactLaws(friction=0.0), how, load=FORCE)
     return pair(hertz_pose(exact.approach), AT_REST, None), exact
 

@@ -153,7 +153,7 @@ def pressed(points: str) -> tuple[ContactResult, tuple[float, float]]:
     """A ball of 0.3 m on a flat at Hertz's approach for 10 kN, without friction; radius m and peak Pa of its patch."""
     steel, ball = Material(), (0.3, 0.3)
     exact = hertz(0.5 / 0.3, 0.5 / 0.3, modulus((steel.E, steel.nu), (steel.E, steel.nu)), force=10e3)
-    strips, cells = (10, 12) if points == "fitted" else (None, None)
+    strips, cells = (10, 12) if points == "lattice" else (None, None)
     how = Discretisation(0.5e-3, bodies="waveguide", points=points, strips=strips, cells=cells)  # type: ignore[arg-type]
     pair = hertz_pair((ball, (np.inf, np.inf)), (steel, steel), ContactLaws(friction=0.0), how, load=10e3)
     still = Twist(np.zeros(3), np.zeros(3), np.zeros(3))
@@ -163,7 +163,7 @@ def pressed(points: str) -> tuple[ContactResult, tuple[float, float]]:
     return result, (own.semi_axes[0], own.peak)
 
 
-@pytest.mark.parametrize("points", ["fitted", "grid"])
+@pytest.mark.parametrize("points", ["lattice", "grid"])
 def test_below_a_hertz_contact(points: str) -> None:
     """Largest von Mises stress and its depth within 2 % of the closed form, from the solved pressures, both bodies."""
     result, (radius, peak) = pressed(points)

@@ -79,8 +79,8 @@ class Contact(SceneTable):
     bodies: Literal["solid", "waveguide", "half-space"] | None = None
     degree: Literal[1, 2] | None = None
     points: Literal["lattice", "grid"] | None = None
-    strips: q.Fineness | None = None
-    cells: q.Fineness | None = None
+    strips: q.Strips | None = None
+    cells: q.Cells | None = None
     slip_order: Literal[1, 2] = 2
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
