@@ -145,10 +145,15 @@ def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tu
         bend[:] = 2 * (a + b)
         return penetration(surface, origin, rotation, s, x).depth, x, bend
     rail, wheel, radius = surface.rail, surface.wheel, surface.radius
-    for _ in range(2 if rotation[1, 0] != 0.0 else 0):
-        feet = penetration(surface, origin, rotation, s, x).foot
-        for i in range(n):
-            _, t, _ = local(rail, feet[i], piece(rail, feet[i]))
+    point, axes = np.empty((1, 3)), np.empty((1, 3, 3))
+    for i in range(n if rotation[1, 0] != 0.0 else 0):
+        sample = -1
+        for _ in range(2):
+            wheel_place(wheel, radius, origin, rotation, s[i], x[i], point, axes, 0)
+            q = complex(point[0, 1], point[0, 2])
+            sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
+            at, _, _ = foot(rail, q, rail.samples[sample])
+            _, t, _ = local(rail, at, piece(rail, at))
             ny, nz = -t.imag, t.real
             forward = rotation[1, 0] * ny + rotation[2, 0] * nz
             up = rotation[1, 2] * ny + rotation[2, 2] * nz
@@ -286,7 +291,7 @@ class ContactLines(NamedTuple):
     """Where K strips touch: on their middles, the points of largest penetration along x.
 
     Parameters:
-        depth: (K,) m, largest penetration, the mean over the width; -inf far from contact.
+        depth: (K,) m, penetration at their x, the mean over the width; -inf far from contact.
         x: (K,) m, its place along x.
         curvature: (K,) 1/m, relative curvature along x there.
         foot: (K,) m, arc length of the closest points on the lower body; NaN where the penetration is negative.
@@ -325,15 +330,16 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
         if near[k]:
             own[max(probes[k] - BETWEEN, 0) : probes[k] + BETWEEN + 1] = True
     inside = np.flatnonzero(own)
-    lines = np.empty(2 * len(inside))
+    at = crests(surface, motion.origin, motion.rotation, middle[inside])
+    s, along = np.empty(2 * len(inside)), np.empty(2 * len(inside))
     for k in range(len(inside)):
-        lines[2 * k] = middle[inside[k]] - GAUSS * width[inside[k]]
-        lines[2 * k + 1] = middle[inside[k]] + GAUSS * width[inside[k]]
-    at = crests(surface, motion.origin, motion.rotation, lines)
+        for g in range(2):
+            s[2 * k + g] = middle[inside[k]] + (2 * g - 1) * GAUSS * width[inside[k]]
+            along[2 * k + g] = at[1][k]
+    sides = penetration(surface, motion.origin, motion.rotation, s, along).depth
     for k in range(len(inside)):
-        depth[inside[k]] = 0.5 * (at[0][2 * k] + at[0][2 * k + 1])
-        x[inside[k]] = 0.5 * (at[1][2 * k] + at[1][2 * k + 1])
-        curvature[inside[k]] = 0.5 * (at[2][2 * k] + at[2][2 * k + 1])
+        depth[inside[k]] = 0.5 * (sides[2 * k] + sides[2 * k + 1])
+        x[inside[k]], curvature[inside[k]] = at[1][k], at[2][k]
     foot, foot_pose, level = np.full(K, np.nan), np.zeros((K, 6)), np.zeros((K, 3))
     touching = np.flatnonzero(depth > 0.0)
     s, along = middle[touching], x[touching]

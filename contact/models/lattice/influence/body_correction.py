@@ -20,7 +20,7 @@ from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEG
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
-START = 0.02  # m: cells of 2.5 mm up to this distance
+START = 0.04  # m: cells of 5 mm up to this distance; of 2.5 mm, forces change by 1e-6
 TILE = 16  # lines: granularity of the parts of the surface whose correction is assembled
 OUTWARD = 1.0, -1.0  # outward normal of the upper body in the axes of the upper and of the lower one
 
@@ -55,8 +55,8 @@ class BodyCorrection:
         return np.zeros((lines, lines, len(self.grid.lower), DEGREE + 1, COMPONENTS))
 
     def between_lines(self, low: float, high: float) -> tuple[slice, Array]:
-        """Lines that cover an interval of arc length m, and coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) between
-        all lines, valid for these. Raises OutsideSurface beyond the lines.
+        """Lines that cover an interval of arc length m, and coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) of all
+        lines, valid between these. Raises OutsideSurface beyond the lines.
         """
         first, last = self.body.window(low, high)
         first, last = max(first - 2, 0), min(last + 2, len(self.body.arc))
