@@ -28,6 +28,7 @@ LIMITS = {
     "penetration": 1e-7,
     "missed": 1.0,
     "unloaded": 0.0,
+    "undeformed": 1e-7,
 }
 LATTICE = {  # limits of strips: means over cells deviate from a gap that vanishes in its moments alone
     "penetration": 1e-2,
@@ -46,8 +47,9 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
     eps) + mu p s, and work, the largest q . s > 0, over mu times the peak times the largest slip, or the strain due to
     mu times the peak; penetration at loaded and open points over the approach; missed, the largest undeformed
     penetration outside all patches over that inside: pressure lowers a surface most where it acts; unloaded, the
-    largest penetration that remains in a strip of a lattice without pressure, over the approach. All infinite without
-    any pressure: penetrating bodies must carry some.
+    largest penetration that remains in a strip of a lattice without pressure, over the approach; undeformed, the error
+    of the undeformed penetration of the points of a lattice, over the approach. All infinite without any pressure:
+    penetrating bodies must carry some.
     """
     pose, motion = case.at(depth)
     fields = result.fields
@@ -65,9 +67,10 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
     most = max(case.friction * peak, 1e-300)
     power_scale = max(most * max(float(np.hypot(*s.T).max()), most / G), 1e-300)
     in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
-    undeformed, unloaded = fields.penetration, 0.0
+    undeformed, unloaded, error = fields.penetration, 0.0, 0.0
     if isinstance(model, LatticeContact):
-        undeformed, unloaded = _strips(pose, motion, result, model)
+        undeformed, unloaded, at_middles = _strips(pose, motion, result, model)
+        error = float(np.abs(at_middles - fields.penetration).max())
     # deformed penetration minus that of the penalty: zero at loaded points, negative at open ones
     d = undeformed + fields.displacement[:, 2] - p * case.laws.normal_compliance
     apart = np.where(p > 0, np.abs(d), np.maximum(d, 0.0))
@@ -83,12 +86,15 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
         "penetration": float(apart.max()) / result.approach,
         "missed": penetration_outside(case, pose, [patch.wheel_band for patch in result.patches]),
         "unloaded": unloaded / result.approach,
+        "undeformed": error / result.approach,
     }
 
 
-def _strips(pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact) -> tuple[Array, float]:
+def _strips(
+    pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact
+) -> tuple[Array, float, Array]:
     """Undeformed penetration m of cells, the mean over the widths of their strips by Simpson's rule, and the largest
-    remaining penetration m of unloaded strips between the ends of their undeformed one.
+    remaining penetration m of unloaded strips between the ends of their undeformed one; the former at the middles.
     """
     assert isinstance(result.warm_start, LatticeSolution)
     state = result.warm_start.state
@@ -99,13 +105,14 @@ def _strips(pose: Pose, motion: RigidMotion, result: ContactResult, model: Latti
         (weight / 6 * problem.penetration(middle + k * width, x).depth for k, weight in ((-0.5, 1), (0, 4), (0.5, 1))),
         np.zeros(len(x)),
     )
+    at_middles = problem.penetration(middle, x).depth
     free = np.setdiff1d(problem.candidates, state.strips)
     if not len(free):
-        return depth, 0.0
+        return depth, 0.0, at_middles
     place, bend = (values[free] for values in problem.crest)
     half = np.sqrt(2 * problem.depth[free] / bend)
     remaining = remaining_penetration(problem, state, free, place - half, place + half, cells=PROBES)
-    return depth, max(float(remaining.max()), 0.0)
+    return depth, max(float(remaining.max()), 0.0), at_middles
 
 
 def cross(a: Array, b: Array) -> Array:
