@@ -19,12 +19,12 @@ from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceErr
 from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pair_indices
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.material import Material
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Nodes
 
 ODD = (1, 2, 3, 6)  # of the nine components: xy, xz, yx, zx
 EVEN = (0, 4, 5, 7, 8)
 NEIGHBOURS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16  # shares of a line in the mean over its neighbours
-TILE = 8  # lines: granularity of the parts of the surface whose correction is assembled
+MARGIN = len(NEIGHBOURS) // 2
 
 
 @dataclass
@@ -92,9 +92,9 @@ class HalfSpaceInfluence:
 
 @dataclass(frozen=True)
 class ElementCorrection:
-    """Spectrum by finite elements minus that of half-spaces, of a run of lines, wavenumber by wavenumber.
+    """Spectrum by finite elements minus that of half-spaces, of pairs of lines, wavenumber by wavenumber.
 
-    even (lines, lines, 5 nk) and odd (lines, lines, 4 nk) components.
+    even (R, C, 5, nk) and odd (R, C, 4, nk) components.
     """
 
     even: Array
@@ -159,59 +159,68 @@ class ElementInfluence(HalfSpaceInfluence):
         samples = self.samples
         return max(samples.shift, 4 * np.pi / samples.round if samples.round else 0.0)
 
-    def _assembled(self, low: int, high: int) -> ElementCorrection:
-        """Correction of the lines from low up to high."""
-        # with neighbours, so that smoothing does not depend on the part
-        first, last = max(low - len(NEIGHBOURS), 0), min(high + len(NEIGHBOURS), len(self.arc))
-        lines = self._remainder(first, last)[:, low - first : high - first, low - first : high - first]
+    def correction(self, rows: slice, columns: slice) -> ElementCorrection:
+        """Correction of the displacement of lines (rows) by loads on lines (columns)."""
+        ranges, inner = [], []
+        for part in (rows, columns):  # with neighbours, so that smoothing does not depend on the part
+            low, high = max(part.start - MARGIN, 0), min(part.stop + MARGIN, len(self.arc))
+            ranges.append(np.arange(low, high))
+            inner.append(slice(part.start - low, part.stop - low))
+        lines = self._remainder(*ranges)[:, inner[0], inner[1]]
         nine = lines.reshape(*lines.shape[:3], 9).transpose(1, 2, 3, 0)
-        n = high - low
-        even, odd = (np.ascontiguousarray(nine[:, :, list(which)]).reshape(n, n, -1) for which in (EVEN, ODD))
+        even, odd = (np.ascontiguousarray(nine[:, :, list(which)]) for which in (EVEN, ODD))
         return ElementCorrection(even, odd)
 
-    def _remainder(self, low: int, high: int) -> Array:
-        """Spectrum (nk, n, n, 3, 3) of a run of lines minus that of half-spaces."""
-        remainder = self.samples.values[:, pair_indices(len(self.arc))[low:high, low:high]]
-        row, column = np.tril_indices(high - low, -1)
-        remainder[:, row, column] = remainder[:, column, row].swapaxes(-1, -2)
-        self._add_near_field(remainder, low, high)
-        bounds = np.column_stack([self.bounds[low:high], self.bounds[low + 1 : high + 1]])
-        remainder -= self._half_space_spectrum(bounds)
+    def _remainder(self, rows: Nodes, columns: Nodes) -> Array:
+        """Spectrum (nk, R, C, 3, 3) of two runs of lines minus that of half-spaces."""
+        first, second = np.minimum(rows[:, None], columns), np.maximum(rows[:, None], columns)
+        remainder = self.samples.values[:, pair_indices(len(self.arc))[first, second]]
+        row, column = np.nonzero(rows[:, None] > columns)
+        remainder[:, row, column] = remainder[:, row, column].swapaxes(-1, -2)
+        self._add_near_field(remainder, rows, columns)
+        remainder -= self._half_space_spectrum(rows, columns)
         # the remainder is smooth except for discretisation noise of the triangles, which differs from line to line
         for axis in (1, 2):
             remainder = convolve1d(remainder, NEIGHBOURS, axis=axis, mode="nearest")
         return np.asarray(remainder)
 
-    def _add_near_field(self, spectrum: Array, low: int, high: int) -> None:
-        """Add the near-field correction: the compliance missing in the elements next to a load."""
-        arc = self.arc[low:high]
-        spacing = np.gradient(arc) / self.unit / self._stretch(arc)
-        missing = self.error().at(np.outer(self.samples.k, spacing)) / self._stretch(arc)[:, None, None]
-        line = np.arange(high - low)
-        axes = self._pair_axes(arc)
-        for d in range(missing.shape[2]):
-            one, other = line[: len(line) - d], line[d:]
-            value = 0.5 * (missing[:, one, d] + missing[:, other, d])
-            part = in_body_axes(value, axes[one, other])
-            spectrum[:, one, other] += part
-            if d:
-                spectrum[:, other, one] += part.swapaxes(-1, -2)
+    @cached_property
+    def _missing(self) -> Array:
+        """Compliance (nk, ns, distances, components) missing in the elements next to a load."""
+        stretch = self._stretch(self.arc)
+        spacing = np.gradient(self.arc) / self.unit / stretch
+        return np.asarray(self.error().at(np.outer(self.samples.k, spacing)) / stretch[:, None, None])
 
-    def _half_space_spectrum(self, sides: Array) -> Array:
-        """Spectrum (nk, S, S, 3, 3) of strips with sides (S, 2) m on half-spaces that touch the surface in between."""
-        axes = self._pair_axes(sides.mean(axis=1))
+    def _add_near_field(self, spectrum: Array, rows: Nodes, columns: Nodes) -> None:
+        """Add the near-field correction."""
+        missing = self._missing
+        distance = np.abs(rows[:, None] - columns)
+        r, c = np.nonzero(distance < missing.shape[2])
+        i, j = np.minimum(rows[r], columns[c]), np.maximum(rows[r], columns[c])
+        value = 0.5 * (missing[:, i, j - i] + missing[:, j, j - i])
+        part = in_body_axes(value, self._pair_axes(self.arc[i], self.arc[j]))
+        turned = rows[r] > columns[c]
+        part[:, turned] = part[:, turned].swapaxes(-1, -2)
+        spectrum[:, r, c] += part
+
+    def _half_space_spectrum(self, rows: Nodes, columns: Nodes) -> Array:
+        """Spectrum (nk, R, C, 3, 3) of the strips around lines on half-spaces that touch the surface in between."""
+        sides = np.column_stack([self.bounds[:-1], self.bounds[1:]])
         # on a circle of another radius k and the load per length shrink by the metric factor, as for narrower strips
         across = np.interp(sides, self.arc, self._across) / self.unit
-        stretch = self._stretch(sides.mean(axis=1))
-        flat = strip_flexibility(self.samples.k, across, across, self.nu, self._cutoff)
-        return np.asarray(in_body_axes(flat, axes) / (0.5 * (stretch[:, None] + stretch))[..., None, None])
+        middle = sides.mean(axis=1)
+        stretch = 0.5 * (self._stretch(middle[rows])[:, None] + self._stretch(middle[columns]))
+        flat = strip_flexibility(self.samples.k, across[rows], across[columns], self.nu, self._cutoff)
+        axes = self._pair_axes(middle[rows][:, None], middle[columns])
+        return np.asarray(in_body_axes(flat, axes) / stretch[..., None, None])
 
-    def _pair_axes(self, arc: Array) -> Array:
-        """Mean local axes (n, n, 3, 3) of pairs of lines, rows along x, across and normal."""
-        tangent = self._tangents(arc)
-        t = tangent[:, None] + tangent
+    def _pair_axes(self, first: Array, second: Array) -> Array:
+        """Mean local axes (.., 3, 3) of pairs of lines at arc lengths (..,) m, rows along x, across and normal."""
+        first, second = np.broadcast_arrays(first, second)
+        one, other = (self._tangents(arc.ravel()).reshape(*arc.shape, 2) for arc in (first, second))
+        t = one + other
         t /= np.hypot(t[..., 0], t[..., 1])[..., None]
-        axes = np.zeros((*t.shape[:2], 3, 3))
+        axes = np.zeros((*t.shape[:-1], 3, 3))
         axes[..., 0, 0], axes[..., 1, 1:], axes[..., 2, 1], axes[..., 2, 2] = 1, t, -t[..., 1], t[..., 0]
         return axes
 

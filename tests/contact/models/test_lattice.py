@@ -248,6 +248,23 @@ def test_force_is_a_function_of_the_pose(sweep: str, friction: float, yaw: float
             np.testing.assert_array_equal(start(other).strips, start(earlier).strips)
 
 
+@pytest.mark.parametrize(
+    ("friction", "y", "z", "yaw"),
+    [
+        (0.8, 8.0e-3, 3.398e-3, 15e-3),  # a long strip enters beside loaded ones
+        (0.8, 0.0, -0.482e-3, 0.0),  # coupled friction of the cold start's cells does not converge
+    ],
+)
+def test_loads_up_to_a_meganewton(friction: float, y: float, z: float, yaw: float) -> None:
+    """Approaches of 0.3 and 0.5 mm, with the same force from a pose 0.3 mm away."""
+    contact = wheelset(friction)
+    state = rolling(y, z, yaw)
+    result, near = contact(state, "left"), contact(rolling(y - 3e-4, z, yaw), "left")
+    assert result.status == near.status == "converged"
+    assert np.linalg.norm(result.force) > 6e5
+    np.testing.assert_allclose(contact(state, "left", near).force, result.force, rtol=0, atol=1e-6 * 6e5)
+
+
 def test_strips_come_and_go_without_a_jump() -> None:
     """Second differences of the force over the birth of strips, over steps of 5 um."""
     y, z, slope = SWEEPS["birth"]

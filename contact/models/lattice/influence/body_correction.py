@@ -9,17 +9,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from wheelrail.contact.elasticity.half_space import cutoff_correction
-from wheelrail.contact.elasticity.waveguide.influence import TILE, ElementInfluence
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 START = 0.02  # m: cells of 2.5 mm up to this distance
+TILE = 16  # lines: granularity of the parts of the surface whose correction is assembled
 OUTWARD = 1.0, -1.0  # outward normal of the upper body in the axes of the upper and of the lower one
 
 
@@ -34,7 +36,7 @@ class BodyCorrection:
 
     body: ElementInfluence
     outward: float
-    _tiles: dict[tuple[int, int], Array] = field(init=False, default_factory=dict, repr=False)
+    _filled: set[tuple[int, int]] = field(init=False, default_factory=set, repr=False)
 
     @cached_property
     def grid(self) -> PairGrid:
@@ -46,83 +48,93 @@ class BodyCorrection:
         """Even and odd weights (nodes, nk) of the samples of the spectrum in G at the nodes of the grid."""
         return antiderivative_weights(self.grid.x / self.body.unit, self.body.samples)
 
-    def between_lines(self, low: float, high: float) -> tuple[int, Array]:
-        """First line, and coefficients (n, n, cells, DEGREE + 1, COMPONENTS) between n lines that cover an interval of
-        arc length m. Raises OutsideSurface beyond the lines.
+    @cached_property
+    def _coefficients(self) -> Array:
+        """Coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) between all lines, filled by tiles."""
+        lines = len(self.body.arc)
+        return np.zeros((lines, lines, len(self.grid.lower), DEGREE + 1, COMPONENTS))
+
+    def between_lines(self, low: float, high: float) -> tuple[slice, Array]:
+        """Lines that cover an interval of arc length m, and coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) between
+        all lines, valid for these. Raises OutsideSurface beyond the lines.
         """
         first, last = self.body.window(low, high)
         first, last = max(first - 2, 0), min(last + 2, len(self.body.arc))
-        key = first // TILE, -(-last // TILE)
-        if key not in self._tiles:
-            self._tiles[key] = self._assembled(TILE * key[0], min(TILE * key[1], len(self.body.arc)))
-        return TILE * key[0], self._tiles[key]
+        tiles = range(first // TILE, -(-last // TILE))
+        for tile in product(tiles, tiles):
+            if tile not in self._filled:
+                rows, columns = (slice(TILE * k, min(TILE * (k + 1), len(self.body.arc))) for k in tile)
+                self._coefficients[rows, columns] = self._between(rows, columns)
+                self._filled.add(tile)
+        return slice(first, last), self._coefficients
 
-    def _assembled(self, low: int, high: int) -> Array:
-        lines = self.body._assembled(low, high)
-        n = high - low
-        even_weights, odd_weights = self.weights
-        even = lines.even.reshape(n, n, 5, -1) @ even_weights.T
-        odd = lines.odd.reshape(n, n, 4, -1) @ odd_weights.T
+    def _between(self, rows: slice, columns: slice) -> Array:
+        """Coefficients (R, C, cells, DEGREE + 1, COMPONENTS) of the displacement of lines by loads on others."""
+        lines = self.body.correction(rows, columns)
+        even, odd = (part @ weight.T for part, weight in zip((lines.even, lines.odd), self.weights, strict=True))
         far = cutoff_correction(self.grid.x / self.body.unit, self.body._cutoff, self.body.nu)
-        tangent = self.body._tangents(self.body.arc[low:high])
-        stretch = self.body._stretch(self.body.arc[low:high])
-        normal = self.outward * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-        scale = self.body.scale * self.body.unit**2
-        coefficients = np.empty((n, n, len(self.grid.lower), DEGREE + 1, COMPONENTS))
-        for i in range(n):
-            for j in range(n):
-                axes = np.stack([tangent[i], normal[i]]), np.stack([tangent[j], normal[j]])
-                samples = in_strip_axes(even[i, j], odd[i, j], *axes)
-                samples -= far_in_strip_axes(far, *axes) / (0.5 * (stretch[i] + stretch[j]))
-                coefficients[i, j] = self.grid.coefficients(scale * samples)
-        return coefficients
+        row, column = self._axes(rows)[:, None], self._axes(columns)[None]
+        stretch = self.body._stretch(self.body.arc)
+        samples = in_strip_axes(even, odd, row, column)
+        samples -= (
+            far_in_strip_axes(far, row, column) / (0.5 * (stretch[rows, None] + stretch[columns]))[..., None, None]
+        )
+        return self.body.scale * self.body.unit**2 * self.grid.coefficients(samples)
 
-    def shares(self, first: int, count: int, middle: Array, width: Array) -> Array:
-        """Weights (S, count) of lines, from the first, in the means over strips with middles and widths (S,) m."""
-        arc = self.body.arc[first : first + count]
-        return strip_shares(arc, np.ascontiguousarray(middle), np.ascontiguousarray(width))
+    def _axes(self, lines: slice) -> Array:
+        """Tangent and normal (n, 2, 2) of lines."""
+        tangent = self.body._tangents(self.body.arc[lines])
+        return np.stack([tangent, self.outward * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)], axis=1)
+
+    def shares(self, lines: slice, middle: Array, width: Array) -> Array:
+        """Weights (S, lines) of lines in the means over strips with middles and widths (S,) m."""
+        return strip_shares(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
 
 
 def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> Array:
-    """Components (nodes, COMPONENTS) from even (5, nodes) and odd (4, nodes) ones in the axes of a body.
+    """Components (.., nodes, COMPONENTS) from even (.., 5, nodes) and odd (.., 4, nodes) ones in the axes of a body.
 
-    row, column: (2, 2) tangent and normal of the displaced and of the loaded line.
+    row, column: (.., 2, 2) tangent and normal of the displaced and of the loaded lines.
     """
-    xx, yy, yz, zy, zz = even
-    xy, xz, yx, zx = odd[0], odd[1], -odd[2], -odd[3]
-    block = np.einsum("ai,ijn,bj->abn", row, np.array([[yy, yz], [zy, zz]]), column)
-    by_column, by_row = column @ np.array([xy, xz]), row @ np.array([yx, zx])
+    xx, yy, yz, zy, zz = np.moveaxis(even, -2, 0)
+    xy, xz, yx, zx = np.moveaxis(odd, -2, 0)
+    plane = np.stack([np.stack([yy, yz], axis=-1), np.stack([zy, zz], axis=-1)], axis=-2)  # (.., nodes, 2, 2)
+    block = row[..., None, :, :] @ plane @ np.swapaxes(column, -1, -2)[..., None, :, :]
+    by_column = np.stack([xy, xz], axis=-1) @ np.swapaxes(column, -1, -2)
+    by_row = -np.stack([yx, zx], axis=-1) @ np.swapaxes(row, -1, -2)
+    tn, nt = block[..., 0, 1], block[..., 1, 0]
     return np.stack(
         [
             xx,
-            block[0, 0],
-            block[1, 1],
-            0.5 * (block[0, 1] + block[1, 0]),
-            0.5 * (block[0, 1] - block[1, 0]),
-            0.5 * (by_column[0] + by_row[0]),
+            block[..., 0, 0],
+            block[..., 1, 1],
+            0.5 * (tn + nt),
+            0.5 * (tn - nt),
+            0.5 * (by_column[..., 0] + by_row[..., 0]),
             np.zeros_like(xx),
-            0.5 * (by_column[1] - by_row[1]),
+            0.5 * (by_column[..., 1] - by_row[..., 1]),
         ],
-        axis=1,
+        axis=-1,
     )
 
 
 def far_in_strip_axes(far: Array, row: Array, column: Array) -> Array:
-    """Components (nodes, COMPONENTS) of the far-field correction (nodes, 3), equal across and along the normal."""
-    turned = row @ column.T
-    zero = np.zeros(len(far))
+    """Components (.., nodes, COMPONENTS) of the far-field correction (nodes, 3), equal across and along the normal."""
+    turned = (row @ np.swapaxes(column, -1, -2))[..., None, :, :]
+    zero = np.zeros(np.broadcast_shapes(turned.shape[:-2], far.shape[:1]))
+    tn, nt = turned[..., 0, 1], turned[..., 1, 0]
     return np.stack(
         [
-            far[:, 0],
-            turned[0, 0] * far[:, 1],
-            turned[1, 1] * far[:, 2],
-            0.5 * (turned[0, 1] + turned[1, 0]) * far[:, 1],
-            0.5 * (turned[0, 1] - turned[1, 0]) * far[:, 1],
+            zero + far[:, 0],
+            turned[..., 0, 0] * far[:, 1],
+            turned[..., 1, 1] * far[:, 2],
+            0.5 * (tn + nt) * far[:, 1],
+            0.5 * (tn - nt) * far[:, 1],
             zero,
             zero,
             zero,
         ],
-        axis=1,
+        axis=-1,
     )
 
 
@@ -152,10 +164,10 @@ def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
 
 
 @compiled
-def pair_means(lines: Array, share: Array, cells: int) -> Array:
-    """Coefficients (S, S, cells, DEGREE + 1, COMPONENTS) of the pairs i <= j of strips, from those of lines (n, n, ..).
+def pair_means(lines: Array, first: int, share: Array, cells: int) -> Array:
+    """Coefficients (S, S, cells, DEGREE + 1, COMPONENTS) of pairs i <= j of strips from those of lines (ns, ns, ..).
 
-    share (S, n): weights of the lines in the strips.
+    share (S, n): weights in the strips of the lines from the first.
     """
     S, n = share.shape
     tables = np.zeros((S, S, cells, lines.shape[3], lines.shape[4]))
@@ -168,7 +180,7 @@ def pair_means(lines: Array, share: Array, cells: int) -> Array:
                 for m in range(n):
                     weight = share[i, k] * share[j, m]
                     if weight != 0.0:
-                        values = lines[k, m, :cells].ravel()
+                        values = lines[first + k, first + m, :cells].ravel()
                         for c in range(len(to)):
                             to[c] += weight * values[c]
     return tables

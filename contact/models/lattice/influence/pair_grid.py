@@ -20,6 +20,9 @@ def lobatto(count: int) -> Array:
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.arange(count) / (count - 1)))
 
 
+TO_POWERS = np.linalg.inv(np.vander(lobatto(DEGREE + 1), increasing=True))
+
+
 @dataclass(frozen=True)
 class PairGrid:
     """Distances along x at which a pair is sampled: cells (n,) from z = lower with given widths, start m."""
@@ -46,10 +49,9 @@ class PairGrid:
         return np.asarray(((z - 1) * self.start).ravel())
 
     def coefficients(self, samples: Array) -> Array:
-        """Coefficients (n, DEGREE + 1, COMPONENTS) from samples (n (DEGREE + 1), COMPONENTS) at `x`."""
-        inverse = np.linalg.inv(np.vander(lobatto(DEGREE + 1), increasing=True))
-        powers = inverse @ samples.reshape(len(self.lower), DEGREE + 1, -1)
-        return np.asarray(powers / self.width[:, None, None] ** np.arange(DEGREE + 1)[:, None])
+        """Coefficients (.., n, DEGREE + 1, COMPONENTS) from samples (.., n (DEGREE + 1), COMPONENTS) at `x`."""
+        by_cell = samples.reshape(*samples.shape[:-2], len(self.lower), DEGREE + 1, -1)
+        return np.asarray(TO_POWERS @ by_cell / self.width[:, None, None] ** np.arange(DEGREE + 1)[:, None])
 
     def at(self, coefficients: Array, x: Array) -> Array:
         """Values (m, COMPONENTS) at distances x (m,) m of functions given by coefficients on the cells."""

@@ -137,8 +137,8 @@ class LatticeTables:
     def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> Array:
         """Coefficients (C, C, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (C,) m on it."""
         width = self.width[strips]
-        first, lines = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
-        return pair_means(lines, body.shares(first, len(lines), middle, width), cells)
+        lines, between = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
+        return pair_means(between, lines.start, body.shares(lines, middle, width), cells)
 
     def _add(self, i: int, j: int) -> None:
         sides = np.array([[self.sides[k], self.sides[k + 1]] for k in ((i,) if i == j else (i, j))])
