@@ -33,7 +33,7 @@ plt.rcParams.update(STYLE)
 
 # %% tags=["parameters"]
 POSITIONS = 321  # lateral positions of the wheelset, from 8 mm right to 8 mm left
-ELASTIC = {"surface_size": 1e-3, "strips": 12, "cells": 16}  # for the elastic contacts at the end
+ELASTIC = {"surface_size": 1e-3, "strips": 16, "cells": 10}  # for the elastic contacts at the end
 
 # %% [markdown]
 # ## Profiles

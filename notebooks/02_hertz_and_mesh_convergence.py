@@ -22,7 +22,7 @@
 #
 # It allows all errors of a computed contact to be measured. Finite elements discretise the cross-sections of the
 # bodies; along the rolling direction the bodies are infinitely long and are solved by wavenumber (notebook 03). The
-# unknowns of the contact are pressures on **fitted cells**: strips along the rolling direction that end at the patch
+# unknowns of the contact are pressures on **cells of strips**: strips along the rolling direction that end at the patch
 # edge.
 
 # %%
@@ -36,7 +36,7 @@ from wheelrail.scenes.plots.style import STYLE
 plt.rcParams.update(STYLE)
 
 # %% tags=["parameters"]
-FITTED = (4, 6, 8, 12, 16, 24, 32)  # strips over the patch, and cells along each
+STRIPS = (6, 8, 11, 16, 22, 32)  # strips over the patch, and cells along each
 GRIDS = (1.6e-3, 1.2e-3, 0.8e-3, 0.6e-3, 0.4e-3, 0.3e-3)  # m, edge of the cells of a regular grid
 LOADS = (2e3, 5e3, 10e3, 20e3, 40e3)  # N
 DEPTHS = tuple(np.arange(0.08, 2.01, 0.08))  # depth below the surface / a
@@ -74,7 +74,7 @@ assert abs(peak) < 0.01
 #
 # $$ e = \lVert p - p_H \rVert_2 / \lVert p_H \rVert_2 . $$
 #
-# Hertz's pressure has an infinite slope at the edge. Fitted cells nevertheless converge with first order; peak and area
+# Hertz's pressure has an infinite slope at the edge. Strips nevertheless converge; peak and area
 # converge faster, because errors at the edge affect them little. On a regular grid the edge is a staircase: errors are
 # of similar size, but they scatter, and the area has an error of whole cells.
 
@@ -88,14 +88,14 @@ def errors(solution):
     return np.sqrt(square), patch.max_pressure / exact.peak - 1, patch.area / (np.pi * a**2) - 1
 
 
-fitted = np.array([errors(pair(strips=n, cells=n).solve(load=LOAD)) for n in FITTED])
+strips = np.array([errors(pair(strips=n, cells=n).solve(load=LOAD)) for n in STRIPS])
 grid = np.array([errors(pair(points="grid", surface_size=size).solve(load=LOAD)) for size in GRIDS])
-across_fitted, across_grid = np.array(FITTED), 2 * a / np.array(GRIDS)
-order = -slope(across_fitted, fitted[:, 0])
+across_strips, across_grid = np.array(STRIPS), 2 * a / np.array(GRIDS)
+order = -slope(across_strips, strips[:, 0])
 
 convergence_figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.9), layout="constrained", sharey=True)
 for ax, title, across, error in (
-    (panels[0], "fitted cells", across_fitted, fitted),
+    (panels[0], "strips and cells", across_strips, strips),
     (panels[1], "regular grid", across_grid, grid),
 ):
     series = dict(zip(("pressure, RMS", "peak", "area"), error.T, strict=True))
@@ -103,7 +103,7 @@ for ax, title, across, error in (
     ax.set(title=title, xticks=[4, 8, 16, 32])
     ax.xaxis.set_major_formatter("{x:g}")
     ax.xaxis.set_minor_formatter("")
-print(f"order of the pressure on fitted cells: {order:.2f}; on the grid: {-slope(across_grid, grid[:, 0]):.2f}")
+print(f"order of the pressure on strips: {order:.2f}; on the grid: {-slope(across_grid, grid[:, 0]):.2f}")
 assert 0.85 < order < 1.2
 
 # %% [markdown]
@@ -117,7 +117,7 @@ assert 0.85 < order < 1.2
 # %%
 approach = {"approach": exact.approach}
 finest = pair(strips=40, cells=40).solve(**approach).data.vertical_force.item()
-estimated = {n: pair(strips=n, cells=n).solve(**approach, error_estimate=True).data for n in FITTED if 8 <= n <= 24}
+estimated = {n: pair(strips=n, cells=n).solve(**approach, error_estimate=True).data for n in STRIPS if 8 <= n <= 24}
 for n, data in estimated.items():
     force, estimate = data.vertical_force.item(), data.force_error.item()
     print(f"{n} x {n} cells: {force:.1f} N, error {abs(force - finest):.1f} N, estimate {estimate:.1f} N")

@@ -29,7 +29,7 @@
 #    $$ \left(K_0 + \mathrm i k\,K_1 + k^2 K_2\right)\hat u = \hat t, $$
 #
 #    a small complex problem for each wavenumber $k$. There is no mesh length and no discretisation error along $x$, and
-#    contact points can be at any $x$: **fitted cells** that end at the patch edge.
+#    contact points can be at any $x$: **strips** that end at the patch edge.
 
 # %%
 import inspect
@@ -53,7 +53,7 @@ FRICTIONS = (0.0, 0.3)  # for the comparison with the full model
 SIZE = 1.6e-3  # m, surface size of this comparison: coarse, because of the full model
 HALVED_SOLIDS = 1  # number of halvings of the size, condensed solids
 HALVED_GRIDS = 3  # the same, regular grids on waveguides
-FITTED = ((4, 6), (6, 8), (8, 12), (12, 16), (16, 24))  # strips and cells of fitted points
+LATTICES = ((8, 6), (8, 10), (12, 10), (16, 10), (24, 16))  # strips and cells
 FINEST = (24, 32)
 
 # %% [markdown]
@@ -97,7 +97,7 @@ MODELS = {
     "full": {"model": "full", "surface_size": SIZE},
     "condensed": {"bodies": "solid", "surface_size": SIZE},
     "2.5D, grid": {"points": "grid", "surface_size": SIZE},
-    "2.5D, fitted": {"surface_size": SIZE / 2},
+    "2.5D, strips": {"surface_size": SIZE / 2},
 }
 solutions = {(name, mu): timed(mu, **options) for mu in FRICTIONS for name, options in MODELS.items()}
 comparison = pd.DataFrame({key: row(*solution) for key, solution in solutions.items()}).T.rename_axis(
@@ -135,7 +135,7 @@ for function in (elasticity.strain, elasticity.stress, elasticity.stiffness, tra
 # %% [markdown]
 # **Normal law (4)**, $p_n = K\max(d, 0)$, and **friction (6)**, $p_t = -\mu p_n\, s / \max(|s|, \varepsilon)$, from the
 # penetration $d$ and the slip $s$ of the deformed bodies. The same expressions, differentiated by UFL, serve the
-# condensed and the fitted model as compiled functions: one law for all models, and laws of your own.
+# condensed and the model of strips as compiled functions: one law for all models, and laws of your own.
 
 # %%
 for function in (Penalty.pressure, traction.regularised, traction.traction):
@@ -216,7 +216,7 @@ ax.legend()
 # halved, so that all blocks have the same depth: at a given approach the depth alone changes the force by some tenths
 # of a per cent (notebook 02). The time of the first call on solids grows with the number of surface nodes, each of
 # which needs a solve with the whole mesh; the time of later calls depends on the number of contact points. The solids
-# have elements of first degree, whose error is visible at these sizes. Fitted cells need a fraction of the points of a
+# have elements of first degree, whose error is visible at these sizes. Strips need a fraction of the points of a
 # grid for the same error.
 
 # %%
@@ -232,7 +232,7 @@ def sizes(halved, **options):
 families = {
     "condensed solids": sizes(HALVED_SOLIDS, bodies="solid"),
     "2.5D, grid": sizes(HALVED_GRIDS, points="grid"),
-    "2.5D, fitted": {f"{n} x {m}": {"surface_size": SIZE / 2, "strips": n, "cells": m} for n, m in FITTED},
+    "2.5D, strips": {f"{n} x {m}": {"surface_size": SIZE / 2, "strips": n, "cells": m} for n, m in LATTICES},
 }
 costs = {
     name: pd.DataFrame({label: row(*timed(0.3, **options)) for label, options in variants.items()}).T
@@ -251,18 +251,18 @@ for ax, force in zip(panels, FORCES, strict=True):
     series = {name: (table["second [s]"], table[error]) for name, table in costs.items()}
     wr.plot_work_precision(series, xlabel="time of a solve with cached compliance [s]", ylabel="error [%]", ax=ax)
     ax.set_title(force.removesuffix(" [N]"))
-fitted = costs["2.5D, fitted"]
-assert fitted["normal force error [%]"].iloc[-1] < 0.3
-assert fitted["normal force error [%]"].is_monotonic_decreasing
+strips = costs["2.5D, strips"]
+assert strips["normal force error [%]"].iloc[-1] < 0.3
+assert strips["normal force error [%]"].is_monotonic_decreasing
 assert abs(costs["2.5D, grid"]["normal force error [%]"]).max() < 10
 
 # %% [markdown]
 # ## Choice of the model
 #
-# - **2.5D with fitted cells**, the default: rails, wheels (waves about the axle instead of along $x$) and all other
+# - **2.5D with strips**, the default: rails, wheels (waves about the axle instead of along $x$) and all other
 #   bodies with a constant cross-section. About ten milliseconds per solve, a few with warm starts, which is fast enough
 #   for vehicle simulation.
 # - **Condensed solids**, for bodies with a variable cross-section, or for the paper's model: seconds to minutes once
 #   per mesh, then equally fast.
 # - **Full**, for verification of the others, and for nonlinear bodies. It is the only model that is distributed by MPI.
-# - **Regular grid**: for the paper's penalty law, to which cells are not fitted.
+# - **Regular grid**: for the paper's penalty law, which has no sharp patch edge.

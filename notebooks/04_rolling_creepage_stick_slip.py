@@ -46,7 +46,7 @@ plt.rcParams.update(STYLE)
 
 # %% tags=["parameters"]
 EVERY = 1  # step through CONTACT's creepages; 1 takes all
-CELLS = {"strips": 12, "cells": 16}  # strips over the patch, cells along each
+CELLS = {"strips": 16, "cells": 16}  # strips over the patch, cells along each
 
 # %% [markdown]
 # ## Creep curves

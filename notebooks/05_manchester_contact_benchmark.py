@@ -47,7 +47,7 @@ plt.rcParams.update(STYLE)
 # %% tags=["parameters"]
 PLACES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 6.0)  # mm to the right, a subset of the reference
 SURFACE_SIZE = 1e-3  # m, spacing of the surface nodes of the finite bodies
-STRIPS, CELLS = 12, 16  # over the width of a patch, and along each
+STRIPS, CELLS = 16, 10  # over the width of a patch, and along each
 
 # %% [markdown]
 # CONTACT uses $y$ to the right and $z$ down, and gives forces on the rail. This package uses $y$ to the left and $z$
@@ -84,10 +84,10 @@ def package_row(code, y, side, solution):
 
 # %%
 pair = {"wheel": "S1002", "rail": "UIC60-benchmark", "friction": FRICTION}
-fitted = {"surface_size": SURFACE_SIZE, "strips": STRIPS, "cells": CELLS}
+resolution = {"surface_size": SURFACE_SIZE, "strips": STRIPS, "cells": CELLS}
 models = {
-    "half-spaces": wr.Wheelset(**pair, **fitted, bodies="half-space"),
-    "finite bodies": wr.Wheelset(**pair, **fitted),
+    "half-spaces": wr.Wheelset(**pair, **resolution, bodies="half-space"),
+    "finite bodies": wr.Wheelset(**pair, **resolution),
     "standard": wr.Wheelset(**pair, model="standard"),
 }
 solutions = {
@@ -155,7 +155,7 @@ forces = along(("Fx", "Fy"), (8.0, 5.0), sharey="none")
 # ## One patch with two pressure maxima
 #
 # With the wheelset centred, the patch extends over two arcs of the rail head, 300 mm and 80 mm. The pressure of CONTACT
-# has maxima of 608 and 782 MPa, with 388 MPa between them. Fitted strips resolve both maxima; the standard contact
+# has maxima of 608 and 782 MPa, with 388 MPa between them. Strips resolve both maxima; the standard contact
 # merges them and underestimates the peak pressure by a third.
 
 

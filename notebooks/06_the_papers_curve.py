@@ -36,7 +36,7 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 plt.rcParams.update(STYLE)
 
 # %% tags=["parameters"]
-CHANGES = {}  # of the scene; scenes/curve.toml: 10 s, 4 x 10 cells per patch
+CHANGES = {}  # of the scene; scenes/curve.toml: 10 s, 8 strips x 10 cells per patch
 SIZES = {"exact laws": 1e-3, "paper's laws": 2e-3, "paper's laws, finer": 1e-3}  # m, spacing of surface points
 
 # %% [markdown]

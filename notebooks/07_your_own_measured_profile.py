@@ -35,7 +35,7 @@ NEW, WORN, ROUGH = SERIES[0]["color"], SERIES[1]["color"], "0.75"
 
 # %% tags=["parameters"]
 PLACES = 121  # lateral positions of the contact geometry, from -6 to 6 mm
-SURFACE_SIZE, STRIPS, CELLS = 1e-3, 12, 16  # m, 1, 1; of the elastic contacts
+SURFACE_SIZE, STRIPS, CELLS = 1e-3, 16, 10  # m, 1, 1; of the elastic contacts
 
 # %% [markdown]
 # ## A wheel after 150 000 km

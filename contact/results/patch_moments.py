@@ -13,7 +13,7 @@ from wheelrail.contact.results.patch_area import patch_area
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 
-ROUND_OFF = 1e-9  # of the largest traction
+RESIDUAL = 1e-6  # of the largest traction: by as much the solver may miss it where points slip
 RESOLVED = 0.01
 EDGE = 2  # cells next to an end, where the pressure is a square root, have no peak
 
@@ -30,7 +30,7 @@ def sharpened(result: ContactResult, layout: StripLayout, bound: Array) -> Conta
 def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bound: Array) -> tuple[Patch, ...]:
     p, area = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area))
     left = (bound - np.hypot(*fields.traction.T)).reshape(p.shape)
-    left[left < ROUND_OFF * bound.reshape(p.shape)] = 0.0
+    left[left < RESIDUAL * bound.reshape(p.shape)] = 0.0
     labels = fields.patch.reshape(p.shape).max(axis=1)
     corrected = []
     for k, patch in enumerate(patches):

@@ -15,7 +15,7 @@ REDUCED: dict[str, dict[str, Any]] = {
         "ELASTIC": {"surface_size": 3e-3, "strips": 8, "cells": 10},
     },
     "02_hertz_and_mesh_convergence.py": {
-        "FITTED": (4, 8, 16),
+        "STRIPS": (6, 11, 22),
         "GRIDS": (1.6e-3, 0.8e-3),
         "LOADS": (10e3, 20e3),
         "DEPTHS": (0.24, 0.48, 0.8),
@@ -25,10 +25,10 @@ REDUCED: dict[str, dict[str, Any]] = {
         "SIZE": 2.4e-3,
         "HALVED_SOLIDS": 0,
         "HALVED_GRIDS": 1,
-        "FITTED": ((4, 6), (8, 12)),
+        "LATTICES": ((8, 6), (16, 10)),
         "FINEST": (16, 24),
     },
-    "04_rolling_creepage_stick_slip.py": {"EVERY": 4, "CELLS": {"strips": 8, "cells": 12}},
+    "04_rolling_creepage_stick_slip.py": {"EVERY": 4, "CELLS": {"strips": 10, "cells": 12}},
 }
 
 

@@ -24,8 +24,8 @@ SMALL = ModelVariant("lattice, half-space", "half-space", LatticeResolution(6, 8
 
 @cache
 def coarse() -> Reference:
-    """Extrapolated from 12 x 16 and 6 x 8 cells: the ellipse that is timed and one case per ratio of semi-axes."""
-    return extrapolated(LatticeResolution(12, 16), creep_cases(44), lambda _: None)
+    """Extrapolated from 24 x 24 and 12 x 12: the ellipse that is timed and one case per ratio of semi-axes."""
+    return extrapolated(LatticeResolution(24, 24), creep_cases(44), lambda _: None)
 
 
 def test_timed_ellipse_is_that_of_contact() -> None:

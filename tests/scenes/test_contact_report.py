@@ -44,7 +44,7 @@ def scene() -> WheelsetScene:
 def solved(scene: WheelsetScene) -> dict[str, SideSolution]:
     """Solution with an error estimate, a stress and statistics that the standard model does not have."""
     sides = dict(solve_sides(scene))
-    statistics = Statistics(5, 2, 192, 1e-12, {"fit": 0.1, "solve": 0.2}, settled=False)
+    statistics = Statistics(5, 2, 192, 1e-12, {"fit": 0.1, "solve": 0.2})
     generator = np.random.default_rng(1)
     for name, side in sides.items():
         stress = tuple(

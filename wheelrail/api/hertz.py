@@ -34,7 +34,7 @@ class Hertz:
             your own.
         E: Young's modulus of both bodies, Pa.
         nu: Poisson's ratio of both bodies.
-        surface_size: edge of the surface cells, m; cells fitted to the patch (the default) do not depend on it.
+        surface_size: edge of the surface cells, m; strips and cells (the default) do not depend on it.
         more: further keys of a Hertz scene: model ("condensed", "full", "standard"), laws ("exact", "paper"), bodies,
             points, strips, cells, degree, falling, ...; and defaults for the arguments of `solve`.
 
@@ -80,7 +80,7 @@ class Hertz:
             speed: rolling speed, m/s, 10 by default; forces depend on it only with falling friction.
             creepage: (longitudinal, lateral, spin in 1/m), upper minus lower velocity over speed; 0 by default.
             shift: (x, y) tangential displacement of the upper body, m, instead of rolling.
-            error_estimate: whether to estimate errors from a second solve on half as many cells.
+            error_estimate: whether to estimate errors from a second solve on half as many strips and cells.
             stress: {"depths": [...] in m, "body": "upper", "lower" or "both"}: stress below the patch.
 
         A load that cannot be carried gives status "failed: ..." and no exception. Raises SceneError.

@@ -25,8 +25,8 @@ def estimated(result: ContactResult, solve_coarse: Callable[[], ContactResult]) 
     """The result with an error estimate, computed at the final position only and not at every trial depth.
 
     Parameters:
-        result: on all cells.
-        solve_coarse: solves the same contact on half as many cells; if it fails, the errors are unknown (NaN).
+        result: on all strips and cells.
+        solve_coarse: solves the same contact on half as many; if it fails, the errors are unknown (NaN).
     """
     from wheelrail.contact.results.error_estimate import ErrorEstimate
     from wheelrail.contact.results.extrapolation import difference

@@ -103,7 +103,7 @@ def _hertz(
     if result.ok:  # of the bodies; the largest penetration on a grid may miss the point of first contact
         result = replace(result, approach=depth)
     if scene.error_estimate:
-        report_progress("error estimate: solution on half as many cells")
+        report_progress("error estimate: solution on half as many strips and cells")
         result = estimated(result, lambda: halved(model)(pose, motion, None))
     stress = subsurface_stress(scene, result, pose, None, report_progress)
     yield "contact", SideSolution(result, pose, -depth, 0.0, solves, spent, stress)
@@ -133,7 +133,7 @@ def _wheelset(
         state = equilibrium.state
         for side, result in equilibrium.results.items():
             if scene.error_estimate:
-                report_progress(f"{side} wheel: error estimate: solution on half as many cells")
+                report_progress(f"{side} wheel: error estimate: solution on half as many strips and cells")
                 coarse = replace(contact, model=halved(contact.model))
                 result = estimated(result, partial(coarse, state, side))
             pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
