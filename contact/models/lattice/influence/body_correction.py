@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 START = 0.04  # m: cells of 5 mm up to this distance; of 2.5 mm, forces change by 1e-6
+RECIPROCAL = np.array([1, 1, 1, 1, -1, -1, 1, 1])  # signs of the components of the pair in the other order
 TILE = 16  # lines: granularity of the parts of the surface whose correction is assembled
 OUTWARD = 1.0, -1.0  # outward normal of the upper body in the axes of the upper and of the lower one
 
@@ -45,8 +46,9 @@ class BodyCorrection:
 
     @cached_property
     def weights(self) -> tuple[Array, Array]:
-        """Even and odd weights (nodes, nk) of the samples of the spectrum in G at the nodes of the grid."""
-        return antiderivative_weights(self.grid.x / self.body.unit, self.body.samples)
+        """Even and odd weights (cells (DEGREE + 1), nk) of the samples of the spectrum in the coefficients of G."""
+        even, odd = antiderivative_weights(self.grid.x / self.body.unit, self.body.samples)
+        return self.grid.coefficients(even).reshape(even.shape), self.grid.coefficients(odd).reshape(odd.shape)
 
     @cached_property
     def _coefficients(self) -> Array:
@@ -61,25 +63,29 @@ class BodyCorrection:
         first, last = self.body.window(low, high)
         first, last = max(first - 2, 0), min(last + 2, len(self.body.arc))
         tiles = range(first // TILE, -(-last // TILE))
-        for tile in product(tiles, tiles):
+        for tile in combinations_with_replacement(tiles, 2):
             if tile not in self._filled:
                 rows, columns = (slice(TILE * k, min(TILE * (k + 1), len(self.body.arc))) for k in tile)
-                self._coefficients[rows, columns] = self._between(rows, columns)
+                between = self._between(rows, columns)
+                self._coefficients[rows, columns] = between
+                self._coefficients[columns, rows] = RECIPROCAL * between.swapaxes(0, 1)
                 self._filled.add(tile)
         return slice(first, last), self._coefficients
 
     def _between(self, rows: slice, columns: slice) -> Array:
         """Coefficients (R, C, cells, DEGREE + 1, COMPONENTS) of the displacement of lines by loads on others."""
         lines = self.body.correction(rows, columns)
-        even, odd = (part @ weight.T for part, weight in zip((lines.even, lines.odd), self.weights, strict=True))
-        far = cutoff_correction(self.grid.x / self.body.unit, self.body._cutoff, self.body.nu)
         row, column = self._axes(rows)[:, None], self._axes(columns)[None]
+        even, odd = (np.moveaxis(part, -1, 2) for part in in_strip_axes(lines.even, lines.odd, row, column))
+        values = np.concatenate([self.weights[0] @ even, self.weights[1] @ odd], axis=-1)
+        far = self.grid.coefficients(
+            cutoff_correction(self.grid.x / self.body.unit, self.body._cutoff, self.body.nu)
+        ).reshape(-1, 3)
         stretch = self.body._stretch(self.body.arc)
-        samples = in_strip_axes(even, odd, row, column)
-        samples -= (
-            far_in_strip_axes(far, row, column) / (0.5 * (stretch[rows, None] + stretch[columns]))[..., None, None]
-        )
-        return self.body.scale * self.body.unit**2 * self.grid.coefficients(samples)
+        mean_stretch = 0.5 * (stretch[rows, None] + stretch[columns])
+        values -= far_in_strip_axes(far, row, column) / mean_stretch[..., None, None]
+        cells = len(self.grid.lower), DEGREE + 1, COMPONENTS
+        return np.asarray(self.body.scale * self.body.unit**2 * values.reshape(*values.shape[:2], *cells))
 
     def _axes(self, lines: slice) -> Array:
         """Tangent and normal (n, 2, 2) of lines."""
@@ -91,35 +97,28 @@ class BodyCorrection:
         return strip_shares(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
 
 
-def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> Array:
-    """Components (.., nodes, COMPONENTS) from even (.., 5, nodes) and odd (.., 4, nodes) ones in the axes of a body.
+def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> tuple[Array, Array]:
+    """Components even (.., 5, nk) and odd (.., 3, nk) in x, from those (.., 5, nk) and (.., 4, nk) in the axes of a body.
 
     row, column: (.., 2, 2) tangent and normal of the displaced and of the loaded lines.
     """
     xx, yy, yz, zy, zz = np.moveaxis(even, -2, 0)
     xy, xz, yx, zx = np.moveaxis(odd, -2, 0)
-    plane = np.stack([np.stack([yy, yz], axis=-1), np.stack([zy, zz], axis=-1)], axis=-2)  # (.., nodes, 2, 2)
-    block = row[..., None, :, :] @ plane @ np.swapaxes(column, -1, -2)[..., None, :, :]
-    by_column = np.stack([xy, xz], axis=-1) @ np.swapaxes(column, -1, -2)
-    by_row = -np.stack([yx, zx], axis=-1) @ np.swapaxes(row, -1, -2)
-    tn, nt = block[..., 0, 1], block[..., 1, 0]
-    return np.stack(
-        [
-            xx,
-            block[..., 0, 0],
-            block[..., 1, 1],
-            0.5 * (tn + nt),
-            0.5 * (tn - nt),
-            0.5 * (by_column[..., 0] + by_row[..., 0]),
-            np.zeros_like(xx),
-            0.5 * (by_column[..., 1] - by_row[..., 1]),
-        ],
-        axis=-1,
+    (ry, rz), (ny, nz) = (np.moveaxis(row[..., k, :, None], -2, 0) for k in range(2))
+    (cy, cz), (my, mz) = (np.moveaxis(column[..., k, :, None], -2, 0) for k in range(2))
+    by_tangent, by_normal = ((yy * y + yz * z, zy * y + zz * z) for y, z in ((cy, cz), (my, mz)))
+    tn, nt = ry * by_normal[0] + rz * by_normal[1], ny * by_tangent[0] + nz * by_tangent[1]
+    tt, nn = ry * by_tangent[0] + rz * by_tangent[1], ny * by_normal[0] + nz * by_normal[1]
+    xt, xn = xy * cy + xz * cz, xy * my + xz * mz
+    tx, nx = -(yx * ry + zx * rz), -(yx * ny + zx * nz)
+    return (
+        np.stack([xx, tt, nn, 0.5 * (tn + nt), 0.5 * (tn - nt)], axis=-2),
+        np.stack([0.5 * (xt + tx), np.zeros_like(xx), 0.5 * (xn - nx)], axis=-2),
     )
 
 
 def far_in_strip_axes(far: Array, row: Array, column: Array) -> Array:
-    """Components (.., nodes, COMPONENTS) of the far-field correction (nodes, 3), equal across and along the normal."""
+    """Components (.., n, COMPONENTS) of the far-field correction (n, 3), equal across and along the normal."""
     turned = (row @ np.swapaxes(column, -1, -2))[..., None, :, :]
     zero = np.zeros(np.broadcast_shapes(turned.shape[:-2], far.shape[:1]))
     tn, nt = turned[..., 0, 1], turned[..., 1, 0]

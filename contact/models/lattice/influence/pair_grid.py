@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,14 +43,14 @@ class PairGrid:
         """Number of cells up to a distance m."""
         return min(int(np.searchsorted(self.lower, x / self.start + 1)) + 1, len(self.lower))
 
-    @property
+    @cached_property
     def x(self) -> Array:
         """Distances (n (DEGREE + 1),) m."""
         z = self.lower[:, None] + self.width[:, None] * lobatto(DEGREE + 1)
         return np.asarray(((z - 1) * self.start).ravel())
 
     def coefficients(self, samples: Array) -> Array:
-        """Coefficients (.., n, DEGREE + 1, COMPONENTS) from samples (.., n (DEGREE + 1), COMPONENTS) at `x`."""
+        """Coefficients (.., n, DEGREE + 1, m) from samples (.., n (DEGREE + 1), m) at `x`."""
         by_cell = samples.reshape(*samples.shape[:-2], len(self.lower), DEGREE + 1, -1)
         return np.asarray(TO_POWERS @ by_cell / self.width[:, None, None] ** np.arange(DEGREE + 1)[:, None])
 
@@ -66,9 +67,8 @@ class PairGrid:
     def integral(self, samples: Array) -> Array:
         """Integral from 0 to `x` of a function sampled there, (n (DEGREE + 1),)."""
         nodes = lobatto(DEGREE + 1)
-        inverse = np.linalg.inv(np.vander(nodes, increasing=True))
         power = np.arange(1, DEGREE + 2)
-        to_nodes = (nodes[:, None] ** power / power) @ inverse
+        to_nodes = (nodes[:, None] ** power / power) @ TO_POWERS
         parts = samples.reshape(-1, DEGREE + 1) @ to_nodes.T * (self.width * self.start)[:, None]
         before = np.concatenate([[0.0], np.cumsum(parts[:-1, -1])])
         return np.asarray((before[:, None] + parts).ravel())

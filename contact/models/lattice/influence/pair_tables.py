@@ -145,15 +145,13 @@ class LatticeTables:
         width, distance = float(np.diff(sides).min()), float(sides[-1].mean() - sides[0].mean())
         start = START[0] * width if i == j else max(START[1] * width, START[2] * (distance - width))
         grid = PairGrid.over(start)
-        samples = np.zeros((len(grid.x), COMPONENTS))
         tilt = 0.5 * (self._angle[j] - self._angle[i])
-        wheel: Array | None = None
-        for body, outward in zip((self.operators.upper, self.operators.lower), OUTWARD, strict=True):
-            near = strip_antiderivative(grid.x, sides, body.nu)[min(j - i, 1)]
-            near[:, NORMAL_COUPLING] *= outward
-            part = half_space_scale(body) * rotated(near, -tilt, tilt)
-            samples += part
-            wheel = part if body is self.operators.upper and body.radius is not None else wheel
+        upper, lower = self.operators.upper, self.operators.lower
+        near = {nu: strip_antiderivative(grid.x, sides, nu)[min(j - i, 1)] for nu in {upper.nu, lower.nu}}
+        parts = [half_space_scale(body) * near[body.nu] for body in (upper, lower)]
+        for part, outward in zip(parts, OUTWARD, strict=True):
+            part[:, NORMAL_COUPLING] *= outward
+        samples = rotated(parts[0] + parts[1], -tilt, tilt)
         stretch = 0.5 * (self.stretch[i] + self.stretch[j])
         for correction in self._corrections[: 1 if self.moves else 2]:
             if correction is not None:
@@ -161,10 +159,10 @@ class LatticeTables:
                 smooth = self._means(correction, pair, self.middle[pair], len(correction.grid.lower))[0, 1]
                 part = stretch**2 * correction.grid.at(smooth, grid.x / stretch)
                 samples += part
-                if self.rolls and wheel is not None and correction.body is self.operators.upper:
-                    angle, radius = 0.5 * (self._angle[i] + self._angle[j]), self.operators.upper.radius
-                    assert radius is not None
-                    samples[:, ROLL] = grid.integral(radial(wheel + part, angle)) / (radius * stretch)
+                if self.rolls and upper.radius is not None and correction.body is upper:
+                    angle = 0.5 * (self._angle[i] + self._angle[j])
+                    wheel = rotated(parts[0], -tilt, tilt) + part
+                    samples[:, ROLL] = grid.integral(radial(wheel, angle)) / (upper.radius * stretch)
         coefficients = grid.coefficients(samples)
         count = len(coefficients)
         while self._used + count > len(self._values):
