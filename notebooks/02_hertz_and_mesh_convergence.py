@@ -109,10 +109,11 @@ assert 0.85 < order < 1.2
 # %% [markdown]
 # ## Error estimate
 #
-# Real profiles have no closed-form solution. `error_estimate=True` repeats the solve at the same position on half as
-# many cells in each direction and derives the estimate from the difference. Forces converge faster than pressures,
-# nearly with second order, and a second-order error is a third of that difference: the estimate is conservative. It is
-# compared here with the error against the finest solution, at a fixed approach.
+# Real profiles have no closed-form solution. `error_estimate=True` repeats the solve at the same position twice on half
+# as many cells in each direction, the strips offset by half a strip, and derives the estimate from the differences.
+# Forces converge faster than pressures, nearly with second order, and a second-order error is a third of that
+# difference: the estimate is conservative. It is compared here with the error against the finest solution, at a fixed
+# approach.
 
 # %%
 approach = {"approach": exact.approach}

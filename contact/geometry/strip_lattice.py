@@ -16,22 +16,23 @@ SPACING = 1e-4  # m, of the samples from which widths are taken
 NORMAL_SAMPLES = 400
 
 
-def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int) -> Array:
+def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: float = 0.0) -> Array:
     """Lateral bounds (K + 1,) m of adjacent strips over the lines arc (ns,) m, for a number of strips over a patch."""
     if isinstance(surfaces, QuadricStrips):
-        return _uniform(arc, strips)
+        return _uniform(arc, strips, offset)
     assert isinstance(surfaces, ProfileStrips)
     s = np.arange(arc[0], arc[-1] + 0.5 * SPACING, SPACING)
     width = _widths(surfaces, s) * STRIPS / strips
     count = np.concatenate([[0.0], np.cumsum(0.5 * (1 / width[1:] + 1 / width[:-1]) * np.diff(s))])
-    return np.asarray(np.interp(np.arange(int(count[-1]) + 1), count, s))
+    return np.asarray(np.interp(np.arange(int(count[-1] - offset) + 1) + offset, count, s))
 
 
-def _uniform(arc: Array, strips: int) -> Array:
+def _uniform(arc: Array, strips: int, offset: float) -> Array:
     """Strips over all of an ellipse's lines, whose extent is little more than the expected patch."""
     half = 0.5 * (arc[-1] - arc[0])
-    count = int(np.ceil(0.5 * np.sqrt(2.5) * strips))
-    return np.asarray(half / count * np.arange(-count, count + 1))
+    width = 2 * half / np.sqrt(2.5) / strips
+    count = int(np.ceil(half / width))
+    return np.asarray(width * (np.arange(-count, count + 1) + offset))
 
 
 def _widths(surfaces: ProfileStrips, s: Array) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,3 +41,11 @@ def difference(fine: ContactResult, coarse: ContactResult) -> ErrorEstimate:
         max_pressure=WEIGHT * abs(peak(fine) - peak(coarse)),
         area=abs(area(fine) - area(coarse)),
     )
+
+
+def estimate(fine: ContactResult, coarse: Sequence[ContactResult]) -> ErrorEstimate:
+    """Largest of the estimates from several coarser solutions; unknown if one of them failed."""
+    if not all(result.ok for result in coarse):
+        return ErrorEstimate.unknown()
+    estimates = (astuple(difference(fine, result)) for result in coarse)
+    return ErrorEstimate(*(max(errors) for errors in zip(*estimates, strict=True)))

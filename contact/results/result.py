@@ -151,6 +151,11 @@ class LazyFields(Fields):
     def __init__(self, compute: Callable[[], Fields]) -> None:
         object.__setattr__(self, "_compute", compute)
 
+    @property  # type: ignore[misc]
+    def __class__(self) -> type[Fields]:  # type: ignore[override]
+        """`Fields`: copies with changes (`dataclasses.replace`) are computed ones."""
+        return Fields
+
     def __getattr__(self, name: str) -> object:
         if name.startswith("__") or "_compute" not in self.__dict__:
             raise AttributeError(name)

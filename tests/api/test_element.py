@@ -122,7 +122,7 @@ def test_restored_in_another_process() -> None:
         element.accept()
     with get_context("spawn").Pool(1) as pool:
         assert pool.apply(continued, (stored,)) == np.array(wrenches).tobytes()
-    assert len(stored) < 1e6
+    assert len(stored) < 3e6  # most of it the factors of both sides, with which the next solve begins
 
 
 def test_hertz() -> None:
@@ -168,7 +168,7 @@ def test_tangent_of_hertz() -> None:
     for columns in (slice(0, 3), slice(3, 6)):
         error = np.abs(tangent.values - expected)[:, [0, 1, 5], columns]
         assert (error / np.abs(expected[:, [0, 1, 5], columns]).max(axis=2, keepdims=True)).max() < 1e-4
-    np.testing.assert_allclose(tangent.values[0, 2:5], expected[0, 2:5], rtol=1e-4, atol=1.0)
+    np.testing.assert_allclose(tangent.values[0, 2:5], expected[0, 2:5], rtol=1e-4, atol=1e-8 * np.abs(expected).max())
     assert np.abs(tangent.by("x")).max() < 1e-6 * np.abs(tangent.by("y")).max()
 
 

@@ -28,7 +28,7 @@ REDUCED: dict[str, dict[str, Any]] = {
         "LATTICES": ((8, 6), (16, 10)),
         "FINEST": (16, 24),
     },
-    "04_rolling_creepage_stick_slip.py": {"EVERY": 4, "CELLS": {"strips": 10, "cells": 12}},
+    "04_rolling_creepage_stick_slip.py": {"EVERY": 4, "CELLS": {"strips": 12, "cells": 16}},
 }
 
 

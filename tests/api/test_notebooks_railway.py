@@ -8,7 +8,9 @@ from notebook_runner import executed
 
 def test_manchester_contact_benchmark() -> None:
     """Differences from CONTACT within the notebook's bounds; finite bodies change flange contact considerably."""
-    names = executed("05_manchester_contact_benchmark.py", PLACES=(0.0, 3.0, 5.0), SURFACE_SIZE=4e-3, STRIPS=6, CELLS=8)
+    names = executed(
+        "05_manchester_contact_benchmark.py", PLACES=(0.0, 3.0, 5.0), SURFACE_SIZE=4e-3, STRIPS=12, CELLS=10
+    )
     assert names["errors"].loc["half-spaces", "peak"] < 2.0
     assert names["flange"]["CONTACT"] == pytest.approx(33.62, abs=0.01)  # kN
 

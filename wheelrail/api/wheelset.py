@@ -135,7 +135,7 @@ class Wheelset:
             y_rate, z_rate: m/s.
             roll_rate, yaw_rate: rad/s.
             sides: ("left",), ("right",) or both.
-            error_estimate: whether to estimate errors from a second solve on half as many strips and cells.
+            error_estimate: whether to estimate errors from two solves on half as many strips and cells.
             stress: {"depths": [...] in m, "body": "wheel", "rail" or "both"}: stress below the patches.
 
         A load that cannot be carried gives the side status "failed: ..." and no exception. Raises SceneError.

@@ -28,8 +28,7 @@ from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.state import LatticeState
-from wheelrail.contact.results.error_estimate import ErrorEstimate
-from wheelrail.contact.results.extrapolation import difference
+from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
 
@@ -50,7 +49,8 @@ class LatticeContact:
         tangential: steady "rolling", or "shift", one step of tangential loading from none (Cattaneo, Mindlin): the
             motion's velocities are displacements in m and rad.
         tolerance: of the last Newton step, relative to the largest pressure and length; the error is its square.
-        estimate: results carry an error estimate, from a lattice of half the resolution.
+        estimate: results carry an error estimate, from two lattices of half the resolution.
+        offset: of the lattice, in strips.
 
     The guess is an initial guess only: results do not depend on it. Raises ValueError for a penalty, whose pressure has
     no sharp ends, and for a friction law that depends on the slip velocity together with tangential = "shift".
@@ -62,6 +62,7 @@ class LatticeContact:
     tangential: Literal["rolling", "shift"] = "rolling"
     tolerance: float = 1e-5
     estimate: bool = False
+    offset: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.laws.exact_normal:
@@ -74,18 +75,19 @@ class LatticeContact:
         result = self._solved(pose, motion, guess)
         if not (self.estimate and result.patches):
             return result
-        rough = self._coarse(pose, motion, None)
-        return replace(result, error_estimate=difference(result, rough) if rough.ok else ErrorEstimate.unknown())
+        return replace(result, error_estimate=estimate(result, [model(pose, motion) for model in self.coarse]))
 
     @cached_property
-    def _coarse(self) -> LatticeContact:
-        return replace(self, resolution=self.resolution.coarsened(), estimate=False)
+    def coarse(self) -> tuple[LatticeContact, LatticeContact]:
+        """Models of half the resolution, one on strips that are offset by half their width: errors scatter with it."""
+        one = replace(self, resolution=self.resolution.coarsened(), estimate=False)
+        return one, replace(one, offset=0.5)
 
     @cached_property
     def tables(self) -> LatticeTables:
         """Compliance of pairs of strips of the lattice."""
         surfaces, upper = self.operators.surfaces, self.operators.upper
-        sides = lattice_sides(surfaces, upper.arc, self.resolution.strips)
+        sides = lattice_sides(surfaces, upper.arc, self.resolution.strips, self.offset)
         return LatticeTables(self.operators, sides, rolls=self.tangential == "rolling")
 
     @cached_property

@@ -25,7 +25,6 @@ from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import NewtonOptions
-from wheelrail.contact.solvers.tractions import ContactCompliance
 from wheelrail.support.arrays import Array
 
 SIZE = 1e-3
@@ -225,17 +224,3 @@ def test_no_contact_and_no_tangent() -> None:
     standing = replace(STATE, pitch_rate=0.0, speed=0.0)
     with pytest.raises(ValueError, match="roll"):
         contact.tangent(standing, "left", contact(standing, "left"))
-
-
-def test_operator_of_another_scale() -> None:
-    # displacements of a geometrically similar patch, its slip: the same tangent
-    result = pair(ContactLaws(), ALUMINIUM)(POSE, CREEP)
-    assert result.force_tangent is not None
-    around = result.force_tangent.of
-    body = around.operator
-    assert isinstance(body, ContactCompliance)
-    assert body.coupling is not None
-    scale = 1.7
-    deep = np.hstack([body.coupling, body.normal.compliance]) / scale
-    similar = np.vstack([np.hstack([body.slip, -body.shift]), deep])
-    np.testing.assert_allclose(replace(around, operator=similar, scale=scale).matrix, around.matrix, rtol=1e-9)

@@ -50,7 +50,7 @@ def test_the_largest_stress_lies_below_the_patch(upper: bool) -> None:
         most = fields.points[fields.von_mises.argmax()]
         assert fields.von_mises.max() == pytest.approx(mises, rel=0.02)
         assert abs(most[2]) == pytest.approx(depth, rel=0.1)
-        assert np.hypot(*most[:2]) < 0.1 * radius
+        assert np.hypot(*most[:2]) < 0.11 * radius  # cuts pass through the middles of strips, here beside the axis
         assert (np.sign(most[2]) > 0) == upper
         top = np.abs(fields.points[:, 2]) < 1e-9
         assert fields.von_mises[top].max() < 0.8 * mises

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast
 
 from wheelrail.scenes.builders.hertz import hertz_model, hertz_motion, hertz_scale
 from wheelrail.scenes.builders.wheelset import inclined_profiles, wheel_scale, wheelset_contact, wheelset_state
-from wheelrail.scenes.contacts.error_estimate import estimated, halved
+from wheelrail.scenes.contacts.error_estimate import coarse_models, estimated
 from wheelrail.scenes.contacts.side_solution import SideSolution
 from wheelrail.scenes.contacts.solution import solution_dataset
 from wheelrail.scenes.contacts.stress import subsurface_stress
@@ -104,7 +104,7 @@ def _hertz(
         result = replace(result, approach=depth)
     if scene.error_estimate:
         report_progress("error estimate: solution on half as many strips and cells")
-        result = estimated(result, lambda: halved(model)(pose, motion, None))
+        result = estimated(result, [partial(coarse, pose, motion, None) for coarse in coarse_models(model)])
     stress = subsurface_stress(scene, result, pose, None, report_progress)
     yield "contact", SideSolution(result, pose, -depth, 0.0, solves, spent, stress)
 
@@ -134,8 +134,8 @@ def _wheelset(
         for side, result in equilibrium.results.items():
             if scene.error_estimate:
                 report_progress(f"{side} wheel: error estimate: solution on half as many strips and cells")
-                coarse = replace(contact, model=halved(contact.model))
-                result = estimated(result, partial(coarse, state, side))
+                coarse = (replace(contact, model=model) for model in coarse_models(contact.model))
+                result = estimated(result, [partial(model, state, side) for model in coarse])
             pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
             stress = subsurface_stress(scene, result, pose, profiles, report_progress)
             if side == "right":

@@ -162,7 +162,7 @@ NO_STRESS = 'allowed only with model = "condensed" or "full"'
 
 
 class Solve(Contact):
-    """Keys of one contact solve; error_estimate: from a second solve on half as many strips and cells."""
+    """Keys of one contact solve; error_estimate: from two solves on half as many strips and cells."""
 
     error_estimate: bool = False
 

@@ -98,7 +98,7 @@ class BodyCorrection:
 
 
 def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> tuple[Array, Array]:
-    """Components even (.., 5, nk) and odd (.., 3, nk) in x, from those (.., 5, nk) and (.., 4, nk) in the axes of a body.
+    """Components even (.., 5, nk) and odd (.., 3, nk) in x, from those (.., 5, nk) and (.., 4, nk) in a body's axes.
 
     row, column: (.., 2, 2) tangent and normal of the displaced and of the loaded lines.
     """
