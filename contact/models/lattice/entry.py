@@ -41,7 +41,7 @@ def entering(
     enters = rest.depth > least * problem.approach
     if not enters.any():
         return None
-    half = np.minimum(MARGIN * np.sqrt(2 * rest.depth / rest.curvature), rest.half)[enters]
+    half = np.minimum(MARGIN * np.sqrt(2 * rest.depth[enters] / rest.curvature[enters]), rest.half[enters])
     return _pressed(problem, state, rest.strips[enters], rest.place[enters], half)
 
 
