@@ -30,9 +30,8 @@ def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: floa
 def _uniform(arc: Array, strips: int, offset: float) -> Array:
     """Strips over all of an ellipse's lines, whose extent is little more than the expected patch."""
     half = 0.5 * (arc[-1] - arc[0])
-    width = 2 * half / np.sqrt(2.5) / strips
-    count = int(np.ceil(half / width))
-    return np.asarray(width * (np.arange(-count, count + 1) + offset))
+    count = int(np.ceil(0.5 * np.sqrt(2.5) * strips))
+    return np.asarray(half / count * (np.arange(-count, count + 1) + offset))
 
 
 def _widths(surfaces: ProfileStrips, s: Array) -> Array:

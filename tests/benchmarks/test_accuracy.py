@@ -112,14 +112,16 @@ def test_signs_of_creepage_and_spin() -> None:
 
 
 @cache
-def compared(series: str, y: float, side: Side, bodies: str = "waveguide") -> tuple[ContactResult, FrameDifference]:
+def compared(
+    series: str, y: float, side: Side, bodies: str = "waveguide", **resolution: int
+) -> tuple[ContactResult, FrameDifference]:
     data = reference("wheelset")
     given = data["input"]
     normal = series == "normal_only"
     (case,) = (case for case in data["series"][series] if case["y"] == y)
     at = state(case, speed=given["speed"], pitch_rate=given["pitch_rate"])
     friction = 0.0 if normal else given["mu"]
-    result = loaded_wheel(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies)
+    result = loaded_wheel(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies, **resolution)
     return result, difference(result, case[side], side)
 
 
@@ -143,7 +145,7 @@ def test_wheelset_on_half_spaces(series: str, y: float, side: Side) -> None:
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize(("series", "y"), [("normal_only", 0.0), ("normal_only", 3.0), ("rolling_conformal", 2.0)])
 def test_wheelset_of_finite_bodies(series: str, y: float, side: Side) -> None:
-    result, apart = compared(series, y, side)
+    result, apart = compared(series, y, side, cells=20)  # with 10, the longitudinal force is 2.01 % of mu N apart
     assert result.force[2] == pytest.approx(57e3, rel=1e-4)
     assert apart.same_patches
     assert abs(1e3 * apart.position) < HOLDS["place"]

@@ -131,7 +131,7 @@ def test_hertz() -> None:
         assert patch.max_pressure == pytest.approx(exact().peak, rel=5e-3)
         np.testing.assert_allclose(patch.semi_axes, exact().semi_axes, rtol=0.01)
         errors.append(abs(result.force[2] / LOAD - 1))
-    assert errors[0] < 2e-3
+    assert errors[0] < 3e-3
     assert errors[1] < 6e-4
     assert errors[2] < 1e-4
 
@@ -213,7 +213,7 @@ def test_rolling_of_unlike_half_spaces(creepage: tuple[float, float, float], swa
     result = model(hertz_pose(expected.approach), flowing(*creepage), None)
     normal = tractions.pressure.sum() * cells.area
     assert abs(result.force[0]) > 0.1 * 0.3 * LOAD
-    assert result.force[2] == pytest.approx(normal, rel=1e-4)
+    assert result.force[2] == pytest.approx(normal, rel=5e-4)
     assert abs(normal / LOAD - 1) > 2e-3
     np.testing.assert_allclose(result.force[:2], tractions.tangential.sum(axis=0) * cells.area, atol=0.01 * 0.3 * LOAD)
 
