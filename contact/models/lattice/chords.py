@@ -12,7 +12,7 @@ from wheelrail.contact.models.lattice.state import leaving, longest, moved, rela
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
-STEPS = 8
+STEPS = 8  # with the same factors
 CONTRACTION = 0.3  # of a step, for another one with the same factors
 
 

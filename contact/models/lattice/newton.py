@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.models.lattice.chords import CONTRACTION, STEPS
 from wheelrail.contact.models.lattice.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.factors import Factors
@@ -21,8 +22,6 @@ log = logging.getLogger(__name__)
 
 ITERATIONS = 60
 HALVINGS = 6  # of a step in the line search
-CHORDS = 8  # steps with one Jacobian
-CONTRACTION = 0.3  # of a step with old factors, for another one
 NEAR = 0.1  # step below which strips may enter
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
 RELEASES = 2  # times that such strips may enter again
@@ -103,7 +102,7 @@ class LatticeNewton:
 
         Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
         """
-        for _ in range(CHORDS):
+        for _ in range(STEPS):
             _, before = relative_size(state.values, step)
             factor = longest(state.values, step)
             best: tuple[float, LatticeState, Array, Evaluation] | None = None
