@@ -43,6 +43,7 @@ import wheelrail as wr
 from wheelrail.contact import ContactLaws, Discretisation, Material, RigidMotion, Twist, hertz_pair
 from wheelrail.contact.laws.normal import Penalty
 from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.full.model import FullStart
 from wheelrail.forms import elasticity, traction
 from wheelrail.scenes.plots.style import STYLE
 
@@ -87,7 +88,9 @@ def row(solution, times):
         "first [s]": times[0],
         "second [s]": times[1],
         "loaded points": points,
-        "unknowns": start.size if isinstance(start, np.ndarray) else points * (3 if data.traction.any() else 1),
+        "unknowns": start.displacement.size
+        if isinstance(start, FullStart)
+        else points * (3 if data.traction.any() else 1),
         "normal force [N]": data.vertical_force.item(),
         "creep force [N]": data.longitudinal_force.item(),
     }
@@ -159,7 +162,7 @@ pair = hertz_pair((RADII, FLAT), (Material(), Material()), ContactLaws.penalty(0
 still = np.zeros(3)
 upper, lower = (Twist(np.array([v, 0.0, 0.0]), still, still) for v in (-9.995, -10.005))
 result = pair(hertz_pose(exact.approach), RigidMotion(upper, lower))
-solver, U = pair.solver, result.warm_start
+solver, U = pair.solver, result.warm_start.displacement
 problem = solver.problem  # T, B^T, G and z0 of this pose
 
 

@@ -23,13 +23,13 @@ BREAKDOWN = (ArithmeticError, RuntimeError, np.linalg.LinAlgError)  # of a solve
 
 @dataclass(frozen=True)
 class ElementState(Generic[K]):
-    """The accepted state of an element; it can be pickled.
+    """The accepted state of an element, as plain data: numbers and arrays in dataclasses; it can be pickled.
 
     Parameters:
-        accepted: results of each side from which solves start; empty before the first accepted solve.
+        warm_start: of each side, see `ContactResult.warm_start`; empty before the first accepted solve.
     """
 
-    accepted: Mapping[K, ContactResult]
+    warm_start: Mapping[K, object]
 
 
 class ContactElement(Generic[S, K]):
@@ -109,7 +109,7 @@ class ContactElement(Generic[S, K]):
 
     def state(self) -> ElementState[K]:
         """The accepted state; a trial state that is not accepted is not part of it."""
-        return ElementState(self._accepted)
+        return self.state_of(self._accepted)
 
     def restore(self, state: ElementState[K]) -> None:
         """Return to an accepted state, also that of an equal element in another process.
@@ -122,9 +122,18 @@ class ContactElement(Generic[S, K]):
         """
         if not isinstance(state, ElementState):
             raise TypeError(f"restore: must be given the state of an element, got {type(state).__name__}")
-        if state.accepted and set(state.accepted) != set(self.sides):
-            raise ValueError(f"restore: must be a state of {', '.join(self.sides)}, got {', '.join(state.accepted)}")
-        self._accepted, self._latest = state.accepted, None
+        sides = state.warm_start
+        if sides and set(sides) != set(self.sides):
+            raise ValueError(f"restore: must be a state of {', '.join(self.sides)}, got {', '.join(sides)}")
+        self._accepted, self._latest = self.guesses(state), None
+
+    def state_of(self, results: Mapping[K, ContactResult]) -> ElementState[K]:
+        """The state of an element that has accepted these results."""
+        return ElementState({side: self.contact.warm_start(side, result) for side, result in results.items()})
+
+    def guesses(self, state: ElementState[K]) -> dict[K, ContactResult]:
+        """Results of each side that stand for those of a state as initial guesses."""
+        return {side: self.contact.guess(side, warm_start) for side, warm_start in state.warm_start.items()}
 
     def _solved(self, purpose: str) -> ElementSolution[S, K]:
         """The last solution. Raises ValueError when it failed, or there is none."""
@@ -136,5 +145,5 @@ class ContactElement(Generic[S, K]):
 
 
 def _initial_guess(result: ContactResult) -> ContactResult:
-    """What the next solve starts from: the result without patches and tangent, which hold on to whole problems."""
-    return replace(result, patches=(), force_tangent=None)
+    """The result without patches, fields and tangent, which hold on to whole problems."""
+    return replace(result, patches=(), fields=None, force_tangent=None)

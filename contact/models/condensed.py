@@ -25,6 +25,21 @@ from wheelrail.support.arrays import Array, Nodes
 
 
 @dataclass(frozen=True)
+class NodalTractions:
+    """Tractions from which a next solve starts.
+
+    Parameters:
+        node: (n,) of the surface grid.
+        pressure: (n,) Pa.
+        traction: (n, 2) Pa.
+    """
+
+    node: Nodes
+    pressure: Array
+    traction: Array
+
+
+@dataclass(frozen=True)
 class CondensedContact:
     """Contact model on surface compliances: pose and velocities in, `ContactResult` out.
 
@@ -173,15 +188,15 @@ class CondensedContact:
             approach=approach,
             statistics=statistics,
         )
-        return replace(result, force_tangent=tangent_of(solution))
+        return replace(result, force_tangent=tangent_of(solution), warm_start=NodalTractions(points.node, p, q))
 
 
 def warm(guess: ContactResult | None, nodes: Nodes) -> tuple[Array, Array] | None:
     """Pressure (n,) Pa and tangential traction (2 n,) Pa of an earlier result at candidate nodes (n,); None without."""
-    if guess is None or guess.fields is None:
+    if guess is None or not isinstance(guess.warm_start, NodalTractions):
         return None
-    fields = guess.fields
-    _, index, guess_index = np.intersect1d(nodes, fields.node, assume_unique=True, return_indices=True)
+    earlier = guess.warm_start
+    _, index, guess_index = np.intersect1d(nodes, earlier.node, assume_unique=True, return_indices=True)
     pressure, traction = np.zeros(len(nodes)), np.zeros((2, len(nodes)))
-    pressure[index], traction[:, index] = fields.pressure[guess_index], fields.traction[guess_index].T
+    pressure[index], traction[:, index] = earlier.pressure[guess_index], earlier.traction[guess_index].T
     return pressure, traction.ravel()

@@ -215,8 +215,8 @@ class ContactResult:
         statistics: of the solver.
         error_estimate: if requested from the model.
         force_tangent: computes `tangent`, where the model provides it.
-        warm_start: initial guess for the next solve of the same model (strips of cells, or displacements of all
-            unknowns, m, under `mpirun` those of this rank); other models ignore it.
+        warm_start: all that the next solve of the same model reads from its guess, as plain data: numbers and arrays in
+            dataclasses; None for models that read nothing. Other models ignore it.
     """
 
     force: Array
@@ -234,6 +234,11 @@ class ContactResult:
     def ok(self) -> bool:
         """Whether the force can be used."""
         return self.status in ("converged", "separated")
+
+    @classmethod
+    def guess(cls, warm_start: object) -> ContactResult:
+        """A result that serves as initial guess only."""
+        return cls(np.zeros(3), np.zeros(3), warm_start=warm_start)
 
     @classmethod
     def separated(cls, approach: float = 0.0) -> ContactResult:

@@ -26,8 +26,7 @@ K = TypeVar("K", contravariant=True)
 class StateContact(Protocol[S, K]):
     """Contact model of the sides of a body: state and side in, result out.
 
-    Subclasses define the call; `tangent`, `ahead` and `ahead_tangent` are optional, with defaults for models without
-    them.
+    Subclasses define the call; the other methods have defaults, for models without tangent that solve in this process.
     """
 
     @abstractmethod
@@ -50,6 +49,14 @@ class StateContact(Protocol[S, K]):
         Raises ValueError for a model without tangent.
         """
         raise ValueError("the contact has no tangent")
+
+    def warm_start(self, side: K, result: ContactResult) -> object:
+        """Plain data of a result of a side with which `guess` makes an equivalent guess, also in another process."""
+        return result.warm_start
+
+    def guess(self, side: K, warm_start: object) -> ContactResult:
+        """Guess for the solve of a side; a solve from it repeats that from the original result to the last bit."""
+        return ContactResult.guess(warm_start)
 
     def ahead(self, state: S, guess: ContactResult | None) -> None:
         """Announces the solve of the last side after those before it, so that they can run in parallel."""

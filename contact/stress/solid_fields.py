@@ -46,8 +46,10 @@ def solid_fields(
         raise ValueError("nothing touches: the bodies carry no load")
     frames = _frames(model, pose)
     if not isinstance(model, CondensedContact):
-        u = result.warm_start
-        assert isinstance(u, np.ndarray)
+        from wheelrail.contact.models.full.model import FullStart
+
+        assert isinstance(result.warm_start, FullStart)
+        u = result.warm_start.displacement
         split = model.wheel.stiffness.getSize()[0]
         return (
             _fields(model.wheel, u[:split], 1.0, model.wheel.steel.E).in_frame(frames[0]),

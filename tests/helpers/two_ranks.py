@@ -17,7 +17,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.full.model import FullContact
+from wheelrail.contact.models.full.model import FullContact, FullStart
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.library import load_profile
@@ -40,8 +40,9 @@ def pair(laws: ContactLaws, **options: Any) -> FullContact:
 def numbers(model: FullContact, result: ContactResult) -> dict[str, Any]:
     """What must not depend on the number of ranks, and how much of the meshes this rank has."""
     assert result.fields is not None, result.status
-    assert result.warm_start is not None
-    assert len(result.warm_start) == 3 * (model.wheel.owned + model.rail.owned)
+    assert isinstance(result.warm_start, FullStart)
+    displacement = result.warm_start.displacement
+    assert len(displacement) == 3 * (model.wheel.owned + model.rail.owned)
     fields = result.fields
     return {
         "force": result.force.tolist(),
@@ -51,7 +52,7 @@ def numbers(model: FullContact, result: ContactResult) -> dict[str, Any]:
         "pressure": fields.pressure.tolist(),
         "traction": fields.traction.ravel().tolist(),
         "moved": fields.displacement.ravel().tolist(),
-        "displacement": [model.wheel.ranks.norm(result.warm_start)],
+        "displacement": [model.wheel.ranks.norm(displacement)],
         "newton": result.statistics.newton,
         "owned": [model.wheel.owned, model.rail.owned],
     }

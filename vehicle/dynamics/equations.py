@@ -52,11 +52,13 @@ class Evaluation:
         rate: (20 + m,) time derivative of the state.
         contacts: contact results by side.
         yaw_reaction: N m, constraint moment about the wheelset's vertical axis (yaw is not a degree of freedom).
+        guess: contact results from which the contact solves started.
     """
 
     rate: Array
     contacts: Contacts
     yaw_reaction: float
+    guess: Contacts | None = None
 
 
 class InertialForces(NamedTuple):
@@ -130,22 +132,24 @@ class Dynamics:
         """Spin of a wheel that rolls on its nominal radius, rad/s."""
         return frame.speed / self.wagon.radius
 
-    def __call__(self, time: float, state: Array, previous: Evaluation | None = None) -> Evaluation:
+    def __call__(
+        self, time: float, state: Array, previous: Evaluation | None = None, guess: Contacts | None = None
+    ) -> Evaluation:
         """Time derivative of the state.
 
         Parameters:
             time: s.
             state: (20 + m,), see `wheelrail.vehicle.dynamics.state`.
             previous: evaluation whose contact results are the initial guess of the contact solves.
+            guess: contact results in place of those of a previous evaluation.
 
         Raises StepFailure when a contact solve fails.
         """
-        frame = self.frame(time)
-        contacts = self.solve_contacts(frame, state, previous.contacts if previous else None)
+        frame, guess = self.frame(time), previous.contacts if previous else guess
+        contacts = self.solve_contacts(frame, state, guess)
         accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
-        return Evaluation(
-            np.concatenate([state[COUNT : 2 * COUNT], accelerations]), contacts, float(np.asarray(yaw_reaction).item())
-        )
+        rate = np.concatenate([state[COUNT : 2 * COUNT], accelerations])
+        return Evaluation(rate, contacts, float(np.asarray(yaw_reaction).item()), guess)
 
     def wheelset_state(self, frame: Frame, state: Array) -> WheelsetState:
         position, rate, _, pitch_rate, _ = split(state)

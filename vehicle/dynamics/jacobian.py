@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +43,19 @@ class Linearised:
     by_time: Array
 
 
+@dataclass(frozen=True)
+class ContactDifferences:
+    """Contact tangents by differences, used several times.
+
+    Parameters:
+        tangents: (2, 6, 9), see `Jacobian.tangents`.
+        age: Jacobians made with them, after the first.
+    """
+
+    tangents: Array
+    age: int = 0
+
+
 @dataclass
 class Jacobian:
     """Linearisation at a time s and state (n,) with its evaluation.
@@ -50,6 +64,7 @@ class Jacobian:
         dynamics: the equations of motion.
         counts: statistics to which Jacobians and contact differences are added.
         central: central differences throughout (second order), for uses of the matrix itself such as modes.
+        differences: contact tangents by differences at an earlier state; None: none yet.
 
     Suspension, inertia and kinematics: differences at constant contact forces, all n columns in one vectorised
     evaluation. Contact forces: the contact's tangent or, without one, differences with 11 solves a side at every eighth
@@ -60,8 +75,7 @@ class Jacobian:
     dynamics: Dynamics
     counts: StepStatistics
     central: bool = False
-    differences: Array | None = field(default=None, init=False)
-    age: int = field(default=0, init=False)
+    differences: ContactDifferences | None = None
 
     def __call__(self, time: float, state: Array, at: Evaluation) -> Linearised:
         """Derivatives of the rate.
@@ -122,16 +136,24 @@ class Jacobian:
         return tangents if np.isfinite(tangents).all() else None
 
     def _differences(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
-        self.age = (self.age + 1) % REUSED
-        if self.differences is not None and self.age:
-            return self.differences
+        current = self.differences
+        if current is None:
+            current = ContactDifferences(self._differentiated(wheelset, contacts))
+        elif current.age + 1 < REUSED:
+            current = replace(current, age=current.age + 1)
+        else:
+            with suppress(StepFailure):  # a contact that fails nearby: earlier differences are better than none
+                current = ContactDifferences(self._differentiated(wheelset, contacts))
+        self.differences = current
+        return current.tangents
+
+    def _differentiated(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
         result, centre = np.zeros((2, 6, len(WheelsetState.coordinates))), _wrenches(contacts)
         for column, name, step in zip(COLUMNS, FIELDS, DIFFERENCE_STEPS, strict=True):
             plus = self._perturbed(wheelset, contacts, name, step)
             central = self.central or name in ODD
             minus = self._perturbed(wheelset, contacts, name, -step) if central else centre
             result[:, :, column] = (plus - minus) / (2 * step if central else step)
-        self.differences, self.age = result, 0
         return result
 
     def _perturbed(self, wheelset: WheelsetState, contacts: Contacts, name: str, step: float) -> Array:

@@ -1,11 +1,14 @@
-"""Checkpoints of a run: states from which it can be resumed, without contact results."""
+"""Checkpoints of a run: states from which it can be resumed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from wheelrail.contact.element.contact_element import ElementState
+from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.jacobian import ContactDifferences
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.recorder import Row
 
@@ -14,11 +17,15 @@ from wheelrail.vehicle.simulation.recorder import Row
 class Checkpoint:
     """All data that a run carries across a checkpoint: a resumed run reproduces the uninterrupted one bit for bit.
 
+    The evaluation at the state is repeated from the guess that it started from.
+
     Parameters:
         time: s.
         state: (20 + m,).
         step: length of the next step, s; None: not yet estimated.
         error: of the last step, in tolerances.
+        guess: warm starts of the contact solves at the state; None: none.
+        differences: contact tangents by differences; None: of a model that has its own, or not yet computed.
         cost: of the run so far.
         rows: recorded so far; the list is extended by the running simulation.
     """
@@ -27,6 +34,8 @@ class Checkpoint:
     state: Array
     step: float | None
     error: float
+    guess: ElementState[Side] | None
+    differences: ContactDifferences | None
     cost: RunCost
     rows: list[Row]
 
@@ -40,8 +49,7 @@ class Checkpoints:
         write: called with each checkpoint.
         latest: checkpoint to resume from.
 
-    Initial guesses of contacts, the integrator and contact differences are reset at every checkpoint, also in an
-    uninterrupted run: another spacing changes results within the tolerances. Raises ValueError for every < 1.
+    Checkpoints do not change the results. Raises ValueError for every < 1.
     """
 
     every: int

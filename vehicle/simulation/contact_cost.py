@@ -68,6 +68,12 @@ class CountedContact(VehicleContact):
         finally:
             cost.seconds += perf_counter() - start
 
+    def warm_start(self, side: Side, result: ContactResult) -> object:
+        return self.contact.warm_start(side, result)
+
+    def guess(self, side: Side, warm_start: object) -> ContactResult:
+        return self.contact.guess(side, warm_start)
+
     def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
         self.contact.ahead(state, guess)
 

@@ -87,6 +87,20 @@ class Parallel(VehicleContact):
         """Start the tangent of the right side."""
         self._request("tangent", state, result)
 
+    def warm_start(self, side: Side, result: ContactResult) -> object:
+        if side == LOCAL:
+            return self.contact.warm_start(side, result)
+        assert isinstance(result, RemoteResult)
+        assert result.key is not None
+        self._send("warm start", None, result.key.number)
+        return self._answer()
+
+    def guess(self, side: Side, warm_start: object) -> ContactResult:
+        if side == LOCAL:
+            return self.contact.guess(side, warm_start)
+        self._send("guess", warm_start, None)
+        return self._result(self._answer())
+
     def _result(self, answer: ContactResult) -> ContactResult:
         key = Key(self.requests, self.released.append)
         values = {f.name: getattr(answer, f.name) for f in fields(ContactResult)}
@@ -110,7 +124,7 @@ class Parallel(VehicleContact):
         self._send(what, state, result.key.number if isinstance(result, RemoteResult) and result.key else None)
         self.pending = what, state, result
 
-    def _send(self, what: str, state: WheelsetState | None, key: int | None) -> None:
+    def _send(self, what: str, state: object, key: int | None) -> None:
         self.requests, self.pending = self.requests + 1, None
         released = [self.released.pop() for _ in range(len(self.released))]
         try:
@@ -171,7 +185,7 @@ def _broken_pipe_errors() -> Iterator[None]:
 
 
 def _serve(contact: VehicleContact, parent_end: Connection, pipe: Connection) -> None:
-    """Answer requests (number, what, state, key of a result, released keys) until the pipe is closed."""
+    """Answer requests (number, what, state or warm start, key of a result, released keys) until the pipe is closed."""
     ignore()  # Ctrl-C reaches both processes; the parent decides
     parent_end.close()  # the pipe closes with the parent's copy
     stored: dict[int, ContactResult] = {}
@@ -200,12 +214,14 @@ def _answered(
     stored: dict[int, ContactResult],
     number: int,
     what: str,
-    state: WheelsetState,
+    state: Any,
     key: int | None,
 ) -> Any:
     result = None if key is None else stored[key]
-    if what == "solve":
-        stored[number] = contact(state, REMOTE, result)
+    if what in ("solve", "guess"):
+        stored[number] = contact(state, REMOTE, result) if what == "solve" else contact.guess(REMOTE, state)
         return replace(stored[number], patches=(), fields=None, force_tangent=None, warm_start=None)
     assert result is not None
+    if what == "warm start":
+        return contact.warm_start(REMOTE, result)
     return result.patches if what == "patches" else contact.tangent(state, REMOTE, result)

@@ -99,7 +99,10 @@ class _Simulation:
         self.cost = (
             deepcopy(self.latest.cost) if self.latest else RunCost(contact={side: ContactCost() for side in SIDES})
         )
-        self.dynamics = replace(dynamics, contact=CountedContact(dynamics.contact, self.cost.contact))
+        self.dynamics, self.uncounted = (
+            replace(dynamics, contact=CountedContact(dynamics.contact, self.cost.contact)),
+            dynamics,
+        )
         self.steps = replace(steps, atol=tolerances(steps.method, steps.atol, dynamics.size))
         self.recorder = Recorder(self.dynamics, recording.interval, list(self.latest.rows) if self.latest else [])
         self.began = perf_counter() - self.cost.seconds
@@ -127,43 +130,49 @@ class _Simulation:
         """Start of the run: the initial state, by default the equilibrium."""
         time = self.span[0]
         state = equilibrium(self.dynamics, time=time).state if initial is None else np.array(initial, dtype=float)
-        return self.checkpoint(time, state, None, 1.0)
-
-    def checkpoint(self, time: float, state: Array, step: float | None, error: float) -> Checkpoint:
-        self.cost.seconds = self.seconds
-        return Checkpoint(time, state, step, error, deepcopy(self.cost), self.recorder.rows)
+        return Checkpoint(time, state, None, 1.0, None, None, self.cost, self.recorder.rows)
 
     def integrate(self, at: Checkpoint) -> None:
-        """Integrates from checkpoint to checkpoint; the first contact solves after each have no initial guess."""
-        following: tuple[Checkpoint, Evaluation] | None = at, self.dynamics(at.time, at.state)
-        while following is not None:
-            at, evaluation = following
-            self.recorder.begin(at.time, at.state, evaluation)
-            if self.checkpoints is not None:
-                self.checkpoints.write(at)
-            following = self.to_next_checkpoint(at, evaluation)
-
-    def to_next_checkpoint(self, at: Checkpoint, evaluation: Evaluation) -> tuple[Checkpoint, Evaluation] | None:
-        """Integrates to the next checkpoint: that and the evaluation there; None at the end of the span."""
+        """Integrates from a checkpoint to the end of the span."""
+        first = self.evaluation(at)
+        jacobian = Jacobian(self.dynamics, self.cost.steps, differences=at.differences)
+        self.recorder.begin(at.time, at.state, first)
+        if self.checkpoints is not None and at is not self.latest:
+            self.checkpoints.write(replace(at, cost=deepcopy(self.cost), rows=self.recorder.rows))
         steps = integrate(
             self.dynamics,
             at.time,
             at.state,
             self.span[1],
             self.steps,
-            jacobian=Jacobian(self.dynamics, self.cost.steps),
-            first=FirstStep(evaluation, at.step, at.error),
+            jacobian=jacobian,
+            first=FirstStep(first, at.step, at.error),
             counts=self.cost.steps,
         )
         for count, step in enumerate(steps, start=1):
             self.accept(step)
-            if self.checkpoints is not None and count >= self.checkpoints.every and step.t < self.span[1]:
-                at = self.checkpoint(step.t, step.x, step.following, step.error)
-                try:
-                    return at, self.dynamics(at.time, at.state)
-                except StepFailure:  # not solvable without an initial guess: checkpoint after a later step
-                    continue
-        return None
+            if self.checkpoints is not None and count % self.checkpoints.every == 0 and step.t < self.span[1]:
+                self.checkpoints.write(self.checkpoint(step, jacobian))
+
+    def evaluation(self, at: Checkpoint) -> Evaluation:
+        """Evaluation at a checkpoint, which counts once, also when it is repeated for a resumed run."""
+        dynamics = self.uncounted if at is self.latest else self.dynamics
+        return dynamics(at.time, at.state, guess=None if at.guess is None else dynamics.element.guesses(at.guess))
+
+    def checkpoint(self, step: Step[Evaluation], jacobian: Jacobian) -> Checkpoint:
+        """Checkpoint at the end of a step."""
+        self.cost.seconds = self.seconds
+        guess = None if step.end.guess is None else self.dynamics.element.state_of(step.end.guess)
+        return Checkpoint(
+            step.t,
+            step.x,
+            step.following,
+            step.error,
+            guess,
+            jacobian.differences,
+            deepcopy(self.cost),
+            self.recorder.rows,
+        )
 
     def accept(self, step: Step[Evaluation]) -> None:
         """Records a step. Raises OutOfBounds beyond the limits."""

@@ -32,7 +32,24 @@ from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Nodes
+
+
+@dataclass(frozen=True)
+class FullStart:
+    """Solution from which a next solve starts.
+
+    Parameters:
+        displacement: of all unknowns, wheel before rail, m; under `mpirun` those of this rank.
+        node: (n,) contact points on the wheel's grid.
+        z: (n, c) penetration m and slip at them.
+        traction: (n, c) normal (negative) and tangential, Pa.
+    """
+
+    displacement: Array
+    node: Nodes
+    z: Array
+    traction: Array
 
 
 @dataclass
@@ -46,8 +63,8 @@ class FullContact:
         order: of the upstream difference formula for the slip, 1 or 2.
         options: of the solvers.
 
-    Under `mpirun` all ranks call it together, with distributed bodies, and get the same result except for `warm_start`:
-    the displacements of a rank's own unknowns, wheel before rail, from which it starts with the result as a guess.
+    Under `mpirun` all ranks call it together, with distributed bodies, and get the same result except for the
+    displacements in its `warm_start`.
     """
 
     geometry: SurfacePair
@@ -95,7 +112,8 @@ class FullContact:
         problem = DiscreteProblem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
-        start = self._start(guess), earlier_contact(guess, points, self.law.components)
+        earlier = guess.warm_start if guess is not None and isinstance(guess.warm_start, FullStart) else None
+        start = self._start(earlier), earlier_contact(earlier, points, self.law.components)
         u, z, forces, status, count = self._solve(problem, points.area, speed, *start)
         solved = perf_counter()
         if status != "converged":
@@ -130,11 +148,11 @@ class FullContact:
             tangent = tangent_of(
                 TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, tractions)
             )
-        return replace(result, warm_start=u, force_tangent=tangent)
+        return replace(result, warm_start=FullStart(u, points.node, z, traction), force_tangent=tangent)
 
-    def _start(self, guess: ContactResult | None) -> Array | None:
+    def _start(self, earlier: FullStart | None) -> Array | None:
         """Displacements of an earlier result; None if they belong to other meshes or another distribution."""
-        displacement = guess.warm_start if guess is not None and isinstance(guess.warm_start, np.ndarray) else None
+        displacement = None if earlier is None else earlier.displacement
         owned = 3 * (self.wheel.owned + self.rail.owned)
         mismatches = self.wheel.ranks.all_reduce(np.array(float(displacement is None or len(displacement) != owned)))
         return None if mismatches else displacement
@@ -183,16 +201,12 @@ class FullContact:
         return u, z - multiplier_offset, forces, status, count
 
 
-def earlier_contact(guess: ContactResult | None, points: GridPoints, components: int) -> tuple[Array, Array] | None:
-    """z and nodal forces (n, c) N of an earlier result at contact points, apart where it has none; None without."""
-    if guess is None or guess.fields is None:
+def earlier_contact(earlier: FullStart | None, points: GridPoints, components: int) -> tuple[Array, Array] | None:
+    """z and nodal forces (n, c) N of an earlier solution at contact points, apart where it has none; None without."""
+    if earlier is None or earlier.z.shape[1] != components:
         return None
-    fields = guess.fields
     z, traction = np.zeros((2, len(points.node), components))
     z[:, 0] = -1.0
-    _, index, earlier = np.intersect1d(points.node, fields.node, assume_unique=True, return_indices=True)
-    z[index, 0] = fields.penetration[earlier] + fields.displacement[earlier, 2]
-    traction[index, 0] = -fields.pressure[earlier]
-    if components == 3:
-        z[index, 1:], traction[index, 1:] = fields.slip[earlier], fields.traction[earlier]
+    _, index, before = np.intersect1d(points.node, earlier.node, assume_unique=True, return_indices=True)
+    z[index], traction[index] = earlier.z[before], earlier.traction[before]
     return z, traction * points.area[:, None]

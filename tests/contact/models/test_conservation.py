@@ -19,7 +19,7 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
-from wheelrail.contact.models.full.model import FullContact
+from wheelrail.contact.models.full.model import FullContact, FullStart
 from wheelrail.meshes.bodies.extrusion import Cell, Solid, extruded
 from wheelrail.meshes.bodies.triangulation import SectionMesh
 from wheelrail.support.arrays import Array, Nodes
@@ -269,9 +269,8 @@ def test_patch_test(cell: Cell, degree: int) -> None:
     expected = depth / (1 / 210e9 + 1 / 70e9 + 1 / K)  # three springs in a row, 1 m each of steel and aluminium
     np.testing.assert_allclose(fields.pressure, expected, rtol=1e-8)
     assert result.force[2] == pytest.approx(expected, rel=1e-10)  # on 1 m2
-    u = result.warm_start
-    assert u is not None
-    for body, moved in zip((upper, lower), np.split(u, 2), strict=True):
+    assert isinstance(result.warm_start, FullStart)
+    for body, moved in zip((upper, lower), np.split(result.warm_start.displacement, 2), strict=True):
         height = body.space.tabulate_dof_coordinates()[:, 2] + 1.0
         exact = np.zeros((len(height), 3))
         exact[:, 2] = -expected / body.steel.E * height  # each in its own axes, upright

@@ -13,7 +13,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
-from wheelrail.contact.models.full.model import FullContact
+from wheelrail.contact.models.full.model import FullContact, FullStart
 from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.models.full.primal_dual import primal_dual_tangent
 from wheelrail.contact.results.result import ContactResult
@@ -66,6 +66,11 @@ CASES = {
     "hexahedra, rolling": (BRICKS, ROLLING, CREEP, (STEEL, STEEL), 2, 3.2),
     "quadratic, rolling": (QUADRATIC, ROLLING, CREEP, (STEEL, STEEL), 2, 1.4),
 }
+
+
+def displacement(result: ContactResult) -> Array:
+    assert isinstance(result.warm_start, FullStart)
+    return result.warm_start.displacement
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -185,8 +190,7 @@ def test_solve_depends_on_its_guess_only() -> None:
     elsewhere = full(TETRAHEDRA, sphere, size=SIZE, laws=ROLLING)(pose(3.3), near, start)
     for result in (again, elsewhere):
         np.testing.assert_array_equal(result.force, first.force)
-        assert result.warm_start is not None
-        np.testing.assert_array_equal(result.warm_start, first.warm_start)
+        np.testing.assert_array_equal(displacement(result), displacement(first))
 
 
 @pytest.mark.parametrize("laws", [FRICTIONLESS, ROLLING, FALLING, ContactLaws()], ids=["frictionless", *"pfe"])
