@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.special import iti0k0, k0, k1
 
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 TERMS = 40  # of the series of `cutoff_correction`, for arguments up to 10
@@ -68,80 +68,53 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, cutoff: 
 
 
 @compiled
-def strip_antiderivative(x: Array, sides: Array, nu: float) -> Array:
-    """G (pairs, nodes, 6), whose second derivative is the mean compliance between strips; unit modulus.
+def pair_geometry(x: float, row: Array, column: Array, to: Array) -> None:
+    """Write the antiderivatives (5,), twice along the strips and as means over both, of x^2/r^3, y^2/r^3, x y/r^3,
+    x/r^2 and y/r^2, y from the loaded to the displaced strip.
 
     Parameters:
-        x: (nodes,) m, distances.
-        sides: (S, 2) m, lateral bounds of the strips.
+        x: m, distance along the strips.
+        row, column: (2,) m, lateral bounds of the displaced and of the loaded strip: the same, or side by side.
+        to: (5,).
+    """
+    to[:] = 0.0
+    for a in range(2):
+        for b in range(2):
+            distance, sign = abs(row[a] - column[b]), -1.0 if a == b else 1.0
+            along, across, cross = _fourfold(abs(x), distance)
+            to[0] += sign * along
+            to[1] += sign * across
+            to[2] += sign * cross
+            along, across = _fourfold_normal(abs(x), distance)
+            to[3] += sign * along
+            to[4] += sign * across
+    ahead = 1.0 if x >= 0.0 else -1.0
+    beside = 0.0 if row[0] == column[0] else 1.0 if row[0] > column[0] else -1.0  # odd across
+    to[2] *= ahead * beside
+    to[3] *= ahead
+    to[4] *= beside
+    over = 1.0 / ((row[1] - row[0]) * (column[1] - column[0]))
+    for k in range(5):
+        to[k] *= over
+
+
+@compiled
+def pair_antiderivative(geometry: Array, nu: float, to: Array) -> None:
+    """Write G (6,), whose second derivative is the mean compliance between two strips; unit modulus.
+
+    Parameters:
+        geometry: (5,), see `pair_geometry`.
         nu: Poisson's ratio.
-
-    Pairs i <= j row by row; components as for `strip_flexibility`, those along x by across and by normal odd in x, the
-    others even.
+        to: (6,) components as for `strip_flexibility`, those along x by across and by normal odd in x, the others even.
     """
-    S = len(sides)
-    side_number, distances, distance_number = _distances(sides)
-    result = np.empty((S * (S + 1) // 2, len(x), 6))
-    values = np.empty((5, len(distances)))
-    for k in range(len(x)):
-        for d in range(len(distances)):
-            values[:3, d] = _fourfold(abs(x[k]), distances[d])
-            values[3:, d] = _fourfold_normal(abs(x[k]), distances[d])
-        sign = 1.0 if x[k] >= 0.0 else -1.0
-        at = 0
-        for i in range(S):
-            for j in range(i, S):
-                low, high, first, last = side_number[i, 0], side_number[i, 1], side_number[j, 0], side_number[j, 1]
-                # distances between unlike and between like sides
-                corners = (
-                    distance_number[high, first],
-                    distance_number[low, last],
-                    distance_number[low, first],
-                    distance_number[high, last],
-                )
-                xx, yy, xn = _mixed(values[0], corners), _mixed(values[1], corners), _mixed(values[3], corners)
-                xy, yn = 0.0, 0.0  # odd across: zero on the strip itself, and i lies below j
-                if i != j:
-                    xy, yn = -_mixed(values[2], corners), -_mixed(values[4], corners)
-                scale = (1.0 + nu) / np.pi / ((sides[i, 1] - sides[i, 0]) * (sides[j, 1] - sides[j, 0]))
-                result[at, k, 0] = scale * ((1.0 - nu) * (xx + yy) + nu * xx)
-                result[at, k, 1] = scale * ((1.0 - nu) * (xx + yy) + nu * yy)
-                result[at, k, 2] = scale * (1.0 - nu) * (xx + yy)
-                result[at, k, 3] = sign * scale * nu * xy
-                result[at, k, 4] = sign * scale * (0.5 - nu) * xn
-                result[at, k, 5] = scale * (0.5 - nu) * yn
-                at += 1
-    return result
-
-
-@compiled
-def _mixed(values: Array, corners: tuple[int, int, int, int]) -> float:
-    """Second difference from the numbers of two distances between unlike sides and of two between like sides."""
-    return float(values[corners[0]] + values[corners[1]] - values[corners[2]] - values[corners[3]])
-
-
-@compiled
-def _distances(sides: Array) -> tuple[Nodes, Array, Nodes]:
-    """Side numbers (S, 2) of the strips, the distinct distances (D,) between the E sides, and their numbers (E, E).
-
-    Neighbouring strips share sides, and strips of equal width share distances.
-    """
-    span = sides.max() - sides.min()
-    ordered = np.sort(sides.ravel())
-    edges = ordered[np.concatenate((np.ones(1, dtype=np.bool_), np.diff(ordered) > 1e-9 * span))]
-    side_number = np.searchsorted(edges, sides.ravel() - 1e-9 * span).reshape(sides.shape)
-    E = len(edges)
-    between = np.abs(edges.reshape(-1, 1) - edges.reshape(1, -1)).ravel()
-    order = np.argsort(between)
-    distance_number = np.empty(E * E, dtype=np.int64)
-    distances = np.empty(E * E)
-    count = 0
-    for at in order:
-        if count == 0 or between[at] - distances[count - 1] > 1e-11 * span:
-            distances[count] = between[at]
-            count += 1
-        distance_number[at] = count - 1
-    return side_number, distances[:count], distance_number.reshape(E, E)
+    scale = (1.0 + nu) / np.pi
+    xx, yy, xy, xn, yn = geometry
+    to[0] = scale * ((1.0 - nu) * (xx + yy) + nu * xx)
+    to[1] = scale * ((1.0 - nu) * (xx + yy) + nu * yy)
+    to[2] = scale * (1.0 - nu) * (xx + yy)
+    to[3] = scale * nu * xy
+    to[4] = scale * (0.5 - nu) * xn
+    to[5] = scale * (0.5 - nu) * yn
 
 
 def cutoff_correction(x: Array, cutoff: float, nu: float) -> Array:
@@ -178,7 +151,8 @@ def _fourfold(x: float, y: float) -> tuple[float, float, float]:
 def _fourfold_normal(x: float, y: float) -> tuple[float, float]:
     """Antiderivatives, twice in x and twice in y, of x/r^2 and y/r^2 at x, y >= 0."""
     logarithm = 0.5 * np.log(x * x + y * y) if x + y > 0.0 else 0.0
-    to_x, to_y = np.arctan2(y, x), np.arctan2(x, y)  # angles with the axes
+    to_x = np.arctan2(y, x)  # angles with the axes
+    to_y = 0.5 * np.pi - to_x
     xxx, xxy, xyy, yyy = x * x * x, x * x * y, x * y * y, y * y * y
     along = (3.0 * xyy - xxx) * logarithm + 3.0 * xxy * to_x + yyy * to_y
     across = (3.0 * xxy - yyy) * logarithm + 3.0 * xyy * to_y + xxx * to_x

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
+from itertools import combinations_with_replacement, pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from wheelrail.contact.elasticity.half_space import strip_antiderivative, strip_flexibility
+from wheelrail.contact.elasticity.half_space import pair_antiderivative, pair_geometry, strip_flexibility
 from wheelrail.support.arrays import Array
 
 NU = 0.3
@@ -32,6 +32,19 @@ def mean(row: Array, column: Array, of: Callable[[float], float]) -> float:
         quad(lambda d: overlap(d) * of(d), a, b, epsabs=1e-13, epsrel=1e-13)[0] for a, b in pairwise(kinks) if b > a
     )
     return float(whole / np.ptp(row) / np.ptp(column))
+
+
+def antiderivatives(x: Array, sides: Array, nu: float) -> Array:
+    """G (pairs, nodes, 6) of pairs i <= j of strips with bounds (S, 2), at distances (nodes,)."""
+    pairs = combinations_with_replacement(sides, 2)
+    return np.array([[_antiderivative(float(at), row, column, nu) for at in x] for row, column in pairs])
+
+
+def _antiderivative(x: float, row: Array, column: Array, nu: float) -> Array:
+    geometry, components = np.empty(5), np.empty(6)
+    pair_geometry(x, row, column, geometry)
+    pair_antiderivative(geometry, nu, components)
+    return components
 
 
 def test_coupling_by_wavenumbers() -> None:
@@ -59,7 +72,7 @@ def test_coupling_is_bounded_at_low_wavenumbers() -> None:
 def test_coupling_of_cells(x: float) -> None:
     """Means over strips and over cells of equal length at a distance x, touching ones included."""
     length = 0.7
-    G = strip_antiderivative(x + length * np.array([-1.0, 0.0, 1.0]), SIDES, NU)
+    G = antiderivatives(x + length * np.array([-1.0, 0.0, 1.0]), SIDES, NU)
     computed = (G[:, 0] - 2 * G[:, 1] + G[:, 2]) / length**2
 
     def cells(of: Callable[[float], float]) -> float:
@@ -80,7 +93,7 @@ def test_coupling_of_cells(x: float) -> None:
 def test_forms_are_transforms_of_each_other() -> None:
     """C(x) = 1/pi int H(k) sinc^2 (sin or cos)(k x) dk for cells of a length, all components that need no cut-off."""
     length, x = 0.8, 1.1
-    G = strip_antiderivative(x + length * np.array([-1.0, 0.0, 1.0]), SIDES, NU)
+    G = antiderivatives(x + length * np.array([-1.0, 0.0, 1.0]), SIDES, NU)
     k, step = np.linspace(0.0, 400.0, 80001, retstep=True)
     weight = np.full(len(k), step)
     weight[1:-1:2] *= 4 / 3
@@ -102,7 +115,7 @@ def test_long_strips_contract_under_pressure(nu: float) -> None:
     """
     step, wide = 1.0, np.array([[-5e4, 5e4]])
     edges = step * np.arange(-2, 3)
-    G = strip_antiderivative(np.arange(-5, 6) * step, wide, nu)[0, :, X_BY_NORMAL] * np.ptp(wide)
+    G = antiderivatives(np.arange(-5, 6) * step, wide, nu)[0, :, X_BY_NORMAL] * np.ptp(wide)
     at = {round(x): value for x, value in zip(np.arange(-5, 6), G, strict=True)}
 
     def displacement(first: float) -> float:

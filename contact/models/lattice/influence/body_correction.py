@@ -163,23 +163,32 @@ def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
 
 
 @compiled
+def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array) -> None:
+    """Add the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair of strips from those of lines (ns, ns, ..).
+
+    row, column: (n,) weights of the lines from the first in both strips.
+    """
+    total = to.ravel()
+    for k in range(len(row)):
+        if row[k] == 0.0:
+            continue
+        for m in range(len(column)):
+            weight = row[k] * column[m]
+            if weight != 0.0:
+                values = lines[first + k, first + m, : len(to)].ravel()
+                for c in range(len(total)):
+                    total[c] += weight * values[c]
+
+
+@compiled
 def pair_means(lines: Array, first: int, share: Array, cells: int) -> Array:
     """Coefficients (S, S, cells, DEGREE + 1, COMPONENTS) of pairs i <= j of strips from those of lines (ns, ns, ..).
 
     share (S, n): weights in the strips of the lines from the first.
     """
-    S, n = share.shape
+    S = len(share)
     tables = np.zeros((S, S, cells, lines.shape[3], lines.shape[4]))
     for i in range(S):
         for j in range(i, S):
-            to = tables[i, j].ravel()
-            for k in range(n):
-                if share[i, k] == 0.0:
-                    continue
-                for m in range(n):
-                    weight = share[i, k] * share[j, m]
-                    if weight != 0.0:
-                        values = lines[first + k, first + m, :cells].ravel()
-                        for c in range(len(to)):
-                            to[c] += weight * values[c]
+            add_pair_mean(lines, first, share[i], share[j], tables[i, j])
     return tables

@@ -53,22 +53,3 @@ class PairGrid:
         """Coefficients (.., n, DEGREE + 1, m) from samples (.., n (DEGREE + 1), m) at `x`."""
         by_cell = samples.reshape(*samples.shape[:-2], len(self.lower), DEGREE + 1, -1)
         return np.asarray(TO_POWERS @ by_cell / self.width[:, None, None] ** np.arange(DEGREE + 1)[:, None])
-
-    def at(self, coefficients: Array, x: Array) -> Array:
-        """Values (m, COMPONENTS) at distances x (m,) m of functions given by coefficients on the cells."""
-        z = x / self.start + 1
-        cell = np.clip(np.searchsorted(self.lower, z, side="right") - 1, 0, len(self.lower) - 1)
-        u = (z - self.lower[cell])[:, None]
-        values = coefficients[cell, DEGREE]
-        for k in range(DEGREE - 1, -1, -1):
-            values = values * u + coefficients[cell, k]
-        return np.asarray(values)
-
-    def integral(self, samples: Array) -> Array:
-        """Integral from 0 to `x` of a function sampled there, (n (DEGREE + 1),)."""
-        nodes = lobatto(DEGREE + 1)
-        power = np.arange(1, DEGREE + 2)
-        to_nodes = (nodes[:, None] ** power / power) @ TO_POWERS
-        parts = samples.reshape(-1, DEGREE + 1) @ to_nodes.T * (self.width * self.start)[:, None]
-        before = np.concatenate([[0.0], np.cumsum(parts[:-1, -1])])
-        return np.asarray((before[:, None] + parts).ravel())

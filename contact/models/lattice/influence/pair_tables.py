@@ -23,18 +23,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.elasticity.half_space import strip_antiderivative
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, BodyCorrection, pair_means
-from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, NN, ROLL, TN, PairGrid
+from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE
+from wheelrail.contact.models.lattice.influence.pair_samples import (
+    Deviation,
+    HalfSpaces,
+    LatticeStrips,
+    count_of,
+    fill,
+    start_of,
+)
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.support.arrays import Array, Nodes
 
-START = 0.004, 0.03, 0.5  # of the width, on the strip itself and next to it; of the distance, beyond
 GROWTH = 1.5  # of the storage
 NO_CORRECTION = np.zeros((0, 0, 0, DEGREE + 1, COMPONENTS))
-NORMAL_COUPLING = slice(4, 6)  # of the half-space's components: along x and across by normal, for outward normals
 
 
 class PairTables(NamedTuple):
@@ -79,8 +84,9 @@ class LatticeTables:
         self.middle = 0.5 * (self.sides[1:] + self.sides[:-1])
         self.width = np.diff(self.sides)
         tangent = self.operators.upper._tangents(self.middle)
-        self._angle = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
         self.stretch = self.operators.surfaces.along(self.middle)
+        angle = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
+        self.strips = LatticeStrips(self.sides, angle, self.stretch)
         K = len(self.middle)
         self._first, self._count = np.full((K, K), -1), np.zeros((K, K), dtype=int)
         self._inverse = np.zeros((K, K))
@@ -120,10 +126,7 @@ class LatticeTables:
         """
         key = strips.tobytes()
         if key not in self._complete:
-            for k, i in enumerate(strips):
-                for j in strips[k:]:
-                    if self._first[i, j] < 0:
-                        self._add(int(i), int(j))
+            self._add(strips)
             self._complete.add(key)
         smooth, place = NO_CORRECTION, self._place
         if feet is not None:
@@ -140,76 +143,47 @@ class LatticeTables:
         lines, between = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
         return pair_means(between, lines.start, body.shares(lines, middle, width), cells)
 
-    def _add(self, i: int, j: int) -> None:
-        sides = np.array([[self.sides[k], self.sides[k + 1]] for k in ((i,) if i == j else (i, j))])
-        width, distance = float(np.diff(sides).min()), float(sides[-1].mean() - sides[0].mean())
-        start = START[0] * width if i == j else max(START[1] * width, START[2] * (distance - width))
-        grid = PairGrid.over(start)
-        tilt = 0.5 * (self._angle[j] - self._angle[i])
-        upper, lower = self.operators.upper, self.operators.lower
-        near = {nu: strip_antiderivative(grid.x, sides, nu)[min(j - i, 1)] for nu in {upper.nu, lower.nu}}
-        parts = [half_space_scale(body) * near[body.nu] for body in (upper, lower)]
-        for part, outward in zip(parts, OUTWARD, strict=True):
-            part[:, NORMAL_COUPLING] *= outward
-        samples = rotated(parts[0] + parts[1], -tilt, tilt)
-        stretch = 0.5 * (self.stretch[i] + self.stretch[j])
-        for correction in self._corrections[: 1 if self.moves else 2]:
-            if correction is not None:
-                pair = np.array([i, j])
-                smooth = self._means(correction, pair, self.middle[pair], len(correction.grid.lower))[0, 1]
-                part = stretch**2 * correction.grid.at(smooth, grid.x / stretch)
-                samples += part
-                if self.rolls and upper.radius is not None and correction.body is upper:
-                    angle = 0.5 * (self._angle[i] + self._angle[j])
-                    wheel = rotated(parts[0], -tilt, tilt) + part
-                    samples[:, ROLL] = grid.integral(radial(wheel, angle)) / (upper.radius * stretch)
-        coefficients = grid.coefficients(samples)
-        count = len(coefficients)
-        while self._used + count > len(self._values):
-            larger = np.zeros((int(GROWTH * len(self._values)), DEGREE + 1, COMPONENTS))
+    def _add(self, strips: Nodes) -> None:
+        """Add the tables that pairs of some strips (C,) lack."""
+        first, second = np.triu_indices(len(strips))
+        pairs = np.column_stack([strips[first], strips[second]])
+        pairs = pairs[self._first[pairs[:, 0], pairs[:, 1]] < 0]
+        if not len(pairs):
+            return
+        start = np.array([start_of(self.strips, i, j) for i, j in pairs.tolist()])
+        count = np.array([count_of(length) for length in start.tolist()])
+        bounds = self._used + np.concatenate([[0], np.cumsum(count)])
+        if bounds[-1] > len(self._values):
+            larger = np.zeros((int(GROWTH * bounds[-1]), DEGREE + 1, COMPONENTS))
             larger[: self._used] = self._values[: self._used]
             self._values = larger
-        self._values[self._used : self._used + count] = coefficients
-        self._first[i, j], self._count[i, j], self._inverse[i, j] = self._used, count, 1 / start
-        self._used += count
+        fill(self.strips, pairs, self._half_spaces, self._deviations(strips), bounds, self._values)
+        i, j = pairs.T
+        self._first[i, j], self._count[i, j], self._inverse[i, j] = bounds[:-1], count, 1 / start
+        self._used = int(bounds[-1])
 
+    @cached_property
+    def _half_spaces(self) -> HalfSpaces:
+        upper, lower = self.operators.upper, self.operators.lower
+        scale = np.array([half_space_scale(body) for body in (upper, lower)])
+        radius = upper.radius if self.rolls and self._corrections[0] is not None else None
+        return HalfSpaces(np.array([upper.nu, lower.nu]), scale, np.array(OUTWARD), radius or 0.0)
 
-def radial(samples: Array, angle: float) -> Array:
-    """Displacement (nodes,) away from the axle by pressure, from components (nodes, COMPONENTS) of a wheel on strips
-    with an angle rad to the axle.
-    """
-    return np.asarray(np.cos(angle) * samples[:, NN] + np.sin(angle) * samples[:, TN])
+    def _deviations(self, strips: Nodes) -> tuple[Deviation, Deviation]:
+        """Deviations of both bodies that do not depend on the pose, for some strips (C,)."""
+        upper, lower = self._corrections
+        return self._deviation(upper, strips), self._deviation(None if self.moves else lower, strips)
+
+    def _deviation(self, body: BodyCorrection | None, strips: Nodes) -> Deviation:
+        if body is None:
+            return Deviation(NO_CORRECTION, 0, np.zeros((0, 0)))
+        middle, width = self.middle[strips], self.width[strips]
+        lines, between = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
+        share = np.zeros((len(self.middle), lines.stop - lines.start))
+        share[strips] = body.shares(lines, middle, width)
+        return Deviation(between, lines.start, share)
 
 
 def half_space_scale(body: HalfSpaceInfluence) -> float:
     """Compliance 1/N m of the body's tables over that of unit modulus with lengths in m."""
     return body.scale * body.unit
-
-
-def rotated(near: Array, row: float, column: float) -> Array:
-    """Components (n, COMPONENTS) of a half-space in the axes of two strips.
-
-    Parameters:
-        near: (n, 6) along, across, normal, along by across, along by normal and across by normal, in the strips' mean
-            axes.
-        row, column: rad, inclinations of the displaced and the loaded strip to these, positive from the lateral towards
-            the upper body's outward normal.
-    """
-    along, across, normal, x_by_t, x_by_n, t_by_n = near.T
-    ci, si, cj, sj = np.cos(row), np.sin(row), np.cos(column), np.sin(column)
-    tn = -ci * sj * across + si * cj * normal + np.cos(column - row) * t_by_n
-    nt = -si * cj * across + ci * sj * normal - np.cos(column - row) * t_by_n
-    turned = np.sin(column - row) * t_by_n
-    return np.stack(
-        [
-            along,
-            ci * cj * across + si * sj * normal + turned,
-            si * sj * across + ci * cj * normal + turned,
-            0.5 * (tn + nt),
-            0.5 * (tn - nt),
-            0.5 * (x_by_t * (ci + cj) + x_by_n * (sj - si)),
-            np.zeros_like(along),
-            0.5 * (x_by_t * (si - sj) + x_by_n * (ci + cj)),
-        ],
-        axis=1,
-    )
