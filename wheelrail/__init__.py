@@ -13,6 +13,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.support.progress import LOGGER
+from wheelrail.support.working_directory import load_libraries_outside
 
 if TYPE_CHECKING:
     from wheelrail.api.contact_geometry import contact_geometry
@@ -69,6 +70,7 @@ __all__ = [
     "study",
 ]
 
+load_libraries_outside()
 logging.getLogger(LOGGER).addHandler(logging.NullHandler())  # nothing is printed unless the user configures logging
 
 

@@ -96,6 +96,8 @@ class _Simulation:
     ) -> None:
         self.span, self.limits, self.progress, self.checkpoints = span, limits, progress, recording.checkpoints
         self.latest = self.checkpoints.latest if self.checkpoints else None
+        if self.latest is not None and self.latest.state.shape != (dynamics.size,):
+            raise ValueError(f"checkpoint: a state of shape {self.latest.state.shape}: must be ({dynamics.size},)")
         self.cost = (
             deepcopy(self.latest.cost) if self.latest else RunCost(contact={side: ContactCost() for side in SIDES})
         )

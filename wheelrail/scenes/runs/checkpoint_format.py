@@ -1,43 +1,32 @@
 """Format of a checkpoint file.
 
 The first line is a header in JSON that describes the run. Entries follow: length of the payload (8 bytes, big-endian),
-checksum, payload. The payload is a pickled `Checkpoint` with the rows since the previous entry; the checksum is SHA-256
-of the previous checksum (of the header's for the first entry) and the payload. Reading ends at the first entry that is
-incomplete or damaged, and the next entry overwrites it. Pickle keeps every bit of the rows; the unpickler is restricted
-to classes of this package and to arrays, so that a file from elsewhere cannot run code.
+checksum, payload. The payload is a `Checkpoint` with the rows since the previous entry as plain data
+(`wheelrail.support.plain_data`), which keeps every bit and runs no code; the checksum is SHA-256 of the previous
+checksum (of the header's for the first entry) and the payload. Reading ends at the first entry that is incomplete or
+damaged, and the next entry overwrites it.
 """
 
 from __future__ import annotations
 
 import hashlib
-import io
-import pickle
 import struct
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
+from wheelrail.support.plain_data import NotPlainData, decode, encode
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
+from wheelrail.vehicle.simulation.history import RunCost
+from wheelrail.vehicle.simulation.recorder import SHAPES, Outputs, Row
 
 LENGTH, CHECKSUM_SIZE = struct.Struct(">Q"), hashlib.sha256().digest_size
-OURS = ("wheelrail.contact.", "wheelrail.vehicle.")
-ARRAYS = ("_reconstruct", "_frombuffer", "scalar", "ndarray", "dtype")
+PACKAGES = ("wheelrail.contact", "wheelrail.vehicle")  # of the classes in a checkpoint
 
 
 class Unreadable(OSError):
-    """An undamaged checkpoint that this version cannot unpickle."""
-
-
-class RestrictedUnpickler(pickle.Unpickler):
-    """Admits classes of this package and NumPy arrays only."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        if module.split(".")[0] == "numpy" and name in ARRAYS:
-            return super().find_class(module, name)
-        if module.startswith(OURS):
-            member = super().find_class(module, name)
-            if isinstance(member, type) and member.__module__.startswith(OURS):  # defined there, not imported
-                return member
-        raise pickle.UnpicklingError(f"{module}.{name} is not allowed in a checkpoint")
+    """An undamaged checkpoint that this version cannot read."""
 
 
 def entries(content: bytes) -> Iterator[tuple[int, bytes, Checkpoint]]:
@@ -51,18 +40,48 @@ def entries(content: bytes) -> Iterator[tuple[int, bytes, Checkpoint]]:
         if end > len(content) or checksum != checksum_of(previous, payload):
             return
         previous = checksum
-        try:
-            checkpoint = RestrictedUnpickler(io.BytesIO(payload)).load()
-        except (pickle.UnpicklingError, AttributeError, ImportError, TypeError) as error:
-            raise Unreadable(f"unreadable checkpoint: {error}") from error
-        yield end, checksum, checkpoint
+        yield end, checksum, _checkpoint(payload)
 
 
-def entry(previous: bytes, payload: bytes) -> tuple[bytes, bytes]:
+def entry(previous: bytes, checkpoint: Checkpoint) -> tuple[bytes, bytes]:
     """Bytes and checksum of an entry that follows the one, or the header, with the previous checksum."""
+    payload = encode(checkpoint)
     checksum = checksum_of(previous, payload)
     return LENGTH.pack(len(payload)) + checksum + payload, checksum
 
 
 def checksum_of(*parts: bytes) -> bytes:
     return hashlib.sha256(b"".join(parts)).digest()
+
+
+def _checkpoint(payload: bytes) -> Checkpoint:
+    """The checkpoint of a payload; raises Unreadable where values have other types or shapes than those of a run."""
+    try:
+        checkpoint = decode(payload, PACKAGES)
+    except NotPlainData as error:
+        raise Unreadable(f"unreadable checkpoint: {error}") from error
+    if not isinstance(checkpoint, Checkpoint) or not _usable(checkpoint):
+        raise Unreadable("unreadable checkpoint: its values are not those of a run")
+    return checkpoint
+
+
+def _usable(at: Checkpoint) -> bool:
+    numbers = (at.time, at.error, *(() if at.step is None else (at.step,)))
+    shape = np.shape(at.state)
+    return (
+        all(isinstance(number, float) and np.isfinite(number) for number in numbers)
+        and _is_array(at.state, shape)
+        and len(shape) == 1
+        and isinstance(at.cost, RunCost)
+        and isinstance(at.rows, list)
+        and all(isinstance(row, Row) and _is_array(row.state, shape) and _is_outputs(row.outputs) for row in at.rows)
+    )
+
+
+def _is_outputs(outputs: Any) -> bool:
+    return isinstance(outputs, Outputs) and all(map(_is_array, outputs, SHAPES))
+
+
+def _is_array(value: Any, shape: Any) -> bool:
+    """Whether a value is an array (for shape (), also a number) of double precision."""
+    return isinstance(value, np.ndarray | np.float64) and value.dtype == np.float64 and value.shape == shape

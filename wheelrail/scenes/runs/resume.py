@@ -93,7 +93,7 @@ def latest(file: CheckpointFile, report: Callable[[str], None]) -> Checkpoint | 
     if stored is not None:
         require_same(stored["scene"], file.header["scene"], file.path)
         old, new = stored["versions"], file.header["versions"]
-        require_same({"wheelrail": old["wheelrail"]}, {"wheelrail": new["wheelrail"]}, file.path)
+        require_same({"wheelrail": old.get("wheelrail")}, {"wheelrail": new["wheelrail"]}, file.path)
         checkpoint = file.latest()
         if checkpoint is not None and (changes := list(differences(old, new))):
             report(f"{'; '.join(changes)}: the last bits of the results may differ")

@@ -1,0 +1,68 @@
+"""Files in the working directory change nothing in the libraries."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+REPORT = """
+import json, os
+import wheelrail
+from numba import config
+from numba.core.config import reload_config
+reload_config()  # as at every compilation
+from petsc4py import PETSc
+from dolfinx import jit
+try:
+    from ffcx.options import get_options
+except ImportError:
+    from ffcx.parameters import get_parameters as get_options
+jit_options = getattr(jit, "get_options", None) or jit.get_parameters
+print(json.dumps([
+    config.CACHE_DIR,
+    PETSc.Options().hasName("from_folder"),
+    jit_options()["cffi_extra_compile_args"],
+    get_options()["epsilon"],
+    os.getcwd(),
+]))
+"""
+
+
+def settings(folder: Path, **environment: str) -> list[object]:
+    """Settings of the libraries in a process with this working directory, and that directory afterwards."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("NUMBA_", "PETSC_OPTIONS"))}
+    environment = {**kept, "PYTHONPATH": str(ROOT), "HOME": str(folder / "home"), **environment}
+    done = subprocess.run(
+        [sys.executable, "-c", REPORT], env=environment, cwd=folder, capture_output=True, text=True, check=True
+    )
+    found: list[object] = json.loads(done.stdout)
+    return found
+
+
+def test_settings_in_the_working_directory_are_not_read(tmp_path: Path) -> None:
+    pytest.importorskip("yaml")
+    clean, other = tmp_path / "clean", tmp_path / "other"
+    for folder in (clean, other):
+        folder.mkdir()
+    (other / ".numba_config.yaml").write_text("cache_dir: elsewhere\n")
+    (other / ".petscrc").write_text("-from_folder 1\n")
+    for name in ("parameters", "options"):
+        (other / f"dolfinx_jit_{name}.json").write_text('{"cffi_extra_compile_args": ["-DHARM"]}')
+        (other / f"ffcx_{name}.json").write_text('{"epsilon": 0.5}')
+    *expected, first = settings(clean)
+    *found, second = settings(other)
+    assert found == expected
+    assert (first, second) == (str(clean), str(other))
+    assert found[:2] == ["", False]
+
+
+def test_settings_of_the_user_are_read(tmp_path: Path) -> None:
+    (tmp_path / "home").mkdir()
+    (tmp_path / "home" / ".petscrc").write_text("-from_folder 1\n")
+    assert settings(tmp_path, NUMBA_CACHE_DIR="mine")[:2] == ["mine", True]

@@ -1,0 +1,90 @@
+"""Libraries that read settings from the working directory are loaded outside it.
+
+With these files a folder from elsewhere could run code: `.numba_config.yaml` (folder of pickled machine code),
+`.petscrc` (`-dll_prepend` loads a library), `dolfinx_jit_parameters.json` and `ffcx_parameters.json`, from 0.6 on
+`..._options.json` (arguments of the compiler). The user's own settings, in the home folder and the environment, remain
+in effect. A library that was loaded before this package is left as it is.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec, PathFinder
+from importlib.util import find_spec
+from types import ModuleType
+
+ROOT = "/"  # where only an administrator puts files
+
+
+@contextmanager
+def outside_working_directory() -> Iterator[None]:
+    """The root as working directory; the present one again afterwards, even if it has been moved or removed."""
+    present = os.open(".", getattr(os, "O_PATH", os.O_RDONLY))
+    try:
+        os.chdir(ROOT)
+        yield
+    finally:
+        os.fchdir(present)
+        os.close(present)
+
+
+def _numba() -> None:
+    """Numba reads its file again at every compilation."""
+    import_module("numba.core.config").__dict__["_config_fname"] = os.devnull
+
+
+def _ffcx() -> None:
+    _read_options("ffcx.options", "ffcx.parameters")
+
+
+def _dolfinx() -> None:
+    _read_options("dolfinx.jit")
+
+
+def _read_options(*modules: str) -> None:
+    """Read the options of a library, which keeps them for later calls."""
+    module = next(import_module(name) for name in modules if find_spec(name))
+    getattr(module, "get_options" if hasattr(module, "get_options") else "get_parameters")()
+
+
+def _nothing() -> None:
+    """PETSc reads its file once, when it is loaded."""
+
+
+LIBRARIES: dict[str, Callable[[], None]] = {
+    "numba": _numba,
+    "petsc4py.PETSc": _nothing,
+    "ffcx": _ffcx,
+    "dolfinx": _dolfinx,
+}
+
+
+class _Finder(MetaPathFinder):
+    """Finds the libraries where Python does; their modules are executed outside the working directory."""
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        spec = PathFinder.find_spec(name, path, target) if name in LIBRARIES else None
+        if spec is None or spec.loader is None:
+            return None
+        execute, settle = spec.loader.exec_module, LIBRARIES[name]
+
+        def execute_outside(module: ModuleType) -> None:
+            with outside_working_directory():
+                execute(module)
+                settle()
+
+        spec.loader.exec_module = execute_outside  # type: ignore[method-assign]
+        return spec
+
+
+def load_libraries_outside() -> None:
+    """Load the libraries outside the working directory from now on, when they are first imported."""
+    if not any(isinstance(finder, _Finder) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Finder())
