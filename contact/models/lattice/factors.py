@@ -50,6 +50,21 @@ class Factors(NamedTuple):
             raise NotConverged("the Jacobian of the contact is singular")
         return cls(lu.T, (pivots + 1).astype(np.int32), rows, columns, rho)
 
+    def fit(self, values: Array, block: int, cells: int) -> bool:
+        """Whether they are those of a state with values (S, block) of strips with cells, also where they are read from
+        a file.
+        """
+        n = len(values) * block
+        vectors = (self.pivots, self.rows, self.columns)
+        return (
+            values.shape == (len(values), block)
+            and self.lu.shape == (n, n)
+            and all(vector.shape == (n,) for vector in vectors)
+            and self.rho.shape == (len(values), cells)
+            and n > 0
+            and bool(self.pivots.min() >= 1 and self.pivots.max() <= n)
+        )
+
     def solve(self, right: Array) -> Array:
         """Solution of the shape of the right-hand side: (S, block), or (n, k)."""
         scaled = self.rows[:, None] * right.reshape(len(self.rows), -1)

@@ -127,7 +127,9 @@ class LatticeContact:
     ) -> LatticeSolution | None:
         """Solution from the strips of an earlier result; None where that is too far away."""
         earlier = None if guess is None else guess.warm_start
-        if not isinstance(earlier, LatticeSolution) or earlier.state.values.shape[1] != self._block:
+        if not isinstance(earlier, LatticeSolution):
+            return None
+        if not earlier.factors.fit(earlier.state.values, self._block, self.resolution.cells):
             return None
         remain = np.isin(earlier.state.strips, problem.candidates, assume_unique=True)
         if not remain.any():

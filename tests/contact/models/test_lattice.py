@@ -319,6 +319,28 @@ def test_finite_bodies_from_any_start() -> None:
     np.testing.assert_allclose(from_earlier.force, from_none.force, atol=1e-6 * np.linalg.norm(from_none.force))
 
 
+@pytest.mark.parametrize("damaged", ["pivots", "lu", "rho", "block"])
+def test_a_warm_start_that_does_not_fit_is_not_used(damaged: str) -> None:
+    """As from a file that somebody has changed: compiled code reads the factors without looking at their sizes."""
+    contact = ellipse(0.3)
+    place, motion = hertz_pose(exact().approach), flowing(1e-3)
+    cold = contact(place, motion, None)
+    earlier = cold.warm_start
+    assert isinstance(earlier, LatticeSolution)
+    factors, state = earlier.factors, earlier.state
+    if damaged == "pivots":
+        factors = factors._replace(pivots=factors.pivots + np.int32(10**6))
+    elif damaged == "lu":
+        factors = factors._replace(lu=factors.lu[:5, :5].copy())
+    elif damaged == "rho":
+        factors = factors._replace(rho=factors.rho[:1])
+    else:
+        state = LatticeState(state.strips, state.values[:, 1:])
+    result = contact(place, motion, ContactResult.guess(LatticeSolution(state, factors)))
+    assert result.statistics.newton == cold.statistics.newton > 0
+    np.testing.assert_array_equal(result.force, cold.force)
+
+
 def test_falling_friction_reduces_the_force() -> None:
     falling = wheelset(FallingFriction(0.3, 0.4, 0.3))
     state = rolling(-5e-3, -0.34e-3, creepage=0.02)
