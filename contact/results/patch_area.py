@@ -8,6 +8,7 @@ from scipy.special import roots_legendre
 from wheelrail.support.arrays import Array
 
 PLACE, WEIGHT = roots_legendre(12)  # Gauss rule on -1 to 1
+RISE, RATE = 1 - np.cos(0.5 * np.pi * (PLACE + 1)), np.sin(0.5 * np.pi * (PLACE + 1))
 
 
 def patch_area(length: Array, bounds: Array) -> float:
@@ -21,22 +22,20 @@ def patch_area(length: Array, bounds: Array) -> float:
     lateral end of the contact too. It is interpolated by parabolas with these means; the contact ends at their root in
     an outer strip, or in the unloaded one next to it.
     """
-    S = len(length)
+    S, width = len(length), np.diff(bounds)
     if S < 3:
-        return float(length @ np.diff(bounds))
-    integral = np.concatenate([[0.0], np.cumsum(length**2 * np.diff(bounds))])
-    total = 0.0
-    for i in range(S):
-        first, middle = min(max(i - 1, 0), S - 3), 0.5 * (bounds[i] + bounds[i + 1])
-        near = slice(first, first + 4)
-        parabola = np.polyder(np.polyfit(bounds[near] - middle, integral[near], 3))
-        low, high = bounds[i] - middle, bounds[i + 1] - middle
-        if i == 0:
-            low = -_end(parabola * [1.0, -1.0, 1.0], high)
-        if i == S - 1:
-            high = _end(parabola, high)
-        total += _integral_of_root(parabola, low, high)
-    return total
+        return float(length @ width)
+    first = np.clip(np.arange(S) - 1, 0, S - 3)
+    middle = 0.5 * (bounds[:-1] + bounds[1:])
+    side = np.stack([bounds[first + k] - middle for k in range(4)], axis=1)  # of three strips, from the middle of one
+    # means over the three strips of 1, y and y^2
+    means = np.stack([(side[:, 1:] ** k - side[:, :-1] ** k) / (k * np.diff(side)) for k in (1, 2, 3)], axis=-1)
+    squares = np.stack([length[first + k] ** 2 for k in range(3)], axis=1)
+    parabola = np.linalg.solve(means, squares[..., None])[..., 0][:, ::-1]  # of y^2, y, 1
+    low, high = -0.5 * width, 0.5 * width
+    low[0] = -_end(parabola[0] * [1.0, -1.0, 1.0], high[0])
+    high[-1] = _end(parabola[-1], high[-1])
+    return float(_integrals_of_roots(parabola, low, high).sum())
 
 
 def _end(parabola: Array, side: float) -> float:
@@ -47,9 +46,8 @@ def _end(parabola: Array, side: float) -> float:
     return float(outside.min()) if len(outside) else side
 
 
-def _integral_of_root(parabola: Array, low: float, high: float) -> float:
-    """Integral of the root of a parabola from low to high, where it may vanish at either."""
-    angle = 0.5 * np.pi * (PLACE + 1)
-    y = low + 0.5 * (high - low) * (1 - np.cos(angle))
-    height = np.sqrt(np.maximum(np.polyval(parabola, y), 0.0))
-    return float(0.25 * np.pi * (high - low) * (WEIGHT * np.sin(angle)) @ height)
+def _integrals_of_roots(parabola: Array, low: Array, high: Array) -> Array:
+    """Integrals (S,) of the roots of parabolas (S, 3) from low to high (S,), where they may vanish at either."""
+    y = low[:, None] + 0.5 * (high - low)[:, None] * RISE
+    height = np.sqrt(np.maximum((parabola[:, :1] * y + parabola[:, 1:2]) * y + parabola[:, 2:], 0.0))
+    return np.asarray(0.25 * np.pi * (high - low) * (height @ (WEIGHT * RATE)))

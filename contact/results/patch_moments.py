@@ -1,4 +1,4 @@
-"""Peak pressure, semi-axes, area and stick area of a patch from the means of its cells, to second order."""
+"""Semi-axes, area and stick area of a patch from the means of its cells, to second order."""
 
 from __future__ import annotations
 
@@ -14,12 +14,10 @@ from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches,
 from wheelrail.support.arrays import Array
 
 RESIDUAL = 1e-6  # of the largest traction: by as much the solver may miss it where points slip
-RESOLVED = 0.01
-EDGE = 2  # cells next to an end, where the pressure is a square root, have no peak
 
 
 def sharpened(result: ContactResult, layout: StripLayout, bound: Array) -> ContactResult:
-    """The result with peak pressure, semi-axes, area and stick area interpolated within cells.
+    """The result with semi-axes, area and stick area interpolated within cells.
 
     bound (n,) Pa: the largest possible traction.
     """
@@ -39,16 +37,15 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
         x, length = 0.5 * (edges[:, 1:] + edges[:, :-1]), np.diff(edges)
         load = p[own] * length
         bounds = np.append(layout.sides[own, 0], layout.sides[own, 1][-1])
-        axes = (spread(p[own], x, length, load), lateral_spread(load.sum(axis=1) * width, s, width))
+        axes = (spread(p[own], x, length, load, layout.marks), lateral_spread(load.sum(axis=1) * width, s, width))
         stick = sum(
             stick_length(row, part) * wide[0] / part[0]
             for row, part, wide in zip(left[own], length, area[own], strict=True)
         )
-        highest = peak(p[own], x, length, s, width)
         strips = area[own].sum(axis=1)
         smooth = patch_area(strips / width, bounds)
         sticks = float(stick) * smooth / float(strips.sum())
-        corrected.append(replace(patch, max_pressure=highest, semi_axes=axes, area=smooth, stick_area=sticks))
+        corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=sticks))
     return tuple(corrected)
 
 
@@ -70,14 +67,20 @@ def stick_length(left: Array, length: Array) -> float:
     return float(total)
 
 
-def spread(p: Array, x: Array, length: Array, weight: Array) -> float:
+def spread(p: Array, x: Array, length: Array, weight: Array, marks: Array) -> float:
     """Semi-axis m of the ellipse whose Hertz pressure has the same second moment along x.
+
+    Parameters:
+        p: (S, M) Pa, means over the cells.
+        x, length: (S, M) m, their middles and lengths.
+        weight: (S, M), loads.
+        marks: (M + 1,) their boundaries from 0 to 1.
 
     With a pressure gradient p' the second moment of a cell is p (x^2 + l^2/12) + 2 x p' l^2/12.
     """
     total = weight.sum()
     centre = (weight * x).sum() / total
-    slope = np.array([np.gradient(row, at) for row, at in zip(p, x, strict=True)])
+    slope = np.gradient(p, 0.5 * (marks[1:] + marks[:-1]), axis=1) * (marks[1] - marks[0]) / length[:, :1]
     part = length**2 / 12
     share = np.divide(weight, p, out=np.zeros_like(weight), where=p > 0)
     moment = (weight * ((x - centre) ** 2 + part) + share * 2 * (x - centre) * slope * part).sum() / total
@@ -91,28 +94,3 @@ def lateral_spread(load: Array, middle: Array, width: Array) -> float:
     total = load.sum()
     centre = load @ middle / total
     return float(np.sqrt(5 * (load @ ((middle - centre) ** 2 + width**2 / 12)) / total))
-
-
-def peak(p: Array, x: Array, length: Array, s: Array, width: Array) -> float:
-    """Largest pressure Pa: a parabola through the mean pressures of the largest cell and its neighbours each way.
-
-    A peak that it would raise by more than 1 % is not resolved by three cells and not corrected.
-    """
-    inner = p.copy()
-    inner[:, :EDGE] = inner[:, -EDGE:] = 0.0
-    i, j = np.unravel_index(np.argmax(inner), p.shape)
-    best = float(p[i, j])
-    if not inner[i, j] > 0:
-        return float(p.max())
-    along = _rise(p[i, j - 1 : j + 2], x[i, j - 1 : j + 2], float(length[i, j]))
-    across = _rise(p[i - 1 : i + 2, j], s[i - 1 : i + 2], float(width[i])) if 0 < i < len(p) - 1 else 0.0
-    return best + along + across
-
-
-def _rise(p: Array, x: Array, length: float) -> float:
-    """Height Pa of the maximum of a parabola through three means above the middle one."""
-    a, b, _ = np.polyfit(x - x[1], p, 2)
-    if a >= 0 or abs(b / (2 * a)) > length:
-        return 0.0
-    rise = -a * length**2 / 12 - b * b / (4 * a)
-    return float(rise) if rise < RESOLVED * p[1] else 0.0
