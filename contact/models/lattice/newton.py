@@ -14,15 +14,18 @@ from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.factors import Factors
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
-from wheelrail.contact.models.lattice.state import LatticeState, leaving, longest, relative_size
+from wheelrail.contact.models.lattice.state import LatticeState, leaving, longest, relative_parts, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Mask
 
 log = logging.getLogger(__name__)
 
 ITERATIONS = 60
 HALVINGS = 6  # of a step in the line search
 NEAR = 0.1  # step below which strips may enter
+NEARER = 1e-3  # the same after strips have been set aside
+STALLED = 3  # shortened steps, one after the other, after which strips are set aside
+SMALL = 0.3  # load per width over the largest one, of strips that may be set aside
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
 RELEASES = 2  # times that such strips may enter again
 
@@ -50,6 +53,8 @@ class LatticeNewton:
         self.problem, self.tolerance, self.count = problem, tolerance, count
         self._left: dict[int, int] = {}
         self._releases = 0
+        self._near = NEAR
+        self._shortened = 0  # steps, one after the other
 
     def solve(
         self, state: LatticeState, farthest: float = np.inf, iterations: int = ITERATIONS
@@ -79,8 +84,12 @@ class LatticeNewton:
                 log.debug("strips %s leave", state.strips[~remains])
                 state, checked = state.at(remains), False
                 continue
+            aside = self._aside(state, step)
+            if aside.any():
+                state, checked = state.at(~aside), False
+                continue
             state, size, evaluation = self._moved(state, step, rho, factors, evaluation)
-            if size < self.tolerance or (size < NEAR and not checked):
+            if size < self.tolerance or (size < self._near and not checked):
                 grown = self._entered(state)
                 if grown is not None:
                     state, checked = grown, False
@@ -106,6 +115,7 @@ class LatticeNewton:
             _, before = relative_size(state.values, step)
             factor = longest(state.values, step)
             best: tuple[float, LatticeState, Array, Evaluation] | None = None
+            self._shortened += 1
             for _ in range(HALVINGS):
                 trial = state.moved(step, factor)
                 self.count.linear += 1
@@ -119,6 +129,8 @@ class LatticeNewton:
                 if best is None or after < best[0]:
                     best = after, trial, following, evaluation
                 if after <= (1 - 0.25 * factor) * before:
+                    if factor > 0.5:
+                        self._shortened = 0
                     break
                 factor *= 0.5
             if best is None:
@@ -130,6 +142,23 @@ class LatticeNewton:
             if leaving(state.values, step, size).any():
                 break
         return state, size, evaluation
+
+    def _aside(self, state: LatticeState, step: Array) -> Mask:
+        """Strips (S,) that are set aside, to enter again from the solution without them: those that hinder a stalled
+        iteration, the ones with the largest relative step.
+        """
+        aside = np.zeros(len(state.strips), dtype=bool)
+        if self._shortened < STALLED or len(aside) == 1:
+            return aside
+        self._shortened, self._near = 0, NEARER
+        parts = relative_parts(state.values, step)
+        aside = parts > 0.5 * parts.max()
+        load = state.modes[:, 0] * state.half
+        aside &= load < SMALL * load.max()
+        log.debug("strips %s are set aside", state.strips[aside])
+        for strip in state.strips[aside]:
+            self._left[int(strip)] = self._left.get(int(strip), 0) + 1
+        return aside
 
     def _released(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter although they had left too often; None without any.

@@ -103,6 +103,15 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
     return largest if np.isfinite(total) else np.inf, np.sqrt(total)
 
 
+def relative_parts(values: Array, step: Array) -> Array:
+    """Largest entry (S,) of a step (S, block) in each strip over the largest amplitude of the pressure, or half
+    length.
+    """
+    pressure = max(float(np.abs(values[:, -2 - MODES]).max()), LEAST_PRESSURE)
+    half = 0.5 * float((values[:, -1] - values[:, -2]).max())
+    return np.asarray(np.maximum(np.abs(step[:, :-2]).max(axis=1) / pressure, np.abs(step[:, -2:]).max(axis=1) / half))
+
+
 @compiled
 def leaving(values: Array, step: Array, size: float) -> Mask:
     """Strips (S,) that leave by a step of a relative size: those with negative load after a full step that have nearly
