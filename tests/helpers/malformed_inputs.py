@@ -176,6 +176,13 @@ def scene_files(t: Table) -> None:
     t.file("a million numbers", HERTZ + "[more]\nx = [" + "1," * MB + "]", "MB")
     t.file("nested too deep", HERTZ + "x = " + "[" * 20000 + "]" * 20000, "not valid TOML", "nested")
     t.file("number too long", HERTZ.replace("10e3", "1" * 5000), "not valid TOML", "digits")
+    t.file("hexadecimal number too long", HERTZ.replace("10e3", "0x" + "f" * 200_000), "load", "800000 bits")
+    t.file("dots", "a" + ".a" * 30_000 + " = 1\n", "line 1", "at most 32 dots")
+    t.file("nested 100 levels", HERTZ + "x = " + "[" * 100 + "]" * 100, "nested more than 32 levels")
+    t.file("key too long", "k" * 500_000 + " = 1\n" + HERTZ, "kkk...", "unknown key")
+    t.file("kind too long", HERTZ.replace('"hertz"', f'"{"x" * 500_000}"'), "kind = 'xxx", "'run'")
+    unknown = "".join(f"k{i} = 1\n" for i in range(60_000))
+    t.file("60 000 unknown keys", unknown + HERTZ, "k1 = 1: unknown key", "59996 more errors")
     t.file("number too large", HERTZ.replace("10e3", "1" + "0" * 400), "load = 1000", "1e+08 N")
     t.file("JSON", '{"kind": "hertz"}', "not valid TOML", "line 1")
     t.file("kind of no kind", 'kind = ["run"]', "kind = ['run']", "'run'")
@@ -188,6 +195,11 @@ def hertz_scenes(t: Table) -> None:
         ("load missing", "load = 10e3", "", "load: missing", "exactly one"),
         ("load in GN", "load = 10e3", "load = 10e9", "load = 10000000000.0", "1e+08 N"),
         ("load NaN", "load = 10e3", "load = nan", "load = NaN", "N"),
+        ("load of nothing", "load = 10e3", "load = 1e-300", "load = 1e-300", "0.001"),
+        ("approach of nothing", "load = 10e3", "approach = 1e-300", "approach = 1e-300", "1e-10 to 0.005 m"),
+        ("speed of nothing", "speed = 10.0", "speed = 1e-300", "speed = 1e-300", "0.001 to 200 m/s"),
+        ("slip_order as truth value", "load = 10e3", "load = 10e3\nslip_order = true", "slip_order = true", "1 or 2"),
+        ("slip_order as fraction", "load = 10e3", "load = 10e3\nslip_order = 2.0", "slip_order = 2.0", "1 or 2"),
         ("load as text", "load = 10e3", 'load = "10 kN"', 'load = "10 kN"', "a number"),
         ("load as date", "load = 10e3", "load = 1998-05-03", "load = ", "a number"),
         ("friction in per cent", "friction = 0.3", "friction = 30", "friction = 30", "0 to 2"),
@@ -211,6 +223,7 @@ def hertz_scenes(t: Table) -> None:
 
 
 def wheelset_scenes(t: Table) -> None:
+    t.scene("wheelset: nu of auxetics", standard(WHEELSET), "nu = 0.3", "nu = -0.2", "nu = -0.2", "at least 0")
     for name, old, new, *says in (
         ("gauge in mm", "gauge = 1.435", "gauge = 1435", "track.gauge = 1435", "0.5 to 2 m"),
         ("gauge in km", "gauge = 1.435", "gauge = 1.435e-3", "track.gauge = 0.001435", "0.5 to 2 m"),
@@ -245,6 +258,10 @@ def run_scenes(t: Table) -> None:
         ("cant in mm", "cant = 0.06 ", "cant = 60 ", "track.cant = 60", "60 mm is 0.06"),
         ("tolerance of nothing", "rtol = 1e-3", "rtol = 0", "solver.rtol = 0", "1e-12"),
         ("workers", "rtol = 1e-3", "rtol = 1e-3\nworkers = 200", "solver.workers = 200", "1 or 2"),
+        ("workers as truth value", "rtol = 1e-3", "rtol = 1e-3\nworkers = true", "solver.workers = true", "1 or 2"),
+        ("profile name too long", '"S1002"', f'"{"x" * 100_000}"', "profiles.wheel = ", "existing file"),
+        ("wagon name too long", "speed = 45.0", f'speed = 45.0\nwagon = "{"x" * 100_000}"', "wagon", "too long"),
+        ("wagon key too long", "speed = 45.0", f"speed = 45.0\n{'x' * 100_000} = 1", "vehicle.xxx", "unknown key"),
         ("wagon mass in t", "speed = 45.0", "speed = 45.0\ncar_body.mass = 32", "vehicle.car_body.mass = 32", "kg"),
         ("wagon that is nowhere", "speed = 45.0", 'speed = 45.0\nwagon = "none.toml"', "none.toml", "No such file"),
         ("table for a number", "speed = 45.0", "speed = {x = 1}", "vehicle.speed", "m/s"),
@@ -349,6 +366,8 @@ def wagons(t: Table) -> None:
     t.wagon("wagon: NaN", "[bogie]\nmass = nan\n", "bogie.mass = NaN", "finite")
     t.wagon("wagon: infinite", "roll_bar = inf\n", "roll_bar = Infinity", "finite")
     t.wagon("wagon: beyond floats", "roll_bar = 1" + "0" * 400, "roll_bar = 1000", "a number")
+    t.wagon("wagon: dots", "bogie" + ".x" * 30_000 + " = 1\n", "line 1", "at most 32 dots")
+    t.wagon("wagon: hexadecimal", "bogie.mass = 0x" + "f" * 5000, "bogie", "20000 bits")
     t.wagon("wagon: text", '[bogie]\nmass = "2.6 t"\n', 'bogie.mass = "2.6 t"', "a number")
     t.wagon("wagon: number for a table", "bogie = 2615.0\n", "bogie = 2615", "table")
     t.wagon("wagon: bumpstop that falls", "bumpstop = [[0, 0], [0.1, 5], [0.2, 3]]\n", "bumpstop", "do not decrease")
@@ -380,6 +399,9 @@ def studies(t: Table) -> None:
     t.study("key below a number", "[grid]\nload.x = [1]\n", "grid.load.x: unknown key", "tables and arrays")
     t.study("place beyond an array", '[grid]\n"creepage.7" = [1e-3]\n', "grid.creepage.7: unknown key")
     t.study("key of nothing", '[grid]\n"" = [1e4]\n', 'grid: "": must be a dotted key')
+    t.study("key of many dots", '[grid]\n"' + "a." * 30_000 + 'b" = [1]\n', "at most 32 dots")
+    t.study("scene name too long", f'kind = "study"\nscene = "{"s" * 100_000}"\n' + loads, "existing scene file")
+    t.study("long value twice", f"[grid]\nload = ['{'s' * 9000}', '{'s' * 9000}']\n", "must be listed once")
     t.study("value twice", "[grid]\nload = [1e4, 2e4, 1e4]\n", "grid", "load: 10000.0 must be listed once")
     grid = "".join(
         f"{name} = [{', '.join(str(k * i) for i in range(1, 201))}]\n" for name, k in (("load", 1), ("speed", 0.1))

@@ -197,7 +197,7 @@ MALFORMED = [
     (HERTZ, "friction = 0.3", "", ("friction: missing", "from 0 to 2")),
     (HERTZ, "friction = 0.3", "friction = -0.1", ("friction = -0.1", "from 0 to 2")),
     (HERTZ, "friction = 0.3", "friction = true", ("friction = true", "a number from 0 to 2")),
-    (HERTZ, "speed = 10.0", "speed = 0", ("speed = 0", "between 0 and 200 m/s")),
+    (HERTZ, "speed = 10.0", "speed = 0", ("speed = 0", "0.001 to 200 m/s")),
     (HERTZ, "speed = 10.0", "", ("speed: missing", "friction is not 0")),
     (HERTZ, "creepage = [1e-3, 0.0, 0.0]", "creepage = [1e-3, 0.0]", ("creepage", "missing", "rad/m")),
     (HERTZ, "creepage = [1e-3, 0.0, 0.0]", "creepage = 1e-3", ("creepage = 0.001", "an array of 3")),

@@ -738,3 +738,8 @@ def test_no_cluster_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         run_study(study(grid={"load": [1e4]}), tmp_path, scheduler="tcp://127.0.0.1:9")
     with pytest.raises(SceneError, match="must be an address"):
         run_study(study(grid={"load": [1e4]}), tmp_path, scheduler="nonsense://x")
+
+
+def test_names_of_many_dots_are_refused() -> None:
+    with pytest.raises(SceneError, match="must be a dotted key of the scene"):
+        check_study({"scene": {}, "grid": {"a." * 30_000 + "b": [1]}})

@@ -55,13 +55,14 @@ def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
         place: prefix of errors while computing or writing; that of the scene by default.
     """
     from wheelrail.scenes.schema.errors import RunFailed, SceneError
+    from wheelrail.support.text_file import abridged
 
     try:
         yield
     except SceneError as error:
         raise rejected(f"{scene}{error}") from None
     except (OSError, RunFailed) as error:
-        print(f"{scene if place is None else place}{error}", file=sys.stderr)
+        print(abridged(f"{scene if place is None else place}{error}"), file=sys.stderr)
         raise typer.Exit(FAILED) from None
 
 
@@ -88,5 +89,7 @@ def results_folder(out: Path | None, default: Path) -> Path:
 
 def rejected(message: str) -> typer.Exit:
     """Print a validation error; returns the exception to raise."""
-    print(message, file=sys.stderr)
+    from wheelrail.support.text_file import abridged
+
+    print(abridged(message), file=sys.stderr)
     return typer.Exit(BAD_INPUT)

@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 @cache
 def progress_console() -> Console:
     """The console for progress and log messages: standard error, a single one, so that messages do not break progress
-    bars.
+    bars. Brackets in names of files are no markup.
     """
     from rich.console import Console
 
-    return Console(stderr=True)
+    return Console(stderr=True, markup=False)
 
 
 def result_console() -> Console:
     """The console for results: standard output, 120 columns wide when it is no terminal."""
     from rich.console import Console
 
-    return Console(width=None if sys.stdout.isatty() else 120, soft_wrap=True)
+    return Console(width=None if sys.stdout.isatty() else 120, soft_wrap=True, markup=False)
 
 
 class ConsoleHandler(logging.Handler):

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 from pathlib import Path
 
 MB = 1_000_000
 KINDS = {stat.S_ISDIR: "a folder", stat.S_ISFIFO: "a pipe", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
+LONGEST_QUOTE = 200  # characters
+LONGEST_WORD = re.compile(rf"\S{{{LONGEST_QUOTE + 1},}}")
+LONGEST_LINE, MOST_LINES = 1000, 10
 
 
 class FileRefused(ValueError):
@@ -34,6 +38,22 @@ def read_text(path: str | Path, most: float, *, foreign: bool = False) -> str:
     except UnicodeDecodeError as error:
         where = f"{path}, line {_line(content, error.start)}"
         raise FileRefused(f"{where}: byte 0x{content[error.start]:02x}, not UTF-8; allowed: text in UTF-8") from None
+
+
+def present(path: Path) -> bool:
+    """Whether there is a file or folder of that name, which may be too long for one, or have a zero byte."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def abridged(message: str) -> str:
+    """A message that quotes input, with long words, long lines and further lines cut off."""
+    lines = [LONGEST_WORD.sub(lambda word: f"{word[0][: LONGEST_QUOTE - 3]}...", line) for line in message.splitlines()]
+    if len(lines) > MOST_LINES:
+        lines[MOST_LINES:] = [f"and {len(lines) - MOST_LINES} more"]
+    return "\n".join(line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE - 3]}..." for line in lines)
 
 
 def _content(path: str | Path, most: float) -> bytes:

@@ -12,6 +12,7 @@ from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.cache import source_digest
+from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
@@ -33,7 +34,7 @@ def inputs(scene: RunScene) -> dict[str, Any]:
     """The scene, with files replaced by the hash of their content."""
 
     def plain(value: Any) -> Any:
-        if isinstance(value, str) and Path(value).is_file():
+        if isinstance(value, str) and present(Path(value)) and Path(value).is_file():
             return f"a file of SHA-256 {hashlib.sha256(Path(value).read_bytes()).hexdigest()[:12]}"
         if isinstance(value, dict):
             return {key: plain(item) for key, item in value.items()}

@@ -15,6 +15,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.quantities import Range
 
 Keys = tuple[int | str, ...]
+MOST_ERRORS = 4
 
 
 def validation_error(
@@ -34,7 +35,8 @@ def validation_error(
         unnamed: tables to omit from the names of keys.
     """
     lines: dict[str, str] = {}
-    for item in error.errors(include_url=False):
+    items = error.errors(include_url=False, include_input=False)
+    for item in items[:MOST_ERRORS]:
         ctx = item.get("ctx", {})
         location = _in_data(item["loc"], data)
         if item["type"] == "extra_forbidden":
@@ -47,7 +49,8 @@ def validation_error(
             key, text = location, f"must be {allowed(model, location)}"
         name = _dotted(key[1:] if key[0] in unnamed else key)
         lines.setdefault(name, f"{name}{_value(key, data)}: {text}")
-    return SceneError("\n".join(f"{path}: {line}" for line in lines.values()))
+    more = [f"{len(items) - MOST_ERRORS} more errors"] if len(items) > MOST_ERRORS else []
+    return SceneError("\n".join(f"{path}: {line}" for line in (*lines.values(), *more)))
 
 
 def entry_message(key: Keys, data: Mapping[str, Any], text: str) -> str:
@@ -145,7 +148,7 @@ def _in_data(location: Keys, data: Any) -> Keys:
 def _nearest(location: Keys, model: type[BaseModel]) -> str:
     """Suggestion for an unknown key: a similar key of its table, or the same key in another table."""
     table = next(_without_none(_type_at(model, location[:-1])))
-    wrong = str(location[-1])
+    wrong = str(location[-1])[:100]
     here = list(table.model_fields)
     close = get_close_matches(wrong, here, n=1, cutoff=0.6) or [k for k in here if k.lower() == wrong.lower()]
     if close:

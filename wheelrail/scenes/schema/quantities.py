@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, isnan
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AllowInfNan, GetCoreSchemaHandler, Strict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -87,6 +87,16 @@ class OrExact(Range):
         return value if value == self.exact else super().check(value)
 
 
+class WholeNumber:
+    """Whole numbers only: `Literal[1, 2]` alone admits true and 2.0, which are equal to one of its values."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.check, handler(source))
+
+    def check(self, value: Any) -> Any:
+        return value if type(value) is int or value is None else repr(value)
+
+
 Finite = Annotated[float, Strict(), AllowInfNan(False)]
 
 Young = Annotated[Finite, Range(1e9, 1e13, "Pa", "steel is 2.1e11; not in GPa or MPa")]
@@ -107,8 +117,8 @@ Spin = Annotated[Finite, Range(-1e3, 1e3, "rad/m")]
 Load = Annotated[Finite, Range(1e-3, 1e8, "N")]
 WheelLoad = Annotated[Finite, Range(1e3, 1e6, "N", "57 kN is 57e3")]
 AxleLoad = Annotated[Finite, Range(2e3, 2e6, "N", "114 kN is 114e3")]
-Approach = Annotated[Finite, Range(0.0, 5e-3, "m", "25 µm is 25e-6", open=True)]
-Speed = Annotated[Finite, Range(0.0, 200.0, "m/s", "162 km/h is 45 m/s", open=True)]
+Approach = Annotated[Finite, Range(1e-10, 5e-3, "m", "25 µm is 25e-6")]
+Speed = Annotated[Finite, Range(1e-3, 200.0, "m/s", "162 km/h is 45 m/s")]
 RunSpeed = Annotated[Finite, Range(0.1, 200.0, "m/s", "162 km/h is 45 m/s")]
 Radius = Annotated[float, Strict(), AllowInfNan(True), Principal(-inf, inf)]
 WheelRadius = Annotated[Finite, Range(0.1, 1.0, "m", "a wheel diameter of 920 mm is a radius of 0.46")]
@@ -125,6 +135,7 @@ CantBase = Annotated[Finite, Range(0.5, 2.5, "m", "1.5 for standard gauge")]
 Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille is 0.01")]
 Length = Annotated[Finite, Range(0.0, 1e5, "m")]
 Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm is 2e-3")]
+OneOrTwo = Annotated[Literal[1, 2], WholeNumber()]
 Strips = Annotated[int, Strict(), Range(4, 64, whole=True)]
 Cells = Annotated[int, Strict(), Range(5, 64, whole=True)]
 Steps = Annotated[int, Strict(), Range(0, 100_000, whole=True)]

@@ -77,11 +77,11 @@ class Contact(SceneTable):
     merge_distance: q.MergeDistance | None = None
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     bodies: Literal["solid", "waveguide", "half-space"] | None = None
-    degree: Literal[1, 2] | None = None
+    degree: q.OneOrTwo | None = None
     points: Literal["lattice", "grid"] | None = None
     strips: q.Strips | None = None
     cells: q.Cells | None = None
-    slip_order: Literal[1, 2] = 2
+    slip_order: q.OneOrTwo = 2
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
     normal_law: NormalTable | None = None
@@ -158,6 +158,13 @@ def _between(wheelset: AxleTable, gauge: float) -> None:
         raise q.reject(f"must be less than the gauge of {gauge:g} m", "wheelset.flange_back_distance")
 
 
+def _tabulated(scene: Contact, poisson: dict[str, float]) -> None:
+    """Raises a validation error for Poisson's ratios, by key, outside Kalker's table of creep coefficients."""
+    for key, nu in poisson.items():
+        if scene.model == "standard" and scene.frictional and nu < 0.0:
+            raise q.reject('must be at least 0 with model = "standard" and friction', key)
+
+
 NO_STRESS = 'allowed only with model = "condensed" or "full"'
 
 
@@ -229,6 +236,7 @@ class HertzScene(Solve):
             raise q.reject(
                 'allowed only with Coulomb friction: regularisation = 0 or laws = "exact", without falling', "shift"
             )
+        _tabulated(self, {"upper.nu": self.upper.nu, "lower.nu": self.lower.nu})
         for name, upper, lower in zip("xy", self.upper.radii, self.lower.radii, strict=True):
             if not 1.0 / upper + 1.0 / lower > 0.0:
                 text = (
@@ -259,6 +267,7 @@ class WheelsetScene(Solve):
         if self.model == "standard" and self.stress is not None:
             raise q.reject(NO_STRESS, "stress")
         _between(self.wheelset, self.track.gauge)
+        _tabulated(self, {"nu": self.nu})
         for key in ("speed", "pitch_rate"):
             if self.frictional and getattr(self.wheelset, key) is None:
                 raise q.reject("required if friction is not 0", f"wheelset.{key}")
@@ -284,6 +293,7 @@ class RunScene(Contact):
         from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
         _between(self.wheelset, self.track.gauge)
+        _tabulated(self, {"nu": self.nu})
         if self.output.interval:
             shortest = SpeedProfile.of(self.vehicle.speed_profile).time_at(self.track.length) / MOST_SAMPLES
             if self.output.interval < shortest:
@@ -344,7 +354,7 @@ def checked(
     kind = data.get("kind")
     model = KINDS.get(kind) if isinstance(kind, str) else None
     if model is None:
-        entry = f"kind = {kind!r}" if "kind" in data else "kind: missing"
+        entry = f"kind = {repr(kind)[:100]}" if "kind" in data else "kind: missing"
         raise SceneError(f"{path}: {entry}: must be one of {', '.join(map(repr, KINDS))}")
     try:
         return model.model_validate(data, context={"folder": Path(path).parent, "at_hand": at_hand})

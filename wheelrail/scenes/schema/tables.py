@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationInfo, field
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.override import overridden
+from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
@@ -82,7 +83,7 @@ class ProfilesTable(SceneTable):
         if value in names or info.field_name in context.get("at_hand", ()):
             return value
         file = Path(context.get("folder", "."), value)
-        if not file.exists():
+        if not present(file):
             raise q.reject(f"must be {' or '.join(names)}, or an existing file, relative to the scene's folder")
         from wheelrail.meshes.profiles.library import load_profile
 
@@ -236,7 +237,7 @@ class SolverTable(SceneTable):
     method: Literal["ode23", "ode45", "rosenbrock"] = "ode23"
     rtol: q.Tolerance = 1e-3
     atol: q.Tolerance = 1e-6
-    workers: Literal[1, 2] = 1
+    workers: q.OneOrTwo = 1
 
 
 class OutputTable(SceneTable):

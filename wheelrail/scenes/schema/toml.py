@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,10 @@ from wheelrail.support.text_file import FileRefused
 from wheelrail.support.text_file import read_text as text_of
 
 MOST = 1.0  # MB
+DEEPEST = 32  # tables and arrays inside each other
+LONGEST_INTEGER = 10_000  # bits; Python refuses to print more than 4300 digits
+WORD = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+DOTTED = re.compile(rf"(?<![\w-]){WORD}(?:[ \t]*+\.[ \t]*+{WORD}){{{DEEPEST},}}", re.ASCII)
 
 
 def read_text(path: Path) -> str:
@@ -22,10 +28,34 @@ def read_text(path: Path) -> str:
 
 
 def parse(text: str, path: str | Path) -> dict[str, Any]:
-    """Tables of a TOML text; raises SceneError for another text, naming path."""
+    """Tables of a TOML text; raises SceneError for another text, naming path.
+
+    Also for tables, arrays and dotted keys of more than 32 levels, and for whole numbers of thousands of digits, whose
+    cost grows faster than their length.
+    """
+    if key := DOTTED.search(text):  # before tomllib, which takes memory with the square of their number
+        line = text.count("\n", 0, key.start()) + 1
+        raise SceneError(f"{path}, line {line}: not valid: {key[0]}: allowed: at most {DEEPEST} dots in a key")
     try:
-        return tomllib.loads(text)
+        data = tomllib.loads(text)
     except ValueError as error:  # of TOML syntax, or of a number with thousands of digits
         raise SceneError(f"{path}: not valid TOML: {error}") from None
     except RecursionError:
         raise SceneError(f"{path}: not valid TOML: brackets nested hundreds of levels deep") from None
+    for name, value, depth in _entries(data):
+        if depth > DEEPEST:
+            raise SceneError(f"{path}: {name}: brackets nested more than {DEEPEST} levels deep")
+        if isinstance(value, int) and value.bit_length() > LONGEST_INTEGER:
+            raise SceneError(f"{path}: {name}: a whole number of {value.bit_length()} bits: allowed: at most 64")
+    return data
+
+
+def _entries(data: dict[str, Any]) -> Iterator[tuple[str, Any, int]]:
+    """All values with the key of the outermost table and their depth."""
+    waiting = [(name, value, 1) for name, value in data.items()]
+    while waiting:
+        name, value, depth = waiting.pop()
+        yield name, value, depth
+        if isinstance(value, dict | list) and depth <= DEEPEST:
+            inner = value.values() if isinstance(value, dict) else value
+            waiting += [(name, item, depth + 1) for item in inner]

@@ -87,7 +87,7 @@ def run_study(
     path = Path(study) if isinstance(study, str | Path) else Path("study")
     if not isinstance(study, StudyTable):
         study = check_study(study) if isinstance(study, Mapping) else load_study(path)
-    planned, console = plan(study, path), Console(stderr=True)
+    planned, console = plan(study, path), Console(stderr=True, markup=False)
     with tempfile.TemporaryDirectory(prefix="wheelrail-study-") as temporary:
         target = Path(temporary if folder is None else folder)
         with messages_on(console):

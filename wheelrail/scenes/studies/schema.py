@@ -14,7 +14,8 @@ from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.tables import SceneTable
-from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.schema.toml import DEEPEST, parse, read_text
+from wheelrail.support.text_file import present
 
 Values = Annotated[tuple[Any, ...], Strict(False), Field(min_length=1)]
 Count = Annotated[int, Strict(), q.Range(1, 100_000, whole=True)]
@@ -105,7 +106,7 @@ class StudyTable(SceneTable):
         if not isinstance(value, str):
             return value
         file = Path((info.context or {}).get("folder", "."), value)
-        if not file.is_file():
+        if not (present(file) and file.is_file()):
             raise q.reject("must be an existing scene file, relative to the study's folder")
         return str(file.resolve())
 
@@ -117,8 +118,8 @@ class StudyTable(SceneTable):
             )
         parameters = [(name, location) for location, table in self.parameter_tables for name in table]
         for name, location in parameters:
-            if not all(name.split(".")):
-                raise q.reject(f'"{name}": must be a dotted key of the scene', location)
+            if not all(name.split(".")) or name.count(".") > DEEPEST:
+                raise q.reject(f'"{name[:100]}": must be a dotted key of the scene', location)
             if name == "kind":
                 raise q.reject("kind: must not be varied; a study has one kind of scene", location)
             conflicts = [
