@@ -1,22 +1,26 @@
-"""Lateral sweep of a wheel across its rail at constant load: smoothness of forces as patches merge, split or change
-cells.
+"""Lateral sweep of a wheel across its rail at constant load: is the contact a smooth function of the pose?
 
-python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--size MM] [--points lattice|grid]
-                           [--picture FILE] [--json FILE]
+python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--yaw MRAD] [--bodies half-space]
+                           [--tolerance T] [--tangents EVERY] [--picture FILE] [--json FILE]
 
 One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Output for
-every force and moment: the largest change between positions, and the scatter, the RMS of the second difference, both
-relative to the load (moments: to the load on one nominal radius).
+every force and moment, relative to the load (moments: to the load on one nominal radius): the largest change between
+positions; the largest second difference, that over eight times the distance divided by 64 (the curvature of the
+function), and the largest ratio of the former to three times the latter nearby plus 2e-5 of the load; the largest
+difference between solves that start from the result of the position before and from none; and, at every n-th position,
+the largest error of the tangent against differences, over the largest entry of its row.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from benchmarks.common.machine import machine_description
 from benchmarks.common.models import STEEL, PairTrack, wheelset_model
@@ -30,69 +34,198 @@ LOAD = 57e3  # N
 NAMES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 SPEED = 10.0  # m/s
 RTOL = 1e-7  # of the load
+WIDE = 8  # distance of the differences from which the curvature is taken, in steps
+ALLOWED = 2e-5  # of the load
+DISTANCES = 2e-7, 2e-6  # m and rad, of the differences of the tangent
+RATES = SPEED  # m/s and rad/s over m and rad in them: equal creepages
 
 
-def under_load(contact: WheelsetContact, y: float, depth: float, slope: float) -> tuple[float, float, ContactResult]:
-    """Depth m at which the left wheel carries the load, slope N/m there, and the contact result, by secant steps."""
-    last: tuple[float, float] | None = None
-    for _ in range(30):
-        state = WheelsetState(y=y, z=-depth, speed=SPEED, pitch_rate=SPEED / contact.mounting.radius)
-        result = contact(state, "left")
+class Unsolved(RuntimeError):
+    """No solution at a position."""
+
+
+@dataclass
+class Sweep:
+    """Contact of the left wheel under the load at one position after another.
+
+    Parameters:
+        contact: of the wheelset.
+        yaw: rad.
+        depth, slope: m and N/m, at the last position.
+        last: result there, from which solves start.
+    """
+
+    contact: WheelsetContact
+    yaw: float
+    depth: float = 0.0
+    slope: float = 1e9
+    last: ContactResult | None = None
+
+    def solved(self, state: WheelsetState, guess: ContactResult | None) -> ContactResult:
+        result = self.contact(state, "left", guess)
         if not result.ok:
-            raise RuntimeError(f"y = {1e3 * y:.2f} mm: {result.status}")
-        force = float(result.force[2])
-        if last is not None and abs(depth - last[0]) > 1e-10:
-            slope = max((force - last[1]) / (depth - last[0]), 1e7)
-        if abs(force - LOAD) <= RTOL * LOAD or (last is not None and abs(depth - last[0]) < 1e-12):
-            break
-        last = depth, force
-        depth += float(np.clip((LOAD - force) / slope, -2e-5, 2e-5)) if force > 0 else 2e-5
-    return depth, slope, result
+            raise Unsolved(f"y = {1e3 * state.y:.3f} mm, z = {1e3 * state.z:.5f} mm: {result.status}")
+        return result
+
+    def at(self, y: float, depth: float) -> WheelsetState:
+        rolling = SPEED / self.contact.mounting.radius
+        return WheelsetState(y=y, z=-depth, yaw=self.yaw, speed=SPEED, pitch_rate=rolling)
+
+    def under_load(self, y: float) -> WheelsetState:
+        """State that carries the load, by secant steps. Raises Unsolved."""
+        before: tuple[float, float] | None = None
+        result = self.last
+        for _ in range(30):
+            result = self.solved(self.at(y, self.depth), result)
+            force = float(result.force[2])
+            if before is not None and abs(self.depth - before[0]) > 1e-10:
+                self.slope = max((force - before[1]) / (self.depth - before[0]), 1e7)
+            if abs(force - LOAD) <= RTOL * LOAD or (before is not None and abs(self.depth - before[0]) < 1e-12):
+                break
+            before = self.depth, force
+            self.depth += float(np.clip((LOAD - force) / self.slope, -2e-5, 2e-5)) if force > 0 else 2e-5
+        return self.at(y, self.depth)
+
+    def position(self, y: float) -> tuple[WheelsetState, ContactResult, float]:
+        """State under the load at y m, result from no earlier one, and the largest difference to that from the position
+        before, N (moments over the radius). Raises Unsolved.
+        """
+        state = self.under_load(y)
+        cold = self.solved(state, None)
+        warm = cold if self.last is None else self.solved(state, self.last)
+        self.last = cold
+        difference = np.abs(_wrench(warm) - _wrench(cold)) / np.repeat([1.0, self.contact.mounting.radius], 3)
+        return state, cold, float(difference.max())
+
+    def tangent_errors(self, state: WheelsetState, result: ContactResult) -> list[float]:
+        """Largest errors of the tangent over the largest entry of its row, pose and rates apart, by `DISTANCES`.
+
+        Raises Unsolved.
+        """
+        tangent = self.contact.tangent(state, "left", result)
+        rates = np.array([name.endswith("rate") for name in state.coordinates])
+        errors = []
+        for distance in DISTANCES:
+            by_difference = np.empty_like(tangent)
+            for k, name in enumerate(state.coordinates):
+                h = distance * (RATES if rates[k] else 1.0)
+                ahead, behind = (
+                    _wrench(self.solved(replace(state, **{name: getattr(state, name) + sign * h}), result))
+                    for sign in (1, -1)
+                )
+                by_difference[:, k] = (ahead - behind) / (2 * h)
+            error = np.abs(tangent - by_difference)
+            columns = (~rates, rates) if np.any(by_difference[:, rates]) else (~rates,)
+            errors.append(
+                max(float((error[:, own].max(1) / np.abs(by_difference[:, own]).max(1)).max()) for own in columns)
+            )
+        return errors
 
 
-def sweep(contact: WheelsetContact, positions: Array, say: bool = True) -> tuple[Array, list[int], Array, Array]:
-    """Forces and moments (m, 6) on the wheel, number of patches, error of the load, seconds, for each position."""
-    forces, patches, seconds, load_errors = [], [], [], []
-    depth, slope = 0.0, 1e9
-    depths: list[float] = []
+def _wrench(result: ContactResult) -> Array:
+    return np.concatenate([result.force, result.moment])
+
+
+@dataclass
+class Record:
+    """Results of all positions.
+
+    Parameters:
+        wrench: (m, 6) N and N m, NaN where there is no solution.
+        patches: their numbers.
+        difference: of warm and cold solves, N.
+        seconds: of each position.
+        tangents: positions m, and errors by `DISTANCES`.
+        unsolved: positions without a solution, and why.
+    """
+
+    wrench: Array
+    patches: list[int]
+    difference: list[float]
+    seconds: list[float]
+    tangents: list[tuple[float, float, float]]
+    unsolved: list[str]
+
+
+def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int) -> Record:
+    """Results at positions (m,) m with a yaw angle rad, tangents at every n-th (0: none)."""
+    run, record = Sweep(contact, yaw), Record(np.full((len(positions), 6), np.nan), [], [], [], [], [])
     start = perf_counter()
-    for i, y in enumerate(positions):
+    for i, y in enumerate(positions.tolist()):
         began = perf_counter()
-        guess = 2 * depths[-1] - depths[-2] if len(depths) > 1 else depth
         try:
-            depth, slope, result = under_load(contact, float(y), guess, slope)
-        except RuntimeError as error:
+            state, result, difference = run.position(y)
+            record.wrench[i] = _wrench(result)
+            record.patches.append(len(result.patches))
+            record.difference.append(difference)
+            if tangents and i % tangents == 0:
+                record.tangents.append((y, *run.tangent_errors(state, result)))  # type: ignore[arg-type]
+        except Unsolved as error:
+            record.unsolved.append(str(error))
             print(f"  {error}", flush=True)
-            result = ContactResult.failed(str(error))
-        depths.append(depth)
-        forces.append(np.concatenate([result.force, result.moment]) if result.ok else np.full(6, np.nan))
-        patches.append(len(result.patches))
-        load_errors.append(abs(result.force[2] / LOAD - 1))
-        seconds.append(perf_counter() - began)
-        if say and i % 50 == 49:
+        record.seconds.append(perf_counter() - began)
+        if i % 50 == 49:
             left = (perf_counter() - start) / (i + 1) * (len(positions) - i - 1)
             print(f"  {1e3 * y:6.2f} mm, {left:.0f} s left", flush=True)
-    return np.array(forces), patches, np.array(load_errors), np.array(seconds)
+    return record
 
 
-def picture(path: Path, y: Array, forces: Array, patches: list[int]) -> None:
-    """Forces and moments over the lateral position, and their second differences."""
+def smoothness(wrench: Array) -> tuple[Array, Array, Array]:
+    """Second differences (m, 6), those over `WIDE` times the distance as the curvature of the function, the largest
+    nearby, and ratios of the former to what is allowed; relative values in and out, NaN where undefined.
+    """
+    second, wide = np.full(wrench.shape, np.nan), np.full(wrench.shape, np.nan)
+    second[1:-1] = np.abs(np.diff(wrench, 2, axis=0))
+    wide[WIDE:-WIDE] = np.abs(wrench[2 * WIDE :] - 2 * wrench[WIDE:-WIDE] + wrench[: -2 * WIDE]) / WIDE**2
+    nearby = maximum_filter1d(np.nan_to_num(wide), 4 * WIDE + 1, axis=0)
+    return second, nearby, second / (3 * nearby + ALLOWED)
+
+
+def picture(path: Path, y: Array, wrench: Array, second: Array) -> None:
+    """Forces over the lateral position, and their second differences."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(3, 1, figsize=(9, 9), sharex=True, layout="constrained")
+    figure, axes = plt.subplots(2, 1, figsize=(9, 6), sharex=True, layout="constrained")
     for k, name in enumerate(NAMES[:3]):
-        axes[0].plot(1e3 * y, 1e-3 * forces[:, k], label=name)
-        axes[1].semilogy(1e3 * y[1:-1], np.abs(np.diff(forces[:, k], 2)) / LOAD * 100, lw=0.8, label=name)
-    axes[2].step(1e3 * y, patches, where="mid")
+        axes[0].plot(1e3 * y, 1e-3 * wrench[:, k], label=name)
+        axes[1].semilogy(1e3 * y, 100 * second[:, k], lw=0.8, label=name)
     axes[0].set_ylabel("force on the left wheel, kN")
-    axes[1].set_ylabel("second difference, % of the load")
-    axes[2].set(ylabel="patches", xlabel="lateral position y of the wheelset, mm (to the left)")
+    axes[1].set(
+        ylabel="second difference, % of the load", xlabel="lateral position y of the wheelset, mm (to the left)"
+    )
     axes[0].legend()
     axes[0].set_title(f"{LOAD / 1e3:g} kN on the left wheel")
     figure.savefig(path, dpi=110)
+
+
+def report(record: Record, positions: Array, scale: Array) -> Array:
+    """Print the tables; returns the second differences."""
+    relative = record.wrench / scale
+    change = np.abs(np.diff(relative, axis=0))
+    second, nearby, ratio = smoothness(relative)
+    print("| | largest change % | second difference % | at y mm | curvature nearby % | ratio to the allowed |")
+    print("|---|---|---|---|---|---|")
+    for k, name in enumerate(NAMES):
+        i = int(np.nanargmax(ratio[:, k]))
+        row = 100 * np.nanmax(change[:, k]), 100 * second[i, k], 1e3 * positions[i], 100 * nearby[i, k], ratio[i, k]
+        print(f"| {name} | {row[0]:.4f} | {row[1]:.5f} | {row[2]:.3f} | {row[3]:.5f} | {row[4]:.2f} |")
+    print(f"\npatches from {min(record.patches)} to {max(record.patches)}")
+    print(f"{len(record.unsolved)} positions without a solution")
+    print(f"warm and cold solves differ by at most {max(record.difference):.1e} N, {LOAD:g} N on the wheel")
+    if record.tangents:
+        values = np.array(record.tangents)
+        for k, distance in enumerate(DISTANCES, start=1):
+            at = values[values[:, k].argmax(), 0]
+            median, beyond = np.median(values[:, k]), np.count_nonzero(values[:, k] > 1e-4)
+            print(
+                f"tangents, differences over {distance:g} m: median {median:.1e}, largest {values[:, k].max():.1e} "
+                f"(y = {1e3 * at:.3f} mm), {beyond} of {len(values)} above 1e-4"
+            )
+    print(f"{1e3 * np.median(record.seconds):.0f} ms a position, {sum(record.seconds):.0f} s in all")
+    return second
 
 
 def main() -> None:
@@ -101,44 +234,30 @@ def main() -> None:
     parser.add_argument("--from", dest="low", type=float, default=-8.0)
     parser.add_argument("--to", dest="high", type=float, default=8.0)
     parser.add_argument("--friction", type=float, default=0.3)
-    parser.add_argument("--size", type=float, default=1.0)
-    parser.add_argument("--points", choices=("lattice", "grid"), default="lattice")
+    parser.add_argument("--yaw", type=float, default=0.0)
+    parser.add_argument("--bodies", choices=("waveguide", "half-space"), default="waveguide")
+    parser.add_argument("--tolerance", type=float, default=1e-9)
+    parser.add_argument("--tangents", type=int, default=0)
     parser.add_argument("--picture", type=Path)
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
     print(machine_description())
-    contact = wheelset_model(
-        PairTrack(STEEL), ContactLaws(friction=arguments.friction), 1e-3 * arguments.size, points=arguments.points
-    )
+    laws = ContactLaws(friction=arguments.friction)
+    contact = wheelset_model(PairTrack(STEEL), laws, 1e-3, points="lattice", bodies=arguments.bodies)
+    contact = replace(contact, model=replace(contact.model, tolerance=arguments.tolerance))  # type: ignore[type-var]
     positions = 1e-3 * np.arange(arguments.low, arguments.high + 0.5 * arguments.step, arguments.step)
-    forces, patches, load_errors, seconds = sweep(contact, positions)
-    scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
-    changes, second_differences = np.abs(np.diff(forces, axis=0)) / scale, np.diff(forces, 2, axis=0) / scale
-    settings = f"{arguments.step:g} mm apart, friction {arguments.friction:g}, {arguments.points} points"
-    print(f"\n{len(positions)} positions, {settings}")
-    print("| | largest change % | at y mm | scatter % | largest second difference % | at y mm |")
-    print("|---|---|---|---|---|---|")
-    for k, name in enumerate(NAMES):
-        i, j = int(np.nanargmax(changes[:, k])), int(np.nanargmax(np.abs(second_differences[:, k])))
-        scatter, largest = (
-            100 * np.sqrt(np.nanmean(second_differences[:, k] ** 2)),
-            100 * np.abs(second_differences[j, k]),
-        )
-        where = 1e3 * positions[i], 1e3 * positions[j + 1]
-        print(
-            f"| {name} | {100 * changes[i, k]:.3f} | {where[0]:.2f} | {scatter:.4f} | {largest:.3f} | {where[1]:.2f} |"
-        )
+    record = sweep(contact, positions, 1e-3 * arguments.yaw, arguments.tangents)
     print(
-        f"\npatches from {min(patches)} to {max(patches)}, {np.count_nonzero(np.diff(patches))} changes of their number"
+        f"\n{len(positions)} positions, {arguments.step:g} mm apart, friction {arguments.friction:g}, yaw "
+        f"{arguments.yaw:g} mrad, {arguments.bodies}, tolerance {arguments.tolerance:g}"
     )
-    print(f"{np.count_nonzero(np.isnan(forces[:, 0]))} positions without a solution")
-    print(f"largest error of the load {100 * np.nanmax(load_errors):.1e} %")
-    print(f"{1e3 * np.median(seconds):.0f} ms a position, {seconds.sum():.0f} s in all")
+    scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
+    second = report(record, positions, scale)
     if arguments.json:
-        rows = np.column_stack([positions, forces, patches]).tolist()
-        arguments.json.write_text(json.dumps({"columns": ["y", *NAMES, "patches"], "rows": rows}))
+        table = {"columns": ["y", *NAMES], "rows": np.column_stack([positions, record.wrench]).tolist()}
+        arguments.json.write_text(json.dumps(table | {"unsolved": record.unsolved, "tangents": record.tangents}))
     if arguments.picture:
-        picture(arguments.picture, positions, forces, patches)
+        picture(arguments.picture, positions, record.wrench, second)
 
 
 if __name__ == "__main__":

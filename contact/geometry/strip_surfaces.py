@@ -12,6 +12,7 @@ from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, curvature
 from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.geometry.wheel_surface import wheel_place
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.creepage import level_axes
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.sensitivity import QuadricSensitivity, WheelPointSensitivity
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
@@ -160,6 +161,7 @@ class ProfileStrips:
             step=length.ravel(),
             wheel_place=np.stack([s.ravel(), self.wheel.point(s.ravel())[:, 0]], axis=1),
             rail_place=np.stack([at.foot, self.rail.point(at.foot)[:, 0]], axis=1),
+            level=level_axes(pose.rotation[:, 1], self.rail.normal(at.foot)),
             sensitivity=self._follows,
         )
 

@@ -1,4 +1,12 @@
-"""Rolling speed and rigid creepage at the contact points, eq. (5), or the rigid tangential displacement."""
+"""Rolling speed and rigid creepage at the contact points, eq. (5), or the rigid tangential displacement.
+
+Where the surfaces touch, their relative velocity has no component along the normal, and its component along any
+direction near the tangent is the slip. The rigid part alone does have one: it is projected as the elastic part is. Grids
+take differences of displacements, as vectors, along the wheel's axes at each point, and so is the rigid part. Strips
+have the displacement of each body in the body's own axes; there the velocity of the wheel counts along its circle, that
+of the rail along its surface. With the wheel's tangent for both, points at x from the lowest one would creep by -x^2 /
+(2 R^2), which is 8.5e-5 at 6 mm.
+"""
 
 from __future__ import annotations
 
@@ -40,4 +48,18 @@ def shift(points: SurfacePoints, motion: RigidMotion) -> Array:
     Parameters as for `creepage`.
     """
     wheel, rail = motion.wheel.at(points.point), motion.rail.at(points.point)
-    return np.asarray(np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail).ravel())
+    slip = np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail)
+    if points.level is not None:
+        slip[0] = ((points.axes[:, 0] * wheel) - points.level * rail).sum(axis=1)
+    return np.asarray(slip.ravel())
+
+
+def level_axes(axle: Array, normal: Array) -> Array:
+    """Longitudinal axes (n, 3) in an extruded rail's surface, perpendicular to the axle.
+
+    Parameters:
+        axle: (3,) direction of the wheel's axle, to the left.
+        normal: (n, 2) of the rail's profile, upward.
+    """
+    forward = np.cross(axle, np.column_stack([np.zeros(len(normal)), normal]))
+    return np.asarray(forward / np.linalg.norm(forward, axis=1)[:, None])

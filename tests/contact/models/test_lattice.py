@@ -23,6 +23,7 @@ from wheelrail.contact.models.lattice.equations import rigid_slip
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -317,6 +318,21 @@ def test_finite_bodies_from_any_start() -> None:
     state = rolling(y + 5e-6, z + 5e-6 * slope, 5e-3)
     from_earlier, from_none = contact(state, "left", earlier), contact(state, "left")
     np.testing.assert_allclose(from_earlier.force, from_none.force, atol=1e-6 * np.linalg.norm(from_none.force))
+
+
+def test_frictional_power_is_what_the_bodies_lose() -> None:
+    """Of rigid motion in the steady state: elastic energy does not change. 10 cells lack 13 %, 20 cells 1.5 %."""
+    pair = replace(wheelset(0.3), model=finer(wheelset(0.3).model))
+    place, motion = pair.mounting.left_pair(rolling(2e-3, -0.2e-3))
+    result = pair.model(place, motion, None)
+    apart = motion.wheel.at(np.zeros((1, 3)))[0] - motion.rail.at(np.zeros((1, 3)))[0]
+    lost = -(result.force @ apart + result.moment @ (motion.wheel.rotation - motion.rail.rotation))
+    assert sum(patch.frictional_power for patch in result.patches) == pytest.approx(lost, rel=2e-2)
+
+
+def finer(model: Any) -> LatticeContact:
+    assert isinstance(model, LatticeContact)
+    return replace(model, resolution=LatticeResolution(24, 20))
 
 
 @pytest.mark.parametrize("damaged", ["pivots", "lu", "rho", "block"])
