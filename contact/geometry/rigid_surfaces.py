@@ -29,6 +29,10 @@ class RigidPair(Protocol):
         Raises ValueError for a penetration beyond the sampled lines.
         """
 
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Longest semi-axes m, along and across, of a patch that lies on both bodies."""
+
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
         """Points (n, 3) m and axes (n, 3, 3) on the upper body's surface.
 
@@ -73,6 +77,11 @@ class RigidWheelRail:
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
+    @property
+    def extent(self) -> tuple[float, float]:
+        first, last = self.rail.s_range
+        return self.radius, 0.5 * (last - first)
+
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
         return wheel_points(self.wheel.shape, self.radius, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
 
@@ -95,6 +104,11 @@ class RigidQuadrics:
 
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return quadric_regions(self.upper, self.lower, pose)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        along, across = np.abs([self.upper, self.lower]).min(axis=0)
+        return float(along), float(across)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
         axes = np.zeros((len(s), 3, 3))

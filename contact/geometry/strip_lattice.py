@@ -17,9 +17,11 @@ NORMAL_SAMPLES = 400
 
 
 def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: float = 0.0) -> Array:
-    """Lateral bounds (K + 1,) m of adjacent strips over the lines arc (ns,) m, for a number of strips over a patch."""
+    """Lateral bounds (K + 1,) m of adjacent strips for a number of strips over a patch: over the lines arc (ns,) m of
+    profiles, over the width of quadrics, which does not depend on the lines of their meshes.
+    """
     if isinstance(surfaces, QuadricStrips):
-        return _uniform(arc, strips, offset)
+        return _uniform(surfaces.half_width, strips, offset)
     assert isinstance(surfaces, ProfileStrips)
     s = np.arange(arc[0], arc[-1] + 0.5 * SPACING, SPACING)
     width = _widths(surfaces, s) * STRIPS / strips
@@ -27,11 +29,10 @@ def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: floa
     return np.asarray(np.interp(np.arange(int(count[-1] - offset) + 1) + offset, count, s))
 
 
-def _uniform(arc: Array, strips: int, offset: float) -> Array:
-    """Strips over all of an ellipse's lines, whose extent is little more than the expected patch."""
-    half = 0.5 * (arc[-1] - arc[0])
+def _uniform(half: float, strips: int, offset: float) -> Array:
+    """Strips over twice a half width m, that of the largest penetration, and one more on either side."""
     count = int(np.ceil(0.5 * np.sqrt(2.5) * strips))
-    return np.asarray(half / count * (np.arange(-count, count + 1) + offset))
+    return np.asarray(half / count * (np.arange(-count - 1, count + 2) + offset))
 
 
 def _widths(surfaces: ProfileStrips, s: Array) -> Array:

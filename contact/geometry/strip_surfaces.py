@@ -168,10 +168,16 @@ class ProfileStrips:
 
 @dataclass(frozen=True)
 class QuadricStrips:
-    """Two bodies with principal radii [m] in x and y on large blocks, see `wheelrail.contact.geometry.quadric_pair`."""
+    """Two bodies on large blocks, see `wheelrail.contact.geometry.quadric_pair`.
+
+    Parameters:
+        upper, lower: principal radii in x and y, m.
+        half_width: m, of the part of the surface that carries contact points.
+    """
 
     upper: tuple[float, float]
     lower: tuple[float, float]
+    half_width: float
 
     def penetration_profile(self, pose: Pose, s: Array) -> PenetrationProfile:
         (ax, _), (bx, _) = curvature(self.upper), curvature(self.lower)

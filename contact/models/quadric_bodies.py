@@ -103,6 +103,14 @@ class QuadricBodies:
         half = [int(np.ceil(np.sqrt(depth / c) / how.surface_size)) + 1 for c in self._curvatures]
         return half[0] + steps, half[1]
 
+    @cached_property
+    def _surfaces(self) -> QuadricStrips:
+        """Surfaces in contact, as wide as the penetration at the largest approach."""
+        half_width = self.blocks.half_strip
+        if half_width is None:
+            half_width = float(np.sqrt(self._expected[0] / self._curvatures[1]))
+        return QuadricStrips(*self.radii, half_width)
+
     def _half_width(self, how: Discretisation) -> float:
         """In cells; by default in coarse steps, so that one mesh and one compliance serve many scenes."""
         if self.blocks.half_width is not None:
@@ -120,7 +128,7 @@ class QuadricBodies:
         lines = np.arange(-across, across + 1, dtype=np.float64) * how.surface_size
         flat = np.column_stack([lines, np.zeros_like(lines)])
         halves = self._equal_or_not(lambda material: HalfSpaceInfluence.under(flat, lines, material))
-        return StripOperators(QuadricStrips(*self.radii), *halves)
+        return StripOperators(self._surfaces, *halves)
 
     def waveguide_strips(self, how: Discretisation) -> StripOperators:
         def influence(material: Material) -> ElementInfluence:
@@ -128,7 +136,7 @@ class QuadricBodies:
             lines = grid.position[0, :, 1:]
             return ElementInfluence.of_waveguide(body, lines, lines[:, 0], material, how.degree, unit=how.surface_size)
 
-        return StripOperators(QuadricStrips(*self.radii), *self._equal_or_not(influence))
+        return StripOperators(self._surfaces, *self._equal_or_not(influence))
 
     def waveguide_grids(self, how: Discretisation) -> tuple[QuadricPair, Compliance, Compliance]:
         (above, grid), (below, _) = self._equal_or_not(lambda material: self._waveguide(how, material))

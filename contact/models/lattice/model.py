@@ -20,11 +20,12 @@ from wheelrail.contact.models.lattice.cold_start import cold_start
 from wheelrail.contact.models.lattice.entry import entering
 from wheelrail.contact.models.lattice.factors import back_substitution
 from wheelrail.contact.models.lattice.friction import CellFriction
+from wheelrail.contact.models.lattice.frictionless_start import frictionless_start
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
-from wheelrail.contact.models.lattice.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.problem import LatticeProblem
+from wheelrail.contact.models.lattice.newton import ITERATIONS, LatticeNewton, LatticeSolution
+from wheelrail.contact.models.lattice.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.state import LatticeState
@@ -36,6 +37,7 @@ log = logging.getLogger(__name__)
 
 FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
 WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearly always
+FIRST_ITERATIONS = 25  # with friction from the first cells: 99.9 % of random poses need at most 21
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,7 @@ class LatticeContact:
         problem = self.problem(pose, motion)
         approach = problem.approach
         if approach <= 0:
-            return ContactResult.separated(approach)
+            return ContactResult.failed(TOO_DEEP) if problem.too_deep else ContactResult.separated(approach)
         try:
             if not len(problem.candidates):
                 return ContactResult.separated(approach)
@@ -167,6 +169,17 @@ class LatticeContact:
         return tractions + len(self.basis.moments)
 
     def _from_none(self, problem: LatticeProblem, count: IterationCount) -> LatticeSolution | None:
-        """Solution without an earlier result; None without contact."""
-        state = cold_start(problem, self.laws, IterationCount())
+        """Solution without an earlier result; None without contact. With friction from all of it at once, and where
+        that does not converge, from the solution without friction.
+        """
+        try:
+            state = cold_start(problem, self.laws, IterationCount())
+            iterations = FIRST_ITERATIONS if problem.rolls else ITERATIONS
+            newton = LatticeNewton(problem, self.tolerance, count)
+            return None if state is None else newton.solve(state, iterations=iterations)
+        except (NotConverged, OutsideSurface, np.linalg.LinAlgError) as error:
+            if not problem.rolls:
+                raise
+            log.debug("from all at once: %s", error)
+        state = frictionless_start(problem, self.laws, count)
         return None if state is None else LatticeNewton(problem, self.tolerance, count).solve(state)

@@ -24,7 +24,7 @@ ITERATIONS = 60
 HALVINGS = 6  # of a step in the line search
 NEAR = 0.1  # step below which strips may enter
 NEARER = 1e-3  # the same after strips have been set aside
-STALLED = 3  # shortened steps, one after the other, after which strips are set aside
+STALLED = 3  # shortened steps, one after the other, after which strips are set aside; then twice as many, and so on
 SMALL = 0.3  # load per width over the largest one, of strips that may be set aside
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
 RELEASES = 2  # times that such strips may enter again
@@ -53,7 +53,7 @@ class LatticeNewton:
         self.problem, self.tolerance, self.count = problem, tolerance, count
         self._left: dict[int, int] = {}
         self._releases = 0
-        self._near = NEAR
+        self._near, self._patience = NEAR, STALLED
         self._shortened = 0  # steps, one after the other
 
     def solve(
@@ -147,17 +147,14 @@ class LatticeNewton:
         """Strips (S,) that are set aside, to enter again from the solution without them: those that hinder a stalled
         iteration, the ones with the largest relative step.
         """
-        aside = np.zeros(len(state.strips), dtype=bool)
-        if self._shortened < STALLED or len(aside) == 1:
-            return aside
-        self._shortened, self._near = 0, NEARER
+        none = np.zeros(len(state.strips), dtype=bool)
+        if self._shortened < self._patience or len(none) == 1:
+            return none
+        self._shortened, self._near, self._patience = 0, NEARER, 2 * self._patience
         parts = relative_parts(state.values, step)
-        aside = parts > 0.5 * parts.max()
         load = state.modes[:, 0] * state.half
-        aside &= load < SMALL * load.max()
+        aside: Mask = (parts > 0.5 * parts.max()) & (load < SMALL * load.max())
         log.debug("strips %s are set aside", state.strips[aside])
-        for strip in state.strips[aside]:
-            self._left[int(strip)] = self._left.get(int(strip), 0) + 1
         return aside
 
     def _released(self, state: LatticeState) -> LatticeState | None:

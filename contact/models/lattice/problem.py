@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.geometry.strip_layout import StripLayout
+from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -36,6 +37,7 @@ from wheelrail.contact.models.lattice.surface import (
     Penetration,
     SurfaceData,
     contact_lines,
+    frames,
     motion_data,
     penetration,
     surface_data,
@@ -44,6 +46,9 @@ from wheelrail.support.arrays import Array, Nodes
 
 NO_FRICTION = ResidualCode(0, np.zeros(0), 0.0)
 OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
+TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
+INSIDE = 1e-3  # m, below the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
+SAMPLES = 400  # of the rail's profile
 
 
 @dataclass(frozen=True)
@@ -106,6 +111,18 @@ class LatticeProblem:
     def depth(self) -> Array:
         """Largest penetration (K,) m of the strips, the mean over their widths."""
         return self.lines.depth
+
+    @property
+    def too_deep(self) -> bool:
+        """Whether the wheel lies inside the rail, so deep that no closest points are within reach."""
+        surfaces, data = self.tables.operators.surfaces, motion_data(self.pose, self.motion, 1.0)
+        if not isinstance(surfaces, ProfileStrips):
+            return False
+        rail = surfaces.rail.point(np.linspace(*surfaces.rail.s_range, SAMPLES))
+        rail = rail[np.argsort(rail[:, 0])]
+        wheel = frames(self.surface, data.origin, data.rotation, self.middle, self.lines.x).point
+        over = (wheel[:, 1] > rail[0, 0]) & (wheel[:, 1] < rail[-1, 0])
+        return bool((wheel[over, 2] < np.interp(wheel[over, 1], rail[:, 0], rail[:, 1]) - INSIDE).any())
 
     @property
     def crest(self) -> tuple[Array, Array]:

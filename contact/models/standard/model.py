@@ -33,6 +33,7 @@ from wheelrail.contact.results.result import ContactResult, LazyPatches, Statist
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
 CELLS = 16  # along each strip
+CONFORMAL = "the surfaces conform: a semi-axis of {:.3g} mm is not on the bodies, whose extent is {:.3g} mm"
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,9 @@ class StandardContact:
         if zones is None:
             return ContactResult.separated(min(approach, 0.0))
         strips = (virtual_penetration if self.normal == "kik-piotrowski" else hertzian)(zones, self.elasticity.E_star)
+        for axis, largest in zip((strips.along, strips.across), self.surfaces.extent, strict=True):
+            if not axis.max() < largest:
+                return ContactResult.failed(CONFORMAL.format(1e3 * axis.max(), 1e3 * largest), approach)
         n = len(strips.s)
         point, axes = self.surfaces.at(
             pose, np.concatenate([strips.s, zones.peak]), np.concatenate([strips.x, zones.peak_x])

@@ -313,3 +313,15 @@ def test_results_are_independent_of_the_guess() -> None:
     again = contact(STATE, "left", contact(replace(STATE, y=0.0), "left"))
     assert isinstance(again, ContactResult)
     np.testing.assert_array_equal(again.force, first.force)
+
+
+@pytest.mark.parametrize("normal", ["hertz", "kik-piotrowski"])
+def test_conforming_surfaces_fail(normal: str) -> None:
+    """An ellipse that is longer than the bodies; less conforming ones have a result."""
+    close, apart = (
+        StandardContact(RigidQuadrics((0.46, 0.3), (np.inf, -radius)), ContactLaws(friction=0.3), normal=normal)  # type: ignore[arg-type]
+        for radius in (0.3 * (1 + 1e-7), 0.31)
+    )
+    pose, motion = hertz_pose(1e-5), rolling(1e-3, 0.0, 0.0)
+    assert close(pose, motion).status.startswith("failed: the surfaces conform: a semi-axis of")
+    assert apart(pose, motion).status == "converged"

@@ -1,0 +1,184 @@
+"""Contact on a lattice at poses, loads and radii at which Newton's method failed or strips were too wide."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from wheelrail.contact.analytical.hertz import hertz, modulus
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
+from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.laws.friction import FallingFriction, FrictionLaw
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
+from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.lattice.frictionless_start import frictionless_start
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.newton import LatticeNewton
+from wheelrail.contact.solvers.options import IterationCount
+from wheelrail.meshes.profiles.named import named_profile
+
+STEEL = Material()
+RADIUS, SPEED = 0.46, 20.0
+FALLING = FallingFriction(0.15130081546202226, 0.6395853788932706, 0.6875131846641094)
+FLAT = (np.inf, np.inf)
+HARMLESS = Material(210e9, 0.28)
+
+
+@cache
+def pair(friction: float | FrictionLaw) -> LatticeContact:
+    profiles = named_profile("S1002"), named_profile("UIC60-benchmark")
+    how = Discretisation(1e-3, bodies="half-space", points="lattice")
+    model = wheel_rail_pair(profiles, RADIUS, (STEEL, STEEL), ContactLaws(friction=friction), how)
+    assert isinstance(model, LatticeContact)
+    return replace(model, tolerance=1e-8)
+
+
+def left(state: WheelsetState, spin: float = 0.0) -> tuple[Pose, RigidMotion]:
+    """Left wheel of a wheelset, with a spin 1/m beyond that of the contact angle about a vertical axis."""
+    rail = named_profile("UIC60-benchmark")
+    pose, motion = Mounting(0.75, rail.gauge_offset(1.435, 0.014), RADIUS).left_pair(state)
+    turn, below = np.array([0.0, 0.0, spin * SPEED]), pose.origin - np.array([0.0, 0.0, RADIUS])
+    wheel = motion.wheel
+    velocity = wheel.velocity + np.cross(turn, wheel.reference - below)
+    return pose, replace(motion, wheel=Twist(velocity, wheel.rotation + turn, wheel.reference))
+
+
+def rolling(
+    y: float, z: float, *, roll: float = 0.0, yaw: float = 0.0, xi: float = 0.0, eta: float = 0.0
+) -> WheelsetState:
+    return WheelsetState(
+        y=y, z=z, roll=roll, yaw=yaw, y_rate=eta * SPEED, pitch_rate=(1 + xi) * SPEED / RADIUS, speed=SPEED
+    )
+
+
+@pytest.mark.parametrize(
+    ("friction", "state", "spin"),
+    [
+        # the outermost strip of the first cells lies beside its place, and its length tends to zero
+        (0.1, rolling(0.0011376531807900866, -0.00035443982109427445, xi=-0.0021606300965273896), 0.04625666225680499),
+        # a strip enters beside strips that have not converged, and must not carry load in the end
+        (
+            FALLING,
+            rolling(
+                0.007290947880025564,
+                0.004526713993400336,
+                roll=0.003631493366328944,
+                yaw=0.012618467196134138,
+                eta=0.0019099176288672529,
+            ),
+            0.0,
+        ),
+    ],
+)
+def test_poses_with_strips_that_hinder(friction: float | FrictionLaw, state: WheelsetState, spin: float) -> None:
+    """Poses that failed after 60 iterations; the same force from a pose 10 um away."""
+    model = pair(friction)
+    result = model(*left(state, spin))
+    assert result.status == "converged"
+    assert result.statistics.newton <= 30
+    near = model(*left(replace(state, y=state.y + 1e-5), spin))
+    assert near.status == "converged"
+    again = model(*left(state, spin), near)
+    np.testing.assert_allclose(again.force, result.force, rtol=0, atol=1e-6 * np.linalg.norm(result.force))
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.8, FallingFriction(0.5, 0.4, 0.3)])
+@pytest.mark.parametrize("state", [rolling(6.5e-3, 0.62e-3, yaw=15e-3), rolling(-5e-3, -0.34e-3, xi=0.002)])
+def test_start_without_friction_leads_to_the_same_solution(friction: float | FrictionLaw, state: WheelsetState) -> None:
+    model = pair(friction)
+    problem = model.problem(*left(state))
+    start = frictionless_start(problem, model.laws, IterationCount())
+    assert start is not None
+    assert np.hypot(*start.tractions.transpose(1, 0, 2)).max() > 1e6  # not those of a contact without friction
+    count = IterationCount()
+    solution = LatticeNewton(problem, 1e-8, count).solve(start)
+    assert solution is not None
+    assert count.newton <= 10
+    expected = model(*left(state)).warm_start.state  # type: ignore[union-attr]
+    np.testing.assert_array_equal(solution.state.strips, expected.strips)
+    np.testing.assert_allclose(solution.state.ends, expected.ends, rtol=0, atol=1e-9)
+    peak = expected.modes.max()
+    np.testing.assert_allclose(solution.state.tractions, expected.tractions, rtol=0, atol=1e-6 * peak)
+
+
+def test_start_without_friction_is_taken_where_the_first_one_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, at = pair(0.6), left(rolling(6.5e-3, 0.62e-3, yaw=15e-3))
+    expected = model(*at)
+    monkeypatch.setattr("wheelrail.contact.models.lattice.model.FIRST_ITERATIONS", 1)
+    result = model(*at)
+    assert result.status == "converged"
+    assert result.statistics.newton != expected.statistics.newton
+    np.testing.assert_allclose(result.force, expected.force, rtol=0, atol=1e-6 * np.linalg.norm(expected.force))
+
+
+@pytest.mark.parametrize("y", [0.0, 6e-3])
+def test_wheel_inside_the_rail(y: float) -> None:
+    """50 mm too deep is no separated wheel; 50 mm too high is one."""
+    assert (
+        pair(0.3)(*left(rolling(y, -50e-3))).status == "failed: the wheel lies inside the rail, too deep for a contact"
+    )
+    assert pair(0.3)(*left(rolling(y, 50e-3))).status == "separated"
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower", "load", "size"),
+    [
+        *(((0.46, 0.3), (np.inf, 0.3), load, 0.5e-3) for load in (1.0, 10.0, 100.0, 300.0)),
+        ((0.46, np.inf), (np.inf, 0.3), 100.0, 1e-3),
+        ((0.46, np.inf), (np.inf, 0.3), 10e3, 1e-2),
+        ((0.5, 30.0), FLAT, 21e3, 1e-3),
+        ((5.0, 0.05), FLAT, 21e3, 1e-3),
+        ((30.0, 0.05), FLAT, 21e3, 1e-3),
+    ],
+)
+def test_patches_that_are_small_beside_the_mesh(
+    upper: tuple[float, float], lower: tuple[float, float], load: float, size: float
+) -> None:
+    """Hertz within 0.15 %, semi-axes of 1 : 50 included: strips do not depend on the lines of the meshes."""
+    how = Discretisation(size, bodies="half-space", points="lattice")
+    model = hertz_pair((upper, lower), (STEEL, STEEL), ContactLaws(friction=0.3), how, load=load)
+    A, B = (0.5 * (1 / one + 1 / other) for one, other in zip(upper, lower, strict=True))
+    exact = hertz(A, B, modulus((STEEL.E, STEEL.nu), (STEEL.E, STEEL.nu)), force=load)
+    result = model(hertz_pose(exact.approach), _flowing((1e-3, 0.0, 0.0)))
+    assert result.status == "converged"
+    assert result.force[2] == pytest.approx(load, rel=1.5e-3)
+
+
+def test_error_estimate_at_a_light_load() -> None:
+    how = Discretisation(0.5e-3, bodies="half-space", points="lattice")
+    model = hertz_pair(((0.46, 0.3), (np.inf, 0.3)), (STEEL, STEEL), ContactLaws(friction=0.3), how, load=1.0)
+    E_star = modulus((STEEL.E, STEEL.nu), (STEEL.E, STEEL.nu))
+    exact = hertz(0.5 / 0.46, 1 / 0.3, E_star, force=1.0)
+    result = replace(model, estimate=True)(hertz_pose(exact.approach), _flowing((1e-3, 0.0, 0.0)))
+    assert result.error_estimate is not None
+    assert abs(result.force[2] - 1.0) < result.error_estimate.force < 0.01
+
+
+@pytest.mark.parametrize("resolution", [(6, 12), (4, 10), (16, 10)])
+def test_friction_on_a_harmless_ellipse(resolution: tuple[int, int]) -> None:
+    """A case at which Newton's method on fitted strips ended with a residual of 0.07."""
+    strips, cells = resolution
+    how = Discretisation(1e-3, bodies="half-space", points="lattice", strips=strips, cells=cells)
+    radii = (0.5029, 1.80738), FLAT
+    model = hertz_pair(radii, (HARMLESS, HARMLESS), ContactLaws(friction=0.274), how, load=65.4e3)
+    E_star = modulus((HARMLESS.E, HARMLESS.nu), (HARMLESS.E, HARMLESS.nu))
+    exact = hertz(0.5 / radii[0][0], 0.5 / radii[0][1], E_star, force=65.4e3)
+    creepage = (-8.366394186966909e-05, -7.140635733186122e-05, 0.13184876649252922)
+    result = model(hertz_pose(exact.approach), _flowing(creepage))
+    assert result.status == "converged"
+    assert result.force[2] == pytest.approx(65.4e3, rel=0.02)
+
+
+def _flowing(creepage: tuple[float, float, float]) -> RigidMotion:
+    xi, eta, phi = creepage
+    half, turn = 0.5 * np.array([xi, eta, 0.0]), np.array([0.0, 0.0, 0.5 * phi])
+    back, origin = np.array([-1.0, 0.0, 0.0]), np.zeros(3)
+    return RigidMotion(
+        Twist(SPEED * (back + half), SPEED * turn, origin), Twist(SPEED * (back - half), -SPEED * turn, origin)
+    )
