@@ -119,6 +119,43 @@ def test_files_are_written_atomically(tmp_path: Path) -> None:
     assert [place.name for place in file.parent.iterdir()] == ["file.txt"]
 
 
+def test_temporaries_of_a_dead_process_are_removed_at_the_next_start(tmp_path: Path) -> None:
+    child = os.fork()
+    if child == 0:
+        with atomic_file(tmp_path / "file"):
+            os.kill(os.getpid(), signal.SIGKILL)
+    os.waitpid(child, 0)
+    assert len(os.listdir(tmp_path)) == 1
+    with atomic_file(tmp_path / "file"):
+        running = os.listdir(tmp_path)
+        assert len(running) == 1
+        with atomic_file(tmp_path / "other"):
+            assert set(running) < set(os.listdir(tmp_path))  # of a living process, this one
+    assert sorted(os.listdir(tmp_path)) == ["file", "other"]
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o027, 0o002])
+def test_files_have_the_permissions_of_the_mask(tmp_path: Path, mask: int) -> None:
+    before = os.umask(mask)
+    try:
+        with atomic_file(tmp_path / "file") as part:
+            assert part.stat().st_mode & 0o777 == 0o600
+    finally:
+        assert os.umask(before) == mask
+    assert (tmp_path / "file").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_any_error_on_a_full_disk_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("old")
+    usage = shutil.disk_usage(tmp_path)
+    for free, expected in ((1000, OSError), (usage.free, RuntimeError)):
+        monkeypatch.setattr(shutil, "disk_usage", lambda folder, free=free: usage._replace(free=free))
+        with pytest.raises(expected) as caught, atomic_file(tmp_path / "file"):
+            raise RuntimeError("NetCDF: HDF error")
+        assert ("No space left on device" in str(caught.value)) == (free == 1000)
+    assert (os.listdir(tmp_path), (tmp_path / "file").read_text()) == (["file"], "old")
+
+
 def test_stale_temporaries_are_removed_after_a_day(tmp_path: Path) -> None:
     young, old = (tmp_path / f"{PART}{name}" for name in ("young", "old"))
     for part in (young, old):
