@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import shutil
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -104,7 +105,8 @@ def call(context: Any, at: Any, arguments: Any) -> Any:
 
 @cache
 def folder() -> Path | None:
-    """Cache folder of machine code, with a hash of the sources in its name; None if none can be written.
+    """Cache folder of machine code, with a hash of the sources in its name; None if there is none that this user, and
+    nobody else, can write: Numba unpickles its files.
 
     Numba checks only the source file of a function itself, and would use old code of the functions that it calls.
     Damaged files are removed; bits that flip before a file's checksum is first recorded are not detected.
@@ -113,7 +115,7 @@ def folder() -> Path | None:
     for parent in _parents():
         place = parent / name
         new = not place.exists()
-        if _writable(place):
+        if _writable(place) and private(place):
             if new:
                 _remove_others(place)
             _remove_damaged(place)
@@ -129,10 +131,27 @@ def _parents() -> Iterator[Path]:
 
 def _writable(place: Path) -> bool:
     try:
-        place.mkdir(parents=True, exist_ok=True)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.mkdir(mode=0o700, exist_ok=True)
         TemporaryFile(dir=place).close()
     except OSError:
         return False
+    return True
+
+
+def private(place: Path) -> bool:
+    """Whether only this user and the administrator can put files into a folder, or exchange one that it is in.
+
+    A group with the number of its user is the user's own. In folders with the sticky bit, like /tmp, only the owner can
+    exchange a folder.
+    """
+    place = place.resolve()
+    for folder in (place, *place.parents):
+        status = folder.stat()
+        others = status.st_mode & (0o002 if status.st_gid == status.st_uid else 0o022)
+        sticky = folder != place and status.st_mode & stat.S_ISVTX
+        if status.st_uid not in (0, os.geteuid()) or (others and not sticky):
+            return False
     return True
 
 
