@@ -38,7 +38,7 @@ def test_change_in_a_called_file_is_detected(tmp_path: Path) -> None:
     for package in (root, root / "support", root / "meshes", root / "contact", root / "contact" / "deep"):
         package.mkdir()
         (package / "__init__.py").touch()
-    for name in ("compiled.py", "cache.py", "atomic_file.py"):
+    for name in ("compiled.py", "cache.py", "cache_home.py", "atomic_file.py"):
         shutil.copy(ROOT / "wheelrail" / "support" / name, root / "support")
     (root / "contact" / "outer.py").write_text(OUTER)
     (root / "contact" / "deep" / "inner.py").write_text(INNER.format(3.0))

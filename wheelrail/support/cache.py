@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.cache_home import provide_cache_home
 
 FORMAT = 3  # to be increased when the meaning of stored arrays changes
 
@@ -29,6 +30,7 @@ def cache_folder() -> Path:
         return Path(chosen)
     import platformdirs
 
+    provide_cache_home()
     return Path(platformdirs.user_cache_dir("wheelrail"))
 
 
@@ -84,7 +86,7 @@ def content_digest(name: str, arrays: Arrays) -> bytes:
     for key in sorted(arrays):
         values = np.ascontiguousarray(arrays[key])
         checksum.update(f"{key} {values.dtype.str} {np.shape(arrays[key])} ".encode())
-        checksum.update(values.reshape(-1).view(np.uint8))
+        checksum.update(values.reshape(-1).view(np.uint8).data)
     return checksum.hexdigest().encode()
 
 

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any, Literal, TypeVar, cast
 
 from numba import config, njit, types
@@ -22,6 +21,7 @@ from numba.extending import intrinsic
 
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.cache import cache_folder, source_digest
+from wheelrail.support.cache_home import writable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -115,7 +115,7 @@ def folder() -> Path | None:
     for parent in _parents():
         place = parent / name
         new = not place.exists()
-        if _writable(place) and private(place):
+        if writable(place) and private(place):
             if new:
                 _remove_others(place)
             _remove_damaged(place)
@@ -127,16 +127,6 @@ def _parents() -> Iterator[Path]:
     """Candidate folders in order; the second is determined, at some cost, only if the first cannot be written."""
     yield Path(config.CACHE_DIR or HERE / "__pycache__")
     yield cache_folder()
-
-
-def _writable(place: Path) -> bool:
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        place.mkdir(mode=0o700, exist_ok=True)
-        TemporaryFile(dir=place).close()
-    except OSError:
-        return False
-    return True
 
 
 def private(place: Path) -> bool:
