@@ -449,11 +449,33 @@ IN_A_THREAD = (
 )
 
 
-def study_of_four(folder: Path, code: str) -> tuple[int, str]:
+def study_of_four(folder: Path, code: str, how: str = "SIGINT") -> tuple[int, str]:
     (folder / "scene.toml").write_text(standard(WHEELSET))
     (folder / "study.toml").write_text(STUDY)
     line = ("study", str(folder / "study.toml"), "--out", str(folder / "out"))
-    return stopped(folder, STOP.format(signal="SIGINT") + IN_A_THREAD + code, *line)
+    return stopped(folder, STOP.format(signal=how) + IN_A_THREAD + code, *line)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_a_study_killed_among_its_cases_repeats_none(tmp_path: Path, count: int) -> None:
+    """Killed as soon as some cases are stored; the restart leaves these alone and computes the others."""
+    killing = (
+        "import wheelrail.scenes.studies.store as m; save = m.Store.save; saved = []\n"
+        "def killed(*given, **options):\n    save(*given, **options); saved.append(1)\n"
+        f"    if len(saved) == {count}: stop()\n"
+        "m.Store.save = killed"
+    )
+    status, said = study_of_four(tmp_path, killing, "SIGKILL")
+    assert status == -signal.SIGKILL, said
+    cases = tmp_path / "out" / "cases"
+    before = {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")}
+    assert len(before) == count
+    status, said = study_of_four(tmp_path, "")
+    assert status == 0, said
+    assert f"{count} of 4 cases are already computed" in said
+    after = {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")}
+    assert before.items() <= after.items()
+    assert len(after) == 4
 
 
 @pytest.mark.parametrize(
