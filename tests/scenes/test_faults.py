@@ -421,6 +421,35 @@ def test_ctrl_c_in_a_contact(tmp_path: Path, phase: str) -> None:
     assert os.listdir(tmp_path) == ["scene.toml"]
 
 
+SOLVE = """
+kind = "hertz"
+model = "{model}"
+laws = "paper"
+friction = 0.3
+{depth}
+speed = 10.0
+creepage = [1e-3, 0.0, 0.0]
+surface_size = 4e-3
+upper = {{radii = [0.46, 0.3], E = 210e9, nu = 0.3}}
+lower = {{radii = [inf, 0.3], E = 210e9, nu = 0.3}}
+"""
+WITHIN = {
+    "full": "import wheelrail.contact.models.full.newton as m; m.Newton._update = after(m.Newton._update, 2)",
+    "condensed": "import wheelrail.contact.solvers.semismooth_newton as m; m.newton = after(m.newton, 1)",
+}
+
+
+@pytest.mark.parametrize("model", WITHIN)
+@pytest.mark.parametrize("depth", ["approach = 15e-6", "load = 20e3"])
+def test_ctrl_c_within_a_solve(tmp_path: Path, model: str, depth: str) -> None:
+    (tmp_path / "scene.toml").write_text(SOLVE.format(model=model, depth=depth))
+    code = STOP.format(signal="SIGINT") + WITHIN[model]
+    status, said = stopped(tmp_path, code, "contact", str(tmp_path / "scene.toml"))
+    assert status == 130, said
+    assert said.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in said
+
+
 def test_picture_on_a_full_disk(tmp_path: Path) -> None:
     status, said = contact_with_picture(tmp_path, LITTLE.format(size=4096))
     assert status == 1, said
