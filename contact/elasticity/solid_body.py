@@ -17,11 +17,11 @@ from wheelrail.forms import compat
 from wheelrail.forms.elasticity import lame, stiffness
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.memory import check_memory, factor_memory
 from wheelrail.support.mpi import SELF, Ranks
 
 log = logging.getLogger(__name__)
 
-FACTOR = 165.0  # bytes over unknowns to the power 4/3 of CHOLMOD's factors, 185 to 160 at 30 000 to 107 000 unknowns
 COLUMNS = 192  # right-hand sides per batch: enough for level-3 BLAS, small in memory
 
 
@@ -106,8 +106,9 @@ class ElasticBody:
     def factor(self) -> Any:
         """Sparse Cholesky factorisation of the stiffness: by CHOLMOD, on several ranks by MUMPS."""
         unknowns = self.stiffness.getSize()[0]
-        memory = 1e-9 * FACTOR * unknowns ** (4 / 3)
+        memory = factor_memory(unknowns)
         log.info("stiffness of a solid: %d unknowns, about %.1f GB of memory", unknowns, memory)
+        check_memory(f"stiffness of a solid: {unknowns} unknowns", memory / self.ranks.size)
         pc = PETSc.PC().create(self.ranks.comm)
         pc.setOperators(self.stiffness)
         pc.setType("cholesky")

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.interrupts import check_interrupt
 
 Results = tuple[ContactResult, ...]
 Lowered = Callable[[float, Results | None], Results]  # depth m, earlier results -> results
@@ -93,6 +94,7 @@ def find_depth_for_load(
     last: tuple[float, float] | None = None  # depth and F^(2/3) of the last solve in contact
     best, width = LoadSolution(start, (), np.inf, 0, slope), np.inf
     for trial in range(1, MAX_SOLVES + 1):
+        check_interrupt()
         results = contact(depth, guess)
         penetration = max(result.approach for result in results)
         if not all(result.ok for result in results):

@@ -25,11 +25,13 @@ from wheelrail.contact.models.lattice.influence.strip_operators import StripOper
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.solids import FINE, RATIO, block
 from wheelrail.meshes.bodies.triangulation import Grading
+from wheelrail.support.memory import check_memory, factor_memory
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
 ROOM = 1.25  # times the expected approach: largest approach on the meshed surface
+LAYERS = 3  # of nodes below the surface of a solid, at least
 WIDTH = 40.0  # least half width of a block over the longer semi-axis of the patch
 
 
@@ -97,11 +99,13 @@ class QuadricBodies:
         """Cells of the surface on either side of the middle, along and across."""
         if self.blocks.half_strip is not None:
             cells = int(np.ceil(self.blocks.half_strip / how.surface_size)) + 1
-            return cells, cells
-        depth, _ = self._expected
-        steps = how.slip_order if self.laws.frictional else 0
-        half = [int(np.ceil(np.sqrt(depth / c) / how.surface_size)) + 1 for c in self._curvatures]
-        return half[0] + steps, half[1]
+            half = [cells, cells]
+        else:
+            depth, _ = self._expected
+            half = [int(np.ceil(np.sqrt(depth / c) / how.surface_size)) + 1 for c in self._curvatures]
+            half[0] += how.slip_order if self.laws.frictional else 0
+        _check_size(2 * half[0] + 1, 2 * half[1] + 1, how)
+        return half[0], half[1]
 
     @cached_property
     def _surfaces(self) -> QuadricStrips:
@@ -172,3 +176,17 @@ class QuadricBodies:
         size = how.surface_size
         scaled = ContactGrid(grid.position * size, grid.weight * size**2, grid.stride)
         return QuadricPair(scaled, *self.radii), solid, key
+
+
+def _check_size(along: int, across: int, how: Discretisation) -> None:
+    """Raises TooLarge for surfaces whose compliance cannot be computed, before they are meshed.
+
+    Parameters:
+        along, across: nodes of the surface.
+        how: the discretisation.
+    """
+    if how.bodies == "solid":
+        gigabytes = factor_memory(3 * LAYERS * along * across)
+    else:
+        gigabytes = 1e-9 * 9 * 8 * float(across) ** 2  # influence of every line on every line
+    check_memory(f"surface_size: {along} x {across} nodes on the surface of each body", gigabytes)

@@ -195,6 +195,13 @@ def hertz_scenes(t: Table) -> None:
         ("load missing", "load = 10e3", "", "load: missing", "exactly one"),
         ("load in GN", "load = 10e3", "load = 10e9", "load = 10000000000.0", "1e+08 N"),
         ("load NaN", "load = 10e3", "load = nan", "load = NaN", "N"),
+        (
+            "depths without end",
+            "[upper]",
+            f"[stress]\ndepths = {[1e-3] * 2000}\n[upper]",
+            "2000 values",
+            "at most 1000",
+        ),
         ("load of nothing", "load = 10e3", "load = 1e-300", "load = 1e-300", "0.001"),
         ("approach of nothing", "load = 10e3", "approach = 1e-300", "approach = 1e-300", "1e-10 to 0.005 m"),
         ("speed of nothing", "speed = 10.0", "speed = 1e-300", "speed = 1e-300", "0.001 to 200 m/s"),
@@ -252,6 +259,7 @@ def run_scenes(t: Table) -> None:
         ("speed 1000 times", "speed = 45.0", "speed = 45e3", "vehicle.speed = 45000", "162 km/h"),
         ("speed of a glacier", "speed = 45.0", "speed = 1e-300", "vehicle.speed = 1e-300", "0.1"),
         ("no speeds", "speed = 45.0", "speed = []", "vehicle.speed = []"),
+        ("speeds without end", "speed = 45.0", f"speed = {[[i, 45.0] for i in range(10_001)]}", "at most 10000"),
         ("speeds NaN", "speed = 45.0", "speed = [[0.0, 45.0], [nan, 45.0]]", "vehicle.speed[1][0] = NaN"),
         ("curve to the moon", "curve = 200.0", "curve = 1e12", "track.curve = 1000000000000", "100000 m"),
         ("length NaN", "curve = 200.0", "curve = nan", "track.curve = NaN", "m"),
@@ -561,6 +569,11 @@ def options(t: Table) -> None:
     t.option("speed: NaN", ("modes", "scene.toml", "--speed", "nan"), ("--speed",))
     t.option("speed: 1000 times", ("curving", "scene.toml", "--speed", "45000"), ("--speed", "200"))
     t.option("speed: a word", ("modes", "scene.toml", "--speed", "fast"), ("--speed", "number"))
+    solid = changed(HERTZ, "surface_size = 0.5e-3", 'surface_size = 5e-5\nbodies = "solid"\nhalf_strip = 0.5')
+    says = ("scene.toml: surface_size: 20003 x 20003 nodes", "GB of memory or more; this machine has")
+    t.option("mesh beyond memory", CONTACT, says, **{"scene.toml": solid})
+    wide = changed(HERTZ, "surface_size = 0.5e-3", "surface_size = 5e-5\nhalf_strip = 50.0")
+    t.option("lines beyond memory", CONTACT, ("2000003 nodes", "GB of memory or more"), **{"scene.toml": wide})
     t.option("contact of a run", ("contact", "run.toml"), ('kind = "run"', "wheelrail run"), **{"run.toml": CURVE})
     t.option("run of a contact", ("run", "pair.toml"), ('kind = "hertz"', "wheelrail contact"), **{"pair.toml": HERTZ})
 

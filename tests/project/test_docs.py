@@ -208,7 +208,7 @@ def test_types_in_words() -> None:
         given = Sample.model_fields[key]
         return keys.kind(given.annotation, tuple(given.metadata))
 
-    assert of("number") == keys.Kind(str(q.Range(0.0, 200.0, "m/s", "162 km/h is 45 m/s", open=True)), "m/s")
+    assert of("number") == keys.Kind(str(q.Range(1e-3, 200.0, "m/s", "162 km/h is 45 m/s")), "m/s")
     assert of("ends") == keys.Kind("a number from -1 to 1 m", "m")
     assert of("choice").allowed == '`"one"` or `2`'
     assert of("pair").unit == "rad/m"

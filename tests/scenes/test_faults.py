@@ -119,6 +119,43 @@ def test_files_are_written_atomically(tmp_path: Path) -> None:
     assert [place.name for place in file.parent.iterdir()] == ["file.txt"]
 
 
+def test_temporaries_of_a_dead_process_are_removed_at_the_next_start(tmp_path: Path) -> None:
+    child = os.fork()
+    if child == 0:
+        with atomic_file(tmp_path / "file"):
+            os.kill(os.getpid(), signal.SIGKILL)
+    os.waitpid(child, 0)
+    assert len(os.listdir(tmp_path)) == 1
+    with atomic_file(tmp_path / "file"):
+        running = os.listdir(tmp_path)
+        assert len(running) == 1
+        with atomic_file(tmp_path / "other"):
+            assert set(running) < set(os.listdir(tmp_path))  # of a living process, this one
+    assert sorted(os.listdir(tmp_path)) == ["file", "other"]
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o027, 0o002])
+def test_files_have_the_permissions_of_the_mask(tmp_path: Path, mask: int) -> None:
+    before = os.umask(mask)
+    try:
+        with atomic_file(tmp_path / "file") as part:
+            assert part.stat().st_mode & 0o777 == 0o600
+    finally:
+        assert os.umask(before) == mask
+    assert (tmp_path / "file").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_any_error_on_a_full_disk_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("old")
+    usage = shutil.disk_usage(tmp_path)
+    for free, expected in ((1000, OSError), (usage.free, RuntimeError)):
+        monkeypatch.setattr(shutil, "disk_usage", lambda folder, free=free: usage._replace(free=free))
+        with pytest.raises(expected) as caught, atomic_file(tmp_path / "file"):
+            raise RuntimeError("NetCDF: HDF error")
+        assert ("No space left on device" in str(caught.value)) == (free == 1000)
+    assert (os.listdir(tmp_path), (tmp_path / "file").read_text()) == (["file"], "old")
+
+
 def test_stale_temporaries_are_removed_after_a_day(tmp_path: Path) -> None:
     young, old = (tmp_path / f"{PART}{name}" for name in ("young", "old"))
     for part in (young, old):
@@ -384,6 +421,35 @@ def test_ctrl_c_in_a_contact(tmp_path: Path, phase: str) -> None:
     assert os.listdir(tmp_path) == ["scene.toml"]
 
 
+SOLVE = """
+kind = "hertz"
+model = "{model}"
+laws = "paper"
+friction = 0.3
+{depth}
+speed = 10.0
+creepage = [1e-3, 0.0, 0.0]
+surface_size = 4e-3
+upper = {{radii = [0.46, 0.3], E = 210e9, nu = 0.3}}
+lower = {{radii = [inf, 0.3], E = 210e9, nu = 0.3}}
+"""
+WITHIN = {
+    "full": "import wheelrail.contact.models.full.newton as m; m.Newton._update = after(m.Newton._update, 2)",
+    "condensed": "import wheelrail.contact.solvers.semismooth_newton as m; m.newton = after(m.newton, 1)",
+}
+
+
+@pytest.mark.parametrize("model", WITHIN)
+@pytest.mark.parametrize("depth", ["approach = 15e-6", "load = 20e3"])
+def test_ctrl_c_within_a_solve(tmp_path: Path, model: str, depth: str) -> None:
+    (tmp_path / "scene.toml").write_text(SOLVE.format(model=model, depth=depth))
+    code = STOP.format(signal="SIGINT") + WITHIN[model]
+    status, said = stopped(tmp_path, code, "contact", str(tmp_path / "scene.toml"))
+    assert status == 130, said
+    assert said.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in said
+
+
 def test_picture_on_a_full_disk(tmp_path: Path) -> None:
     status, said = contact_with_picture(tmp_path, LITTLE.format(size=4096))
     assert status == 1, said
@@ -412,11 +478,33 @@ IN_A_THREAD = (
 )
 
 
-def study_of_four(folder: Path, code: str) -> tuple[int, str]:
+def study_of_four(folder: Path, code: str, how: str = "SIGINT") -> tuple[int, str]:
     (folder / "scene.toml").write_text(standard(WHEELSET))
     (folder / "study.toml").write_text(STUDY)
     line = ("study", str(folder / "study.toml"), "--out", str(folder / "out"))
-    return stopped(folder, STOP.format(signal="SIGINT") + IN_A_THREAD + code, *line)
+    return stopped(folder, STOP.format(signal=how) + IN_A_THREAD + code, *line)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_a_study_killed_among_its_cases_repeats_none(tmp_path: Path, count: int) -> None:
+    """Killed as soon as some cases are stored; the restart leaves these alone and computes the others."""
+    killing = (
+        "import wheelrail.scenes.studies.store as m; save = m.Store.save; saved = []\n"
+        "def killed(*given, **options):\n    save(*given, **options); saved.append(1)\n"
+        f"    if len(saved) == {count}: stop()\n"
+        "m.Store.save = killed"
+    )
+    status, said = study_of_four(tmp_path, killing, "SIGKILL")
+    assert status == -signal.SIGKILL, said
+    cases = tmp_path / "out" / "cases"
+    before = {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")}
+    assert len(before) == count
+    status, said = study_of_four(tmp_path, "")
+    assert status == 0, said
+    assert f"{count} of 4 cases are already computed" in said
+    after = {file.name: file.stat().st_mtime_ns for file in cases.glob("*.json")}
+    assert before.items() <= after.items()
+    assert len(after) == 4
 
 
 @pytest.mark.parametrize(

@@ -152,6 +152,29 @@ def test_wrong_arrays_are_rebuilt(folder: Path) -> None:
     assert same(load("kind/name"), ARRAYS)
 
 
+def test_a_valid_file_with_other_content_is_rebuilt(folder: Path) -> None:
+    path = folder / "kind" / "name.npz"
+    store("kind/other", ARRAYS)
+    others: list[Callable[[], Any]] = [
+        lambda: np.savez(path, **{**ARRAYS, "points": 1.2 * ARRAYS["points"]}),
+        lambda: np.savez(path, **ARRAYS),  # without a digest
+        lambda: path.write_bytes((folder / "kind" / "other.npz").read_bytes()),  # of another name
+    ]
+    for write in others:
+        write()
+        assert load("kind/name") is None
+        assert same(cached("kind/name", lambda: ARRAYS, list(ARRAYS)), ARRAYS)
+        assert same(load("kind/name"), ARRAYS)
+
+
+@pytest.mark.parametrize(
+    "values", [np.array(2.5), np.zeros((0, 3)), np.asfortranarray(np.ones((2, 3))), np.array(["a"])]
+)
+def test_every_array_is_read_again(values: np.ndarray[Any, Any]) -> None:
+    store("kind/name", {"values": values})
+    assert same(load("kind/name"), {"values": values})
+
+
 @pytest.mark.parametrize("damage", ["truncate", "flip", "empty", "other", "pickle"])
 def test_damaged_mesh_is_regenerated(folder: Path, damage: str) -> None:
     solid, key = block((2, 2), half_width=4.0, grading=COARSE)

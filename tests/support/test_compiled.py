@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelrail.contact.models.standard.polach import polach
-from wheelrail.support.compiled import SOURCES, compiled
+from wheelrail.support.compiled import SOURCES, compiled, private
 
 ROOT = Path(__file__).parents[2]
 USES = "from wheelrail.support.compiled import compiled\n"
@@ -38,7 +38,7 @@ def test_change_in_a_called_file_is_detected(tmp_path: Path) -> None:
     for package in (root, root / "support", root / "meshes", root / "contact", root / "contact" / "deep"):
         package.mkdir()
         (package / "__init__.py").touch()
-    for name in ("compiled.py", "cache.py", "atomic_file.py"):
+    for name in ("compiled.py", "cache.py", "cache_home.py", "atomic_file.py"):
         shutil.copy(ROOT / "wheelrail" / "support" / name, root / "support")
     (root / "contact" / "outer.py").write_text(OUTER)
     (root / "contact" / "deep" / "inner.py").write_text(INNER.format(3.0))
@@ -90,6 +90,52 @@ def test_fallback_without_a_writable_cache_folder(tmp_path: Path) -> None:
     assert Path(used).parent == Path(chosen)
     assert places(blocked / "numba", blocked / "own") == ["None", "None"]
     assert not list(ROOT.rglob("script.twice-*.nbi"))
+
+
+HARM = """
+import os, pickle, sys
+class Harm:
+    def __reduce__(self):
+        return os.mkdir, (sys.argv[1],)
+for index in sys.argv[2:]:
+    open(index, "wb").write(pickle.dumps(Harm()))
+"""
+
+
+def test_machine_code_that_others_can_write_is_not_read(tmp_path: Path) -> None:
+    script, cache = tmp_path / "script.py", tmp_path / "cache"
+    script.write_text(PLACES)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "WHEELRAIL_CACHE": str(tmp_path / "own")}
+
+    def folder() -> Path:
+        line = [sys.executable, str(script), str(cache)]
+        done = subprocess.run(line, env=environment, capture_output=True, text=True, check=True)
+        return Path(done.stdout.split()[0])
+
+    place = folder()
+    assert place.parent == cache
+    assert place.stat().st_mode & 0o777 == 0o700
+    harmed = [str(tmp_path / "harmed"), *map(str, place.rglob("*.nbi"))]
+    subprocess.run([sys.executable, "-c", HARM, *harmed], check=True)
+    for opened in (place, cache):
+        mode = opened.stat().st_mode
+        opened.chmod(0o777)
+        assert folder().parent == tmp_path / "own"
+        opened.chmod(mode)
+    assert not (tmp_path / "harmed").exists()
+    assert folder() == place  # which the user alone can write: trusted
+    assert (tmp_path / "harmed").exists()
+
+
+def test_private_folders(tmp_path: Path) -> None:
+    inner = tmp_path / "outer" / "inner"
+    inner.mkdir(parents=True)
+    assert private(inner)
+    for mode, expected in ((0o777, False), (0o1777, True), (0o755, True)):
+        inner.parent.chmod(mode)
+        assert private(inner) == expected
+    inner.chmod(0o1777)
+    assert not private(inner)
 
 
 MANY = """

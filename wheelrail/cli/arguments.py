@@ -55,11 +55,12 @@ def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
         place: prefix of errors while computing or writing; that of the scene by default.
     """
     from wheelrail.scenes.schema.errors import RunFailed, SceneError
+    from wheelrail.support.memory import TooLarge
     from wheelrail.support.text_file import abridged
 
     try:
         yield
-    except SceneError as error:
+    except (SceneError, TooLarge) as error:
         raise rejected(f"{scene}{error}") from None
     except (OSError, RunFailed) as error:
         print(abridged(f"{scene if place is None else place}{error}"), file=sys.stderr)

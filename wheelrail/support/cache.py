@@ -1,4 +1,4 @@
-"""Arrays stored on disk under a hash of all their parameters."""
+"""Arrays stored on disk under a hash of all their parameters, with a hash of their content, verified on reading."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.cache_home import provide_cache_home
 
 FORMAT = 3  # to be increased when the meaning of stored arrays changes
 
@@ -29,6 +30,7 @@ def cache_folder() -> Path:
         return Path(chosen)
     import platformdirs
 
+    provide_cache_home()
     return Path(platformdirs.user_cache_dir("wheelrail"))
 
 
@@ -67,14 +69,25 @@ def source_digest(*folders: Path) -> str:
 
 
 def load(name: str) -> dict[str, NDArray[Any]] | None:
-    """Stored arrays, or None when there are none or the file is damaged (zip checks every array's CRC)."""
+    """Stored arrays, or None when there are none, the file is damaged or its content is not what was stored there."""
     path = cache_folder() / f"{name}.npz"
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:  # np.load leaves damaged files open
-            return {key: stored[key] for key in stored.files}
+            arrays = {key: stored[key] for key in stored.files}
+            return arrays if stored.zip.comment == content_digest(name, arrays) else None
     except Exception:
         # Missing, unreadable or damaged: with a flipped bit zip may raise almost any exception. The caller rebuilds it.
         return None
+
+
+def content_digest(name: str, arrays: Arrays) -> bytes:
+    """Hash of the content of a file in the cache: its name, and names, types, shapes and elements of its arrays."""
+    checksum = hashlib.sha256(name.encode())
+    for key in sorted(arrays):
+        values = np.ascontiguousarray(arrays[key])
+        checksum.update(f"{key} {values.dtype.str} {np.shape(arrays[key])} ".encode())
+        checksum.update(values.reshape(-1).view(np.uint8).data)
+    return checksum.hexdigest().encode()
 
 
 def store(name: str, arrays: Arrays) -> None:
@@ -85,6 +98,7 @@ def store(name: str, arrays: Arrays) -> None:
             atomic_file(path) as part,
             ZipFile(part, "w") as archive,
         ):  # as np.savez, but closed in order on a full disk
+            archive.comment = content_digest(name, arrays)
             for key, values in arrays.items():
                 with archive.open(f"{key}.npy", "w", force_zip64=True) as file:
                     np.save(file, values, allow_pickle=False)

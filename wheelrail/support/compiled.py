@@ -6,11 +6,11 @@ import hashlib
 import json
 import os
 import shutil
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any, Literal, TypeVar, cast
 
 from numba import config, njit, types
@@ -21,6 +21,7 @@ from numba.extending import intrinsic
 
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.cache import cache_folder, source_digest
+from wheelrail.support.cache_home import writable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -104,7 +105,8 @@ def call(context: Any, at: Any, arguments: Any) -> Any:
 
 @cache
 def folder() -> Path | None:
-    """Cache folder of machine code, with a hash of the sources in its name; None if none can be written.
+    """Cache folder of machine code, with a hash of the sources in its name; None if there is none that this user, and
+    nobody else, can write: Numba unpickles its files.
 
     Numba checks only the source file of a function itself, and would use old code of the functions that it calls.
     Damaged files are removed; bits that flip before a file's checksum is first recorded are not detected.
@@ -113,7 +115,7 @@ def folder() -> Path | None:
     for parent in _parents():
         place = parent / name
         new = not place.exists()
-        if _writable(place):
+        if writable(place) and private(place):
             if new:
                 _remove_others(place)
             _remove_damaged(place)
@@ -127,12 +129,19 @@ def _parents() -> Iterator[Path]:
     yield cache_folder()
 
 
-def _writable(place: Path) -> bool:
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-        TemporaryFile(dir=place).close()
-    except OSError:
-        return False
+def private(place: Path) -> bool:
+    """Whether only this user and the administrator can put files into a folder, or exchange one that it is in.
+
+    A group with the number of its user is the user's own. In folders with the sticky bit, like /tmp, only the owner can
+    exchange a folder.
+    """
+    place = place.resolve()
+    for folder in (place, *place.parents):
+        status = folder.stat()
+        others = status.st_mode & (0o002 if status.st_gid == status.st_uid else 0o022)
+        sticky = folder != place and status.st_mode & stat.S_ISVTX
+        if status.st_uid not in (0, os.geteuid()) or (others and not sticky):
+            return False
     return True
 
 

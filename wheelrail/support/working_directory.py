@@ -18,6 +18,8 @@ from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from types import ModuleType
 
+from wheelrail.support.cache_home import provide_cache_home
+
 ROOT = "/"  # where only an administrator puts files
 
 
@@ -76,6 +78,7 @@ class _Finder(MetaPathFinder):
         execute, settle = spec.loader.exec_module, LIBRARIES[name]
 
         def execute_outside(module: ModuleType) -> None:
+            provide_cache_home()
             with outside_working_directory():
                 execute(module)
                 settle()

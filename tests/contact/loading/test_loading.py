@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +18,7 @@ from wheelrail.contact.loading.two_wheels import find_depths_for_loads
 from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load, wheels_under_load, wheelset_at_state
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.interrupts import deferred_interrupts
 
 STILL = RigidMotion(*(Twist(np.zeros(3), np.zeros(3), np.zeros(3)),) * 2)
 MOUNTING = Mounting(wheel_y=0.75, rail_y=0.76, radius=0.46)
@@ -26,6 +29,19 @@ def pushed(force: float, approach: float) -> tuple[ContactResult, ...]:
     if force <= 0.0:
         return (ContactResult.separated(approach),)
     return (ContactResult(np.array([0.0, 0.0, force]), np.zeros(3), approach=approach, status="converged"),)
+
+
+def test_ctrl_c_ends_a_search_after_the_present_solve() -> None:
+    depths: list[float] = []
+
+    def contact(depth: float, _: object) -> tuple[ContactResult, ...]:
+        depths.append(depth)
+        os.kill(os.getpid(), signal.SIGINT)
+        return pushed(STIFFNESS * depth**1.5, depth)
+
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():
+        find_depth_for_load(contact, 10e3, expected=1e-5, start=1e-5, rtol=RTOL)
+    assert len(depths) == 1
 
 
 def test_sphere_approach_is_that_of_hertz() -> None:

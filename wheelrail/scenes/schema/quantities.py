@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, isnan
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AllowInfNan, GetCoreSchemaHandler, Strict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+T = TypeVar("T")
 
 
 def reject(message: str, key: str = "") -> PydanticCustomError:
@@ -85,6 +87,21 @@ class OrExact(Range):
 
     def check(self, value: float) -> float:
         return value if value == self.exact else super().check(value)
+
+
+@dataclass(frozen=True)
+class AtMost:
+    """Arrays of at most so many values, whose cost is proportional to their number."""
+
+    count: int
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.check, handler(source))
+
+    def check(self, values: T) -> T:
+        if isinstance(values, list | tuple) and len(values) > self.count:
+            raise reject(f"has {len(values)} values: must have at most {self.count}")
+        return values
 
 
 class WholeNumber:

@@ -44,7 +44,7 @@ class StressTable(SceneTable):
     """Stress in wheel and rail at depths, m, below every patch, along the normal through its resultant."""
 
     body: Literal["wheel", "rail", "both"] = "both"
-    depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1)]
+    depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1), q.AtMost(1000)]
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -55,7 +55,7 @@ class BlockStressTable(SceneTable):
     """The same in the bodies of a Hertz pair."""
 
     body: Literal["upper", "lower", "both"] = "both"
-    depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1)]
+    depths: Annotated[tuple[q.Depth, ...], Strict(False), Field(min_length=1), q.AtMost(1000)]
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -183,7 +183,7 @@ class VehicleTable(SceneTable):
     ) -> float | tuple[tuple[float, float], ...]:
         if isinstance(value, tuple) and any(later <= time for (time, _), (later, _) in pairwise(value)):
             raise q.reject("times must increase strictly")
-        return value
+        return q.AtMost(10_000).check(value)
 
     @property
     def speed_profile(self) -> float | SpeedProfile:

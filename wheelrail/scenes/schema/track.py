@@ -130,7 +130,7 @@ class TrackLine(RailsTable):
     tangent: q.Length | None = None
     transition_length: q.Length | None = None
     curve: q.Length | None = None
-    segments: Annotated[tuple[SegmentTable, ...], Strict(False), Field(min_length=1)] | None = None
+    segments: Annotated[tuple[SegmentTable, ...], Strict(False), Field(min_length=1), q.AtMost(1000)] | None = None
     irregularities: IrregularityTable | None = None
 
     @cached_property

@@ -1,0 +1,46 @@
+"""Commands without a home folder, or with one that cannot be written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from malformed_inputs import WHEELSET, standard
+
+ROOT = Path(__file__).parents[2]
+FULL = """
+kind = "hertz"
+model = "full"
+laws = "paper"
+friction = 0.0
+approach = 15e-6
+surface_size = 4e-3
+upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
+lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
+"""
+WITHOUT_USER = """
+import os, sys
+import pwd
+def unknown(uid):
+    raise KeyError(uid)
+pwd.getpwuid = unknown
+from wheelrail.cli.entry import main
+main()
+"""
+
+
+@pytest.mark.parametrize(("home", "text"), [(None, standard(WHEELSET)), ("/dev/null", FULL)], ids=["standard", "full"])
+def test_contact_without_a_home_folder(tmp_path: Path, home: str | None, text: str) -> None:
+    (tmp_path / "scene.toml").write_text(text)
+    removed = ("HOME", "WHEELRAIL_CACHE", "XDG_CACHE_HOME", "XDG_CONFIG_HOME")
+    environment = {name: value for name, value in os.environ.items() if name not in removed}
+    environment |= {"PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": "/dev/null/none", "TMPDIR": str(tmp_path)}
+    environment |= {} if home is None else {"HOME": home}
+    line = [sys.executable, "-c", WITHOUT_USER, "contact", "scene.toml", "--json"]
+    done = subprocess.run(line, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=550)
+    assert done.returncode == 0, done.stderr
+    assert '"status": "converged"' in done.stdout
+    assert os.listdir(tmp_path) == ["scene.toml"]

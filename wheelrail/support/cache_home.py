@@ -1,0 +1,43 @@
+"""A folder for caches where the user's own is missing or cannot be written, as in containers of arbitrary users."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory, TemporaryFile
+
+
+def writable(folder: Path) -> bool:
+    """Whether files can be written to a folder, which is created for this user alone if it does not exist."""
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
+
+
+@cache
+def provide_cache_home() -> TemporaryDirectory[str] | None:
+    """Set HOME and XDG_CACHE_HOME to a folder of this process, removed at its end, if they are of no use: what is
+    compiled and computed is then not kept. The folder, or None.
+
+    DOLFINx cannot be loaded without a home folder, nor compile without a folder for its caches.
+    """
+    has_home = _has_home()
+    if has_home and writable(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")):
+        return None
+    temporary = TemporaryDirectory(prefix="wheelrail-")
+    if not has_home:
+        os.environ["HOME"] = temporary.name
+    os.environ["XDG_CACHE_HOME"] = temporary.name
+    return temporary
+
+
+def _has_home() -> bool:
+    try:
+        return Path.home().is_dir()
+    except RuntimeError:  # no HOME, and a user without an entry
+        return False
