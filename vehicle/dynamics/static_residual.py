@@ -19,6 +19,7 @@ from wheelrail.vehicle.track.frame import Frame
 # Of nine positions and the relative excess of spin: difference steps, and the largest change in a Newton step.
 DIFFERENCE_STEPS = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
 LARGE = np.array([3e-2, 3e-2, 2e-2, 3e-3, 3e-3, 5e-3, 1e-3, 2e-4, 1e-3, 1e-3])
+MOST_ROLL = 5e-3  # rad: 7 mm difference of the wheels' radii
 CONTACT_UNKNOWNS = [Y, Z, ROLL, PITCH]
 TANGENT_COLUMNS = [WheelsetState.coordinates.index(name) for name in ("y", "z", "roll", "pitch_rate")]
 
@@ -87,12 +88,32 @@ class StaticResidual:
             result[:, CONTACT_UNKNOWNS] += self.weights[:, None] * linear.by_wrench(state) @ by_unknowns
         return result
 
-    def static(self) -> Array:
+    def level(self) -> Array:
+        """The same as `static` at the roll of the wheelset at which both wheels carry the same load within 5 %.
+
+        For wheels of different radii, of which only one carries at zero roll. Raises StepFailure.
+        """
+
+        def difference(roll: float) -> float:
+            left, right = (result.force[2] for result in self.contacts(self.static(roll)).values())
+            return float(left - right) / self.dynamics.wagon.axle_load
+
+        low, high = -MOST_ROLL, MOST_ROLL
+        for _ in range(30):
+            roll = 0.5 * (low + high)
+            value = difference(roll)
+            if abs(value) < 0.05:
+                return self.static(roll)
+            low, high = (roll, high) if value > 0.0 else (low, roll)  # roll lifts the left wheel
+        raise StepFailure("no roll of the wheelset at which both wheels carry the same load")
+
+    def static(self, roll: float = 0.0) -> Array:
         """Unknowns (10,) of upright bodies at the height where the contacts carry the axle load within 2 %.
 
-        Raises StepFailure.
+        roll: of the wheelset, rad. Raises StepFailure.
         """
         unknown = np.zeros(COUNT)
+        unknown[ROLL] = roll
         heights = [1, 4, Z]
 
         def load_fraction(z: float) -> float:
