@@ -138,7 +138,8 @@ def estimated_noise(points: Array) -> float:
     residual = z[2:-2] - (weights * z[neighbours]).sum(axis=0)
     tangent = z[3:-1] - z[1:-3]
     normal = (residual * tangent.conj()).imag / np.abs(tangent) / np.sqrt(1.0 + (weights**2).sum(axis=0))
-    return max(float(np.median(np.abs(normal))) / NORMAL_QUANTILE[0], rounding(points[:, 1]) / 12.0**0.5)
+    spread = float(np.median(np.abs(normal))) / NORMAL_QUANTILE[0]
+    return max(spread, float(rounding(points[:, 1]) / np.sqrt(12.0)))
 
 
 def rounding(values: Array) -> float:
