@@ -59,12 +59,11 @@ def equilibrium(
 
     Damped Newton with the contact's tangent or, without one, with four differences of the contact. The damping
     decreases with the residual (pseudo-transient continuation), to pass the steep rise of the force at a flange. If the
-    iteration fails from the upright wheelset, it starts from the roll at which both wheels carry the same load. If it
-    fails from all starts, as between tread and flange, a transient run into the curve gives the initial guess. Raises
-    EquilibriumError.
+    iteration fails from both starts, as between tread and flange, a transient run into the curve gives the initial
+    guess. Raises EquilibriumError.
     """
     equations = StaticResidual(dynamics, dynamics.frame(time).steady())
-    starts: list[Callable[[], Array]] = [equations.static, equations.level]
+    starts: list[Callable[[], Array]] = [equations.static]
     if guess is not None:
         starts.insert(0, partial(equations.unknown, guess))
     if is_curved(dynamics, time):
