@@ -139,11 +139,12 @@ def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, e
     0.7 mm on the flange root at a grid of 1 mm are 1600 points, whose compliance takes a gigabyte; under the load they
     are 770.
     """
-    if not isinstance(contact.model, HasGrid):
+    own = contact.of(side)
+    if not isinstance(own.model, HasGrid):
         return -state.z
-    pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
+    pose, _ = own.mounting.left_pair(state if side == "left" else state.mirrored())
     try:
-        _, penetration = contact.model.geometry.contact_points(pose, 0)
+        _, penetration = own.model.geometry.contact_points(pose, 0)
     except OutsideSurface:  # the search recovers from a failed solve
         return -state.z
     return -state.z - (penetration - expected if penetration > DEEP * expected else 0.0)

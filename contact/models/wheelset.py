@@ -22,19 +22,25 @@ class WheelsetContact(VehicleContact):
     """Contact of one side: state of the wheelset in, `ContactResult` in the track's axes out.
 
     Parameters:
-        model: contact model of the left-hand pair.
+        model: contact model of the left-hand pair, and of the mirror image of the right-hand one.
         mounting: dimensions of wheelset and track.
+        right: contact of the right-hand pair, where profiles, radius or friction differ.
 
     The moment is about the wheelset's centre; the guess is an earlier result of the same side.
     """
 
     model: ContactModel
     mounting: Mounting
+    right: WheelsetContact | None = None
+
+    def of(self, side: Side) -> WheelsetContact:
+        """Contact whose model and mounting are those of a side."""
+        return self.right if side == "right" and self.right is not None else self
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        left_state = state if side == "left" else state.mirrored()
-        pose, motion = self.mounting.left_pair(left_state)
-        result = self.model(pose, motion, guess).about(motion.wheel.reference)
+        own, left_state = self.of(side), state if side == "left" else state.mirrored()
+        pose, motion = own.mounting.left_pair(left_state)
+        result = own.model(pose, motion, guess).about(motion.wheel.reference)
         return result if side == "left" else result.mirrored()
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
@@ -48,7 +54,7 @@ class WheelsetContact(VehicleContact):
         The moment is about the wheelset's centre, which moves with y and z. Zero when separated. Raises ValueError for
         a result without a tangent.
         """
-        slope = pair_slope(self.mounting, state if side == "left" else state.mirrored())
+        slope = pair_slope(self.of(side).mounting, state if side == "left" else state.mirrored())
         if side == "right":
             slope = np.tile(MIRRORED, 2)[:, None] * slope * STATE_MIRRORED
         derivative = result.tangent() @ slope

@@ -1,29 +1,36 @@
-"""Splines through measured points of a profile."""
+"""Splines through measured points of a profile, and smoothing splines near them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline, splev, splprep
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, make_smoothing_spline
+from scipy.optimize import brentq
 
 from wheelrail.meshes.curves.arc_length import CurveSegment
 from wheelrail.support.arrays import Array, Complex
 
 CORNER = np.radians(20.0)  # a larger angle between chords is a corner, at which a smooth spline would oscillate
+CORNER_CHORD = 40.0  # times the noise, shortest chords of a corner: the noise then turns them by 3.5 degrees
+PENALTIES = (-9.0, 5.0)  # log10 of the smoothing parameter in mm3: from interpolation to almost a straight line
 
 
 def through(points: Array, noise: float = 0.0) -> list[CurveSegment]:
     """Cubic spline (C2) through points (n, 2) m, cut at corners sharper than 20 degrees.
 
-    noise m: RMS distance that the spline may keep from the points, to smooth measured ones; 0 passes through them.
+    Parameters:
+        points: (n, 2) m.
+        noise: RMS distance of the curve from the points, normal to it, m: smoothing splines of that distance, with the
+            least integral of the squared second derivative; 0 passes through the points.
+
+    The knots of the sections are the points.
     """
     z = points[:, 0] + 1j * points[:, 1]
-    chord = np.diff(z)
-    corners = np.flatnonzero(np.abs(np.angle(chord[1:] / chord[:-1])) > CORNER) + 1
     sections: list[CurveSegment] = []
-    for first, last in pairwise([0, *corners.tolist(), len(z) - 1]):
+    for first, last in pairwise([0, *_corners(z, noise), len(z) - 1]):
         part = z[first : last + 1]
         length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(part)))])
         if noise > 0.0 and len(part) > 4:
@@ -37,14 +44,60 @@ def through(points: Array, noise: float = 0.0) -> list[CurveSegment]:
     return sections
 
 
+def at_points(sections: Sequence[CurveSegment]) -> tuple[Complex, Array]:
+    """Positions y + iz (n,) m of the points of `through` on its curve, and directions (n,) rad there."""
+    first, *later = sections
+    knots = [(first, first.knots), *((section, section.knots[1:]) for section in later)]
+    position = np.concatenate([section.position(t) for section, t in knots])
+    return position, np.angle(np.concatenate([section.velocity(t) for section, t in knots]))
+
+
+def _corners(z: Complex, noise: float) -> list[int]:
+    """Indices of the corners of a line of points y + iz m."""
+    if noise > 0.0:
+        spread = [0]
+        for i in range(1, len(z)):
+            if abs(z[i] - z[spread[-1]]) >= CORNER_CHORD * noise:
+                spread.append(i)
+        indices: NDArray[np.intp] = np.array(spread)
+    else:
+        indices = np.arange(len(z))
+    chord = np.diff(z[indices])
+    turns = np.flatnonzero(np.abs(np.angle(chord[1:] / chord[:-1])) > CORNER) + 1
+    corners: list[int] = indices[turns].tolist()
+    return corners
+
+
 def _smoothed(part: Complex, length: Array, noise: float) -> CurveSegment:
-    knots, (y, z), degree = splprep([part.real, part.imag], u=length, s=len(part) * noise**2)[0]
+    """Smoothing spline of y and z with the smoothing parameter of the discrepancy principle: residual equal to noise.
 
-    def value(t: Array, order: int) -> Complex:
-        parts: list[Any] = [splev(t, (knots, c, degree), der=order) for c in (y, z)]
-        return np.asarray(parts[0] + 1j * parts[1])
+    C. Reinsch, Smoothing by spline functions, doi:10.1007/BF02162161.
+    """
+    parameter, points = 1e3 * length, 1e3 * part
 
-    return CurveSegment(lambda t: value(t, 0), lambda t: value(t, 1), np.unique(np.clip(knots, 0.0, length[-1])))
+    def fitted(penalty: float) -> tuple[CurveSegment, float]:
+        y, z = (make_smoothing_spline(parameter, values, lam=10.0**penalty) for values in (points.real, points.imag))
+        dy, dz = y.derivative(), z.derivative()
+
+        def position(t: Array) -> Complex:
+            return np.asarray(1e-3 * (y(1e3 * t) + 1j * z(1e3 * t)))
+
+        def velocity(t: Array) -> Complex:
+            return np.asarray(dy(1e3 * t) + 1j * dz(1e3 * t))
+
+        tangent = velocity(length)
+        normal_residual = ((position(length) - part) * tangent.conj()).imag / np.abs(tangent)
+        return CurveSegment(position, velocity, length), float(np.sqrt(np.mean(normal_residual**2)))
+
+    def excess(penalty: float) -> float:
+        return float(np.log(max(fitted(penalty)[1], 1e-15) / noise))
+
+    low, high = PENALTIES
+    if excess(low) > 0.0:
+        return fitted(low)[0]
+    if excess(high) < 0.0:
+        return fitted(high)[0]
+    return fitted(brentq(excess, low, high, xtol=0.02))[0]
 
 
 def _shifted(section: CurveSegment, shift: complex) -> CurveSegment:

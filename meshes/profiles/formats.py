@@ -1,11 +1,11 @@
-"""Points of profile files: Simpack .prr and .prw, MiniProf .ban and .whl, plain text."""
+"""Points of profile files: Simpack .prr and .prw, MiniProf .ban and .whl, columns of text."""
 
 from __future__ import annotations
 
 import math
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,6 +17,11 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.text_file import read_text
 
 MAX_SIZE = 4.0  # MB
+KIND_OF_SUFFIX: dict[str, Kind] = {
+    **{".prr": "rail", ".ban": "rail", ".rail": "rail"},
+    **{".prw": "wheel", ".whl": "wheel", ".wheel": "wheel"},
+}
+NUMBER = re.compile(r"[-+]?(\d|\.\d|(nan|inf)\b)", re.IGNORECASE)  # start of a line of numbers
 UNITS = {"m": 1.0, "mm": 1e-3, "in": 25.4e-3}
 
 
@@ -38,26 +43,26 @@ class RawProfile:
         points: (n, 2) m, y to the field side and z up (wheel: away from the axle).
         lines: (n,), line of the file of each point.
         oriented: False where the format does not define the signs, which then follow from the shape.
+        text: lines of text, number and content, that are neither header nor comment.
+        remarks: on the reading of the file.
     """
 
     path: Path
     points: Array
     lines: NDArray[np.intp]
     oriented: bool = True
-
-    def with_signs(self, y: float, z: float) -> RawProfile:
-        """With the signs y and z applied."""
-        return replace(self, points=self.points * (y, z))
+    text: tuple[tuple[int, str], ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def read_points(path: Path, kind: Kind) -> RawProfile:
     """Points of a file in the format of its suffix. Raises ProfileError, or FileRefused if the file cannot be read."""
     formats = {".prr": simpack, ".prw": simpack, ".ban": miniprof, ".whl": miniprof}
-    formats |= dict.fromkeys((".txt", ".csv", ".dat"), plain)
+    formats |= dict.fromkeys((".txt", ".csv", ".dat", ".rail", ".wheel"), plain)
     suffix = path.suffix.lower()
     if suffix not in formats:
         raise ProfileError(path, None, f"suffix {path.suffix!r}", ", ".join(formats))
-    belongs = {".prr": "rail", ".ban": "rail", ".prw": "wheel", ".whl": "wheel"}.get(suffix, kind)
+    belongs = KIND_OF_SUFFIX.get(suffix, kind)
     if belongs != kind:
         raise ProfileError(path, None, f"{suffix} holds a {belongs} and a {kind} is asked for", f"a file of a {kind}")
     return formats[suffix](path, kind)
@@ -76,27 +81,34 @@ def _text(lines: list[str], comment: str) -> Iterator[tuple[int, str]]:
 def _words(path: Path, number: int, line: str) -> list[str]:
     """Words between blanks, commas or semicolons; decimal commas are rejected."""
     if re.search(r"\d,\d", line) and re.search(r";|\d\s+[-+.\d]", line):
-        raise ProfileError(path, number, f"{_short(line)} has decimal commas", "a decimal point")
+        raise ProfileError(path, number, f"{shortened(line)} has decimal commas", "a decimal point")
     return re.split(r"[\s,;]+", line)
 
 
-def _short(text: str) -> str:
+def shortened(text: str) -> str:
+    """At most 40 characters of a text, quoted."""
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
 def _floats(path: Path, number: int, words: list[str], least: int) -> list[float]:
+    """Floats of the first words; text after them is left out."""
     try:
-        values = [float(word) for word in words]
+        values = [float(word) for word in words[:least]]
     except ValueError:
         values = []
     if len(values) < least or not all(map(math.isfinite, values)):
-        raise ProfileError(path, number, _short(" ".join(words)), f"{least} or more finite numbers")
+        raise ProfileError(path, number, shortened(" ".join(words)), f"{least} or more finite numbers")
     return values
 
 
-def _raw(path: Path, rows: list[tuple[int, float, float]], oriented: bool = True) -> RawProfile:
+def _raw(
+    path: Path,
+    rows: list[tuple[int, float, float]],
+    oriented: bool = True,
+    text: Iterable[tuple[int, str]] = (),
+) -> RawProfile:
     table = np.array(rows, dtype=float).reshape(-1, 3)
-    return RawProfile(path, table[:, 1:], table[:, 0].astype(int), oriented)
+    return RawProfile(path, table[:, 1:], table[:, 0].astype(int), oriented, tuple(text))
 
 
 def simpack(path: Path, kind: Kind) -> RawProfile:
@@ -152,33 +164,37 @@ def simpack(path: Path, kind: Kind) -> RawProfile:
 def miniprof(path: Path, kind: Kind) -> RawProfile:
     """MiniProf .ban or .whl, mm: a header, an empty line, then columns by ColumnDef (X, Y first without it).
 
-    X points to the gauge side of a rail; the direction of Y, and both for a wheel, follow from the shape.
+    X points to the gauge side of a rail; the direction of Y, and both for a wheel, follow from the shape. Text after
+    the numbers of a line, or after the points, is left out.
     """
     header: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []
     raw_lines = _lines(path)
     lines = list(_text(raw_lines, '["#%!]'))
     raw_blank = [not line.strip() for line in raw_lines]
-    first = next((n for n, line in lines if re.fullmatch(r"[-+.\deE\s]+", line) and line), len(lines) + 1)
+    first = next((n for n, line in lines if NUMBER.match(line)), len(lines) + 1)
     start = raw_blank.index(True) + 1 if True in raw_blank[:first] else first - 1
     for number, line in lines[:start]:
         if "=" in line:
             key, value = line.split("=", 1)
             header[key.strip().lower()] = (number, value.strip())
-    line_of_columns, text = header.get("columndef", (0, "X,Y"))
-    columns = [name.strip() for name in text.split(",")]
+    line_of_columns, definition = header.get("columndef", (0, "X,Y"))
+    columns = [name.strip() for name in definition.split(",")]
     if not {"X", "Y"} <= set(columns):
-        raise ProfileError(path, line_of_columns, f"ColumnDef is {text!r}", "columns with X and Y")
+        raise ProfileError(path, line_of_columns, f"ColumnDef is {definition!r}", "columns with X and Y")
     x, y = columns.index("X"), columns.index("Y")
+    text: list[tuple[int, str]] = []
     for number, line in lines[start:]:
-        if line:
+        if line and not NUMBER.match(line):
+            text.append((number, line))
+        elif line:
             values = _floats(path, number, _words(path, number, line), max(x, y) + 1)
             rows.append((number, values[x], values[y]))
     shift = []
     for key in ("xoffset", "yoffset"):
         at, value = header.get(key, (0, "0"))
         shift.append(_floats(path, at, [value or "0"], 1)[0])
-    raw = _raw(path, rows, oriented=False)
+    raw = _raw(path, rows, oriented=False, text=text)
     signs = (-1.0, 1.0) if kind == "rail" else (1.0, 1.0)
     return replace(raw, points=(raw.points + shift) * signs * UNITS["mm"])
 
@@ -187,11 +203,12 @@ def plain(path: Path, kind: Kind) -> RawProfile:
     """Columns y and z: y to the field side, z up (rail); y from the rolling circle, z away from the axle (wheel).
 
     Blanks, tabs, commas or semicolons between; # starts a comment; "# units: mm" (default), "m" or "in" may come
-    before the points, and one line of column names.
+    before the points. Text before and after the points, or after the numbers of a line, is left out. In .rail and
+    .wheel files the direction of z follows from the shape.
     """
     unit = "mm"
     rows: list[tuple[int, float, float]] = []
-    named = False
+    text: list[tuple[int, str]] = []
     for number, line in enumerate(_lines(path), start=1):
         if match := re.match(r"\s*#\s*units\s*[:=]\s*(\S+)", line, re.IGNORECASE):
             unit = match[1].lower()
@@ -201,13 +218,12 @@ def plain(path: Path, kind: Kind) -> RawProfile:
                     path, number, f"units {match[1]!r} {place}", f"{', '.join(UNITS)}, before the points"
                 )
             continue
-        words = _words(path, number, line.split("#", 1)[0].strip())
-        if words == [""]:
+        content = line.split("#", 1)[0].strip()
+        if not NUMBER.match(content):
+            if content and rows:
+                text.append((number, content))
             continue
-        if not rows and not named and not any(character.isdigit() for character in line) and "nan" not in line.lower():
-            named = True
-            continue
-        y, z = _floats(path, number, words, 2)[:2]
+        y, z = _floats(path, number, _words(path, number, content), 2)
         rows.append((number, y, z))
-    raw = _raw(path, rows)
+    raw = _raw(path, rows, path.suffix.lower() not in (".rail", ".wheel"), text)
     return replace(raw, points=raw.points * UNITS[unit])

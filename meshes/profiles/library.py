@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from wheelrail.meshes.profiles.named import NAMES, named_profile
 from wheelrail.meshes.profiles.profile import Kind, Profile
 
+if TYPE_CHECKING:
+    from wheelrail.meshes.profiles.reader import Reading
 
-def load_profile(name: str | Path, kind: Kind, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:
+
+def load_profile(name: str | Path, kind: Kind, **options: Any) -> Profile:
     """A standard profile by name, or one from a file.
 
     Parameters:
         name: of a standard profile, or path of a file.
         kind: "wheel" or "rail".
-        noise, inclination: of a file, m and rad, as for `wheelrail.meshes.profiles.reader.read_profile`.
+        options: of a file, as for `wheelrail.meshes.profiles.reader.read_profile`.
 
     Raises ValueError with the allowed names.
     """
@@ -26,13 +30,15 @@ def load_profile(name: str | Path, kind: Kind, *, noise: float = 0.0, inclinatio
         return named_profile(str(name))
     if not Path(name).exists():
         raise ValueError(f"profile {str(name)!r} is neither known nor a file; allowed: {', '.join(NAMES)}, or a file")
+    from wheelrail.meshes.profiles.reader import Reading
+
     stat = Path(name).stat()
-    return _from_file(name, kind, noise, inclination, (stat.st_dev, stat.st_ino, stat.st_mtime_ns, stat.st_size))
+    return _from_file(name, kind, Reading(**options), (stat.st_dev, stat.st_ino, stat.st_mtime_ns, stat.st_size))
 
 
 @lru_cache(maxsize=16)
-def _from_file(name: str | Path, kind: Kind, noise: float, inclination: float, stamp: tuple[int, ...]) -> Profile:
+def _from_file(name: str | Path, kind: Kind, reading: Reading, stamp: tuple[int, ...]) -> Profile:
     """Cached by the file's stamp, as profiles are read both to check a scene and to use it."""
     from wheelrail.meshes.profiles.reader import read_profile
 
-    return read_profile(name, kind, noise=noise, inclination=inclination)
+    return read_profile(name, kind, **vars(reading))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from wheelrail.meshes.curves.arc_length import CurveSegment, curve
 from wheelrail.meshes.curves.curve import Curve
+from wheelrail.meshes.profiles.measurement import Measurement
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import digest
 
@@ -51,12 +52,13 @@ class Profile(Curve):
     where the surface is convex. Wheel: from the flange's back; z is the height above the rolling circle, outward from
     the axle; s = 0 and z = 0 on the rolling circle, y = 0. Rail: z up; s = 0 at the origin, which is the highest point
     of the inclined rail. placement: rigid motion from the rail's axis frame, in which web and foot are defined, to this
-    one.
+    one. measurement: of a profile from a file, its noise and remarks on reading it.
     """
 
     name: str
     kind: Kind
     placement: Placement = Placement()
+    measurement: Measurement | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 
+import wheelrail as wr
 from wheelrail.scenes.studies.run import run_study
 
 mpl.use("Agg")
@@ -97,3 +99,43 @@ def test_the_element_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert re.fullmatch(r"-0\.\d{4} mm, \d+\.\d kN, \d+ MPa\n", capsys.readouterr().out)
     assert abs(names["residual"]) < 1e-6 * names["weight"]
     assert names["element"].solve(z=names["z"], speed=20.0).ok
+
+
+def noisy_file(file: Path, profile: Any, start: float, stop: float, shift: float, sign: float) -> None:
+    """MiniProf file of points 0.2 mm apart with 5 µm of noise, rounded to 0.1 µm."""
+    points = profile.point(np.arange(start, stop, 2e-4))
+    points = (points + 5e-6 * np.random.default_rng(17).standard_normal(points.shape)) * (sign, 1.0) + (shift, 0.0)
+    lines = (f"{1e3 * y:.4f} {1e3 * z:.4f}" for y, z in points)
+    file.write_text("ProgramName=MiniProf\nColumnDef=X,Y\n\n" + "\n".join(lines))
+
+
+def test_the_noisy_pair_of_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Measured wheels and a measured rail, a contact and a run through a curve; and the scene's tables."""
+    from wheelrail.meshes.profiles.named import named_profile
+    from wheelrail.scenes.schema.scene import parse_scene
+
+    monkeypatch.chdir(tmp_path)
+    wheel, rail = named_profile("S1002"), named_profile("60E1").inclined(0.025)
+    start, stop = wheel.s_range[0] + 1e-3, float(wheel.s_at_y(58e-3))
+    for name in ("worn_wheel", "worn_wheel_right"):
+        noisy_file(tmp_path / f"{name}.whl", wheel, start, stop, 0.070, 1.0)
+    noisy_file(tmp_path / "worn_rail.ban", rail, rail.s_range[0] + 1e-3, rail.s_range[1] - 1e-3, 0.0, -1.0)
+    curve = (ROOT / "scenes" / "curve.toml").read_text(encoding="utf-8")
+    (tmp_path / "curve.toml").write_text(curve)
+    (code,) = blocks("profile", "python")
+    names: dict[str, Any] = {}
+    exec(compile(code, "profile.md", "exec"), names)
+    assert re.search(r"noise of about 5\.\d µm; noise = 5\.\de-06 m: error of the pressure", capsys.readouterr().out)
+    exact = wr.Wheelset(wheel, rail, laying_angle=0.0, model="standard").solve(wheel_load=57e3, speed=45.0)
+    pressures = [float(solution.data.patch_max_pressure.sel(side="left")[0]) for solution in (names["contact"], exact)]
+    assert pressures[0] == pytest.approx(pressures[1], rel=0.3)
+    run = names["run"]
+    assert run.status == "completed"
+    assert np.abs(run.data.wheelset_y).max() < 8e-3
+    text = curve[: curve.index("[profiles]")] + curve[curve.index("[track]") :]
+    (tables,) = blocks("profile", "toml")
+    scene = parse_scene(f"{text}\n{tables}", tmp_path / "curve.toml")
+    assert scene.side("right").friction == 0.25  # type: ignore[union-attr]
+    assert scene.side("left").radius == 0.46  # type: ignore[union-attr]

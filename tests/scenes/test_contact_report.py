@@ -17,7 +17,7 @@ from xarray import Dataset, load_dataset
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.stress.subsurface import PatchStress, SubsurfaceStress
-from wheelrail.scenes.builders.wheelset import inclined_profiles
+from wheelrail.scenes.builders.wheelset import side_profiles
 from wheelrail.scenes.contacts.report import contact_report, json_text
 from wheelrail.scenes.contacts.side_solution import SideSolution
 from wheelrail.scenes.contacts.side_values import SideValues
@@ -58,7 +58,7 @@ def solved(scene: WheelsetScene) -> dict[str, SideSolution]:
 
 
 def dataset(scene: WheelsetScene, solved: dict[str, SideSolution]) -> Dataset:
-    return solution_dataset(scene, solved, inclined_profiles(scene))
+    return solution_dataset(scene, solved, side_profiles(scene))
 
 
 def plain(value: Any) -> Any:

@@ -221,7 +221,9 @@ def strips(lean: float = 0.1) -> ContactResult:
 
 
 def test_cells_are_drawn_in_their_true_lengths() -> None:
-    data = contact_dataset({"left": strips(), "right": strips().mirrored()}, ContactLaws(friction=0.3))
+    data = contact_dataset(
+        {"left": strips(), "right": strips().mirrored()}, dict.fromkeys(("left", "right"), ContactLaws(friction=0.3))
+    )
     cells, mirrored = (PatchCells.of(data, side, 0) for side in ("left", "right"))
     size = np.ptp(cells.corners, axis=1)
     np.testing.assert_allclose(size[:, 0], [2e-3, 3e-3, 1e-3, 2e-3, 1e-3, 1e-3], rtol=1e-12)
@@ -232,7 +234,7 @@ def test_cells_are_drawn_in_their_true_lengths() -> None:
 
 
 def test_stick_slip_boundary_follows_cell_edges() -> None:
-    cells = PatchCells.of(contact_dataset({"left": strips()}, ContactLaws(friction=0.3)), "left", 0)
+    cells = PatchCells.of(contact_dataset({"left": strips()}, {"left": ContactLaws(friction=0.3)}), "left", 0)
     assert cells.sticks.tolist() == [False, True, True, False, False, True]
     pieces = cells.stick_edge()
     x0 = cells.corners[0, 0, 0] + 3e-3  # where x = 0 is
@@ -244,7 +246,7 @@ def test_stick_slip_boundary_follows_cell_edges() -> None:
 
 def test_figure_of_patches(tmp_path: Path) -> None:
     results = {"left": strips(), "right": strips(-0.1)}
-    data = contact_dataset(results, ContactLaws(friction=0.3))
+    data = contact_dataset(results, dict.fromkeys(results, ContactLaws(friction=0.3)))
     draw_patches(data, tmp_path / "patches.png")
     assert (tmp_path / "patches.png").read_bytes().startswith(b"\x89PNG")
     figure = patches_figure(data)
@@ -255,4 +257,6 @@ def test_figure_of_patches(tmp_path: Path) -> None:
         assert ax.get_ylabel() == "lateral, positive to the left [mm]"
         assert "30 MPa" in ax.get_xlabel() or "60 MPa" in ax.get_xlabel()
     with pytest.raises(ValueError, match="not in contact"):
-        draw_patches(contact_dataset({"left": ContactResult.separated()}, ContactLaws()), tmp_path / "none.png")
+        draw_patches(
+            contact_dataset({"left": ContactResult.separated()}, {"left": ContactLaws()}), tmp_path / "none.png"
+        )

@@ -19,6 +19,8 @@ from wheelrail.vehicle.track.frame import Frame
 # Of nine positions and the relative excess of spin: difference steps, and the largest change in a Newton step.
 DIFFERENCE_STEPS = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 2e-6, 5e-7, 5e-7, 1e-5])
 LARGE = np.array([3e-2, 3e-2, 2e-2, 3e-3, 3e-3, 5e-3, 1e-3, 2e-4, 1e-3, 1e-3])
+MOST_ROLL = 5e-3  # rad: 7 mm difference of the wheels' radii
+UNEVEN = 0.8  # difference of the wheels' loads over the axle load, above which the wheelset is rolled
 CONTACT_UNKNOWNS = [Y, Z, ROLL, PITCH]
 TANGENT_COLUMNS = [WheelsetState.coordinates.index(name) for name in ("y", "z", "roll", "pitch_rate")]
 
@@ -90,14 +92,33 @@ class StaticResidual:
     def static(self) -> Array:
         """Unknowns (10,) of upright bodies at the height where the contacts carry the axle load within 2 %.
 
-        Raises StepFailure.
+        Where one wheel then carries nearly all, as with wheels of different radii, at the roll of the wheelset at which
+        both carry the same load within 5 %. Raises StepFailure.
+        """
+        unknown, uneven = self._at_roll(0.0)
+        low, high = -MOST_ROLL, MOST_ROLL
+        while abs(uneven) > (UNEVEN if unknown[ROLL] == 0.0 else 0.05):
+            low, high = (unknown[ROLL], high) if uneven > 0.0 else (low, unknown[ROLL])  # roll lifts the left wheel
+            if high - low < 1e-9:
+                raise StepFailure("no roll of the wheelset at which both wheels carry the same load")
+            unknown, uneven = self._at_roll(0.5 * (low + high))
+        return unknown
+
+    def _at_roll(self, roll: float) -> tuple[Array, float]:
+        """Unknowns (10,) at the height for the axle load, and load of the left minus the right wheel over the axle's.
+
+        roll: of the wheelset, rad.
         """
         unknown = np.zeros(COUNT)
+        unknown[ROLL] = roll
+        loads: dict[str, float] = {}
         heights = [1, 4, Z]
 
         def load_fraction(z: float) -> float:
             unknown[heights] = z
-            load = Wrench.of(self.contacts(unknown)).force[2]
+            contacts = self.contacts(unknown)
+            loads.update((side, float(result.force[2])) for side, result in contacts.items())
+            load = Wrench.of(contacts).force[2]
             # A Hertzian force grows as depth^(3/2): its power 2/3 is nearly straight.
             return float(np.cbrt(max(load, 0.0) / self.dynamics.wagon.axle_load) ** 2)
 
@@ -126,4 +147,4 @@ class StaticResidual:
                 z, fraction = middle, value
             else:
                 other, other_fraction = middle, value
-        return unknown
+        return unknown, (loads["left"] - loads["right"]) / self.dynamics.wagon.axle_load

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping
 from difflib import get_close_matches
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import Scene, checked
 from wheelrail.scenes.schema.tables import SceneTable
+
+if TYPE_CHECKING:
+    from wheelrail.meshes.profiles.profile import Profile
 
 
 def keys_of(*tables: type[SceneTable]) -> dict[str, None]:
@@ -31,7 +35,7 @@ def scene_of(
     kind: str,
     keys: Mapping[str, Any],
     sections: Mapping[str, Container[str]],
-    at_hand: Container[str] = (),
+    given: Mapping[str, Profile] | None = None,
 ) -> Scene:
     """Scene from flat keys, each put into its section.
 
@@ -40,7 +44,7 @@ def scene_of(
         kind: "hertz" or "wheelset".
         keys: values by key; None is left out.
         sections: keys by section.
-        at_hand: profiles ("wheel", "rail") that are passed as objects and need no file.
+        given: profiles passed as objects, by the names that the keys have in place of files.
 
     Raises SceneError naming argument, value and what is allowed.
     """
@@ -50,7 +54,34 @@ def scene_of(
             continue
         section = next((name for name, own_keys in sections.items() if key in own_keys), None)
         (data if section is None else data[section])[key] = plain(value)
-    return checked(data, caller, at_hand=at_hand, unnamed=sections)
+    return checked(data, caller, given=given, unnamed=sections)
+
+
+def with_names(caller: str, table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Profile]]:
+    """Keys of profiles with names in place of Profile objects, and these objects by name.
+
+    Parameters:
+        caller: name of the function or class for error messages.
+        table: keys of [profiles] of a scene; wheel and rail, there and in left and right, may be Profile objects.
+
+    Raises SceneError for a profile of the other body.
+    """
+    from wheelrail.meshes.profiles.profile import Profile
+
+    names: dict[str, Any] = dict(table)
+    given: dict[str, Profile] = {}
+    for key, value in table.items():
+        if isinstance(value, Profile):
+            if value.kind != key:
+                raise SceneError(f"{caller}: {key} = {value!r}: must be a {key} profile")
+            names[key] = f"{value.name} ({value.digest()[:8]})"
+            given[names[key]] = value
+        elif isinstance(value, Path):
+            names[key] = str(value)
+        elif key in ("left", "right") and isinstance(value, Mapping):
+            names[key], own = with_names(caller, value)
+            given |= own
+    return names, given
 
 
 def plain(value: Any) -> Any:

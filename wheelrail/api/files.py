@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from wheelrail.api.wheelset import Wheelset
     from wheelrail.meshes.profiles.profile import Kind, Profile
 
-ENDINGS: dict[str, Kind] = {".prr": "rail", ".ban": "rail", ".prw": "wheel", ".whl": "wheel"}
+log = logging.getLogger(__name__)
 
 
 def load(scene: str | Path) -> Hertz | Wheelset:
@@ -87,22 +88,35 @@ def report(folder: str | Path, file: str | Path | None = None, *, view: bool = T
     return write_report(folder, file, view=view)
 
 
-def profile(name: str | Path, kind: Kind | None = None, *, noise: float = 0.0, inclination: float = 0.0) -> Profile:
+def profile(
+    name: str | Path,
+    kind: Kind | None = None,
+    *,
+    noise: float | None = None,
+    rolling_circle: float | None = None,
+    section: int | None = None,
+    inclination: float = 0.0,
+) -> Profile:
     """Profile of a wheel or a rail, lengths in m.
 
     Parameters:
         name: "S1002", "60E1" or "UIC60", "UIC60-benchmark", or a file: Simpack .prr and .prw, MiniProf .ban and .whl,
-            points y, z in .txt, .csv or .dat.
+            points y, z in .rail, .wheel, .txt, .csv or .dat.
         kind: "wheel" or "rail"; required for points in .txt, .csv and .dat.
-        noise: RMS distance allowed between the smoothed curve and the points, m; 0 interpolates the points.
+        noise: RMS distance of the smoothed curve from the points, m; 0 interpolates; by default the noise that is
+            estimated from the points, where its effect is noticeable.
+        rolling_circle: y of the rolling circle in the file of a wheel, m.
+        section: number of the section of a file with several ones, from 1.
         inclination: of the rail that the file already contains, rad.
 
+    Noise, spacing and remarks on the file are in the profile's `measurement`, and logged (`logging`, level INFO).
     Raises ValueError naming file, line, value and what is allowed.
     """
+    from wheelrail.meshes.profiles.formats import KIND_OF_SUFFIX
     from wheelrail.meshes.profiles.library import load_profile
     from wheelrail.meshes.profiles.named import NAMES
 
-    kind = kind or NAMES.get(str(name)) or ENDINGS.get(Path(name).suffix.lower())
+    kind = kind or NAMES.get(str(name)) or KIND_OF_SUFFIX.get(Path(name).suffix.lower())
     if kind is None:
         from wheelrail.meshes.profiles.profile import KINDS
 
@@ -110,4 +124,9 @@ def profile(name: str | Path, kind: Kind | None = None, *, noise: float = 0.0, i
             names = ", ".join(NAMES)
             raise ValueError(f"profile {str(name)!r}: must be one of {names}, or a file that exists")
         raise ValueError(f"profile {str(name)!r}: kind is missing, must be {' or '.join(map(repr, KINDS))}")
-    return load_profile(name, kind, noise=noise, inclination=inclination)
+    read = load_profile(
+        name, kind, noise=noise, rolling_circle=rolling_circle, section=section, inclination=inclination
+    )
+    if read.measurement is not None:
+        log.info("%s", read.measurement)
+    return read

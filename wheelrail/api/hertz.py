@@ -96,7 +96,7 @@ class Hertz:
         }
         scene = self._scene(arguments)
         return solved(
-            scene, dict(solve_sides(scene, model=self._model(scene))), (), replaced(self.arguments, arguments, GROUPS)
+            scene, dict(solve_sides(scene, model=self._model(scene))), None, replaced(self.arguments, arguments, GROUPS)
         )
 
     def element(self, *, load: float | None = None, approach: float | None = None) -> HertzElement:

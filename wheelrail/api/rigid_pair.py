@@ -11,6 +11,7 @@ import numpy as np
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.arrays import Array
 
 OUTLINE = 2e-4  # m, spacing of the points of a plotted profile
@@ -27,7 +28,12 @@ class MountedPair:
 def mounted_pair(
     wheel: str | Path | Profile = "S1002", rail: str | Path | Profile = "UIC60", **more: Any
 ) -> MountedPair:
-    """Profiles of a wheelset on its track; arguments as for `wheelrail.Wheelset`."""
+    """Profiles of a wheelset on its track, alike on both sides; arguments as for `wheelrail.Wheelset`.
+
+    Raises SceneError for left and right.
+    """
+    for side in more.keys() & {"left", "right"}:
+        raise SceneError(f"{side}: must be left out: contact geometry is for two sides that are alike")
     from wheelrail.api.wheelset import Wheelset
 
     wheelset = Wheelset(wheel, rail, friction=0.0, model="standard", **more)

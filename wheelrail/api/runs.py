@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from wheelrail.api.arguments import plain
+from wheelrail.api.arguments import plain, with_names
 from wheelrail.api.run_plots import RunPlots
 from wheelrail.api.stored_dataset import StoredDataset
 
@@ -107,7 +108,14 @@ class Run(StoredDataset):
         return html(self.data)
 
 
-def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = False, **changes: Any) -> Run:
+def run(
+    scene: str | Path,
+    out: str | Path | None = None,
+    *,
+    progress: bool = False,
+    profiles: Mapping[str, Any] | None = None,
+    **changes: Any,
+) -> Run:
     """Simulate the vehicle run of a scene file.
 
     Parameters:
@@ -115,6 +123,8 @@ def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = Fa
         out: folder for results, figures and checkpoints, as with the command `wheelrail run`; nothing is written by
             default.
         progress: whether to show a progress bar on standard error.
+        profiles: values of keys of [profiles], where wheel and rail may be profiles from `wheelrail.profile`:
+            profiles={"wheel": worn, "right": {"wheel": other, "radius": 0.4595}}; other keys of the table remain.
         changes: new values of keys of the scene, in SI units, by dotted name:
             run("scenes/curve.toml", **{"vehicle.speed": 30.0}); None removes a key.
 
@@ -133,13 +143,15 @@ def run(scene: str | Path, out: str | Path | None = None, *, progress: bool = Fa
     from wheelrail.support.terminal import messages_on, progress_console
 
     text = read_text(Path(scene))
+    names, given = with_names("run", profiles or {})
+    changes = {**{f"profiles.{key}": value for key, value in names.items()}, **changes}
     if changes:
         import tomli_w
 
         removed = [name for name, value in changes.items() if value is None]
         replaced = {name: plain(value) for name, value in changes.items() if value is not None}
         text = tomli_w.dumps(changed(without(parse(text, scene), removed, scene), replaced, scene))
-    run_scene_data = checked(parse(text, scene), scene)
+    run_scene_data = checked(parse(text, scene), scene, given=given)
     if not isinstance(run_scene_data, RunScene):
         raise SceneError(
             f'{scene}: kind = "{run_scene_data.kind}": must be "run"; for a single contact use wheelrail.load'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from wheelrail.contact.results.result import ContactResult
-    from wheelrail.meshes.profiles.profile import Profile
+    from wheelrail.scenes.builders.wheelset import SideProfiles
     from wheelrail.scenes.contacts.side_solution import SideSolution
     from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 
@@ -26,7 +26,7 @@ class Origin:
 
     scene: HertzScene | WheelsetScene
     sides: Mapping[str, SideSolution]
-    profiles: Sequence[Profile]
+    profiles: SideProfiles | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,13 +96,14 @@ class Solution(StoredDataset):
         if file is not None and Path(file).suffix.lower() not in (".png", ".html"):
             raise SceneError(f"file = {str(file)!r}: must end in .png or .html")
         scene, sides, profiles = self.origin.scene, self.origin.sides, self.origin.profiles
-        title = "Hertz pair" if chosen == "contact" else " on ".join(profile.name for profile in profiles)
+        title = (
+            "Hertz pair" if chosen == "contact" else " on ".join(profile.name for profile in (profiles or {})[chosen])
+        )
         plotter = view_side(
             scene,
             chosen,
             sides[chosen],
             ViewOptions(title, body, scale, None if file is None else True),
-            profiles=(profiles[0], profiles[1]) if profiles else None,
         )
         if file is not None:
             from wheelrail.scenes.views.html import save_view
@@ -120,7 +121,7 @@ class Solution(StoredDataset):
 def solved(
     scene: HertzScene | WheelsetScene,
     sides: Mapping[str, SideSolution],
-    profiles: Sequence[Profile],
+    profiles: SideProfiles | None,
     arguments: Mapping[str, Any],
 ) -> Solution:
     """Solution from the solved sides of a scene."""

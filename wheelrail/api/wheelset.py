@@ -7,15 +7,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from wheelrail.api.arguments import check_keys, keys_of, replaced, scene_of
+from wheelrail.api.arguments import check_keys, keys_of, replaced, scene_of, with_names
 from wheelrail.api.solution import Solution, solved
-from wheelrail.meshes.profiles.library import load_profile
-from wheelrail.meshes.profiles.profile import Kind, Profile
-from wheelrail.scenes.builders.wheelset import mounted, wheelset_contact, wheelset_state
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.scenes.builders.wheelset import SideProfiles, mounted, side_profiles, wheelset_contact, wheelset_state
 from wheelrail.scenes.contacts.solve import solve_sides
-from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.profiles import ProfilesTable
 from wheelrail.scenes.schema.scene import WheelsetScene
-from wheelrail.scenes.schema.tables import ProfilesTable, TrackTable
+from wheelrail.scenes.schema.tables import TrackTable
 from wheelrail.scenes.schema.tables import WheelsetTable as Position
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ PLACED = {"z": 0.0, "roll": 0.0}  # an arbitrary pose, for the bodies alone
 
 
 class Wheelset:
-    """Both wheels of a wheelset on the rails of a track; one contact model serves both sides.
+    """Both wheels of a wheelset on the rails of a track; one contact model serves two sides that are alike.
 
     Parameters:
         wheel, rail: name of a standard profile ("S1002"; "UIC60" or "60E1", "UIC60-benchmark"), a file, or a profile
@@ -53,7 +52,9 @@ class Wheelset:
         radius: of the rolling circle, m.
         curvature: of the track, 1/m, positive to the left.
         more: further keys of a wheelset scene: model ("condensed", "full", "standard"), laws ("exact", "paper"),
-            bodies, points, strips, cells, falling, merge_distance, ...; and defaults for the arguments of `solve`.
+            bodies, points, strips, cells, falling, merge_distance, ...; left and right, {"wheel", "rail", "radius",
+            "friction", ...} of one side where it differs; noise, rolling_circle, wheel_section and rail_section of
+            profiles from files; and defaults for the arguments of `solve`.
 
     The compliance of the bodies is computed at the first solve, and cached. Raises SceneError, a ValueError, naming
     the argument, its value and what is allowed.
@@ -81,11 +82,14 @@ class Wheelset:
         if surface_size is None and more.get("model") != "standard":
             surface_size = 1e-3
         if laying_angle is None:
-            laying_angle = INCLINED if _upright(rail) else 0.0
-        self._at_hand: dict[Kind, Profile] = {}
+            laying_angle = _inclination(rail)
+            for side in more.keys() & {"left", "right"}:
+                if isinstance(more[side], Mapping) and "rail" in more[side]:
+                    more[side] = {"laying_angle": _inclination(more[side]["rail"]), **more[side]}
+        names, self._given = with_names("Wheelset", {"wheel": wheel, "rail": rail, **more})
         self.arguments: dict[str, Any] = {
-            "wheel": self._named("wheel", wheel),
-            "rail": self._named("rail", rail),
+            "wheel": names.pop("wheel"),
+            "rail": names.pop("rail"),
             "friction": friction,
             "E": E,
             "nu": nu,
@@ -97,7 +101,7 @@ class Wheelset:
             "flange_back": flange_back,
             "radius": radius,
             "curvature": curvature,
-            **more,
+            **names,
         }
         loaded = more.keys() & set(GROUPS[0])
         self._scene({} if loaded else {"wheel_load": 57e3})
@@ -158,8 +162,8 @@ class Wheelset:
             "stress": stress,
         }
         scene = self._scene(arguments)
-        sides_solved = dict(solve_sides(scene, model=self._contact, profiles=self.profiles))
-        return solved(scene, sides_solved, self.profiles, replaced(self.arguments, arguments, GROUPS))
+        sides_solved = dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles))
+        return solved(scene, sides_solved, self.side_profiles, replaced(self.arguments, arguments, GROUPS))
 
     def element(self) -> WheelsetElement:
         """Contact element for a time integration; bodies and tables are shared with this wheelset.
@@ -176,14 +180,13 @@ class Wheelset:
 
     @cached_property
     def profiles(self) -> tuple[Profile, Profile]:
-        """Profiles of wheel and rail, the rail inclined."""
-        scene = self._scene(PLACED)
-        try:
-            wheel = self._at_hand.get("wheel") or load_profile(scene.profiles.wheel, "wheel")
-            rail = self._at_hand.get("rail") or load_profile(scene.profiles.rail, "rail")
-        except ValueError as error:
-            raise SceneError(f"Wheelset: {error}") from error
-        return wheel, rail.inclined(scene.profiles.laying_angle)
+        """Profiles of wheel and rail of the left-hand side, the rail inclined."""
+        return self.side_profiles["left"]
+
+    @cached_property
+    def side_profiles(self) -> SideProfiles:
+        """Profiles of wheel and rail by side, the rails inclined."""
+        return side_profiles(self._scene(PLACED))
 
     @cached_property
     def mounting(self) -> Mounting:
@@ -192,16 +195,7 @@ class Wheelset:
 
     @cached_property
     def _contact(self) -> WheelsetContact:
-        return wheelset_contact(self._scene(PLACED), self.profiles)
-
-    def _named(self, kind: Kind, body: str | Path | Profile) -> str:
-        """Name of the profile of a body; a Profile object is stored."""
-        if not isinstance(body, Profile):
-            return str(body)
-        if body.kind != kind:
-            raise SceneError(f"Wheelset: {kind} = {body!r}: must be a {kind} profile")
-        self._at_hand[kind] = body
-        return body.name
+        return wheelset_contact(self._scene(PLACED), self.side_profiles)
 
     def _scene(self, arguments: Mapping[str, Any]) -> WheelsetScene:
         keys = {"y": 0.0, "yaw": 0.0, "roll": 0.0, **replaced(self.arguments, arguments, GROUPS)}
@@ -215,7 +209,7 @@ class Wheelset:
             and radius
         ):
             keys["pitch_rate"] = speed / radius
-        scene = scene_of("Wheelset", "wheelset", keys, SECTIONS, self._at_hand)
+        scene = scene_of("Wheelset", "wheelset", keys, SECTIONS, self._given)
         assert isinstance(scene, WheelsetScene)
         return scene
 
@@ -224,8 +218,8 @@ class Wheelset:
         return f"Wheelset({arguments})"
 
 
-def _upright(rail: str | Path | Profile) -> bool:
-    """Whether a rail is a standard profile that is not inclined yet."""
+def _inclination(rail: str | Path | Profile) -> float:
+    """Default inclination rad of a rail: that of tracks for a standard profile that is not inclined yet."""
     if isinstance(rail, Profile):
-        return rail.name in UPRIGHT and rail.placement.angle == 0.0
-    return str(rail) in UPRIGHT
+        return INCLINED if rail.name in UPRIGHT and rail.placement.angle == 0.0 else 0.0
+    return INCLINED if str(rail) in UPRIGHT else 0.0

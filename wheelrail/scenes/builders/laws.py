@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
 
 if TYPE_CHECKING:
@@ -30,33 +31,41 @@ def material(body: ElasticConstants) -> Material:
     return Material(body.E, body.nu)
 
 
-def laws(scene: HertzScene | WheelsetScene | RunScene) -> ContactLaws:
-    """Contact laws of a scene: penalty and regularised Coulomb friction, or the exact laws.
+def laws(scene: HertzScene | WheelsetScene | RunScene, side: Side = "left") -> ContactLaws:
+    """Contact laws of a scene on one side: penalty and regularised Coulomb friction, or the exact laws.
 
     The standard contact uses the friction of the exact laws.
     """
     from wheelrail.contact.laws.parameters import ContactLaws
 
-    friction = friction_law(scene)
+    friction = friction_law(scene, side)
     if scene.laws == "exact" or scene.model == "standard":
         return ContactLaws(friction=friction)
     normal = scene.stiffness_per_area if scene.normal_law is None else scene.normal_law.instance
     return ContactLaws(normal, friction, scene.regularisation)
 
 
-def friction_law(scene: HertzScene | WheelsetScene | RunScene) -> FrictionLaw:
-    """Friction law of a scene: the law of a table, or Coulomb's, constant or decreasing with the slip velocity."""
+def friction_law(scene: HertzScene | WheelsetScene | RunScene, side: Side = "left") -> FrictionLaw:
+    """Friction law of a scene on one side: the law of a table, or Coulomb's, constant or decreasing with the slip
+    velocity.
+    """
     from wheelrail.contact.laws.friction import Coulomb, FallingFriction
 
-    if not isinstance(scene.friction, float | int):
-        return scene.friction.instance
-    if scene.falling is None or not scene.friction:
-        return Coulomb(scene.friction)
-    return FallingFriction(scene.friction, scene.falling.share, scene.falling.rate)
+    friction = scene.friction if isinstance(scene, HertzScene) else scene.side(side).friction
+    assert friction is not None
+    if not isinstance(friction, float | int):
+        return friction.instance
+    if scene.falling is None or not friction:
+        return Coulomb(friction)
+    return FallingFriction(friction, scene.falling.share, scene.falling.rate)
 
 
 def standard_contact(
-    scene: HertzScene | WheelsetScene | RunScene, surfaces: RigidPair, upper: ElasticConstants, lower: ElasticConstants
+    scene: HertzScene | WheelsetScene | RunScene,
+    surfaces: RigidPair,
+    upper: ElasticConstants,
+    lower: ElasticConstants,
+    side: Side = "left",
 ) -> StandardContact:
     """Approximate contact of multibody codes between two surfaces.
 
@@ -64,8 +73,9 @@ def standard_contact(
         scene: friction, normal and tangential theories.
         surfaces: rigid surfaces of both bodies.
         upper, lower: elastic constants of the bodies.
+        side: of a wheelset, whose friction is taken.
     """
     from wheelrail.contact.models.standard.model import StandardContact
 
     theories = {key: value for key in ("normal", "tangential") if (value := getattr(scene, key)) is not None}
-    return StandardContact(surfaces, laws(scene), material(upper), material(lower), **theories)
+    return StandardContact(surfaces, laws(scene, side), material(upper), material(lower), **theories)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.laws import laws, material, standard_contact
 from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
 
 if TYPE_CHECKING:
@@ -13,32 +17,41 @@ if TYPE_CHECKING:
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.meshes.profiles.profile import Profile
 
+log = logging.getLogger(__name__)
 
-def wheelset_contact(
-    scene: WheelsetScene | RunScene, profiles: tuple[Profile, Profile] | None = None
-) -> WheelsetContact:
-    """Contact model of both wheels of a wheelset on the track of the scene; one model serves both sides.
+SideProfiles = Mapping[str, "tuple[Profile, Profile]"]  # of wheel and inclined rail by side
+
+
+def wheelset_contact(scene: WheelsetScene | RunScene, profiles: SideProfiles | None = None) -> WheelsetContact:
+    """Contact model of both wheels of a wheelset on the track of the scene; one model serves two sides that are alike.
 
     Parameters:
         scene: of a wheelset or a run.
-        profiles: of wheel and inclined rail; those of the scene by default.
+        profiles: of wheel and inclined rail by side; those of the scene by default.
 
     Raises SceneError for a profile that cannot be read, or a rail that does not extend to the gauge height.
     """
+    pairs = profiles or side_profiles(scene)
+    left = _side_contact(scene, "left", pairs["left"])
+    return left if scene.sides_alike else replace(left, right=_side_contact(scene, "right", pairs["right"]))
+
+
+def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profile, Profile]) -> WheelsetContact:
+    """Contact model of the pair of one side, as a left-hand pair, on both sides."""
     from wheelrail.contact.models.wheelset import WheelsetContact
 
-    pair = profiles or inclined_profiles(scene)
-    mounting, radius = mounted(scene, pair[1]), scene.wheelset.radius
+    mounting, radius = mounted(scene, pair[1]), scene.side(side).radius
+    assert radius is not None
     if scene.model == "standard":
         from wheelrail.contact.geometry.rigid_surfaces import MERGE, RigidWheelRail
 
         merge = MERGE if scene.merge_distance is None else scene.merge_distance
         rigid = RigidWheelRail(*pair, radius, merge)
-        return WheelsetContact(standard_contact(scene, rigid, scene, scene), mounting)
+        return WheelsetContact(standard_contact(scene, rigid, scene, scene, side), mounting)
     from wheelrail.contact.models.builders import wheel_rail_pair
 
     materials = material(scene), material(scene)
-    model = wheel_rail_pair(pair, radius, materials, laws(scene), scene.discretisation)
+    model = wheel_rail_pair(pair, radius, materials, laws(scene, side), scene.discretisation)
     return WheelsetContact(model, mounting)
 
 
@@ -57,13 +70,25 @@ def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
     return Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
 
 
-def inclined_profiles(scene: WheelsetScene | RunScene) -> tuple[Profile, Profile]:
-    """Profiles of wheel and inclined rail. Raises SceneError for one that cannot be read."""
-    from wheelrail.meshes.profiles.library import load_profile
+def side_profiles(scene: WheelsetScene | RunScene) -> SideProfiles:
+    """Profiles of wheel and inclined rail by side, with log messages on those from files.
 
+    Raises SceneError for one that cannot be read.
+    """
+    left = inclined_profiles(scene)
+    pairs = {"left": left, "right": left if scene.sides_alike else inclined_profiles(scene, "right")}
+    measurements = (profile.measurement for pair in pairs.values() for profile in pair)
+    for message in dict.fromkeys(str(measurement) for measurement in measurements if measurement is not None):
+        log.info("%s", message)
+    return pairs
+
+
+def inclined_profiles(scene: WheelsetScene | RunScene, side: Side = "left") -> tuple[Profile, Profile]:
+    """Profiles of wheel and inclined rail of one side. Raises SceneError for one that cannot be read."""
+    angle = scene.side(side).laying_angle
+    assert angle is not None
     try:
-        wheel = load_profile(scene.profiles.wheel, "wheel")
-        return wheel, load_profile(scene.profiles.rail, "rail").inclined(scene.profiles.laying_angle)
+        return scene.profiles.profile(side, "wheel"), scene.profiles.profile(side, "rail").inclined(angle)
     except ValueError as error:
         raise SceneError(f"profiles: {error}") from error
 

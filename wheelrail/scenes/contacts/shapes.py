@@ -14,29 +14,32 @@ from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Profile
+    from wheelrail.scenes.builders.wheelset import SideProfiles
     from wheelrail.scenes.contacts.side_solution import SideSolution
 
 OUTLINE = 2e-4  # m, spacing of the stored points of a profile
 
 
 def gap_curvatures(
-    scene: HertzScene | WheelsetScene, solved: Mapping[str, SideSolution], profiles: Sequence[Profile]
+    scene: HertzScene | WheelsetScene, solved: Mapping[str, SideSolution], profiles: SideProfiles
 ) -> dict[str, Any]:
     """Hertz coefficients A and B of the gap A x2 + B y2 between the rigid bodies at the centre of each patch.
 
     Parameters:
         scene: with the radii of the bodies.
         solved: solution by side.
-        profiles: of wheel and inclined rail, for a wheelset.
+        profiles: of wheel and inclined rail by side, for a wheelset.
     """
     most = max([1, *(len(solution.result.patches) for solution in solved.values())])
     coefficients = np.full((len(solved), most, 2), np.nan)
-    for row, side in enumerate(solved.values()):
-        for k, patch in enumerate(side.result.patches):
+    for row, (name, solution) in enumerate(solved.items()):
+        for k, patch in enumerate(solution.result.patches):
             if isinstance(scene, HertzScene):
                 coefficients[row, k] = curvature(scene.upper.radii) + curvature(scene.lower.radii)
             else:
-                coefficients[row, k] = _local(scene, profiles, patch.wheel_s, patch.rail_s)
+                radius = scene.side("right" if name == "right" else "left").radius
+                assert radius is not None
+                coefficients[row, k] = _local(profiles[name], radius, patch.wheel_s, patch.rail_s)
     text = "half the relative curvature of the rigid bodies at the patch centre, {}"
     return {
         f"patch_gap_curvature_{name}": (("side", "patch"), coefficients[:, :, axis], means("1/m", text.format(where)))
@@ -44,7 +47,7 @@ def gap_curvatures(
     }
 
 
-def _local(scene: WheelsetScene, profiles: Sequence[Profile], wheel_s: float, rail_s: float) -> Array:
+def _local(profiles: tuple[Profile, Profile], radius: float, wheel_s: float, rail_s: float) -> Array:
     """A and B, 1/m, of wheel and rail at arc lengths, m.
 
     Longitudinally only the wheel is curved, with the normal curvature of its circle of radius r (Meusnier).
@@ -53,17 +56,31 @@ def _local(scene: WheelsetScene, profiles: Sequence[Profile], wheel_s: float, ra
     if not (wheel.s_range[0] <= wheel_s <= wheel.s_range[1] and rail.s_range[0] <= rail_s <= rail.s_range[1]):
         return np.full(2, np.nan)
     across = float(wheel.curvature(wheel_s)) + float(rail.curvature(rail_s))
-    along = float(wheel.normal(wheel_s)[1]) / (scene.wheelset.radius + float(wheel.point(wheel_s)[1]))
+    along = float(wheel.normal(wheel_s)[1]) / (radius + float(wheel.point(wheel_s)[1]))
     return 0.5 * np.array([along, across])
 
 
-def outlines(profiles: Sequence[Profile]) -> dict[str, Any]:
-    """Points of the profiles."""
-    return {
-        f"{profile.kind}_profile": (
-            (f"{profile.kind}_point", "plane"),
-            profile.point(profile.samples(OUTLINE)),
-            means("m", f"profile of the {profile.kind} {profile.name}: y to the field side, z up"),
+def outlines(sides: Sequence[str], profiles: SideProfiles) -> dict[str, Any]:
+    """Points of the profiles; over side, too, and padded with NaN, where the profiles of the sides differ.
+
+    Parameters:
+        sides: names.
+        profiles: of wheel and inclined rail by side; empty for a Hertz pair.
+    """
+    variables: dict[str, Any] = {}
+    for bodies in zip(*(profiles[side] for side in sides if profiles), strict=True):
+        points = [profile.point(profile.samples(OUTLINE)) for profile in bodies]
+        kind, values = bodies[0].kind, points[0]
+        dims: tuple[str, ...] = (f"{kind}_point", "plane")
+        if any(profile is not bodies[0] for profile in bodies):
+            values = np.full((len(sides), max(map(len, points)), 2), np.nan)
+            for row, outline in enumerate(points):
+                values[row, : len(outline)] = outline
+            dims = ("side", *dims)
+        names = " and ".join(dict.fromkeys(profile.name for profile in bodies))
+        variables[f"{kind}_profile"] = (
+            dims,
+            values,
+            means("m", f"profile of the {kind} {names}: y to the field side, z up"),
         )
-        for profile in profiles
-    }
+    return variables

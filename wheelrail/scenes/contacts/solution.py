@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -16,20 +16,22 @@ from wheelrail.scenes.contacts.stress import stress_variables
 from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.patches import means
 from wheelrail.scenes.schema.laws import LawTable
+from wheelrail.scenes.schema.profiles import SIDES
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 from wheelrail.support.version import commit, versions
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.meshes.profiles.profile import Profile
+    from wheelrail.contact.laws.parameters import ContactLaws
+    from wheelrail.scenes.builders.wheelset import SideProfiles
     from wheelrail.scenes.contacts.side_solution import SideSolution
 
 
 def solution_dataset(
     scene: HertzScene | WheelsetScene,
     solved: Mapping[str, SideSolution],
-    profiles: Sequence[Profile] = (),
+    profiles: SideProfiles | None = None,
     arguments: Mapping[str, Any] | None = None,
 ) -> Dataset:
     """Dataset of `contact_dataset` with poses, costs, stresses, profiles, and choices of the scene as attributes.
@@ -37,17 +39,17 @@ def solution_dataset(
     Parameters:
         scene: that was solved.
         solved: solution by side.
-        profiles: of wheel and inclined rail, for a wheelset.
+        profiles: of wheel and inclined rail by side, for a wheelset.
         arguments: of the call, stored as text.
 
     A choice that the contact model does not have, such as the bodies of the standard model, has no attribute.
     """
-    data = contact_dataset({side: solution.result for side, solution in solved.items()}, laws(scene))
+    data = contact_dataset({side: solution.result for side, solution in solved.items()}, _laws(scene, solved))
     data = data.assign(
         **_poses(solved),
         **_cost(solved),
-        **gap_curvatures(scene, solved, profiles),
-        **outlines(profiles),
+        **gap_curvatures(scene, solved, profiles or {}),
+        **outlines(list(solved), profiles or {}),
         **stress_variables(solved),
     )
     bodies = (scene.upper, scene.lower) if isinstance(scene, HertzScene) else (scene, scene)
@@ -59,6 +61,7 @@ def solution_dataset(
         kind=scene.kind,
         model=scene.model,
         friction=_law(scene.friction),
+        **_of_sides(scene),
         contact_modulus=modulus(upper, lower),
         **({} if isinstance(scene, HertzScene) else {"nominal_radius": scene.wheelset.radius}),
         **_model_choices(scene),
@@ -68,6 +71,20 @@ def solution_dataset(
         commit=commit(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
     )
+
+
+def _laws(scene: HertzScene | WheelsetScene, solved: Iterable[str]) -> dict[str, ContactLaws]:
+    """Contact laws by side."""
+    return {name: laws(scene, "right" if name == "right" else "left") for name in solved}
+
+
+def _of_sides(scene: HertzScene | WheelsetScene) -> dict[str, float | str]:
+    """Friction and radius, m, of both sides where they differ."""
+    if isinstance(scene, HertzScene) or scene.sides_alike:
+        return {}
+    tables = {name: scene.side(name) for name in SIDES}
+    friction = {f"friction_{name}": _law(table.friction or 0.0) for name, table in tables.items()}
+    return {**friction, **{f"radius_{name}": table.radius or 0.0 for name, table in tables.items()}}
 
 
 def _overall(statuses: Mapping[str, str]) -> str:

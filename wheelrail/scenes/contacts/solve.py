@@ -10,7 +10,13 @@ from time import perf_counter
 from typing import TYPE_CHECKING, cast
 
 from wheelrail.scenes.builders.hertz import hertz_model, hertz_motion, hertz_scale
-from wheelrail.scenes.builders.wheelset import inclined_profiles, wheel_scale, wheelset_contact, wheelset_state
+from wheelrail.scenes.builders.wheelset import (
+    SideProfiles,
+    side_profiles,
+    wheel_scale,
+    wheelset_contact,
+    wheelset_state,
+)
 from wheelrail.scenes.contacts.error_estimate import coarse_models, estimated
 from wheelrail.scenes.contacts.side_solution import SideSolution
 from wheelrail.scenes.contacts.solution import solution_dataset
@@ -23,7 +29,6 @@ if TYPE_CHECKING:
 
     from wheelrail.contact.loading.wheelset import WheelsetEquilibrium
     from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
-    from wheelrail.meshes.profiles.profile import Profile
 
 ReportProgress = Callable[[str], None]
 
@@ -44,9 +49,9 @@ def solve_contact(
     The moment of a Hertz pair is about the point of first contact. A load that cannot be carried, or a contact that
     does not converge, gives status "failed: ..." and no exception.
     """
-    profiles = None if isinstance(scene, HertzScene) else inclined_profiles(scene)
+    profiles = None if isinstance(scene, HertzScene) else side_profiles(scene)
     sides = dict(solve_sides(scene, model=model, profiles=profiles, report_progress=report_progress))
-    return solution_dataset(scene, sides, profiles or ())
+    return solution_dataset(scene, sides, profiles)
 
 
 def built_model(scene: HertzScene | WheelsetScene) -> ContactModel | WheelsetContact:
@@ -58,7 +63,7 @@ def solve_sides(
     scene: HertzScene | WheelsetScene,
     *,
     model: ContactModel | WheelsetContact | None = None,
-    profiles: tuple[Profile, Profile] | None = None,
+    profiles: SideProfiles | None = None,
     report_progress: ReportProgress = lambda _: None,
 ) -> Iterator[tuple[str, SideSolution]]:
     """Solve the sides of a scene one after the other; the only side of a Hertz pair is "contact".
@@ -67,7 +72,7 @@ def solve_sides(
         scene: to solve.
         model: contact model built for this scene, or for one that differs only in pose, motion and load; built from
             the scene by default.
-        profiles: of wheel and inclined rail; those of the scene by default.
+        profiles: of wheel and inclined rail by side; those of the scene by default.
         report_progress: called with a text at every stage.
     """
     if isinstance(scene, HertzScene):
@@ -105,14 +110,14 @@ def _hertz(
     if scene.error_estimate:
         report_progress("error estimate: solution on half as many strips and cells")
         result = estimated(result, [partial(coarse, pose, motion, None) for coarse in coarse_models(model)])
-    stress = subsurface_stress(scene, result, pose, None, report_progress)
+    stress = subsurface_stress(scene, result, pose, "left", report_progress)
     yield "contact", SideSolution(result, pose, -depth, 0.0, solves, spent, stress)
 
 
 def _wheelset(
     scene: WheelsetScene,
     contact: WheelsetContact | None,
-    profiles: tuple[Profile, Profile] | None,
+    profiles: SideProfiles | None,
     report_progress: ReportProgress,
 ) -> Iterator[tuple[str, SideSolution]]:
     from wheelrail.contact.loading.load_search import LoadError
@@ -134,10 +139,11 @@ def _wheelset(
         for side, result in equilibrium.results.items():
             if scene.error_estimate:
                 report_progress(f"{side} wheel: error estimate: solution on half as many strips and cells")
-                coarse = (replace(contact, model=model) for model in coarse_models(contact.model))
+                own = contact.of(side)
+                coarse = (replace(own, model=model) for model in coarse_models(own.model))
                 result = estimated(result, [partial(model, state, side) for model in coarse])
-            pose, _ = contact.mounting.left_pair(state if side == "left" else state.mirrored())
-            stress = subsurface_stress(scene, result, pose, profiles, report_progress)
+            pose, _ = contact.of(side).mounting.left_pair(state if side == "left" else state.mirrored())
+            stress = subsurface_stress(scene, result, pose, side, report_progress)
             if side == "right":
                 pose, stress = pose.mirrored(), {name: body_stress.mirrored() for name, body_stress in stress.items()}
             yield side, SideSolution(result, pose, state.z, state.roll, solves, time, stress)

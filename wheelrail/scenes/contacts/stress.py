@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from wheelrail.contact.kinematics.frames import Pose
     from wheelrail.contact.results.result import ContactResult
     from wheelrail.contact.stress.subsurface import SubsurfaceStress
-    from wheelrail.meshes.profiles.profile import Profile
     from wheelrail.scenes.contacts.side_solution import SideSolution
+    from wheelrail.scenes.schema.profiles import Side
     from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 
 
@@ -24,7 +24,7 @@ def subsurface_stress(
     scene: HertzScene | WheelsetScene,
     result: ContactResult,
     pose: Pose,
-    profiles: tuple[Profile, Profile] | None,
+    side: Side,
     report_progress: Callable[[str], None],
 ) -> dict[str, SubsurfaceStress]:
     """Subsurface stress by body, in the frame of the result's fields; none without contact or without a request.
@@ -33,7 +33,7 @@ def subsurface_stress(
         scene: with the depths.
         result: of the contact.
         pose: of the upper body (of the left-hand pair).
-        profiles: of wheel and inclined rail; those of the scene by default.
+        side: of a wheelset.
         report_progress: called with a text for every body.
 
     Raises SceneError for depths outside a body.
@@ -41,7 +41,7 @@ def subsurface_stress(
     if scene.stress is None or not result.patches:
         return {}
     stress = {}
-    for name, body in stressed_bodies(scene, pose, profiles).items():
+    for name, body in stressed_bodies(scene, pose, side).items():
         report_progress(f"stress in the {name}")
         try:
             stress[name] = body.below(result, np.array(scene.stress.depths))

@@ -29,12 +29,12 @@ ERRORS = {
 }
 
 
-def contact_dataset(results: Mapping[str, ContactResult], laws: ContactLaws) -> Dataset:
+def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws]) -> Dataset:
     """Dataset over side, patch (by decreasing load, padded with NaN) and point (of all sides in sequence).
 
     Parameters:
         results: by side: "left" and "right", each in the frame of its rail parallel to the track frame, or "contact".
-        laws: of the interface, for the stick area.
+        laws: of the interface by side, for the stick area.
 
     point_side and point_patch are coordinates of the points; point_patch is -1 outside contact. A failed side has a
     status and no force.
@@ -101,10 +101,10 @@ def _patch_forces(results: Mapping[str, ContactResult]) -> tuple[Array, dict[str
     return force, means("N", "force of the patch on the wheel")
 
 
-def _points(results: Mapping[str, ContactResult], laws: ContactLaws) -> dict[str, Any]:
+def _points(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws]) -> dict[str, Any]:
     """Values at the contact points of all sides; fields of a right-hand pair are mirrored back."""
     parts = [
-        (side, _unmirrored(result.fields, side == "right"), sticks(result.fields, laws))
+        (side, _unmirrored(result.fields, side == "right"), sticks(result.fields, laws[side]))
         for side, result in results.items()
         if result.ok and result.fields is not None
     ]

@@ -37,10 +37,12 @@ def profiles_in_contact(data: Dataset, side: str | None = None, ax: Axes | None 
         raise ValueError(f"side = {side!r}: must be {' or '.join(map(repr, sides))}")
     side_data = data.sel(side=side)
     sign = -1.0 if side == "right" else 1.0  # profile coordinates are positive to the field side
-    wheel = np.column_stack([sign * data["wheel_profile"].values[:, 0], data["wheel_profile"].values[:, 1]])
+    wheel, rail = (
+        side_data[f"{body}_profile"].dropna(f"{body}_point").values * (sign, 1.0) for body in ("wheel", "rail")
+    )
+    radius = float(data.attrs.get(f"radius_{side}", data.attrs["nominal_radius"]))
     rotation, origin = side_data["wheel_rotation"].values, side_data["wheel_origin"].values
-    wheel_outline = _placed(wheel, origin, rotation, float(data.attrs["nominal_radius"]))
-    rail = data["rail_profile"].values * (sign, 1.0)
+    wheel_outline = _placed(wheel, origin, rotation, radius)
     points = [_resultant(data, side, k) for k in range(int(side_data["patches"]))]
     force = [1e-3 * float(side_data["patch_normal_force"][k]) for k in range(len(points))]
     labels = [f"contact, {value:.3g} kN" for value in force]

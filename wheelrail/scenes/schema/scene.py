@@ -20,13 +20,13 @@ from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.laws import FrictionKey, FrictionTable, NormalTable
 from wheelrail.scenes.schema.messages import validation_error
+from wheelrail.scenes.schema.profiles import SIDES, ProfilesTable, Side, SideTable
 from wheelrail.scenes.schema.tables import (
     AxleTable,
     BlockStressTable,
     BodyTable,
     FallingTable,
     OutputTable,
-    ProfilesTable,
     SceneTable,
     Sides,
     SolverTable,
@@ -40,6 +40,7 @@ from wheelrail.scenes.schema.track import TrackLine
 
 if TYPE_CHECKING:
     from wheelrail.contact.models.discretisation import Discretisation
+    from wheelrail.meshes.profiles.profile import Profile
 
 MOST_SAMPLES = 1_000_000  # kilobytes of memory each
 ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
@@ -128,7 +129,7 @@ class Contact(SceneTable):
     @property
     def frictional(self) -> bool:
         """Whether there is a tangential problem."""
-        return isinstance(self.friction, FrictionTable) or self.friction > 0.0
+        return _frictional(self.friction)
 
     @property
     def discretisation(self) -> Discretisation:
@@ -150,6 +151,42 @@ class Contact(SceneTable):
         )
         exact = self.laws == "exact" or (self.normal_law is None and isinf(self.stiffness_per_area))
         return how.for_laws(exact=exact)
+
+
+def _frictional(friction: float | FrictionTable) -> bool:
+    return isinstance(friction, FrictionTable) or friction > 0.0
+
+
+class OnRails(Contact):
+    """Keys of scenes with wheels on rails."""
+
+    E: q.Young
+    nu: q.Poisson
+    profiles: ProfilesTable
+    wheelset: AxleTable
+
+    def side(self, name: Side) -> SideTable:
+        """Profiles, radius and friction of one side."""
+        own = self.profiles.of(name)
+        shared = {"radius": self.wheelset.radius, "friction": self.friction}
+        return own.model_copy(update={key: value for key, value in shared.items() if getattr(own, key) is None})
+
+    @property
+    def sides_alike(self) -> bool:
+        """Whether one contact model serves both sides."""
+        return self.side("left") == self.side("right")
+
+    @property
+    def frictional(self) -> bool:
+        """Whether there is a tangential problem on a side."""
+        return any(_frictional(self.side(name).friction or 0.0) for name in SIDES)
+
+    @model_validator(mode="after")
+    def _no_falling_law(self) -> OnRails:
+        for name in SIDES:
+            if self.falling is not None and isinstance(self.side(name).friction, FrictionTable):
+                raise q.reject('must not be combined with a friction law; use law = "falling"', "falling")
+        return self
 
 
 def _between(wheelset: AxleTable, gauge: float) -> None:
@@ -246,14 +283,11 @@ class HertzScene(Solve):
         return self
 
 
-class WheelsetScene(Solve):
+class WheelsetScene(OnRails, Solve):
     """One position of a wheelset on its track."""
 
     kind: Literal["wheelset"]
     sides: Sides = ("left", "right")
-    E: q.Young
-    nu: q.Poisson
-    profiles: ProfilesTable
     track: TrackTable
     wheelset: WheelsetTable
     stress: StressTable | None = None
@@ -274,16 +308,12 @@ class WheelsetScene(Solve):
         return self
 
 
-class RunScene(Contact):
+class RunScene(OnRails):
     """A vehicle run along a track."""
 
     kind: Literal["run"]
     laws: Literal["paper", "exact"] = "paper"
-    E: q.Young
-    nu: q.Poisson
-    profiles: ProfilesTable
     track: TrackLine
-    wheelset: AxleTable
     vehicle: VehicleTable
     solver: SolverTable = SolverTable()
     output: OutputTable = OutputTable()
@@ -339,14 +369,18 @@ def parse_scene(text: str, path: str | Path = "scene") -> Scene:
 
 
 def checked(
-    data: Mapping[str, Any], path: str | Path = "scene", *, at_hand: Container[str] = (), unnamed: Container[str] = ()
+    data: Mapping[str, Any],
+    path: str | Path = "scene",
+    *,
+    given: Mapping[str, Profile] | None = None,
+    unnamed: Container[str] = (),
 ) -> Scene:
     """Validated scene of tables.
 
     Parameters:
         data: tables.
         path: their file, for errors; paths in the scene are relative to its folder.
-        at_hand: "wheel", "rail": profiles passed as objects, which need no file.
+        given: profiles passed as objects, by the names that the tables have in place of files.
         unnamed: tables to omit from the names of keys in errors.
 
     Raises SceneError as `load_scene`.
@@ -357,7 +391,7 @@ def checked(
         entry = f"kind = {repr(kind)[:100]}" if "kind" in data else "kind: missing"
         raise SceneError(f"{path}: {entry}: must be one of {', '.join(map(repr, KINDS))}")
     try:
-        return model.model_validate(data, context={"folder": Path(path).parent, "at_hand": at_hand})
+        return model.model_validate(data, context={"folder": Path(path).parent, "given": given or {}})
     except ValidationError as error:
         raise validation_error(error, model, data, path, unnamed) from None
 

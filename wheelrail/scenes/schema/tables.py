@@ -1,4 +1,4 @@
-"""The tables of a scene: bodies, profiles, track, wheelset, vehicle, solver, output."""
+"""The tables of a scene: bodies, track, wheelset, vehicle, solver, output."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationInfo, field
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.override import overridden
-from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
@@ -60,38 +59,6 @@ class BlockStressTable(SceneTable):
     @property
     def bodies(self) -> tuple[str, ...]:
         return ("upper", "lower") if self.body == "both" else (self.body,)
-
-
-class ProfilesTable(SceneTable):
-    """Profiles of wheel and rail, a name or a file each; laying_angle: inclination of the rail, rad."""
-
-    wheel: str
-    rail: str
-    laying_angle: q.Angle
-
-    @field_validator("wheel", "rail")
-    @classmethod
-    def _exists(cls, value: str, info: ValidationInfo) -> str:
-        """A standard name unchanged; a file, relative to the scene's folder, as its full path.
-
-        The name of a profile passed as an object (`at_hand` in the context) is not checked.
-        """
-        from wheelrail.meshes.profiles.named import NAMES
-
-        context = info.context or {}
-        names = [name for name, kind in NAMES.items() if kind == info.field_name]
-        if value in names or info.field_name in context.get("at_hand", ()):
-            return value
-        file = Path(context.get("folder", "."), value)
-        if not present(file):
-            raise q.reject(f"must be {' or '.join(names)}, or an existing file, relative to the scene's folder")
-        from wheelrail.meshes.profiles.library import load_profile
-
-        try:
-            load_profile(file.absolute(), "wheel" if info.field_name == "wheel" else "rail")
-        except ValueError as error:
-            raise q.reject(str(error)) from None
-        return str(file.absolute())
 
 
 class RailsTable(SceneTable):

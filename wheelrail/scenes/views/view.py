@@ -17,7 +17,6 @@ from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, p
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.meshes.profiles.profile import Profile
     from wheelrail.scenes.contacts.side_solution import SideSolution
     from wheelrail.scenes.views.animation import RunBodies
 
@@ -79,7 +78,6 @@ def view_side(
     solved: SideSolution,
     options: ViewOptions,
     *,
-    profiles: tuple[Profile, Profile] | None = None,
     report_progress: ReportProgress = lambda _: None,
 ) -> Any:
     """Draw the contact of one side, see `wheelrail.scenes.views.contact_view`.
@@ -89,7 +87,6 @@ def view_side(
         side: "left", "right" or "contact".
         solved: solution of the side.
         options: of the view.
-        profiles: of wheel and inclined rail; those of the scene by default.
         report_progress: called with a text at every stage.
 
     Stress and displacement are those of waveguide bodies under the computed tractions, for all models. Returns the
@@ -106,7 +103,9 @@ def view_side(
         raise RunFailed(result.status)
     drawn_bodies = []
     right = side == "right"  # solved as its mirror image
-    for name, loaded in loaded_bodies(scene, pose.mirrored() if right else pose, names, profiles).items():
+    for name, loaded in loaded_bodies(
+        scene, pose.mirrored() if right else pose, names, "right" if right else "left"
+    ).items():
         report_progress(f"displacement and stress in the {name}")
         internal = internal_fields(loaded, result)
         main_patch = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
