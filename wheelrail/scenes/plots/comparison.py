@@ -10,7 +10,7 @@ import numpy as np
 
 from wheelrail.scenes.datasets.run_differences import rms, scatter, steady_samples
 from wheelrail.scenes.plots.runs import along_track, named, patch_bands
-from wheelrail.scenes.plots.style import STYLE, save
+from wheelrail.scenes.plots.style import save, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,11 +28,9 @@ DOTS = "#D55E00"
 
 def draw_comparison(runs: Runs, names: Names, folder: Path) -> Iterator[Path]:
     """Save the figures and yield their files."""
-    from matplotlib import rc_context
-
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in PICTURES.items():
-        with rc_context(STYLE):
+        with styled():
             save(draw(runs, names), folder / f"{name}.png")
         yield folder / f"{name}.png"
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.scenes.plots.patch_cells import PatchCells, chosen, title, touching
-from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, STYLE, axes_of, save
+from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, axes_of, save, styled
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -25,9 +25,7 @@ ALONG, ACROSS = "longitudinal, positive forward [mm]", "lateral, positive to the
 
 def draw_patches(data: Dataset, file: Path) -> None:
     """Save the figure in the format of the file ending. Raises ValueError without contact or for another ending."""
-    from matplotlib import rc_context
-
-    with rc_context(STYLE):
+    with styled():
         save(patches_figure(data), file)
 
 

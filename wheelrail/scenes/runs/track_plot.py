@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.plots.style import STYLE, save
+from wheelrail.scenes.plots.style import save, styled
 from wheelrail.scenes.runs.track_table import cant_deficiency
 from wheelrail.support.arrays import Array
 
@@ -24,9 +24,7 @@ POINTS = 1500
 
 def draw_track(scene: RunScene, file: Path) -> None:
     """Save the figure in the format of the file ending."""
-    from matplotlib import rc_context
-
-    with rc_context(STYLE):
+    with styled():
         save(_figure(scene), file)
 
 
