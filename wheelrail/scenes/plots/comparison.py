@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.datasets.run_differences import rms, scatter, steady_samples
+from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter
 from wheelrail.scenes.plots.runs import along_track, named, patch_bands
 from wheelrail.scenes.plots.style import save, styled
 
@@ -78,14 +78,14 @@ def rail_sections(runs: Runs, names: Names) -> Figure:
 
 
 def force_scatter(runs: Runs, names: Names) -> Figure:
-    """Residuals of vertical and lateral forces from local parabolas over 0.1 s: numerical noise in steady motion."""
+    """Residuals of vertical and lateral forces from local parabolas over 0.1 s: numerical noise where the motion is steady."""
     figure, axes = along_track(runs[0], 4)
     panels = [(name, side) for name in ("vertical_force", "lateral_force") for side in runs[0]["side"].values]
     for ax, (variable, side) in zip(axes, panels, strict=True):
         for data, label, look in zip(runs, names, LOOKS, strict=True):
             residual = scatter(data["time"].values, data[variable].sel(side=side).values)
             style = {"color": look["color"], "linewidth": 0.6}
-            text = f"{label}, RMS {rms(residual):.2g} N, {rms(residual[steady_samples(data)]):.2g} N in the full curve"
+            text = f"{label}, RMS {rms(residual):.2g} N, {rms(residual[full_curve(data)]):.2g} N in the full curve"
             ax.plot(data["distance"], residual, label=text, **style)
         ax.set_title(f"Residual noise of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
         ax.set_ylabel("[N]")
