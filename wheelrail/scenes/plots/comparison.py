@@ -78,7 +78,7 @@ def rail_sections(runs: Runs, names: Names) -> Figure:
 
 
 def force_scatter(runs: Runs, names: Names) -> Figure:
-    """Residuals of vertical and lateral forces from local parabolas over 0.1 s: numerical noise where the motion is steady."""
+    """Residuals of vertical and lateral forces from local parabolas over 0.1 s: numerical noise in steady motion."""
     figure, axes = along_track(runs[0], 4)
     panels = [(name, side) for name in ("vertical_force", "lateral_force") for side in runs[0]["side"].values]
     for ax, (variable, side) in zip(axes, panels, strict=True):
