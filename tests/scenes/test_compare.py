@@ -141,7 +141,7 @@ def short_scene(folder: Path) -> Path:
         ("transition_length = 100.0", "transition_length = 12.0"),
         ("curve = 300.0", "curve = 2.0"),
         ("workers = 2", "workers = 1"),
-        ("interval = 0.01", "figures = false\ninterval = 0.0"),
+        ("interval = 0.05", "figures = false\ninterval = 0.0"),
         ("rtol = 3e-3", "rtol = 1e-4"),
         ("atol = 3e-6", "atol = 1e-7"),
     ):
