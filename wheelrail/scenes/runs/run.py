@@ -181,8 +181,8 @@ def _sampling(interval: float) -> str:
     if not interval:
         return "every accepted step of the time integration"
     return (
-        f"every {interval:g} s; states by the cubic Hermite interpolation of the time integration within its steps, all "
-        "other variables evaluated at these states, contacts solved there"
+        f"every {interval:g} s; states by the cubic Hermite interpolation of the time integration within its steps, "
+        "all other variables evaluated at these states, contacts solved there"
     )
 
 
