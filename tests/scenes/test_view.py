@@ -17,7 +17,7 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.scenes.views.animation import RunBodies, animate_run
+from wheelrail.scenes.views.animation import Animation, RunBodies, animate_run, magnified
 from wheelrail.scenes.views.body_meshes import (
     DISPLACEMENT,
     MISES,
@@ -29,6 +29,7 @@ from wheelrail.scenes.views.body_meshes import (
 )
 from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene, round_scale
 from wheelrail.scenes.views.html import save_view, view_html
+from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
 
 WHEEL, RAIL = named_profile("S1002"), named_profile("60E1")
@@ -96,6 +97,44 @@ def test_a_contact_scene() -> None:
         assert len(np.unique(pane.reshape(-1, 3), axis=0)) > 200
     assert RANGES[DISPLACEMENT] == pytest.approx((0.0, 20.0))
     assert RANGES[MISES] == pytest.approx((0.0, 800.0))
+
+
+@pytest.mark.parametrize("size", [(800, 450), (1280, 720), (1600, 900)])
+def test_titles_of_colour_bars_are_clear_of_tick_labels(size: tuple[int, int]) -> None:
+    """Rows of dark pixels above the bar: the title, then white, then the tick labels."""
+    view = plotter(size=size, off_screen=True)
+    mesh = pyvista().Sphere()
+    mesh[DISPLACEMENT] = 100.0 * mesh.points[:, 2]
+    actor = view.add_mesh(mesh, scalars=DISPLACEMENT, cmap="autumn", show_scalar_bar=False)
+    mesh_free = 0.3  # of the height, below the sphere
+    view.camera.focal_point = (0.0, 0.0, -0.5)
+    colour_bar(view, actor.mapper, DISPLACEMENT)
+    picture = np.asarray(view.screenshot(None))[round((1 - mesh_free) * size[1]) :]
+    view.close()
+    coloured = (np.ptp(picture.astype(int), axis=-1) > 100).mean(axis=1) > 0.3
+    above = picture[: int(np.flatnonzero(coloured)[0])]
+    dark = (above.max(axis=-1) < 140).any(axis=1)
+    assert np.count_nonzero(np.diff(dark.astype(int)) == 1) + dark[0] == 2
+
+
+def test_magnified_wheelset_stays_on_its_rails() -> None:
+    """Rails keep their place relative to the wheelset, and the wheelset has the magnified displacement."""
+    y, z, roll, radius = 6e-3, 0.4598, 1e-3, 0.46
+    at_rail = np.array([0.0, 0.75, 0.0, 1.0])
+    assert magnified(y, z, roll, 1.0, radius) == pytest.approx(np.eye(4), abs=1e-15)
+    moved = magnified(y, z, roll, 20.0, radius)
+    assert moved @ [0.0, y, z, 1.0] == pytest.approx([0.0, 20 * y, radius - 20 * 2e-4, 1.0])
+    before, after = at_rail[:3] - [0.0, y, z], (moved @ at_rail - moved @ [0.0, y, z, 1.0])[:3]
+    turn = np.array([[1, 0, 0], [0, np.cos(19 * roll), -np.sin(19 * roll)], [0, np.sin(19 * roll), np.cos(19 * roll)]])
+    assert after == pytest.approx(turn @ before)
+
+
+def test_rails_of_an_animation_follow_the_magnified_wheelset() -> None:
+    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING), scale=20.0)
+    animation.show(2)
+    for rail in animation._rails:
+        assert rail.user_matrix[:3, 3] == pytest.approx([0.0, 19 * 6e-3, 0.0])
+    animation.view.close()
 
 
 def test_html_page_is_self_contained() -> None:
