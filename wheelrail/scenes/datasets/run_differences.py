@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from wheelrail.support.arrays import Array
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -121,7 +122,15 @@ def table(run_differences: list[RunDifference], names: tuple[str, str]) -> Table
         view.add_column(head, justify="left" if text else "right", no_wrap=True)
     for d in run_differences:
         percent = f"{100 * d.rms / d.span:.2f}" if d.span > 0 else "-"
-        view.add_row(d.channel, d.unit, f"{d.rms:.4g}", f"{d.worst:.4g}", f"{d.at:.1f}", f"{d.span:.4g}", percent)
+        view.add_row(
+            d.channel,
+            d.unit,
+            significant(d.rms, 4),
+            significant(d.worst, 4),
+            f"{d.at:.1f}",
+            significant(d.span, 4),
+            percent,
+        )
     return view
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter
 from wheelrail.scenes.plots.runs import along_track, named, patch_bands
 from wheelrail.scenes.plots.style import save, styled
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,7 +86,8 @@ def force_scatter(runs: Runs, names: Names) -> Figure:
         for data, label, look in zip(runs, names, LOOKS, strict=True):
             residual = scatter(data["time"].values, data[variable].sel(side=side).values)
             style = {"color": look["color"], "linewidth": 0.6}
-            text = f"{label}, RMS {rms(residual):.2g} N, {rms(residual[full_curve(data)]):.2g} N in the full curve"
+            noise = rms(residual[full_curve(data)])
+            text = f"{label}, RMS {significant(rms(residual), 2)} N, {significant(noise, 2)} N in the full curve"
             ax.plot(data["distance"], residual, label=text, **style)
         ax.set_title(f"Residual noise of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
         ax.set_ylabel("[N]")

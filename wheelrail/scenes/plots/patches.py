@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wheelrail.scenes.plots.patch_cells import PatchCells, chosen, title, touching
 from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, axes_of, save, styled
 from wheelrail.support.arrays import Array
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -129,7 +130,7 @@ def traction_map(
         )
     area = {name: float(cells.areas[cells.sticks == (name == "stick")].sum()) for name in REGIONS}
     handles = [
-        Patch(color=colour, label=f"{name}, {1e6 * area[name]:.3g} mm²")
+        Patch(color=colour, label=f"{name}, {significant(1e6 * area[name])} mm²")
         for name, colour in REGIONS.items()
         if area[name] > 0.0
     ]
@@ -230,7 +231,11 @@ def _arrows(
         edgecolor="0.2",
         linewidth=0.3 if colour == "white" else 0.0,
     )
-    return [note.format(largest) if note else f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the {cells.on}"]
+    return [
+        note.format(largest)
+        if note
+        else f"longest arrow: traction of {significant(1e-6 * largest)} MPa on the {cells.on}"
+    ]
 
 
 def _stick_line(ax: Axes, cells: PatchCells) -> list[str]:

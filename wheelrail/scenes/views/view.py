@@ -13,6 +13,7 @@ from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -119,7 +120,7 @@ def view_side(
     return contact_scene(
         result,
         tuple(drawn_bodies),
-        title=f"{heading}, {load:.4g} kN",
+        title=f"{heading}, {significant(load, 4)} kN",
         scale=options.scale,
         mirrored=right,
         off_screen=options.off_screen,
