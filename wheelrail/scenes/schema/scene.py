@@ -37,6 +37,7 @@ from wheelrail.scenes.schema.tables import (
 )
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.track import TrackLine
+from wheelrail.scenes.schema.wheelset_defaults import with_defaults
 
 if TYPE_CHECKING:
     from wheelrail.contact.models.discretisation import Discretisation
@@ -239,7 +240,7 @@ class HertzScene(Solve):
 
 
 class WheelsetScene(Solve):
-    """One position of a wheelset on its track."""
+    """One position of a wheelset on its track; keys that are missing have the defaults of `wheelrail.Wheelset`."""
 
     kind: Literal["wheelset"]
     sides: Sides = ("left", "right")
@@ -250,6 +251,11 @@ class WheelsetScene(Solve):
     wheelset: WheelsetTable
     stress: StressTable | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _complete(cls, data: Any) -> Any:
+        return with_defaults(data) if isinstance(data, Mapping) else data
+
     @model_validator(mode="after")
     def _consistent(self) -> WheelsetScene:
         if len(set(self.sides)) != len(self.sides):
@@ -259,9 +265,6 @@ class WheelsetScene(Solve):
         if self.model == "standard" and self.stress is not None:
             raise q.reject(NO_STRESS, "stress")
         _between(self.wheelset, self.track.gauge)
-        for key in ("speed", "pitch_rate"):
-            if self.frictional and getattr(self.wheelset, key) is None:
-                raise q.reject("required if friction is not 0", f"wheelset.{key}")
         return self
 
 
