@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 from xarray import Dataset
 
+import wheelrail as wr
 from wheelrail.cli.main import app
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.results.result import ContactResult, Fields
@@ -28,6 +29,7 @@ from wheelrail.scenes.views.body_meshes import (
     pressure_surface,
 )
 from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene, round_scale
+from wheelrail.scenes.views.export import PARTS
 from wheelrail.scenes.views.html import save_view, view_html
 from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
@@ -241,6 +243,8 @@ def test_animation_of_a_run(tmp_path: Path) -> None:
         (["view", "scenes/wheelset.toml", "--out", "a.png", "--body", "axle"], "--body axle: must be wheel, rail"),
         (["view", "scenes/wheelset.toml", "--out", "a.png", "--side", "top"], "--side top: must be left or right"),
         (["view", "scenes/curve.toml", "--out", "a.png"], "use wheelrail animate"),
+        (["export", "scenes/curve.toml", "--out", "a"], 'must be "hertz" or "wheelset"'),
+        (["export", "scenes/hertz.toml", "--out", "README.md"], "README.md is a file"),
         (["animate", "nowhere", "--out", "a.png"], "--out a.png: must end in .mp4, .gif"),
         (["animate", "nowhere", "--out", "a.gif"], "nowhere: file does not exist"),
     ],
@@ -276,3 +280,23 @@ def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) ->
     shown = [output["data"] for output in cell.outputs if "data" in output]
     assert any("application/vnd.jupyter.widget-view+json" in data for data in shown)
     assert any("<iframe" in data.get("text/plain", "") for data in shown)
+
+
+def test_export_for_paraview(tmp_path: Path) -> None:
+    """Fields of both blocks under 10 kN, read again: pressure over the patch is the load, stress is below the patch."""
+    pair = wr.Hertz(upper=(0.46, 0.3), lower=(0.5, 0.3), friction=0.0, strips=8)
+    solution = pair.solve(load=10e3)
+    files = solution.export(tmp_path / "fields")
+    names = {f"contact_{body}_{part}.vtu" for body in ("upper", "lower") for part in PARTS} | {"contact_patches.vtp"}
+    assert {file.name for file in files} == names == {file.name for file in (tmp_path / "fields").iterdir()}
+    read = {file.stem: pyvista().read(file) for file in files}
+    patch = read["contact_patches"].compute_cell_sizes()
+    assert float(patch[PRESSURE] @ patch["Area"]) == pytest.approx(10e3, rel=1e-6)  # MPa mm2 = N
+    peak = float(solution.patches.max_pressure.iloc[0]) * 1e-6
+    cut = read["contact_lower_longitudinal_cut"]
+    assert 0.5 * peak < cut[MISES].max() < 0.7 * peak
+    assert cut.points[np.argmax(cut[MISES]), 2] < 0.0
+    assert cut["stress"].shape == (cut.n_points, 9)
+    assert read["contact_lower_body"]["displacement"][:, 2].min() < -5e-3
+    with pytest.raises(ValueError, match="contains no bodies"):
+        wr.Solution(solution.data).export(tmp_path)
