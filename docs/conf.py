@@ -18,7 +18,16 @@ author = "The wheelrail developers"
 copyright = f"{author}, {PROJECT['license']['text']}"
 release = version = PROJECT["version"]
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "extensions.mathml", "extensions.generated", "extensions.docstrings"]
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "extensions.mathml",
+    "extensions.generated",
+    "extensions.docstrings",
+    "extensions.module_links",
+    "extensions.numbered_equations",
+]
 exclude_patterns = ["conf.py", "extensions", "_static", "**/__pycache__", "**/.ipynb_checkpoints"]
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb", ".py": "myst-nb"}
 suppress_warnings = ["config.cache", "ref.python"]  # a name may be public in two places

@@ -10,6 +10,7 @@ from typing import Any
 
 import dolfinx
 import dolfinx.fem.petsc
+import dolfinx.log
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -20,6 +21,9 @@ from wheelrail.forms.snes_newton import SnesNewton
 
 OLD = not hasattr(fem, "functionspace")  # 0.5 and 0.6
 RECENT = tuple(int(part) for part in dolfinx.__version__.split(".")[:2]) >= (0, 10)
+
+# Results have a status; warnings of dolfinx on standard error, as on a step that its solvers repeat, add nothing to it.
+dolfinx.log.set_log_level(dolfinx.log.LogLevel.ERROR)
 
 
 def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: NDArray[Any], points: NDArray[Any]) -> Any:

@@ -1,4 +1,4 @@
-"""Dynamics of a plane wagon on a track; any contact model can be used. NumPy and SciPy only.
+"""Dynamics of a plane wagon on a track; any contact model can be used. Needs no dolfinx.
 
 `Wagon` and `Track` hold the data, `Dynamics` the equations of motion; `simulate` integrates them, `equilibrium`,
 `curving` and `modes` compute steady states and linear modes.

@@ -1,11 +1,11 @@
 """Rolling speed and rigid creepage at the contact points, eq. (5), or the rigid tangential displacement.
 
 Where the surfaces touch, their relative velocity has no component along the normal, and its component along any
-direction near the tangent is the slip. The rigid part alone does have one: it is projected as the elastic part is. Grids
-take differences of displacements, as vectors, along the wheel's axes at each point, and so is the rigid part. Strips
-have the displacement of each body in the body's own axes; there the velocity of the wheel counts along its circle, that
-of the rail along its surface. With the wheel's tangent for both, points at x from the lowest one would creep by -x^2 /
-(2 R^2), which is 8.5e-5 at 6 mm.
+direction near the tangent is the slip. The rigid part alone does have one, and is projected as the elastic part is.
+Grids take differences of displacements, as vectors, along the wheel's axes at each point. Strips have the displacement
+of each body in the body's own axes; there the velocity of the wheel counts along its circle, that of the rail along its
+surface. With the wheel's tangent for both, points at x from the lowest one would creep by -x^2 / (2 R^2), which is
+8.5e-5 at 6 mm.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from typing import Any
 from sphinx.application import Sphinx
 
 ALIAS = re.compile(r"TypeAliasForwardRef\('([\w.]+)'\)")
+HEADING = re.compile(r"Parameters[\w ]*:")
 SPECIAL = re.compile(r"([*|_\\<>])")
 
 
@@ -20,13 +21,30 @@ def restructured(lines: list[str]) -> list[str]:
         part = list(group)
         if blank:
             continue
-        if part[0].startswith((" ", ">>>")):
+        if HEADING.fullmatch(part[0]) and len(part) > 1:
+            result += _table(part[0], part[1:])
+        elif part[0].startswith((" ", ">>>")):
             result += ["::", "", *("    " + line for line in part), ""]
         elif part[0].startswith("- "):
             result += [*map(_escaped, part), ""]
         else:
             result += [*(_escaped(line.strip()) for line in part), ""]
     return result
+
+
+def _table(heading: str, lines: list[str]) -> list[str]:
+    """Table of the entries "name, name: text" below a heading; deeper lines continue an entry."""
+    entries: list[list[str]] = []
+    for line in cleandoc("\n".join(lines)).splitlines():
+        name, colon, text = line.partition(":")
+        if not line.startswith(" ") and colon:
+            entries.append([name, text.strip()])
+        else:
+            entries[-1][1] += f" {line.strip()}"
+    rows: list[str] = []
+    for name, text in entries:
+        rows += [f"   * - {', '.join(f'``{part.strip()}``' for part in name.split(','))}", f"     - {_escaped(text)}"]
+    return [f"**{heading.removesuffix(':')}**", "", ".. list-table::", "   :class: parameters", "", *rows, ""]
 
 
 def _escaped(line: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -90,17 +91,73 @@ def test_notebook_pairs(notebook: Any) -> None:
     assert body(jupytext.writes(again, "py:percent")) == body(notebook.read_text(encoding="utf-8"))
 
 
-def test_notebook_in_jupyter(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Execution by a kernel returns HTML tables and figures."""
+def executed_by_jupyter(notebook: Any, monkeypatch: pytest.MonkeyPatch, timeout: int = 120) -> list[list[Any]]:
+    """Displayed data of every code cell, with the inline backend of Jupyter."""
     import nbclient
 
     root = str(NOTEBOOKS.parent)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([root, os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep))
-    name = "01_profiles_and_contact_geometry.py"
-    notebook = with_parameters(name, **REDUCED[name])
+    monkeypatch.delenv("MPLBACKEND", raising=False)
     nbclient.NotebookClient(
-        notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(NOTEBOOKS)}}
+        notebook, timeout=timeout, kernel_name="python3", resources={"metadata": {"path": str(NOTEBOOKS)}}
     ).execute()
-    shown = [output.data for cell in notebook.cells for output in cell.get("outputs", []) if "data" in output]
-    assert sum("image/png" in data for data in shown) >= 5
-    assert any("<table>" in data.get("text/html", "") for data in shown)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    return [[output.data for output in cell.outputs if "data" in output] for cell in code]
+
+
+def images(displayed: list[Any]) -> int:
+    return sum("image/png" in data for data in displayed)
+
+
+def test_notebook_in_jupyter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Execution by a kernel returns HTML tables and figures."""
+    name = "01_profiles_and_contact_geometry.py"
+    displayed = [*chain(*executed_by_jupyter(with_parameters(name, **REDUCED[name]), monkeypatch))]
+    assert images(displayed) >= 5
+    assert any("<table>" in data.get("text/html", "") for data in displayed)
+
+
+FIGURES = """import wheelrail as wr
+solution = wr.Hertz(upper=(0.46, 0.3), lower=(0.5, 0.3), friction=0.3, model="standard").solve(
+    load=10e3, speed=10.0, creepage=(1e-3, 0.0, 0.0))
+# %%
+solution.plot()
+# %%
+ax = solution.plot.pressure()
+bx = solution.plot.section()
+# %%
+wr.plot_convergence([1e-3, 2e-3], {"peak": [1e-3, 4e-3]})
+# %%
+import matplotlib.pyplot as plt
+plt.plot([0, 1])
+# %%
+solution.plot.tractions(ax=plt.subplots()[1])
+# %%
+plt.figure().add_subplot()
+second = plt.figure()
+solution.plot(figure=second)
+"""
+
+
+def test_every_cell_displays_its_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first figure of a session comes from this package; later ones, the user's own included, are displayed too."""
+    from nbformat.v4 import new_code_cell, new_notebook
+
+    notebook = new_notebook(cells=[new_code_cell(source) for source in FIGURES.split("# %%\n")])
+    displayed = executed_by_jupyter(notebook, monkeypatch)
+    assert [*map(images, displayed)] == [0, 1, 2, 1, 1, 1, 2]
+
+
+def test_style_leaves_other_parameters_alone() -> None:
+    import matplotlib
+
+    from wheelrail.scenes.plots.style import STYLE, styled
+
+    with matplotlib.rc_context({"interactive": False, "font.size": 11.0}):
+        with styled({"svg.hashsalt": "a"}):
+            assert matplotlib.rcParams["font.size"] == STYLE["font.size"]
+            assert matplotlib.rcParams["svg.hashsalt"] == "a"
+            matplotlib.rcParams["interactive"] = True
+        assert matplotlib.rcParams["interactive"]
+        assert matplotlib.rcParams["font.size"] == 11.0
+        assert matplotlib.rcParams["svg.hashsalt"] is None

@@ -28,6 +28,7 @@ from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.contacts.report import json_text
 from wheelrail.scenes.runs.progress import case_bar
+from wheelrail.support.number_text import fixed, significant
 from wheelrail.support.terminal import messages_on
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -69,18 +70,18 @@ def test_modes_are_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> No
     assert outcome.exit_code == 0
     assert "straight track at 10 m/s" in outcome.stdout
     second = outcome.stdout.split("at 30 m/s")[1]
-    assert re.search(r"1\.08 . +0\.1345 .*car_body_z 100%", second)
-    assert re.search(r"160\.3 . +1\.0000 . +-1007 .*wheelset_pitch 100%", second)
+    assert re.search(r"1\.08 +0\.1345 .*car_body_z 100%", second)
+    assert re.search(r"160\.3 +1\.0000 +-1007 .*wheelset_pitch 100%", second)
 
 
 def test_curving_is_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Values of the paper's curve; the stand-in contact has no patches."""
     outcome = vehicle("curving", monkeypatch, "--speed", "20", "--speed", "45")
     assert outcome.exit_code == 0
-    assert re.search(r"cant deficiency \(mm\) +. +-9\.0 . +198\.0", outcome.stdout)
+    assert re.search(r"cant deficiency \(mm\) +-9\.0 +198\.0", outcome.stdout)
     assert re.search(r"wheel load Q.*36\.58  73\.18", outcome.stdout)
     assert "cant 60 mm" in outcome.stdout
-    assert "45" in vehicle("curving", monkeypatch).stdout.splitlines()[2]  # the scene's speed
+    assert "45" in vehicle("curving", monkeypatch).stdout.splitlines()[1]  # the scene's speed
 
 
 def test_no_run_or_no_equilibrium_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -170,6 +171,76 @@ def test_readable_table(spring: SpringContact) -> None:
     assert outcome.exit_code == 0
     for text in ("left", "right", "normal force [kN]", "57.000", "peak pressure [MPa]"):
         assert text in outcome.stdout
+
+
+def test_tables_are_plain_text_in_a_pipe(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No lines of boxes, no control sequences, no line broken, titles in one line."""
+    outputs = [
+        contact(WHEELSET).stdout,
+        CliRunner().invoke(app, ["track", str(SCENES / "irregular.toml")]).stdout,
+        vehicle("curving", monkeypatch).stdout,
+        vehicle("modes", monkeypatch).stdout,
+    ]
+    for text in outputs:
+        assert set(text) <= {chr(code) for code in range(32, 127)} | set("µ²°±‰\n"), sorted(set(text))
+    assert outputs[1].splitlines()[0].endswith("at the end of each segment")
+    assert all(len(line.split()) >= 7 for line in outputs[1].splitlines()[1:])
+
+
+def test_quiet_and_verbose(spring: SpringContact, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before and after the command; an option holds for one call; errors are always printed."""
+
+    def solved(pose: object, motion: object, guess: object) -> ContactResult:
+        log = logging.getLogger("wheelrail.contact")
+        log.info("told")
+        log.debug("detail")
+        return model(pose, motion, guess)  # type: ignore[arg-type]
+
+    model = SpringContact()
+    pairs = SimpleNamespace(hertz_pair=lambda *args, **options: solved)
+    monkeypatch.setitem(sys.modules, "wheelrail.contact.models.builders", pairs)
+
+    def stderr(*arguments: str) -> str:
+        outcome = CliRunner().invoke(app, arguments)
+        assert outcome.exit_code == 0
+        assert "10.000" in outcome.stdout
+        return outcome.stderr
+
+    scene = str(HERTZ)
+    for arguments in (["contact", scene, "--quiet"], ["contact", "-q", scene], ["-q", "contact", scene]):
+        assert stderr(*arguments) == ""
+    normal = stderr("contact", scene)
+    assert "told" in normal
+    assert "detail" not in normal
+    for arguments in (["contact", scene, "--verbose"], ["-v", "contact", scene]):
+        assert "detail" in stderr(*arguments)
+    refused = CliRunner().invoke(app, ["run", "-q", scene])
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert "use wheelrail contact" in refused.stderr
+
+
+def test_shell_completion() -> None:
+    script = subprocess.run(
+        [sys.executable, "-m", "wheelrail.cli", "--show-completion", "bash"], capture_output=True, text=True, check=True
+    ).stdout
+    assert "_WHEELRAIL_COMPLETE=complete_bash" in script
+    words = {**os.environ, "_WHEELRAIL_COMPLETE": "complete_bash", "COMP_WORDS": "wheelrail cu", "COMP_CWORD": "1"}
+    offered = subprocess.run([sys.executable, "-m", "wheelrail.cli"], capture_output=True, text=True, env=words)
+    assert offered.stdout.split() == ["curving"]
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [(320.4, 2, "320"), (12345.6, 4, "12350"), (0.512, 2, "0.51"), (-0.0, 2, "0"), (3e-7, 2, "3e-07"), (7.0, 2, "7")],
+)
+def test_figures_have_no_exponent_above_one(value: float, digits: int, text: str) -> None:
+    assert significant(value, digits) == text
+    assert fixed(-1e-9, 2) == "0.00"
+
+
+def test_forces_have_no_minus_before_zero(spring: SpringContact) -> None:
+    assert "-0.0 " not in contact(WHEELSET).stdout
+    assert not re.search(r"-0\.0+(?!\d)", contact(WHEELSET).stdout)
 
 
 FEW = ("# strips = 16", "strips = 8\ncells = 10\nerror_estimate = true  # strips")

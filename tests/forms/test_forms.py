@@ -172,3 +172,11 @@ def test_the_whole_strip_at_once() -> None:
         nodes = np.flatnonzero(grid.weight.ravel() > 0)
         forces = law(name, 0.0).force(nodes, np.full((len(nodes), 1), 1e-6))
         assert forces.sum() == pytest.approx(-1e13 * 1e-6 * grid.weight.sum(), rel=1e-12)
+
+
+def test_dolfinx_reports_errors_only() -> None:
+    import dolfinx.log
+
+    import wheelrail.forms.compat  # noqa: F401 - sets the level
+
+    assert dolfinx.log.get_log_level() == dolfinx.log.LogLevel.ERROR

@@ -369,3 +369,53 @@ def test_citation_file() -> None:
     page_of_it = (DOCS / "citing.md").read_text(encoding="utf-8")
     assert f"https://doi.org/{article['doi']}" in page_of_it
     assert f"{article['start']}-{article['end']}" in page_of_it
+
+
+def test_reference_has_sources_and_tables_of_parameters(site: Path) -> None:
+    reference = site / "reference" / "python.html"
+    text = reference.read_text(encoding="utf-8")
+    assert text.count("parameters docutils") + text.count('class="parameters') > 100
+    sources = {link for link in page(reference).links if link.startswith("../_modules/wheelrail/")}
+    assert any("solution.html#" in link for link in sources)
+    assert len(sources) > 200
+
+
+def test_parameters_become_a_table() -> None:
+    lines = [
+        "Solve.",
+        "",
+        "Parameters:",
+        "    y, z: position, m;",
+        "        upwards.",
+        "    load: N.",
+        "",
+        "Returns |F|.",
+    ]
+    assert restructured(lines)[2:] == [
+        "**Parameters**",
+        "",
+        ".. list-table::",
+        "   :class: parameters",
+        "",
+        "   * - ``y``, ``z``",
+        "     - position, m; upwards.",
+        "   * - ``load``",
+        "     - N.",
+        "",
+        "Returns \\|F\\|.",
+        "",
+    ]
+
+
+def test_displayed_equations_of_the_theory_are_numbered(site: Path) -> None:
+    for file in (site / "theory").glob("*.html"):
+        text = file.read_text(encoding="utf-8")
+        numbers = [int(number) for number in re.findall(r'<span class="eqno">\((\d+)\)', text)]
+        assert numbers == list(range(1, len(numbers) + 1)), file
+        assert len(numbers) == text.count('class="equation"'), file
+    assert "eqno" in (site / "theory" / "lattice.html").read_text(encoding="utf-8")
+
+
+def test_names_of_modules_are_links(site: Path) -> None:
+    links = page(site / "how-to" / "element.html").links + page(site / "theory" / "stress-wear.html").links
+    assert any("reference/python.html#" in link and "wheelrail.contact" in link for link in links)

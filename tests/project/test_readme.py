@@ -93,3 +93,27 @@ def test_licence_and_version_agree() -> None:
     assert "GNU LESSER GENERAL PUBLIC LICENSE" in (ROOT / "LICENSE").read_text(encoding="utf-8")
     (date,) = re.findall(r"^date-released: (\d{4}-\d\d-\d\d)$", citation, flags=re.MULTILINE)
     assert f"## {project['version']} - {date}\n" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_statements_agree_with_scenes_and_tables() -> None:
+    """The approach is the one a user gets; scenes are described by their laws; the finite bodies by their supports."""
+    validation, limits = (
+        (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("validation", "limits")
+    )
+    uncorrected = re.search(r"\| hertz \| approach, uncorrected \| % \| ([0-9.]+) \| ([0-9.]+) \|", validation)
+    assert uncorrected is not None
+    (row,) = (line for line in README.splitlines() if line.startswith("| peak pressure; semi-axes; approach |"))
+    assert row.count(f"; {uncorrected[1]} %") == 1
+    assert row.count(f"; {uncorrected[2]} %") == 1
+    for command in "".join(blocks("sh")).splitlines():
+        scene, _, comment = command.partition("#")
+        if match := re.search(r"scenes/\w+\.toml", scene):
+            paper = 'laws = "paper"' in (ROOT / match[0]).read_text(encoding="utf-8")
+            assert paper or "the paper's laws" not in comment, command
+    assert "NumPy and SciPy only" not in README
+    for text in (README, limits):
+        words = " ".join(text.split())
+        assert "percentage points" in words
+        assert re.search(r"clamped at its foot.*clamped at its bore|clamped at its foot, wheel at its bore", words)
+        assert "rail pads" in words.lower()
+        assert "Peak pressure and patch are not affected" not in words

@@ -18,7 +18,7 @@ from wheelrail.cli.main import app
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.datasets.run_derived import wear
-from wheelrail.scenes.datasets.run_differences import channels, differences, rows, scatter, table
+from wheelrail.scenes.datasets.run_differences import channels, differences, noise, rows, scatter, table
 from wheelrail.scenes.plots.comparison import PICTURES, draw_comparison
 from wheelrail.scenes.runs.compare import with_model
 from wheelrail.scenes.schema.scene import RunScene, load_scene, parse_scene
@@ -68,6 +68,20 @@ def test_residual_noise_excludes_smooth_signals() -> None:
     noise = np.random.default_rng(1).normal(0.0, 50.0, len(time))
     assert np.abs(scatter(time, smooth)).max() < 1.0
     assert float(scatter(time, smooth + noise).std()) == pytest.approx(50.0, rel=0.05)
+
+
+@pytest.mark.parametrize("at", [0.85, 1.5])  # s, both at full curvature, from 0.8 s on
+def test_noise_in_the_full_curve_counts_all_of_it(at: float) -> None:
+    made = data(2001)
+    time = made["time"].values
+    made["curvature"][:] = np.clip(time / 0.8, 0.0, 1.0) / 1200
+    jump = 892.0 * ((time >= at) & (time < at + 0.004))
+    made["vertical_force"][:, 0] += jump
+    over_run, in_curve = noise(made)["vertical force, left"]
+    assert in_curve == pytest.approx(over_run * np.sqrt(2.0 / 1.2), rel=0.02)
+    assert in_curve > 30.0
+    words = PICTURES["compare_scatter"]((made, made), ("a", "b")).axes[0].get_legend().get_texts()[0].get_text()
+    assert f"{in_curve:.2g} N in the full curve" in words
 
 
 def test_t_gamma_and_shakedown_map() -> None:
@@ -127,7 +141,7 @@ def short_scene(folder: Path) -> Path:
         ("transition_length = 100.0", "transition_length = 12.0"),
         ("curve = 300.0", "curve = 2.0"),
         ("workers = 2", "workers = 1"),
-        ("interval = 0.01", "figures = false\ninterval = 0.0"),
+        ("interval = 0.05", "figures = false\ninterval = 0.0"),
         ("rtol = 3e-3", "rtol = 1e-4"),
         ("atol = 3e-6", "atol = 1e-7"),
     ):

@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
+from matplotlib.text import Text
+from test_figures import history as run_history
 from xarray import Dataset
 
 import wheelrail as wr
+from wheelrail.scenes.datasets.run import dataset as run_dataset
+from wheelrail.scenes.datasets.run_derived import wear
+from wheelrail.scenes.plots import comparison, runs
 from wheelrail.scenes.plots.errors import convergence, work_precision
 from wheelrail.scenes.plots.patch_cells import PatchCells
-from wheelrail.scenes.plots.patches import pressure_map, traction_map
+from wheelrail.scenes.plots.patches import patches_figure, pressure_map, traction_map
 from wheelrail.scenes.plots.profiles import profiles_in_contact
 from wheelrail.scenes.plots.sections import closed_form, section
+from wheelrail.scenes.plots.style import styled
+from wheelrail.scenes.runs.track_plot import track_figure
+from wheelrail.scenes.runs.track_table import segment_table
+from wheelrail.scenes.schema.scene import RunScene, load_scene
 
 UNIT = re.compile(r"\[[^\]]+\]")
 
@@ -122,3 +134,96 @@ def test_work_precision_plots_its_data() -> None:
     assert [line.get_label() for line in ax.lines] == ["a", "b"]
     np.testing.assert_array_equal(ax.lines[0].get_ydata(), [1e-2, 1e-3])
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+
+
+def lines_of(figure: Figure) -> list[Text]:
+    """Texts of a figure that are drawn, tick labels within the axes' limits only."""
+    ticks = {
+        label
+        for ax in figure.axes
+        for axis in (ax.xaxis, ax.yaxis)
+        for tick in axis.get_major_ticks()
+        if not (min(v := axis.get_view_interval()) - 1e-9 <= tick.get_loc() <= max(v) + 1e-9)
+        for label in (tick.label1, tick.label2)
+    }
+    return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text() and text not in ticks]
+
+
+@pytest.fixture(scope="module")
+def two_patches() -> Dataset:
+    """A narrow second patch on the flange of the left wheel."""
+    pair = wr.Wheelset(friction=0.3, model="standard", normal="kik-piotrowski")
+    solved = pair.solve(y=5.2e-3, wheel_load=57e3, speed=45.0).data
+    assert solved["patches"].sel(side="left") >= 2
+    return solved
+
+
+def all_figures(data: Dataset) -> dict[str, Figure]:
+    run = run_dataset(run_history())
+    run = run.assign(wear(run, 300e6))
+    return {
+        "patches": patches_figure(data),
+        "track": track_figure(load_run("irregular")),
+        **{name: draw(run) for name, draw in runs.PICTURES.items()},
+        **{name: draw((run, run), ("condensed", "standard")) for name, draw in comparison.PICTURES.items()},
+        "pressure": pressure_map(data).figure,
+        "tractions": traction_map(data).figure,
+        "section": section(data).figure,
+        "profiles": profiles_in_contact(data).figure,
+    }
+
+
+def load_run(name: str) -> RunScene:
+    scene = load_scene(Path(__file__).parents[2] / "scenes" / f"{name}.toml")
+    assert isinstance(scene, RunScene)
+    return scene
+
+
+@pytest.mark.parametrize("width", [800, 1280])
+def test_no_label_is_cut_off(two_patches: Dataset, width: int) -> None:
+    with styled():
+        for name, figure in all_figures(two_patches).items():
+            figure.set_dpi(width / figure.get_size_inches()[0])
+            FigureCanvasAgg(figure).draw()
+            across, high = figure.bbox.size
+            for text in lines_of(figure):
+                box = text.get_window_extent()
+                assert min(box.x0, box.y0, across - box.x1, high - box.y1) >= -1, (name, text)
+
+
+def test_patches_of_a_scene_have_one_scale_of_lengths_and_pressure(two_patches: Dataset) -> None:
+    figure = patches_figure(two_patches)
+    FigureCanvasAgg(figure).draw()
+    panels = [ax for ax in figure.axes if ax.get_title(loc="left") or ax.get_title()]
+    assert len(panels) >= 3
+    scales = [ax.bbox.width / np.ptp(ax.get_xlim()) for ax in panels]
+    assert scales == pytest.approx([scales[0]] * len(scales), rel=1e-3)
+    assert [ax.bbox.height / np.ptp(ax.get_ylim()) for ax in panels] == pytest.approx(scales, rel=1e-3)
+    largest = 1e-6 * float(two_patches["patch_max_pressure"].max())
+    drawn = [*panels, pressure_map(two_patches, "right")]
+    norms = [artist.norm.vmax for ax in drawn for artist in ax.collections if artist.get_array() is not None]
+    assert norms == pytest.approx([largest] * len(norms))
+    for ax in panels:
+        (cells,) = (a for a in ax.collections if isinstance(a, PolyCollection) and a.get_array() is not None)
+        low, high = cells.get_datalim(ax.transData).get_points()
+        assert (low >= [ax.get_xlim()[0], ax.get_ylim()[0]]).all()
+        assert (high <= [ax.get_xlim()[1], ax.get_ylim()[1]]).all()
+
+
+def test_cant_and_deficiency_have_one_sign_in_table_and_picture() -> None:
+    """The scene ends in a right-hand curve of 60 mm of cant: positive, as in the scene, in both."""
+    scene = load_run("irregular")
+    table = segment_table(scene)
+    cells = {str(column.header): list(column.cells) for column in table.columns}
+    (ax,) = (
+        ax
+        for ax in track_figure(scene).axes
+        if "cant deficiency" in (ax.get_title() + ax.get_title(loc="left")).lower()
+    )
+    drawn = {str(line.get_label()): line for line in ax.lines}
+    for name in ("cant", "cant deficiency"):
+        x, y = drawn[name].get_data()
+        ends = np.array([float(text) for text in cells["to m"]])
+        np.testing.assert_allclose(np.interp(ends, x, y), [float(text) for text in cells[f"{name} mm"]], atol=0.6)
+    assert float(cells["cant mm"][-1]) == 60.0
+    assert float(cells["radius m"][-1]) < 0.0

@@ -13,6 +13,7 @@ import pytest
 from malformed_inputs import WHEEL, lines
 from rich.console import Console
 
+import wheelrail as wr
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.standard.model import StandardContact
@@ -23,6 +24,8 @@ from wheelrail.scenes.contacts.report import contact_report
 from wheelrail.scenes.contacts.solve import solve_contact
 from wheelrail.scenes.contacts.table import table
 from wheelrail.scenes.plots.patches import draw_patches
+from wheelrail.scenes.runs.compare import with_model
+from wheelrail.scenes.runs.resume import inputs
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.override import overridden
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, load_scene, parse_scene
@@ -262,12 +265,9 @@ MALFORMED = [
     (WHEELSET, "flange_back = -0.070", "flange_back = 0.070", ("wheelset.flange_back = 0.07", "negative")),
     (WHEELSET, "y = -0.002", "y = -2", ("wheelset.y = -2", "2 mm is 0.002")),
     (WHEELSET, "roll = 0.0", 'roll = "solv"', ('wheelset.roll = "solv"', '"solve"')),
-    (WHEELSET, "roll = 0.0", "", ("wheelset.roll: missing", '"solve"')),
     (WHEELSET, "yaw = 0.0", "yaw = 3", ("wheelset.yaw = 3", "rad")),
-    (WHEELSET, "wheel_load = 57e3", "", ("wheelset.wheel_load: missing", "exactly one of wheel_load, axle_load and z")),
     (WHEELSET, "wheel_load = 57e3", "wheel_load = 57e3\nz = 0.0", ("wheelset.z = 0.0", "exactly one")),
     (WHEELSET, "pitch_rate = 97.82608695652173", "pitch_rate = 934", ("pitch_rate = 934", "pure rolling (97.8261")),
-    (WHEELSET, "pitch_rate = 97.82608695652173", "", ("wheelset.pitch_rate: missing", "friction is not 0")),
     (
         CURVE,
         "transition_length = 100.0",
@@ -459,3 +459,55 @@ def test_the_standard_model_reports_and_draws(tmp_path: Path) -> None:
     assert "standard model, kik-piotrowski normal, fastsim tangential: converged" in text.getvalue()
     draw_patches(data, tmp_path / "patches.png")
     assert (tmp_path / "patches.png").stat().st_size > 10_000
+
+
+def test_a_wheelset_scene_needs_no_more_keys_than_python() -> None:
+    """Every default of `wheelrail.Wheelset`, alone and with single keys."""
+    for keys, arguments, solve in (
+        ("", {}, {}),
+        ("friction = 0.0\n", {"friction": 0.0}, {}),
+        ('model = "standard"\n', {"model": "standard"}, {}),
+        ('[profiles]\nrail = "UIC60-benchmark"\n', {"rail": "UIC60-benchmark"}, {}),
+        ("[wheelset]\ny = 1e-3\nz = -1e-4\nspeed = 45.0\n", {}, {"y": 1e-3, "z": -1e-4, "speed": 45.0}),
+    ):
+        scene = parse_scene(f'kind = "wheelset"\n{keys}')
+        wheelset = wr.Wheelset(**arguments)
+        load = {} if "z" in solve else {"wheel_load": 57e3}
+        assert scene.model_dump() == wheelset._scene({**load, **solve}).model_dump()
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("wheelset = 3", "wheelset"),
+        ('wheelset = {radius = "large"}', "wheelset.radius"),
+        ("friction = [1]", "friction"),
+        ('track = "straight"', "track"),
+        ("profiles = {rail = 7}", "profiles.rail"),
+        ("wheelset = {radius = 0}", "wheelset.radius"),
+    ],
+)
+def test_defaults_leave_wrong_types_to_the_messages(text: str, says: str) -> None:
+    with pytest.raises(SceneError, match=says):
+        parse_scene(f'kind = "wheelset"\n{text}')
+
+
+def test_inputs_of_a_run_hold_only_what_it_uses() -> None:
+    text = (FOLDER / "curve.toml").read_text()
+    elastic = inputs(parse_scene(text))
+    assert not {"normal", "tangential", "merge_distance", "stiffness_per_area", "regularisation"} & set(elastic)
+    assert not {"cell", "slip_order", "falling", "normal_law"} & set(elastic)
+    assert (elastic["bodies"], elastic["points"], elastic["strips"], elastic["cells"]) == (
+        "waveguide",
+        "lattice",
+        8,
+        10,
+    )
+    assert "segments" not in elastic["track"]
+    assert elastic["solver"]["rtol"] == 3e-3
+    standard = inputs(parse_scene(with_model(text, "standard")))
+    assert not {"laws", "surface_size", "bodies", "points", "strips", "regularisation"} & set(standard)
+    assert standard["model"] == "standard"
+    paper = inputs(load_scene(FOLDER / "paper_curve.toml"))
+    assert {"stiffness_per_area", "regularisation", "cell", "slip_order"} <= set(paper)
+    assert not {"strips", "cells"} & set(paper)

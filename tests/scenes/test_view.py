@@ -12,12 +12,13 @@ import pytest
 from typer.testing import CliRunner
 from xarray import Dataset
 
+import wheelrail as wr
 from wheelrail.cli.main import app
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.scenes.views.animation import RunBodies, animate_run
+from wheelrail.scenes.views.animation import Animation, RunBodies, animate_run, magnified
 from wheelrail.scenes.views.body_meshes import (
     DISPLACEMENT,
     MISES,
@@ -28,7 +29,9 @@ from wheelrail.scenes.views.body_meshes import (
     pressure_surface,
 )
 from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene, round_scale
+from wheelrail.scenes.views.export import PARTS
 from wheelrail.scenes.views.html import save_view, view_html
+from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
 
 WHEEL, RAIL = named_profile("S1002"), named_profile("60E1")
@@ -96,6 +99,44 @@ def test_a_contact_scene() -> None:
         assert len(np.unique(pane.reshape(-1, 3), axis=0)) > 200
     assert RANGES[DISPLACEMENT] == pytest.approx((0.0, 20.0))
     assert RANGES[MISES] == pytest.approx((0.0, 800.0))
+
+
+@pytest.mark.parametrize("size", [(800, 450), (1280, 720), (1600, 900)])
+def test_titles_of_colour_bars_are_clear_of_tick_labels(size: tuple[int, int]) -> None:
+    """Rows of dark pixels above the bar: the title, then white, then the tick labels."""
+    view = plotter(size=size, off_screen=True)
+    mesh = pyvista().Sphere()
+    mesh[DISPLACEMENT] = 100.0 * mesh.points[:, 2]
+    actor = view.add_mesh(mesh, scalars=DISPLACEMENT, cmap="autumn", show_scalar_bar=False)
+    mesh_free = 0.3  # of the height, below the sphere
+    view.camera.focal_point = (0.0, 0.0, -0.5)
+    colour_bar(view, actor.mapper, DISPLACEMENT)
+    picture = np.asarray(view.screenshot(None))[round((1 - mesh_free) * size[1]) :]
+    view.close()
+    coloured = (np.ptp(picture.astype(int), axis=-1) > 100).mean(axis=1) > 0.3
+    above = picture[: int(np.flatnonzero(coloured)[0])]
+    dark = (above.max(axis=-1) < 140).any(axis=1)
+    assert np.count_nonzero(np.diff(dark.astype(int)) == 1) + dark[0] == 2
+
+
+def test_magnified_wheelset_stays_on_its_rails() -> None:
+    """Rails keep their place relative to the wheelset, and the wheelset has the magnified displacement."""
+    y, z, roll, radius = 6e-3, 0.4598, 1e-3, 0.46
+    at_rail = np.array([0.0, 0.75, 0.0, 1.0])
+    assert magnified(y, z, roll, 1.0, radius) == pytest.approx(np.eye(4), abs=1e-15)
+    moved = magnified(y, z, roll, 20.0, radius)
+    assert moved @ [0.0, y, z, 1.0] == pytest.approx([0.0, 20 * y, radius - 20 * 2e-4, 1.0])
+    before, after = at_rail[:3] - [0.0, y, z], (moved @ at_rail - moved @ [0.0, y, z, 1.0])[:3]
+    turn = np.array([[1, 0, 0], [0, np.cos(19 * roll), -np.sin(19 * roll)], [0, np.sin(19 * roll), np.cos(19 * roll)]])
+    assert after == pytest.approx(turn @ before)
+
+
+def test_rails_of_an_animation_follow_the_magnified_wheelset() -> None:
+    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING), scale=20.0)
+    animation.show(2)
+    for rail in animation._rails:
+        assert rail.user_matrix[:3, 3] == pytest.approx([0.0, 19 * 6e-3, 0.0])
+    animation.view.close()
 
 
 def test_html_page_is_self_contained() -> None:
@@ -202,6 +243,8 @@ def test_animation_of_a_run(tmp_path: Path) -> None:
         (["view", "scenes/wheelset.toml", "--out", "a.png", "--body", "axle"], "--body axle: must be wheel, rail"),
         (["view", "scenes/wheelset.toml", "--out", "a.png", "--side", "top"], "--side top: must be left or right"),
         (["view", "scenes/curve.toml", "--out", "a.png"], "use wheelrail animate"),
+        (["export", "scenes/curve.toml", "--out", "a"], 'must be "hertz" or "wheelset"'),
+        (["export", "scenes/hertz.toml", "--out", "README.md"], "README.md is a file"),
         (["animate", "nowhere", "--out", "a.png"], "--out a.png: must end in .mp4, .gif"),
         (["animate", "nowhere", "--out", "a.gif"], "nowhere: file does not exist"),
     ],
@@ -237,3 +280,23 @@ def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) ->
     shown = [output["data"] for output in cell.outputs if "data" in output]
     assert any("application/vnd.jupyter.widget-view+json" in data for data in shown)
     assert any("<iframe" in data.get("text/plain", "") for data in shown)
+
+
+def test_export_for_paraview(tmp_path: Path) -> None:
+    """Fields of both blocks under 10 kN, read again: pressure over the patch is the load, stress is below the patch."""
+    pair = wr.Hertz(upper=(0.46, 0.3), lower=(0.5, 0.3), friction=0.0, strips=8)
+    solution = pair.solve(load=10e3)
+    files = solution.export(tmp_path / "fields")
+    names = {f"contact_{body}_{part}.vtu" for body in ("upper", "lower") for part in PARTS} | {"contact_patches.vtp"}
+    assert {file.name for file in files} == names == {file.name for file in (tmp_path / "fields").iterdir()}
+    read = {file.stem: pyvista().read(file) for file in files}
+    patch = read["contact_patches"].compute_cell_sizes()
+    assert float(patch[PRESSURE] @ patch["Area"]) == pytest.approx(10e3, rel=1e-6)  # MPa mm2 = N
+    peak = float(solution.patches.max_pressure.iloc[0]) * 1e-6
+    cut = read["contact_lower_longitudinal_cut"]
+    assert 0.5 * peak < cut[MISES].max() < 0.7 * peak
+    assert cut.points[np.argmax(cut[MISES]), 2] < 0.0
+    assert cut["stress"].shape == (cut.n_points, 9)
+    assert read["contact_lower_body"]["displacement"][:, 2].min() < -5e-3
+    with pytest.raises(ValueError, match="contains no bodies"):
+        wr.Solution(solution.data).export(tmp_path)

@@ -19,6 +19,7 @@ from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.recorder import Outputs
 from wheelrail.vehicle.simulation.simulate import Progress, Recording, simulate
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -157,8 +158,42 @@ def test_equal_intervals(plain: History) -> None:
     for column in (1, 6, 7, 16):
         straight = np.interp(even.time, plain.time, plain.state[:, column])
         np.testing.assert_allclose(even.state[:, column], straight, atol=3e-2 * np.ptp(plain.state[:, column]) + 1e-9)
-    expected = np.interp(even.time, plain.time, plain.outputs.force[:, 0, 1])
-    np.testing.assert_allclose(even.outputs.force[:, 0, 1], expected, rtol=1e-9, atol=1e-6)
+    linear = np.interp(even.time, plain.time, plain.outputs.force[:, 0, 1])
+    np.testing.assert_allclose(even.outputs.force[:, 0, 1], linear, atol=3e-2 * np.ptp(linear))
+
+
+@pytest.mark.parametrize("method", ["ode23", "rosenbrock"])
+def test_outputs_between_steps_are_those_of_the_state_there(method: str) -> None:
+    """Forces of one step of 0.1 s or many short ones: contacts are solved at the interpolated states."""
+    even = run(interval=0.01, method=method, rtol=1e-2, atol=1e-5)
+    dynamics = Dynamics(Wagon(), CURVE, CONTACT, V)
+    for row in range(len(even)):
+        at = dynamics(float(even.time[row]), even.state[row])
+        force = [at.contacts[side].force for side in ("left", "right")]
+        np.testing.assert_allclose(even.outputs.force[row], force, rtol=1e-9, atol=1e-6)
+        deflection = Outputs.of(dynamics, even.state[row], at).secondary_deflection
+        assert even.outputs.secondary_deflection[row] == pytest.approx(deflection, rel=1e-12)
+
+
+def test_rows_between_steps_do_not_change_the_run(plain: History) -> None:
+    """A contact that fails at rows only leaves NaN there."""
+
+    class Fragile(Watched):
+        def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+            fails = side == "left" and any(abs(state.y - y) < 1e-15 for y in between)
+            return ContactResult.failed("at a row") if fails else CONTACT(state, side, guess)
+
+    even = run(interval=0.01, max_step=0.02)
+    at_steps = run(max_step=0.02)
+    between = even.state[5:8, 6]
+    broken = run(Fragile(), interval=0.01, max_step=0.02)
+    assert broken.status == "completed"
+    np.testing.assert_array_equal(broken.state, even.state)
+    assert np.isnan(broken.outputs.force[5:8]).all()
+    assert all(status[0].startswith("failed: left contact") for status in broken.contact_status[5:8])
+    ok = np.r_[0:5, 8 : len(even)]
+    np.testing.assert_array_equal(broken.outputs.force[ok], even.outputs.force[ok])
+    assert broken.cost.steps == even.cost.steps == at_steps.cost.steps
 
 
 def test_run_from_a_given_state(plain: History) -> None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.results.result import Patch
+from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
 from wheelrail.vehicle.dynamics.state import split
 from wheelrail.vehicle.integration.integrate import Step
+from wheelrail.vehicle.integration.problem import StepFailure
 
 PatchPair = tuple[tuple[Patch, ...], tuple[Patch, ...]]
 
@@ -43,10 +44,6 @@ class Outputs(NamedTuple):
             bumpstop_force=forces.force[-1, 0],
         )
 
-    def interpolate(self, other: Outputs, fraction: float) -> Outputs:
-        """Linear interpolation: these outputs at fraction 0, the others at 1."""
-        return Outputs(*((1.0 - fraction) * a + fraction * b for a, b in zip(self, other, strict=True)))
-
 
 SHAPES = Outputs((2, 3), (2, 3), (2,), (), (), (), ())  # type: ignore[arg-type]
 
@@ -72,8 +69,8 @@ class Recorder:
 
     Parameters:
         dynamics: the equations of motion.
-        every: interval s; None: at accepted steps. Within a step, states are interpolated by its cubic, outputs
-            linearly; patches are those of the nearer end.
+        every: interval s; None: at accepted steps. Within a step the state is that of its dense output, `Step.at`, and
+            the contacts are solved at this state; a contact that fails there has NaN forces and no patch.
         rows: recorded so far.
         latest: row at the last accepted step, if any.
     """
@@ -90,21 +87,25 @@ class Recorder:
 
     def add(self, step: Step[Evaluation]) -> None:
         """Records an accepted step."""
-        before, after = self.latest[0], Row.of(self.dynamics, step.t, step.x, step.end)
-        self.rows.extend([after] if self.every is None else self._between(step, before, after, self.every))
+        after = Row.of(self.dynamics, step.t, step.x, step.end)
+        self.rows.extend([after] if self.every is None else self._within(step, after, self.every))
         self.latest = [after]
 
-    def _between(self, step: Step[Evaluation], before: Row, after: Row, every: float) -> list[Row]:
-        origin, rows = self.rows[0].time, []
+    def _within(self, step: Step[Evaluation], after: Row, every: float) -> list[Row]:
+        origin = self.rows[0].time
         first = int(np.floor((step.t0 - origin) / every * (1 + 1e-12))) + 1
         last = int(np.floor((step.t - origin) / every * (1 + 1e-12)))
-        for i in range(first, last + 1):
-            time = min(origin + i * every, step.t)
-            fraction = (time - step.t0) / (step.t - step.t0)
-            nearest = before if fraction < 0.5 else after
-            outputs = before.outputs.interpolate(after.outputs, fraction)
-            rows.append(Row(time, step.at(time), outputs, nearest.patches, nearest.contact_status))
-        return rows
+        times = (origin + i * every for i in range(first, last + 1))
+        return [self._between(step, time) if time < step.t else replace(after, time=step.t) for time in times]
+
+    def _between(self, step: Step[Evaluation], time: float) -> Row:
+        """Row at a time s before the end of a step."""
+        state = step.at(time)
+        try:
+            evaluation = self.dynamics(time, state, step.end)
+        except StepFailure as failure:
+            evaluation = _without_contacts(step.end, str(failure))
+        return Row.of(self.dynamics, time, state, evaluation)
 
     def states(self) -> Array:
         return np.array([row.state for row in self.rows]).reshape(-1, self.dynamics.size)
@@ -113,3 +114,10 @@ class Recorder:
         """Outputs of all rows, stacked along the first axis."""
         columns = zip(*(row.outputs for row in self.rows), strict=True) if self.rows else ([] for _ in SHAPES)
         return Outputs(*(np.array(c).reshape(-1, *shape) for c, shape in zip(columns, SHAPES, strict=True)))
+
+
+def _without_contacts(evaluation: Evaluation, reason: str) -> Evaluation:
+    """The evaluation with NaN in place of all contact forces."""
+    unknown = np.full(3, np.nan)
+    failed = replace(ContactResult.failed(reason, np.nan), force=unknown, moment=unknown)
+    return replace(evaluation, contacts=dict.fromkeys(SIDES, failed), yaw_reaction=np.nan)

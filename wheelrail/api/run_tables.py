@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.support.number_text import fixed
+
 if TYPE_CHECKING:
     from xarray import Dataset
 
@@ -45,7 +47,7 @@ def _heading(data: Dataset) -> str:
     y = 1e3 * data["wheelset_y"].values
     return (
         f"Vehicle run: {data.attrs['status']} at {reached:.1f} m, {time:.2f} s; {data.sizes['time']} samples, "
-        f"wheelset y {y.min():.2f} to {y.max():.2f} mm; {float(data.attrs['seconds']):.1f} s computing time"
+        f"wheelset y {fixed(y.min(), 2)} to {fixed(y.max(), 2)} mm; {float(data.attrs['seconds']):.1f} s computing time"
     )
 
 
@@ -57,6 +59,6 @@ def _rows(data: Dataset) -> list[list[str]]:
         for side in sides:
             values = data[name].sel(side=side).values
             finite = values[np.isfinite(values)] / unit
-            cells.append(f"{finite.min():.{digits}f} to {finite.max():.{digits}f}" if finite.size else "-")
+            cells.append(f"{fixed(finite.min(), digits)} to {fixed(finite.max(), digits)}" if finite.size else "-")
         rows.append([label, *cells])
     return rows

@@ -111,6 +111,25 @@ class Solution(StoredDataset):
             save_view(plotter, Path(file))
         return plotter
 
+    def export(self, folder: str | Path) -> list[Path]:
+        """Write displacement, stress, pressure and traction of all sides in contact as VTK files, for ParaView.
+
+        Parameters:
+            folder: for the files, which are returned: a body and its cuts as .vtu, the patches as .vtp; lengths in mm.
+
+        Computing takes seconds. Raises ValueError for a solution from a file and for one without contact, SceneError
+        for the standard model, OSError.
+        """
+        from wheelrail.scenes.views.export import export_side
+
+        if self.origin is None:
+            raise ValueError("export: a solution from a file contains no bodies; solve the contact again")
+        scene, sides = self.origin.scene, self.origin.sides
+        touching = [name for name, result in self.results.items() if result.status == "converged"]
+        if not touching:
+            raise ValueError("export: no side is in contact")
+        return [file for name in touching for file in export_side(scene, name, sides[name], Path(folder))]
+
     def __repr__(self) -> str:
         return text(self.data)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.scenes.datasets.run import AXES
+from wheelrail.support.number_text import fixed, significant
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -83,15 +84,10 @@ def _cells(data: Dataset) -> tuple[list[str], list[list[str]]]:
     sides = data["side"].values
     rows = [
         [f"{sides[row]} {k + 1}"]
-        + [_number(float(data[name].values[row, k]) / unit, digits) for name, unit, digits in COLUMNS.values()]
+        + [fixed(float(data[name].values[row, k]) / unit, digits) for name, unit, digits in COLUMNS.values()]
         for row, k in _patch_indices(data)
     ]
     return ["patch", *COLUMNS], rows
-
-
-def _number(value: float, digits: int) -> str:
-    """Rounded, without a minus sign before zero."""
-    return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def _sides(data: Dataset) -> list[str]:
@@ -103,9 +99,9 @@ def _sides(data: Dataset) -> list[str]:
         if str(own["status"].item()) != "converged":
             lines.append(f"{name}: {own['status'].item()}")
             continue
-        force = ", ".join(_number(float(own[f"{axis}_force"]) / 1e3, 3) for axis in AXES)
+        force = ", ".join(fixed(float(own[f"{axis}_force"]) / 1e3, 3) for axis in AXES)
         line = f"{name}: force {force} kN (forward, left, up)"
         if "force_error" in own and np.isfinite(own["force_error"]):
-            line += f", estimated error {float(own['force_error']):.2g} N"
-        lines.append(f"{line}; {float(own['contact_seconds']):.2g} s")
+            line += f", estimated error {significant(float(own['force_error']), 2)} N"
+        lines.append(f"{line}; {significant(float(own['contact_seconds']), 2)} s")
     return lines

@@ -16,6 +16,7 @@ from wheelrail.scenes.schema.profiles import ProfilesTable
 from wheelrail.scenes.schema.scene import WheelsetScene
 from wheelrail.scenes.schema.tables import TrackTable
 from wheelrail.scenes.schema.tables import WheelsetTable as Position
+from wheelrail.scenes.schema.wheelset_defaults import INCLINED, LOAD, LOADS, SURFACE_SIZE, UPRIGHT
 
 if TYPE_CHECKING:
     from wheelrail.api.elements.wheelset_element import WheelsetElement
@@ -26,9 +27,7 @@ if TYPE_CHECKING:
 SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "wheelset": keys_of(Position)}
 OWN = [key for key in keys_of(WheelsetScene) if key not in ("kind", *SECTIONS)]
 ALLOWED = [*OWN, *(key for section in SECTIONS.values() for key in section)]
-GROUPS = (("wheel_load", "axle_load", "z"), ("speed", "pitch_rate"))
-INCLINED = 0.025  # rad, 1/40: inclination of rails whose profile is given upright
-UPRIGHT = ("60E1", "UIC60")
+GROUPS = (LOADS, ("speed", "pitch_rate"))
 PLACED = {"z": 0.0, "roll": 0.0}  # an arbitrary pose, for the bodies alone
 
 
@@ -80,7 +79,7 @@ class Wheelset:
     ) -> None:
         check_keys("Wheelset", more, ALLOWED)
         if surface_size is None and more.get("model") != "standard":
-            surface_size = 1e-3
+            surface_size = SURFACE_SIZE
         if laying_angle is None:
             laying_angle = _inclination(rail)
             for side in more.keys() & {"left", "right"}:
@@ -104,7 +103,7 @@ class Wheelset:
             **names,
         }
         loaded = more.keys() & set(GROUPS[0])
-        self._scene({} if loaded else {"wheel_load": 57e3})
+        self._scene({} if loaded else {"wheel_load": LOAD})
 
     def solve(
         self,
@@ -199,16 +198,6 @@ class Wheelset:
 
     def _scene(self, arguments: Mapping[str, Any]) -> WheelsetScene:
         keys = {"y": 0.0, "yaw": 0.0, "roll": 0.0, **replaced(self.arguments, arguments, GROUPS)}
-        if keys["friction"] != 0.0:
-            keys.setdefault("speed", 10.0)
-        speed, radius = keys.get("speed"), keys["radius"]
-        if (
-            keys.get("pitch_rate") is None
-            and isinstance(speed, float | int)
-            and isinstance(radius, float | int)
-            and radius
-        ):
-            keys["pitch_rate"] = speed / radius
         scene = scene_of("Wheelset", "wheelset", keys, SECTIONS, self._given)
         assert isinstance(scene, WheelsetScene)
         return scene

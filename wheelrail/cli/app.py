@@ -5,16 +5,32 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
+from functools import cache
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
+from wheelrail.support.terminal import set_verbosity
+
+QUIET = "Print results and errors only: no progress, no messages."
+VERBOSE = "Print details of the solvers and warnings of libraries, too."
 
 
 class Commands(TyperGroup):
     """Group of all commands; Ctrl-C and a closed standard output end with one line and an exit code."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        set_verbosity()
+        return list(super().parse_args(ctx, args))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command, with the options of all commands."""
+        command: Any = super().get_command(ctx, cmd_name)
+        if command is not None:
+            command.params += [option for option in _shared_options() if option not in command.params]
+        return command
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -31,11 +47,36 @@ class Commands(TyperGroup):
         return done
 
 
+def _set_quiet(given: bool) -> None:
+    if given:
+        set_verbosity(quiet=True)
+
+
+def _set_verbose(given: bool) -> None:
+    if given:
+        set_verbosity(verbose=True)
+
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", callback=_set_quiet, expose_value=False, help=QUIET)]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", callback=_set_verbose, expose_value=False, help=VERBOSE)]
+
+
+@cache
+def _shared_options() -> list[Any]:
+    """Options of all commands."""
+    shared = typer.Typer(add_completion=False)
+
+    @shared.command()
+    def verbosity(quiet: Quiet = False, verbose: Verbose = False) -> None: ...
+
+    command: Any = typer.main.get_command(shared)
+    return [parameter for parameter in command.params if parameter.name in ("quiet", "verbose")]
+
+
 app = typer.Typer(
     cls=Commands,
     help="Elastic wheel-rail contact for railway vehicle dynamics.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -54,6 +95,8 @@ def options(
         bool,
         typer.Option("--version", callback=_print_version, is_eager=True, help="Print version and commit, and exit."),
     ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     laws: Annotated[
         list[str] | None,
         typer.Option(

@@ -12,7 +12,7 @@ from wheelrail.cli.app import app
 from wheelrail.cli.arguments import SceneFile, check_picture, load, reject_mpi, rejected
 from wheelrail.cli.exit_codes import FAILED
 from wheelrail.cli.mpi_launcher import first
-from wheelrail.support.terminal import progress_console, result_console, stdout_for_results
+from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -45,7 +45,7 @@ def contact(
     elif data is not None:
         from wheelrail.scenes.contacts.table import table
 
-        result_console().print(table(data))
+        print_results(table(data))
     if picture is not None and data is not None and data["z"].notnull().any() and first():
         _draw(data, picture)
     if status.startswith("failed"):

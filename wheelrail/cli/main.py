@@ -19,4 +19,4 @@ def main() -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     with on_all_ranks():
-        app()
+        app(prog_name="wheelrail")

@@ -10,7 +10,7 @@ import typer
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import SceneFile, check_picture, error_lines, load_run, results_folder
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.support.terminal import progress_console, result_console, stdout_for_results
+from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
 
 Speeds = Annotated[
     list[float] | None,
@@ -31,7 +31,7 @@ def track(
     check_picture(picture)
     from wheelrail.scenes.runs.track_table import segment_table
 
-    result_console().print(segment_table(checked))
+    print_results(segment_table(checked))
     if picture is not None:
         from wheelrail.scenes.runs.track_plot import draw_track
 
@@ -63,8 +63,7 @@ def run(
         with stdout_for_results():
             text = scene.read_text(encoding="utf-8")
             outcome = run_scene(checked, text, folder, progress_console(), resume=resume)
-    for part in outcome.summary():
-        result_console().print(part, highlight=False, markup=False)
+    print_results(*outcome.summary())
     if outcome.status == "interrupted":
         raise typer.Exit(INTERRUPTED)
     if outcome.status != "completed":
@@ -89,8 +88,7 @@ def compare(
     folder = results_folder(out, Path("results", f"{scene.stem}_compare"))
     with error_lines("", f"{folder}: "), stdout_for_results():
         comparison = compare_scene(scene, scene.read_text(encoding="utf-8"), other, folder, progress_console())
-    for part in comparison.summary():
-        result_console().print(part, highlight=False, markup=False)
+    print_results(*comparison.summary())
 
 
 @app.command()
@@ -102,8 +100,7 @@ def modes(scene: SceneFile, speed: Speeds = None) -> None:
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
         modes_by_speed = modes_of(checked, speeds)
-    for table in map(modes_table, modes_by_speed, speeds):
-        result_console().print(table, highlight=False, markup=False)
+    print_results(*map(modes_table, modes_by_speed, speeds))
 
 
 @app.command()
@@ -114,4 +111,4 @@ def curving(scene: SceneFile, speed: Speeds = None) -> None:
 
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
         states = curving_of(checked, speed or [checked.vehicle.first_speed])
-    result_console().print(curving_table(states), highlight=False, markup=False)
+    print_results(curving_table(states))

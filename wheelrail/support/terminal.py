@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from wheelrail.support.progress import LOGGER
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import Console, RenderableType
 
 
 @cache
@@ -27,17 +27,46 @@ def progress_console() -> Console:
 
 
 def result_console() -> Console:
-    """The console for results: standard output, 120 columns wide when it is no terminal."""
+    """The console for results: standard output, of any width when it is no terminal."""
     from rich.console import Console
 
-    return Console(width=None if sys.stdout.isatty() else 120, soft_wrap=True, markup=False)
+    return Console(width=None if sys.stdout.isatty() else 1000, soft_wrap=True, markup=False)
+
+
+def print_results(*parts: RenderableType) -> None:
+    """Print texts and tables to standard output; tables without lines when it is no terminal."""
+    from rich.table import Table
+
+    console = result_console()
+    for part in parts:
+        if console.is_terminal or not isinstance(part, Table):
+            console.print(part, highlight=False, markup=False)
+            continue
+        title, caption = part.title, part.caption
+        part.title = part.caption = part.box = None
+        part.pad_edge = False
+        for piece in (title, part, caption):
+            if piece is not None:
+                console.print(piece, highlight=False, markup=False)
+
+
+def set_verbosity(*, quiet: bool = False, verbose: bool = False) -> None:
+    """Set what goes to standard error: errors only, or also details of the solvers and warnings of libraries."""
+    progress_console().quiet = quiet
+    Verbosity.level = logging.DEBUG if verbose else logging.INFO
+
+
+class Verbosity:
+    """Smallest level of log messages on the progress console."""
+
+    level = logging.INFO
 
 
 class ConsoleHandler(logging.Handler):
     """Prints log messages on a console, above its progress bar."""
 
     def __init__(self, console: Console) -> None:
-        super().__init__(logging.INFO)
+        super().__init__(Verbosity.level)
         self.console = console
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -46,11 +75,11 @@ class ConsoleHandler(logging.Handler):
 
 @contextmanager
 def messages_on(console: Console) -> Iterator[None]:
-    """Log messages of this package from level INFO on a console, and nowhere else."""
+    """Log messages of this package on a console, and nowhere else; from level INFO unless `set_verbosity` sets it."""
     handler, logger = ConsoleHandler(console), logging.getLogger(LOGGER)
     level, propagate = logger.level, logger.propagate
     logger.addHandler(handler)
-    logger.setLevel(logging.INFO)
+    logger.setLevel(Verbosity.level)
     logger.propagate = False
     try:
         yield
@@ -61,16 +90,23 @@ def messages_on(console: Console) -> Iterator[None]:
 
 
 def quieten_libraries() -> logging.Handler:
-    """From now on log only errors of libraries, by a handler of the root logger: form compilers log too much."""
+    """From now on log only errors of libraries, by a handler of the root logger: form compilers log too much.
+
+    With `--verbose` warnings, too.
+    """
     handler = logging.StreamHandler()
-    handler.setLevel(logging.ERROR)
+    handler.setLevel(_library_level())
     logging.getLogger().addHandler(handler)  # else FFCx adds one for all messages
     logging.getLogger("UFL").addFilter(_is_error)  # has a handler of its own
     return handler
 
 
 def _is_error(record: logging.LogRecord) -> bool:
-    return record.levelno >= logging.ERROR
+    return record.levelno >= _library_level()
+
+
+def _library_level() -> int:
+    return logging.WARNING if Verbosity.level < logging.INFO else logging.ERROR
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.contacts.report import FORCE, MOMENT
 from wheelrail.scenes.contacts.side_values import SideValues
+from wheelrail.support.number_text import fixed, significant
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def _numbers(values: Sequence[float], scale: float, digits: int) -> str:
-    return "  ".join(f"{scale * value:.{digits}f}" for value in values)
+    return "  ".join(fixed(scale * value, digits) for value in values)
 
 
 def _points(own: SideValues) -> str:
@@ -118,8 +119,8 @@ def _patch_rows(data: Dataset, sides: Sequence[SideValues], patch: int) -> Itera
 
 def _largest(own: SideValues, body: str, patch: int) -> str:
     mises, depth = own.largest_von_mises(body, patch)
-    return f"{1e-6 * mises:.1f}  {1e3 * depth:.3f}"
+    return f"{fixed(1e-6 * mises, 1)}  {fixed(1e3 * depth, 3)}"
 
 
 def _error(value: float) -> str:
-    return "unknown" if math.isnan(value) else f"{value:.2g}"
+    return "unknown" if math.isnan(value) else significant(value, 2)

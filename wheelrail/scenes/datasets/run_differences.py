@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from wheelrail.support.arrays import Array
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -95,22 +96,19 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else np.nan
 
 
-def steady_samples(data: Dataset) -> NDArray[np.bool_]:
-    """Mask (n,) of the second half of the samples with the largest curvature, where the motion is steady."""
+def full_curve(data: Dataset) -> NDArray[np.bool_]:
+    """Mask (n,) of the samples with the largest curvature, from the end of the transition on."""
     curvature = np.abs(data["curvature"].values)
-    full = np.flatnonzero(curvature >= (1 - 1e-6) * curvature.max(initial=0.0))
-    inside = np.zeros(len(curvature), dtype=bool)
-    inside[full[len(full) // 2 :]] = True
-    return inside
+    return np.asarray(curvature >= (1 - 1e-6) * curvature.max(initial=0.0))
 
 
 def noise(data: Dataset) -> dict[str, tuple[float, float]]:
-    """RMS noise of vertical and lateral force of each wheel, N, over the run and in steady motion."""
+    """RMS noise of vertical and lateral force of each wheel, N, over the run and in the full curve."""
     values = {}
     for name in ("vertical_force", "lateral_force"):
         for side in data["side"].values:
             residual = scatter(data["time"].values, data[name].sel(side=side).values)
-            values[f"{name.replace('_', ' ')}, {side}"] = (rms(residual), rms(residual[steady_samples(data)]))
+            values[f"{name.replace('_', ' ')}, {side}"] = (rms(residual), rms(residual[full_curve(data)]))
     return values
 
 
@@ -124,7 +122,15 @@ def table(run_differences: list[RunDifference], names: tuple[str, str]) -> Table
         view.add_column(head, justify="left" if text else "right", no_wrap=True)
     for d in run_differences:
         percent = f"{100 * d.rms / d.span:.2f}" if d.span > 0 else "-"
-        view.add_row(d.channel, d.unit, f"{d.rms:.4g}", f"{d.worst:.4g}", f"{d.at:.1f}", f"{d.span:.4g}", percent)
+        view.add_row(
+            d.channel,
+            d.unit,
+            significant(d.rms, 4),
+            significant(d.worst, 4),
+            f"{d.at:.1f}",
+            significant(d.span, 4),
+            percent,
+        )
     return view
 
 

@@ -26,7 +26,7 @@ CAPTIONS = {
     "compare_on_wheel": "Contact positions on the wheels [mm]: patches of the first model, points of the second",
     "compare_on_rail": "Contact positions on the rails [mm]: patches of the first model, points of the second",
     "compare_t_gamma": "T-gamma: frictional energy per metre of track [N]",
-    "compare_scatter": "Residuals of forces from parabolas over 0.1 s [N]: numerical noise in steady motion",
+    "compare_scatter": "Residuals of forces from parabolas over 0.1 s [N]: numerical noise where the motion is steady",
     "compare_shakedown": "Shakedown map: load factor of every patch over its utilisation",
 }
 

@@ -8,7 +8,7 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.html_report.elements import PagePicture, PageView
-from wheelrail.scenes.plots.style import STYLE
+from wheelrail.scenes.plots.style import styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,9 +18,7 @@ LARGE = 250_000  # bytes of an SVG figure, beyond which a PNG is smaller
 
 def picture(draw: Callable[[], Figure | None], caption: str, alt: str) -> PagePicture | None:
     """Figure as SVG, or as PNG if the SVG is large; None if draw returns None."""
-    from matplotlib import rc_context
-
-    with rc_context({**STYLE, "svg.hashsalt": "wheelrail"}):
+    with styled({"svg.hashsalt": "wheelrail"}):
         figure = draw()
         if figure is None:
             return None

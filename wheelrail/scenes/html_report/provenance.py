@@ -8,6 +8,7 @@ from itertools import takewhile
 from typing import Any
 
 from wheelrail.scenes.html_report.elements import PageNote, PagePicture, Part
+from wheelrail.support.number_text import significant
 
 
 def opening(text: str) -> str:
@@ -38,7 +39,7 @@ def date(iso: str) -> str:
 def seconds(value: float) -> str:
     """A duration in s, followed by hours and minutes for a long one."""
     if value < 120:
-        return f"{value:.3g} s"
+        return f"{significant(value)} s"
     hours, rest = divmod(round(value), 3600)
     minutes, left = divmod(rest, 60)
     text = f"{hours} h {minutes} min" if hours else f"{minutes} min {left} s"

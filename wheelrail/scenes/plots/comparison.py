@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.datasets.run_differences import rms, scatter, steady_samples
+from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter
 from wheelrail.scenes.plots.runs import along_track, named, patch_bands
-from wheelrail.scenes.plots.style import STYLE, save
+from wheelrail.scenes.plots.style import save, styled
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,11 +29,9 @@ DOTS = "#D55E00"
 
 def draw_comparison(runs: Runs, names: Names, folder: Path) -> Iterator[Path]:
     """Save the figures and yield their files."""
-    from matplotlib import rc_context
-
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in PICTURES.items():
-        with rc_context(STYLE):
+        with styled():
             save(draw(runs, names), folder / f"{name}.png")
         yield folder / f"{name}.png"
 
@@ -87,7 +86,8 @@ def force_scatter(runs: Runs, names: Names) -> Figure:
         for data, label, look in zip(runs, names, LOOKS, strict=True):
             residual = scatter(data["time"].values, data[variable].sel(side=side).values)
             style = {"color": look["color"], "linewidth": 0.6}
-            text = f"{label}, RMS {rms(residual):.2g} N, {rms(residual[steady_samples(data)]):.2g} N in the full curve"
+            noise = rms(residual[full_curve(data)])
+            text = f"{label}, RMS {significant(rms(residual), 2)} N, {significant(noise, 2)} N in the full curve"
             ax.plot(data["distance"], residual, label=text, **style)
         ax.set_title(f"Residual noise of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
         ax.set_ylabel("[N]")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -126,4 +127,5 @@ def title(data: Dataset, side: str, patch: int) -> str:
     """Title of a patch: side, number if there are several, load."""
     name = "contact" if side == "contact" else f"{side} wheel"
     which = f", patch {patch + 1}" if int(data["patches"].sel(side=side)) > 1 else ""
-    return f"{name}{which}: {1e-3 * float(data['patch_normal_force'].sel(side=side)[patch]):.3g} kN"
+    load = 1e-3 * float(data["patch_normal_force"].sel(side=side)[patch])
+    return f"{name}{which}: {significant(load)} kN"

@@ -9,25 +9,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.scenes.plots.patch_cells import PatchCells, chosen, title, touching
-from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, STYLE, axes_of, save
+from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, axes_of, save, styled
 from wheelrail.support.arrays import Array
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
     from xarray import Dataset
 
 
 ARROWS = 15  # along the longer side of a patch
+WIDTH = 3.5  # inches, of a panel of all patches
+LEFT, ABOVE, BELOW = 0.75, 0.35, 0.95  # inches beside a panel, for the labels of its axes, its title and notes
+BAR = 1.0  # inches, width of the colour bar with its label
+MARGIN = 1.15  # drawn length over that of the longest patch
+LOWEST = 0.5  # height over width of a panel of all patches: room for the label of its axis
 EDGE = "#D55E00"
 ALONG, ACROSS = "longitudinal, positive forward [mm]", "lateral, positive to the left [mm]"
 
 
 def draw_patches(data: Dataset, file: Path) -> None:
     """Save the figure in the format of the file ending. Raises ValueError without contact or for another ending."""
-    from matplotlib import rc_context
-
-    with rc_context(STYLE):
+    with styled():
         save(patches_figure(data), file)
 
 
@@ -38,10 +43,10 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
         data: Dataset of `wheelrail.scenes.datasets.contact`.
         figure: Matplotlib figure; a new one by default.
 
-    One column per side with its patches below one another; one pressure scale. Raises ValueError without contact.
+    One column per side with its patches below one another; one scale of lengths and one of pressure for all. Raises
+    ValueError without contact.
     """
     from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
     patches = touching(data)
@@ -50,15 +55,16 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
     sides = list(dict.fromkeys(side for side, _ in patches))
     rows = 1 + max(patch for _, patch in patches)
     cells = {key: PatchCells.of(data, *key) for key in patches}
-    heights = [
-        1.3 + 3.4 * min(max(_aspect(patch_cells) for (_, patch), patch_cells in cells.items() if patch == row), 1.6)
+    half_width = max(_half_extents(patch_cells)[0] for patch_cells in cells.values())
+    half_heights = [
+        max(_half_extents(patch_cells)[1] for (_, patch), patch_cells in cells.items() if patch == row)
         for row in range(rows)
     ]
+    half_heights = [max(half, LOWEST * half_width) for half in half_heights]
     figure = Figure() if figure is None else figure
-    figure.set_size_inches(1.2 + 4.4 * len(sides), sum(heights))
-    figure.set_layout_engine("constrained", h_pad=0.1)  # inch; less cuts titles at a low resolution
-    axes = figure.subplots(rows, len(sides), squeeze=False, gridspec_kw={"height_ratios": heights})
-    shade = Normalize(0.0, 1e-6 * float(data["patch_max_pressure"].max()))
+    heights = [WIDTH * half / half_width for half in half_heights]
+    axes, bar_axes = _panels(figure, len(sides), heights)
+    shade = _scene_shade(data)
     for column, side in zip(axes.T, sides, strict=True):
         for patch, ax in enumerate(column):
             if (side, patch) not in cells:
@@ -72,7 +78,8 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
                 patch_cells,
                 [*_arrows(ax, patch_cells, patch_cells.traction, "white"), *_stick_line(ax, patch_cells)],
             )
-    figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), ax=axes[0], aspect=25, label="pressure [MPa]")
+            _centre(ax, patch_cells, half_width, half_heights[patch])
+    figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), cax=bar_axes, label="pressure [MPa]")
     return figure
 
 
@@ -85,13 +92,11 @@ def pressure_map(data: Dataset, side: str | None = None, patch: int = 0, ax: Axe
         patch: index by decreasing load.
         ax: Matplotlib axes; new ones by default.
 
-    Raises ValueError for a missing patch.
+    The colours range to the largest pressure of all patches. Raises ValueError for a missing patch.
     """
-    from matplotlib.colors import Normalize
-
     cells = PatchCells.of(data, *chosen(data, side, patch))
     ax = axes_of(ax)
-    shaded = _shaded(ax, cells, Normalize(0.0, 1e-6 * float(cells.pressure.max())))
+    shaded = _shaded(ax, cells, _scene_shade(data))
     ax.figure.colorbar(shaded, ax=ax, label="pressure [MPa]")
     ax.set_title(title(data, *chosen(data, side, patch)))
     _finish(ax, cells, _stick_line(ax, cells))
@@ -125,7 +130,7 @@ def traction_map(
         )
     area = {name: float(cells.areas[cells.sticks == (name == "stick")].sum()) for name in REGIONS}
     handles = [
-        Patch(color=colour, label=f"{name}, {1e6 * area[name]:.3g} mm²")
+        Patch(color=colour, label=f"{name}, {significant(1e6 * area[name])} mm²")
         for name, colour in REGIONS.items()
         if area[name] > 0.0
     ]
@@ -135,9 +140,46 @@ def traction_map(
     return ax
 
 
-def _aspect(cells: PatchCells) -> float:
-    """Height over width."""
-    return float(np.divide(*np.ptp(cells.corners, axis=(0, 1))[::-1]))
+def _panels(figure: Figure, columns: int, heights: list[float]) -> tuple[NDArray[np.object_], Axes]:
+    """Axes (rows, columns) of the given heights, inches, and those of a colour bar beside the first row.
+
+    Lengths are set in inches, as layouts that are fitted to the labels give each panel another scale.
+    """
+    rows = len(heights)
+    width = columns * (LEFT + WIDTH) + BAR
+    height = sum(heights) + rows * (ABOVE + BELOW)
+    figure.set_layout_engine("none")
+    figure.set_size_inches(width, height)
+    axes, bottom = np.empty((rows, columns), dtype=object), height
+    for row, panel_height in enumerate(heights):
+        bottom -= ABOVE + panel_height
+        for column in range(columns):
+            left = LEFT + column * (LEFT + WIDTH)
+            axes[row, column] = figure.add_axes((left / width, bottom / height, WIDTH / width, panel_height / height))
+        bottom -= BELOW
+    place = ((width - BAR + 0.2) / width, 1 - (ABOVE + heights[0]) / height, 0.15 / width, heights[0] / height)
+    return axes, figure.add_axes(place, label="<colorbar>")
+
+
+def _scene_shade(data: Dataset) -> Normalize:
+    """Colour scale of the pressure, MPa, of all patches of a scene."""
+    from matplotlib.colors import Normalize
+
+    return Normalize(0.0, 1e-6 * float(data["patch_max_pressure"].max()))
+
+
+def _half_extents(cells: PatchCells) -> tuple[float, float]:
+    """Half of the drawn length and width of a patch, mm, with a margin."""
+    length, width = MARGIN * 0.5e3 * np.ptp(cells.corners, axis=(0, 1))
+    return float(length), float(width)
+
+
+def _centre(ax: Axes, cells: PatchCells, half_width: float, half_height: float) -> None:
+    """Set the limits of the axes, mm, about the middle of a patch."""
+    corners = 1e3 * cells.corners.reshape(-1, 2)
+    x, y = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    ax.set_xlim(x - half_width, x + half_width)
+    ax.set_ylim(y - half_height, y + half_height)
 
 
 def _shaded(ax: Axes, cells: PatchCells, shade: Any) -> Any:
@@ -189,7 +231,11 @@ def _arrows(
         edgecolor="0.2",
         linewidth=0.3 if colour == "white" else 0.0,
     )
-    return [note.format(largest) if note else f"longest arrow: traction of {1e-6 * largest:.3g} MPa on the {cells.on}"]
+    return [
+        note.format(largest)
+        if note
+        else f"longest arrow: traction of {significant(1e-6 * largest)} MPa on the {cells.on}"
+    ]
 
 
 def _stick_line(ax: Axes, cells: PatchCells) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from wheelrail.scenes.plots.patch_cells import touching
 from wheelrail.scenes.plots.style import axes_of
 from wheelrail.support.arrays import Array
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,7 +46,7 @@ def profiles_in_contact(data: Dataset, side: str | None = None, ax: Axes | None 
     wheel_outline = _placed(wheel, origin, rotation, radius)
     points = [_resultant(data, side, k) for k in range(int(side_data["patches"]))]
     force = [1e-3 * float(side_data["patch_normal_force"][k]) for k in range(len(points))]
-    labels = [f"contact, {value:.3g} kN" for value in force]
+    labels = [f"contact, {significant(value)} kN" for value in force]
     return draw_profiles(wheel_outline, rail, points, labels, title=f"{side} wheel and rail", ax=ax)
 
 

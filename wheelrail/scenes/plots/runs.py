@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.plots.style import PRESSURE_MAP, SIDES, STYLE, save
+from wheelrail.scenes.plots.style import PRESSURE_MAP, SIDES, save, styled
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -21,11 +21,9 @@ def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:
     """Save the figures and yield their files; none for fewer than two samples."""
     if data.sizes["time"] < 2:
         return
-    from matplotlib import rc_context
-
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in PICTURES.items():
-        with rc_context(STYLE):
+        with styled():
             save(draw(data), folder / f"{name}.png")
         yield folder / f"{name}.png"
 

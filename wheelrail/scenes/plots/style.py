@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -54,12 +54,24 @@ def axes_of(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Axes:
 
 
 @contextmanager
-def styled() -> Iterator[None]:
-    """Apply the style of all figures inside the block."""
-    from matplotlib import rc_context
+def styled(more: Mapping[str, Any] | None = None) -> Iterator[None]:
+    """Apply the style of all figures inside the block.
 
-    with rc_context(STYLE):
+    Parameters:
+        more: further rcParams.
+
+    Only these parameters are reset at the end: a backend that is first used inside the block sets "interactive" for the
+    whole session, which `matplotlib.rc_context` would undo.
+    """
+    from matplotlib import rcParams
+
+    parameters = {**STYLE, **(more or {})}
+    before = {name: rcParams[name] for name in parameters}
+    rcParams.update(parameters)
+    try:
         yield
+    finally:
+        rcParams.update(before)
 
 
 def shown(figure: Figure | None, size: tuple[float, float] | None = None) -> Figure:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
+from wheelrail.scenes.runs.used_keys import used_keys
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.cache import source_digest
@@ -31,7 +32,7 @@ def header(scene: RunScene) -> dict[str, Any]:
 
 
 def inputs(scene: RunScene) -> dict[str, Any]:
-    """The scene, with files replaced by the hash of their content."""
+    """The keys that a run uses, with files replaced by the hash of their content."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, str) and present(Path(value)) and Path(value).is_file():
@@ -40,7 +41,7 @@ def inputs(scene: RunScene) -> dict[str, Any]:
             return {key: plain(item) for key, item in value.items()}
         return value
 
-    data: dict[str, Any] = plain(json.loads(json.dumps(scene.model_dump())))
+    data: dict[str, Any] = plain(used_keys(scene))
     return data
 
 

@@ -168,10 +168,22 @@ def run_dataset(history: History, text: str, scene: RunScene) -> Dataset:
     from wheelrail.scenes.runs.resume import inputs
 
     data = dataset(history, scene=text)
-    data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(inputs=json.dumps(inputs(scene)))
-    if scene.output.interval:  # interpolated forces are too inaccurate for an energy balance
+    data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(
+        inputs=json.dumps(inputs(scene)), sampling=_sampling(scene.output.interval)
+    )
+    if scene.output.interval:  # the work between samples is unknown
         return data
     return with_energy(data, history, wagon(scene), track(scene))
+
+
+def _sampling(interval: float) -> str:
+    """How the samples of a run at an interval, s, were obtained."""
+    if not interval:
+        return "every accepted step of the time integration"
+    return (
+        f"every {interval:g} s; states by the cubic Hermite interpolation of the time integration within its steps, "
+        "all other variables evaluated at these states, contacts solved there"
+    )
 
 
 def _workers(contact: VehicleContact, count: int) -> AbstractContextManager[VehicleContact]:

@@ -12,6 +12,7 @@ from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.interrupts import deferred_interrupts
+from wheelrail.support.number_text import fixed, significant
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -82,8 +83,8 @@ def modes_table(modes: Sequence[Mode], speed: float) -> Table:
         view.add_column(name, justify="right")
     view.add_column("kinetic energy in")
     for m in modes:
-        value = f"{m.eigenvalue.real:.4g}" + (f" ± {m.eigenvalue.imag:.4g}i" if m.oscillates else "")
-        view.add_row(f"{m.frequency:.4g}", f"{m.damping:.4f}", value, m.main_coordinates)
+        value = significant(m.eigenvalue.real, 4) + (f" ± {significant(m.eigenvalue.imag, 4)}i" if m.oscillates else "")
+        view.add_row(significant(m.frequency, 4), f"{m.damping:.4f}", value, m.main_coordinates)
     return view
 
 
@@ -103,11 +104,11 @@ def curving_table(states: Sequence[SteadyCurving]) -> Table:
 
 
 def _positions(patches: Sequence[Patch]) -> str:
-    return "\n".join(f"{1e3 * p.wheel_s:.1f}  {1e3 * p.rail_s:.1f}" for p in patches) or "-"
+    return "\n".join(f"{fixed(1e3 * p.wheel_s, 1)}  {fixed(1e3 * p.rail_s, 1)}" for p in patches) or "-"
 
 
 def _sides(values: Mapping[Side, float], scale: float, digits: int) -> str:
-    return "  ".join(f"{scale * values[side]:.{digits}f}" for side in values)
+    return "  ".join(fixed(scale * values[side], digits) for side in values)
 
 
 _ROWS: tuple[tuple[str, Callable[[SteadyCurving], str]], ...] = (

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.plots.style import STYLE, save
-from wheelrail.scenes.runs.track_table import cant_deficiency
+from wheelrail.scenes.plots.style import save, styled
+from wheelrail.scenes.runs.track_table import cants
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -24,13 +24,12 @@ POINTS = 1500
 
 def draw_track(scene: RunScene, file: Path) -> None:
     """Save the figure in the format of the file ending."""
-    from matplotlib import rc_context
-
-    with rc_context(STYLE):
-        save(_figure(scene), file)
+    with styled():
+        save(track_figure(scene), file)
 
 
-def _figure(scene: RunScene) -> Figure:
+def track_figure(scene: RunScene) -> Figure:
+    """Plan view, curvature, cant and cant deficiency, gradient and height, irregularities over distance."""
     from matplotlib.figure import Figure
 
     from wheelrail.scenes.builders.vehicle import wagon
@@ -55,18 +54,11 @@ def _figure(scene: RunScene) -> Figure:
     curvature.plot(s, [1e3 * track.curvature(x)[0] for x in stations_list], color="0.15")
     curvature.set_title("Curvature")
     curvature.set_ylabel("positive to the left [1/km]")
-    superelevation = np.array([track.superelevation(x)[0] for x in stations_list])
-    _lines(
-        cant,
-        s,
-        {
-            "cant": 1e3 * superelevation,
-            "cant deficiency": 1e3 * np.array(cant_deficiency(track, speed_profile, gravity, stations_list)),
-        },
-    )
+    of_stations = 1e3 * np.array([cants(track, speed_profile, gravity, x) for x in stations_list])
+    _lines(cant, s, {"cant": of_stations[:, 0], "cant deficiency": of_stations[:, 1]})
     speeds = [speed_profile(t).speed for t in np.linspace(0.0, speed_profile.time_at(alignment.length), 200).tolist()]
     speed_text = f"{min(speeds):.1f}" if speed_profile.constant else f"{min(speeds):.1f} to {max(speeds):.1f}"
-    cant.set_title(f"Cant (right rail above left) and cant deficiency at {speed_text} m/s")
+    cant.set_title(f"Cant (positive: outer rail raised) and cant deficiency at {speed_text} m/s")
     cant.set_ylabel("[mm]")
     _lines(
         slope,

@@ -14,22 +14,22 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.track.track import Track
 
 
-def cant_deficiency(track: Track, speed_profile: SpeedProfile, gravity: float, stations: list[float]) -> list[float]:
-    """Cant deficiency (n,), m: additional cant for zero lateral acceleration in the plane of the rails.
+def cants(track: Track, speed_profile: SpeedProfile, gravity: float, station: float) -> tuple[float, float]:
+    """Cant and cant deficiency, m: the additional cant for zero lateral acceleration in the plane of the rails.
 
     Parameters:
         track: alignment and base.
         speed_profile: speed profile.
         gravity: m/s2.
-        stations: (n,) distances along the track, m.
+        station: distance along the track, m.
 
-    Positive for a left-hand curve with too little cant, or a right-hand one with too much.
+    Both are positive where the outer rail is raised, or should be raised more, as in scenes; on a tangent, the right
+    one.
     """
-    speeds = [speed_profile(speed_profile.time_at(s)).speed for s in stations]
-    return [
-        track.base * v * v * track.curvature(s)[0] / gravity - track.superelevation(s)[0]
-        for s, v in zip(stations, speeds, strict=True)
-    ]
+    curvature, superelevation = track.curvature(station)[0], track.superelevation(station)[0]
+    speed = speed_profile(speed_profile.time_at(station)).speed
+    sign = 1.0 if curvature >= 0.0 else -1.0
+    return sign * superelevation, sign * (track.base * speed * speed * curvature / gravity - superelevation)
 
 
 def segment_table(scene: RunScene) -> Table:
@@ -46,14 +46,13 @@ def segment_table(scene: RunScene) -> Table:
         view.add_column(name, justify="left" if name == "segment" else "right")
     ends = list(accumulate((segment.length for segment in alignment.layout), initial=0.0))
     for segment, start, end in zip(alignment.layout, ends, ends[1:], strict=False):
-        curvature, sign = track.curvature(end)[0], 1.0 if track.curvature(end)[0] >= 0.0 else -1.0
-        deficiency = sign * cant_deficiency(track, speed_profile, gravity, [end])[0]
+        curvature, (cant, deficiency) = track.curvature(end)[0], cants(track, speed_profile, gravity, end)
         view.add_row(
             f"{segment.kind}, {segment.shape}" if segment.kind == "transition" else segment.kind,
             f"{start:.1f}",
             f"{end:.1f}",
             f"{1.0 / curvature:.1f}" if curvature else "",
-            f"{1e3 * sign * track.superelevation(end)[0]:.0f}",
+            f"{1e3 * cant:.0f}",
             f"{1e3 * tan(track.gradient(end)[0]):.1f}",
             f"{speed_profile(speed_profile.time_at(end)).speed:.1f}",
             f"{1e3 * deficiency:.0f}",

@@ -37,6 +37,7 @@ from wheelrail.scenes.schema.tables import (
 )
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.track import TrackLine
+from wheelrail.scenes.schema.wheelset_defaults import with_defaults
 
 if TYPE_CHECKING:
     from wheelrail.contact.models.discretisation import Discretisation
@@ -284,13 +285,18 @@ class HertzScene(Solve):
 
 
 class WheelsetScene(OnRails, Solve):
-    """One position of a wheelset on its track."""
+    """One position of a wheelset on its track; keys that are missing have the defaults of `wheelrail.Wheelset`."""
 
     kind: Literal["wheelset"]
     sides: Sides = ("left", "right")
     track: TrackTable
     wheelset: WheelsetTable
     stress: StressTable | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _complete(cls, data: Any) -> Any:
+        return with_defaults(data) if isinstance(data, Mapping) else data
 
     @model_validator(mode="after")
     def _consistent(self) -> WheelsetScene:
@@ -302,9 +308,6 @@ class WheelsetScene(OnRails, Solve):
             raise q.reject(NO_STRESS, "stress")
         _between(self.wheelset, self.track.gauge)
         _tabulated(self, {"nu": self.nu})
-        for key in ("speed", "pitch_rate"):
-            if self.frictional and getattr(self.wheelset, key) is None:
-                raise q.reject("required if friction is not 0", f"wheelset.{key}")
         return self
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.plots import errors as panels
-from wheelrail.scenes.plots.style import SERIES, STYLE, save
+from wheelrail.scenes.plots.style import SERIES, save, styled
 from wheelrail.scenes.studies.convergence import errors_of, finest_of, increasing_of, largest_errors, series_of
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
@@ -28,10 +28,8 @@ DASHES = ("-", "--", ":", "-.")
 
 def draw_study(data: Dataset, folder: Path) -> list[Path]:
     """Save the figures; returns the files: study.png, and convergence.png of a convergence study."""
-    from matplotlib import rc_context
-
     files = []
-    with rc_context(STYLE):
+    with styled():
         for name, draw in drawings(data).items():
             figure = draw(data, None)
             if figure is not None:

@@ -19,6 +19,7 @@ from wheelrail.scenes.studies.convergence import (
 )
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -78,7 +79,7 @@ def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -
         for name in main:
             cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(case[name])))
         status = f"{case['status']}" + (f": {case['error']}" if str(case["error"]) else "")
-        view.add_row(*cells, f"{float(case['seconds']):.2g}", status)
+        view.add_row(*cells, significant(float(case["seconds"]), 2), status)
     if (omitted := data["status"].size - rows) > 0:
         view.caption, view.caption_justify = f"and {omitted} more, {where}", "left"
     return view
@@ -156,8 +157,8 @@ def _plain(value: Any) -> Any:
 
 
 def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else shown(value)
+    return significant(value, 4) if isinstance(value, float) else shown(value)
 
 
 def _number(value: float) -> str:
-    return "-" if np.isnan(value) else f"{value:.4g}"
+    return "-" if np.isnan(value) else significant(value, 4)

@@ -13,7 +13,7 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.scenes.plots.style import PRESSURE_MAP
 from wheelrail.scenes.plots.style import SIDES as SIDE_STYLE
-from wheelrail.scenes.views.plotter import plotter, pyvista
+from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body, wheelset_body
 from wheelrail.support.arrays import Array
 
@@ -65,7 +65,8 @@ def animate_run(
         bodies: profiles and mounting of wheel and rail.
         frames: their number, evenly spaced in time.
         fps: frames per second.
-        scale: displacement magnification factor of the wheelset in the upper pane.
+        scale: displacement magnification factor in the upper pane; the rails move with the magnified wheelset, which
+            stays on them as computed.
         progress: called with frames done and their number.
 
     Upper pane: the wheelset from behind with forces on the wheels. Lower panes: both contacts to scale, patches as
@@ -113,6 +114,7 @@ class Animation:
         largest = [float(np.nanmax(np.abs(v), initial=1.0)) for v in values.values()]
         self._force, self._load = max(largest[:2]), largest[2]
         self._wheels: dict[str, Any] = {}
+        self._rails: list[Any] = []
         self._whole()
         for pane, side in zip((0, 1), SIDES, strict=True):
             self._close(pane, side)
@@ -124,13 +126,16 @@ class Animation:
         pitch = float(sample["wheelset_pitch"])
         scale, mounting = self.scale, self.bodies.mounting
         self._axle.user_matrix = _pose(scale * y, mounting.radius + scale * z, scale * roll, pitch)
+        magnification = magnified(y, mounting.radius + z, roll, scale, mounting.radius)
+        for rail in self._rails:
+            rail.user_matrix = magnification
         distance = float(self.data["distance"].values[index])
         self._sleepers.position = (-(distance % 0.6), 0.0, 0.0)
         for side in SIDES:
             sign = 1.0 if side == "left" else -1.0
             self._wheels[side].user_matrix = _pose(y, mounting.radius + z, roll, 0.0)
             force = sample.sel(side=side)
-            start = np.array([-ARROW_OFFSET, sign * mounting.rail_y, 0.03])
+            start = (magnification @ [-ARROW_OFFSET, sign * mounting.rail_y, 0.03, 1.0])[:3]
             self._arrow(f"Q {side}", start, np.array([0.0, 0.0, float(force["vertical_force"])]))
             self._arrow(f"Y {side}", start, np.array([0.0, float(force["lateral_force"]), 0.0]))
             self._patches(side, sign, force)
@@ -141,7 +146,8 @@ class Animation:
         self._text(
             "whole",
             f"{time:7.2f} s   {distance:8.1f} m   {float(sample['speed']):5.1f} m/s   {track}\n"
-            f"wheelset y = {1e3 * y:+.2f} mm ({to_side(y)}), roll {1e3 * roll:+.3f} mrad, magnified x {scale:g}",
+            f"wheelset y = {1e3 * y:+.2f} mm ({to_side(y)}), roll {1e3 * roll:+.3f} mrad, "
+            f"{'to scale' if scale == 1.0 else f'magnified x {scale:g} with its rails'}",
         )
         self.view.render()
 
@@ -154,7 +160,7 @@ class Animation:
             rail = rail_body(self.bodies.rail, length=TRACK, right=sign < 0).translate(
                 (0.0, sign * mounting.rail_y, 0.0)
             )
-            view.add_mesh(rail, color=RAIL)
+            self._rails.append(view.add_mesh(rail, color=RAIL))
         boxes = [pyvista().Box((x - 0.13, x + 0.13, -1.3, 1.3, -0.39, -0.18)) for x in np.arange(-0.6, 1.3, 0.6)]
         self._sleepers = view.add_mesh(pyvista().merge(boxes), color="#d8d4cc")
         view.camera_position = [(-4.6, 0.3, 1.3), (0.0, 0.0, 0.42), (0.0, 0.0, 1.0)]
@@ -219,7 +225,7 @@ class Animation:
         if not discs:
             self.view.remove_actor(name)
             return
-        self.view.add_mesh(
+        mesh = self.view.add_mesh(
             pyvista().merge(discs),
             scalars="load [kN]",
             clim=(0.0, 1e-3 * self._load),
@@ -228,18 +234,10 @@ class Animation:
             name=name,
             reset_camera=False,
             render=False,
-            show_scalar_bar=side == "right",
-            scalar_bar_args={
-                "title": "patch load [kN]",
-                "color": "black",
-                "fmt": "%.0f",
-                "n_labels": 3,
-                "width": 0.4,
-                "height": 0.09,
-                "position_x": 0.56,
-                "position_y": 0.03,
-            },
+            show_scalar_bar=False,
         )
+        if side == "right":
+            colour_bar(self.view, mesh.mapper, "patch load [kN]", width=0.4, position_x=0.56)
 
     def _text(self, pane: str, text: str) -> None:
         self.view.subplot(2 if pane == "whole" else SIDES.index(pane))  # type: ignore[arg-type]
@@ -249,6 +247,18 @@ class Animation:
 def to_side(y: float) -> str:
     """Side to which a lateral displacement points."""
     return "to the left" if y >= 0.0 else "to the right"
+
+
+def magnified(y: float, z: float, roll: float, scale: float, radius: float) -> Array:
+    """Matrix (4, 4) that moves wheelset and rails from the computed place to the drawn one.
+
+    Parameters:
+        y, z, roll: of the wheelset, m and rad, z of its axle.
+        scale: displacement magnification factor.
+        radius: height of the undisplaced axle, m.
+    """
+    drawn = _pose(scale * y, radius + scale * (z - radius), scale * roll, 0.0)
+    return np.asarray(drawn @ np.linalg.inv(_pose(y, z, roll, 0.0)))
 
 
 def _pose(y: float, z: float, roll: float, pitch: float) -> Array:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.plots.style import PRESSURE_MAP
-from wheelrail.scenes.views.plotter import pyvista
+from wheelrail.scenes.views.plotter import colour_bar, pyvista
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def deformed(
     is_cut = mesh.bounds[5] > top
     clipped = mesh.clip("z", origin=(0.0, 0.0, top)) if is_cut else mesh
     drawn = displaced(clipped.extract_surface(algorithm="dataset_surface"), scale, offset_z)
-    plotter.add_mesh(
+    actor = plotter.add_mesh(
         drawn,
         scalars=DISPLACEMENT,
         cmap=MAPS[DISPLACEMENT],
@@ -89,9 +89,10 @@ def deformed(
         smooth_shading=True,
         split_sharp_edges=True,
         ambient=0.25,
-        show_scalar_bar=bar,
-        scalar_bar_args=bar_style(DISPLACEMENT) if bar else None,
+        show_scalar_bar=False,
     )
+    if bar:
+        colour_bar(plotter, actor.mapper, DISPLACEMENT)
     surface = mesh.extract_surface(algorithm="dataset_surface")
     edges = surface.extract_feature_edges(45.0, boundary_edges=False, non_manifold_edges=False)
     edges = edges.clip("z", origin=(0.0, 0.0, top)) if is_cut else edges
@@ -147,15 +148,16 @@ def displaced_with(mesh: Any, body: Any, scale: float, offset_z: float = 0.0) ->
 
 def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = False) -> None:
     """Draw the pressure of the patch cells."""
-    plotter.add_mesh(
+    actor = plotter.add_mesh(
         mesh,
         scalars=PRESSURE,
         cmap=MAPS[PRESSURE],
         clim=(0.0, float(mesh[PRESSURE].max())),
         lighting=False,
-        show_scalar_bar=bar,
-        scalar_bar_args=bar_style(PRESSURE) if bar else None,
+        show_scalar_bar=False,
     )
+    if bar:
+        colour_bar(plotter, actor.mapper, PRESSURE)
 
 
 def stress_cut(
@@ -176,29 +178,14 @@ def stress_cut(
     """
     box = np.ravel(np.column_stack([around - reach, around + reach]))
     drawn = displaced(mesh.clip_box(box, invert=False), 0.0, offset_z)
-    plotter.add_mesh(
+    actor = plotter.add_mesh(
         drawn,
         scalars=MISES,
         cmap=MAPS[MISES],
         clim=(0.0, largest),
         lighting=False,
-        show_scalar_bar=bar,
-        scalar_bar_args=bar_style(MISES) if bar else None,
+        show_scalar_bar=False,
     )
+    if bar:
+        colour_bar(plotter, actor.mapper, MISES)
     return drawn
-
-
-def bar_style(title: str) -> dict[str, Any]:
-    """Style of a scalar bar; one per pane, as the HTML viewer has a single position for them."""
-    return {
-        "title": title,
-        "fmt": "%.0f",
-        "n_labels": 4,
-        "color": "black",
-        "title_font_size": 15,
-        "label_font_size": 13,
-        "width": 0.5,
-        "height": 0.07,
-        "position_x": 0.25,
-        "position_y": 0.03,
-    }

@@ -45,3 +45,33 @@ def plotter(shape: tuple[int, int] | str = (1, 1), *, size: tuple[int, int], off
     new_plotter = pyvista().Plotter(shape=shape, window_size=size, off_screen=off_screen, border=False)
     new_plotter.set_background("white")
     return new_plotter
+
+
+def colour_bar(view: Any, mapper: Any, title: str, *, width: float = 0.5, position_x: float = 0.25) -> None:
+    """Add a colour bar below a pane, or replace the one with the same title.
+
+    Parameters:
+        view: plotter; its current pane gets the bar.
+        mapper: of the drawn mesh.
+        title: of the bar.
+        width, position_x: length and left end, fractions of the pane.
+
+    One per pane, as the HTML viewer has a single position for them.
+    """
+    if title in view.scalar_bars:
+        view.remove_scalar_bar(title, render=False)
+    bar = view.add_scalar_bar(
+        title,
+        mapper=mapper,
+        fmt="%.0f",
+        n_labels=4,
+        color="black",
+        title_font_size=15,
+        label_font_size=13,
+        width=width,
+        height=0.1,
+        position_x=position_x,
+        position_y=0.03,
+        render=False,
+    )
+    bar.SetTitle(f"{title}\n")  # otherwise VTK writes the title into the tick labels

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,10 +13,12 @@ from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
+from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from wheelrail.contact.stress.fields import BodyFields
     from wheelrail.scenes.contacts.side_solution import SideSolution
     from wheelrail.scenes.views.animation import RunBodies
 
@@ -92,37 +94,60 @@ def view_side(
     Stress and displacement are those of waveguide bodies under the computed tractions, for all models. Returns the
     plotter. Raises SceneError and RunFailed as `view_scene`.
     """
-    from wheelrail.contact.stress.waveguide_fields import internal_fields
     from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene
 
     names = bodies_of(scene, options.body)
-    if scene.model == "standard":
-        raise SceneError(NO_BODIES)
-    result, pose = solved.result, solved.pose
-    if result.status != "converged" or pose is None:
-        raise RunFailed(result.status)
-    drawn_bodies = []
-    right = side == "right"  # solved as its mirror image
-    for name, loaded in loaded_bodies(
-        scene, pose.mirrored() if right else pose, names, "right" if right else "left"
-    ).items():
-        report_progress(f"displacement and stress in the {name}")
-        internal = internal_fields(loaded, result)
-        main_patch = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
-        fields = [internal.strip(), internal.across(main_patch), internal.along(main_patch)]
-        whole, *cuts = [field.mirrored() for field in fields] if right else fields
-        drawn_bodies.append(DrawnBody(name, loaded.upper, whole, tuple(cuts)))
+    result, right = solved.result, side == "right"  # solved as its mirror image
+    drawn_bodies = [
+        DrawnBody(name, upper, whole, tuple(cuts))
+        for name, upper, (whole, *cuts) in side_fields(scene, side, solved, names, report_progress)
+    ]
     report_progress("drawing")
     load = 1e-3 * sum(patch.normal_force for patch in result.patches)
     heading = options.title if side == "contact" else f"{options.title}, {side} wheel"
     return contact_scene(
         result,
         tuple(drawn_bodies),
-        title=f"{heading}, {load:.4g} kN",
+        title=f"{heading}, {significant(load, 4)} kN",
         scale=options.scale,
         mirrored=right,
         off_screen=options.off_screen,
     )
+
+
+def side_fields(
+    scene: HertzScene | WheelsetScene,
+    side: str,
+    solved: SideSolution,
+    names: tuple[str, ...],
+    report_progress: ReportProgress = lambda _: None,
+) -> Iterator[tuple[str, bool, list[BodyFields]]]:
+    """Name of each body, whether it is the upper one, and its fields: whole, on the lateral and longitudinal cut.
+
+    Parameters:
+        scene: of the contact.
+        side: "left", "right" or "contact".
+        solved: solution of the side.
+        names: of the bodies.
+        report_progress: called with a text at every stage.
+
+    Raises SceneError for the standard model, RunFailed without contact.
+    """
+    from wheelrail.contact.stress.waveguide_fields import internal_fields
+
+    if scene.model == "standard":
+        raise SceneError(NO_BODIES)
+    result, pose = solved.result, solved.pose
+    if result.status != "converged" or pose is None:
+        raise RunFailed(result.status)
+    right = side == "right"  # solved as its mirror image
+    own_pose = pose.mirrored() if right else pose
+    for name, loaded in loaded_bodies(scene, own_pose, names, "right" if right else "left").items():
+        report_progress(f"displacement and stress in the {name}")
+        internal = internal_fields(loaded, result)
+        main_patch = max(range(len(result.patches)), key=lambda k: result.patches[k].normal_force)
+        fields = [internal.strip(), internal.across(main_patch), internal.along(main_patch)]
+        yield name, loaded.upper, [field.mirrored() for field in fields] if right else fields
 
 
 def bodies_of(scene: HertzScene | WheelsetScene, body: str) -> tuple[str, ...]:

@@ -1,0 +1,68 @@
+"""Defaults of a wheelset scene, those of `wheelrail.Wheelset`: `kind = "wheelset"` alone is a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+UPRIGHT = ("60E1", "UIC60")  # profiles that are given upright
+INCLINED = 0.025  # rad, 1/40: their inclination
+LOADS = ("wheel_load", "axle_load", "z")
+
+SCENE = {"friction": 0.3, "E": 2.1e11, "nu": 0.3}
+PROFILES = {"wheel": "S1002", "rail": "UIC60"}
+TRACK = {"gauge": 1.435, "gauge_height": 0.014, "curvature": 0.0}
+WHEELSET = {"flange_back_distance": 1.360, "flange_back": -0.070, "radius": 0.46, "y": 0.0, "roll": 0.0, "yaw": 0.0}
+LOAD, SPEED, SURFACE_SIZE = 57e3, 10.0, 1e-3  # N, m/s, m
+
+
+def with_defaults(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables of a scene with the keys that are missing; values of another type are left to the validation."""
+    scene = {**SCENE, **data}
+    if scene.get("model") != "standard":
+        scene.setdefault("surface_size", SURFACE_SIZE)
+    for name, complete in (("profiles", _profiles), ("track", _track)):
+        if isinstance(table := scene.get(name, {}), Mapping):
+            scene[name] = complete(table)
+    if isinstance(table := scene.get("wheelset", {}), Mapping):
+        scene["wheelset"] = _wheelset(table, frictional=_frictional(scene))
+    return scene
+
+
+def _profiles(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    profiles = {**PROFILES, **table}
+    profiles.setdefault("laying_angle", inclination(profiles["rail"]))
+    for side in ("left", "right"):
+        own = table.get(side)
+        if isinstance(own, Mapping) and "rail" in own:
+            profiles[side] = {"laying_angle": inclination(own["rail"]), **own}
+    return profiles
+
+
+def inclination(rail: object) -> float:
+    """Inclination rad of a rail, zero unless its profile is given upright."""
+    return INCLINED if rail in UPRIGHT else 0.0
+
+
+def _frictional(scene: Mapping[str, Any]) -> bool:
+    """Whether there is friction on either side."""
+    profiles = scene["profiles"] if isinstance(scene["profiles"], Mapping) else {}
+    sides = [profiles.get(side) for side in ("left", "right")]
+    own = [side["friction"] for side in sides if isinstance(side, Mapping) and "friction" in side]
+    return any(friction != 0.0 for friction in (scene["friction"], *own))
+
+
+def _track(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    return {**TRACK, **table}
+
+
+def _wheelset(table: Mapping[str, Any], *, frictional: bool) -> Mapping[str, Any]:
+    wheelset = {**WHEELSET, **table}
+    if not any(key in wheelset for key in LOADS):
+        wheelset["wheel_load"] = LOAD
+    if frictional:
+        wheelset.setdefault("speed", SPEED)
+    speed, radius = wheelset.get("speed"), wheelset["radius"]
+    if isinstance(speed, float | int) and isinstance(radius, float | int) and radius:
+        wheelset.setdefault("pitch_rate", speed / radius)
+    return wheelset
