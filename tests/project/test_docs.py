@@ -391,7 +391,7 @@ def test_parameters_become_a_table() -> None:
         "",
         "Returns |F|.",
     ]
-    assert restructured(text.splitlines())[2:] == [
+    assert restructured(lines)[2:] == [
         "**Parameters**",
         "",
         ".. list-table::",
