@@ -8,6 +8,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.lattice.equations import linearise
 from wheelrail.contact.models.lattice.influence.basis import MODES, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
@@ -15,7 +16,10 @@ from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.models.lattice.surface import GAUSS, frames, rigid_shift
+from wheelrail.contact.solvers.active_set import PrescribedPressure
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
+from wheelrail.contact.solvers.semismooth_newton import tangential_contact
+from wheelrail.contact.solvers.tangential import FrictionProblem
 from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
 
@@ -146,3 +150,19 @@ def _beyond(outer: float, inner: float) -> float:
     """Distance from the middle of the outer cell to the end, in cells, 0 to 1."""
     rise = inner**2 - outer**2
     return float(np.clip(outer**2 / rise, 0.0, 1.0)) if rise > 0 else 1.0
+
+
+def with_tractions(problem: LatticeProblem, laws: ContactLaws, normal: LatticeState) -> LatticeState:
+    """A state without tractions with those of friction at its pressure. Raises NotConverged."""
+    S, M = len(normal.strips), problem.cells
+    values = np.hstack([np.zeros((S, 2 * M)), normal.values])
+    evaluation, operator, _ = linearise(values, problem.of(normal.strips))
+    cells = np.arange(values.size).reshape(values.shape)[:, : 2 * M].reshape(S, 2, M)
+    rows = cells.transpose(1, 0, 2).ravel()
+    rigid = evaluation.slip.transpose(1, 0, 2).ravel()  # with the part of the pressure
+    pressure = PrescribedPressure(np.maximum(evaluation.pressure, 0.0).ravel())
+    friction = FrictionProblem(operator[np.ix_(rows, rows)], rigid, None, pressure, laws, problem.speed)
+    loaded = evaluation.pressure.ravel() > 0
+    tractions = tangential_contact(friction, np.zeros((2, S * M)), loaded, OPTIONS, IterationCount()).q
+    values[:, : 2 * M] = tractions.reshape(2, S, M).transpose(1, 0, 2).reshape(S, 2 * M)
+    return LatticeState(normal.strips, values)

@@ -16,11 +16,10 @@ from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.lattice.chords import chords
-from wheelrail.contact.models.lattice.cold_start import cold_start
+from wheelrail.contact.models.lattice.cold_start import cold_start, with_tractions
 from wheelrail.contact.models.lattice.entry import entering
 from wheelrail.contact.models.lattice.factors import back_substitution
 from wheelrail.contact.models.lattice.friction import CellFriction
-from wheelrail.contact.models.lattice.frictionless_start import frictionless_start
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
@@ -37,6 +36,7 @@ log = logging.getLogger(__name__)
 
 FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
 WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearly always
+START_TOLERANCE = 1e-3  # of the solution without friction that is a start
 FIRST_ITERATIONS = 25  # with friction from the first cells: 99.9 % of random poses need at most 21
 
 
@@ -183,3 +183,14 @@ class LatticeContact:
             log.debug("from all at once: %s", error)
         state = frictionless_start(problem, self.laws, count)
         return None if state is None else LatticeNewton(problem, self.tolerance, count).solve(state)
+
+
+def frictionless_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount) -> LatticeState | None:
+    """Strips, ends and pressure without friction, and the tractions of friction at this pressure; None without contact.
+
+    Raises NotConverged, OutsideSurface.
+    """
+    normal = replace(problem, basis=strip_basis(problem.cells, "none"), law=None)
+    state = cold_start(normal, laws, IterationCount())
+    solution = None if state is None else LatticeNewton(normal, START_TOLERANCE, count).solve(state)
+    return None if solution is None else with_tractions(problem, laws, solution.state)
