@@ -8,10 +8,10 @@ from benchmarks.stability.depth_estimate import penetration_outside
 from benchmarks.stability.sample import SampledCase
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.lattice.entry import remaining_penetration
 from wheelrail.contact.models.lattice.influence.basis import equal_cells
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.lattice.newton import LatticeSolution
+from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
+from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array

@@ -15,18 +15,18 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.lattice.chords import chords
-from wheelrail.contact.models.lattice.cold_start import cold_start, with_tractions
-from wheelrail.contact.models.lattice.entry import entering
-from wheelrail.contact.models.lattice.factors import back_substitution
 from wheelrail.contact.models.lattice.friction import CellFriction
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
-from wheelrail.contact.models.lattice.newton import ITERATIONS, LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
+from wheelrail.contact.models.lattice.solver.chords import chords
+from wheelrail.contact.models.lattice.solver.cold_start import cold_start, with_tractions
+from wheelrail.contact.models.lattice.solver.entry import entering
+from wheelrail.contact.models.lattice.solver.factors import back_substitution
+from wheelrail.contact.models.lattice.solver.newton import ITERATIONS, LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics

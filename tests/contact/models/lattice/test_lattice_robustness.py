@@ -18,7 +18,7 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact, frictionless_start
-from wheelrail.contact.models.lattice.newton import LatticeNewton
+from wheelrail.contact.models.lattice.solver.newton import LatticeNewton
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
 

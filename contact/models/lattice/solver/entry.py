@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.lattice.cold_start import state_of_cells
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.problem import LatticeProblem
-from wheelrail.contact.models.lattice.remaining import Probes, excess, remaining
+from wheelrail.contact.models.lattice.solver.cold_start import state_of_cells
+from wheelrail.contact.models.lattice.solver.remaining import Probes, excess, remaining
 from wheelrail.contact.models.lattice.state import LatticeState
 from wheelrail.contact.solvers.active_set import normal_contact
 from wheelrail.contact.solvers.options import IterationCount

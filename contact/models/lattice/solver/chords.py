@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.models.lattice.equations import EquationData, evaluate
-from wheelrail.contact.models.lattice.factors import Factors, newton_step
+from wheelrail.contact.models.lattice.solver.factors import Factors, newton_step
 from wheelrail.contact.models.lattice.state import leaving, longest, moved, relative_size
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
@@ -41,7 +41,7 @@ def chords(
     Parameters:
         values: initial state.
         data: of the equations.
-        factors, solver: see `wheelrail.contact.models.lattice.factors.newton_step`.
+        factors, solver: see `wheelrail.contact.models.lattice.solver.factors.newton_step`.
         tolerance: of the last step, relative; it is taken.
         farthest: first step beyond which the state is of no use.
     """

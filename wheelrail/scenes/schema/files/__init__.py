@@ -1,0 +1,1 @@
+"""Files of a scene: TOML, wagons and their ranges, irregularities, examples."""

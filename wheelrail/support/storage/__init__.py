@@ -1,0 +1,1 @@
+"""Files: atomic writing, caches and their folder, plain data, text from outside."""
