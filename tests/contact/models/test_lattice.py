@@ -201,10 +201,10 @@ def test_slip_by_pressure_on_unlike_spheres(swapped: bool) -> None:
 def test_rolling_of_unlike_half_spaces(creepage: tuple[float, float, float], swapped: bool) -> None:
     """Pressure causes slip and tractions pressure: against Boussinesq's and Cerruti's integrals on a grid."""
     model, expected = unlike(0.3, RADII, swapped=swapped)
-    model = replace(model, resolution=LatticeResolution(48, 10))
+    model = replace(model, resolution=LatticeResolution(24, 16))
     materials = UNLIKE[::-1] if swapped else UNLIKE
     a, b = expected.semi_axes
-    cells = Cells.inside_ellipse(1.06 * a, 1.06 * b, 24, 24)
+    cells = Cells.inside_ellipse(1.06 * a, 1.06 * b, 32, 32)
     depth = expected.approach - 0.5 / RADII[0] * cells.x**2 - 0.5 / RADII[1] * cells.y**2
     xi, eta, phi = creepage
     rigid = np.concatenate([xi - phi * cells.y, eta + phi * cells.x])
