@@ -10,7 +10,7 @@ import pytest
 
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
-from wheelrail.support.storage.plain_data import NotPlainData, decode, encode
+from wheelrail.support.plain_data import NotPlainData, decode, encode
 from wheelrail.vehicle.dynamics.state import Split
 
 PACKAGES = ("wheelrail.contact", "wheelrail.vehicle")
