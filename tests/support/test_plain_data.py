@@ -126,8 +126,8 @@ def test_crafted_bytes_are_refused(data: bytes) -> None:
 
 
 def test_nothing_of_a_class_is_called() -> None:
-    class_entry = ["wheelrail.contact.models.wheelset", "WheelsetContact", ["model", "mounting"]]
-    made = decode(crafted(classes=[class_entry], value=["object", 0, None, None]), PACKAGES)
+    class_entry = ["wheelrail.contact.models.wheelset", "WheelsetContact", ["model", "mounting", "right"]]
+    made = decode(crafted(classes=[class_entry], value=["object", 0, None, None, None]), PACKAGES)
     assert isinstance(made, WheelsetContact)
 
 
