@@ -21,7 +21,7 @@ def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: floa
     profiles, over the width of quadrics, which does not depend on the lines of their meshes.
     """
     if isinstance(surfaces, QuadricStrips):
-        return _uniform(surfaces.half_width, strips, offset)
+        return _uniform(surfaces, strips, offset)
     assert isinstance(surfaces, ProfileStrips)
     s = np.arange(arc[0], arc[-1] + 0.5 * SPACING, SPACING)
     width = _widths(surfaces, s) * STRIPS / strips
@@ -29,10 +29,15 @@ def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: floa
     return np.asarray(np.interp(np.arange(int(count[-1] - offset) + 1) + offset, count, s))
 
 
-def _uniform(half: float, strips: int, offset: float) -> Array:
-    """Strips over twice a half width m, that of the largest penetration, and one more on either side."""
-    count = int(np.ceil(0.5 * np.sqrt(2.5) * strips))
-    return np.asarray(half / count * (np.arange(-count - 1, count + 2) + offset))
+def _uniform(surfaces: QuadricStrips, strips: int, offset: float) -> Array:
+    """Strips over twice the half width, that of the largest penetration, and one more on either side.
+
+    The expected patch ends a quarter of a strip before a bound, where the error by whole strips, which has the period
+    of a strip, changes its sign.
+    """
+    width = 2 * surfaces.semi_axis / (strips - 0.5)
+    count = int(np.ceil(surfaces.half_width / width))
+    return np.asarray(width * (np.arange(-count - 1, count + 2) + offset))
 
 
 def _widths(surfaces: ProfileStrips, s: Array) -> Array:

@@ -173,11 +173,13 @@ class QuadricStrips:
     Parameters:
         upper, lower: principal radii in x and y, m.
         half_width: m, of the part of the surface that carries contact points.
+        semi_axis: m, across, of the expected patch.
     """
 
     upper: tuple[float, float]
     lower: tuple[float, float]
     half_width: float
+    semi_axis: float
 
     def penetration_profile(self, pose: Pose, s: Array) -> PenetrationProfile:
         (ax, _), (bx, _) = curvature(self.upper), curvature(self.lower)

@@ -88,12 +88,12 @@ class QuadricBodies:
         return float(A), float(B)
 
     @cached_property
-    def _expected(self) -> tuple[float, float]:
-        """Largest approach m on the meshed surface, and the longer semi-axis m, by Hertz."""
+    def _expected(self) -> tuple[float, tuple[float, float]]:
+        """Largest approach m on the meshed surface, and the semi-axes m, by Hertz."""
         upper, lower = self.materials
         E_star = modulus((upper.E, upper.nu), (lower.E, lower.nu))
         exact = hertz(*self._curvatures, E_star, force=self.load, approach=self.approach)
-        return ROOM * (exact.approach + self.laws.penetration_at(exact.peak)), max(exact.semi_axes)
+        return ROOM * (exact.approach + self.laws.penetration_at(exact.peak)), exact.semi_axes
 
     def _half_cells(self, how: Discretisation) -> tuple[int, int]:
         """Cells of the surface on either side of the middle, along and across."""
@@ -110,16 +110,17 @@ class QuadricBodies:
     @cached_property
     def _surfaces(self) -> QuadricStrips:
         """Surfaces in contact, as wide as the penetration at the largest approach."""
+        depth, semi_axes = self._expected
         half_width = self.blocks.half_strip
         if half_width is None:
-            half_width = float(np.sqrt(self._expected[0] / self._curvatures[1]))
-        return QuadricStrips(*self.radii, half_width)
+            half_width = float(np.sqrt(depth / self._curvatures[1]))
+        return QuadricStrips(*self.radii, half_width, semi_axes[1])
 
     def _half_width(self, how: Discretisation) -> float:
         """In cells; by default in coarse steps, so that one mesh and one compliance serve many scenes."""
         if self.blocks.half_width is not None:
             return self.blocks.half_width / how.surface_size
-        return float(2.0 ** np.ceil(np.log2(WIDTH * self._expected[1] / how.surface_size)))
+        return float(2.0 ** np.ceil(np.log2(WIDTH * max(self._expected[1]) / how.surface_size)))
 
     def _equal_or_not(self, make: Callable[[Material], Any]) -> tuple[Any, Any]:
         """What is made for the material of each body, once where they are equal."""

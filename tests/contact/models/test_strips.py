@@ -38,7 +38,7 @@ STEEL = Material()
 RADII = (0.46, 0.30)
 LOAD = 60e3
 STILL = np.zeros(3)
-FINE = LatticeResolution(14, 16)  # some 190 points in an ellipse
+FINE = LatticeResolution(14, 16)
 TIGHT = 1e-10  # of the last Newton step
 
 
@@ -162,9 +162,10 @@ def test_hertz_converges_smoothly() -> None:
     counts = np.array([6, 8, 11, 16, 22])
     e = np.array([errors(LatticeResolution(int(n), int(n))) for n in counts])
     assert np.abs(e[3]).max() < 6e-3
-    total = np.sqrt((e**2).mean(axis=1))
+    assert np.abs(e[1:, 2]).max() < 4e-3  # the area depends on where the patch ends within a strip
+    total = np.sqrt((e[:, [0, 1, 3]] ** 2).mean(axis=1))
     slope, rest = np.polyfit(np.log(counts), np.log(total), 1)
-    assert slope < -1.0
+    assert slope < -1.5
     # no staircase: the error decreases smoothly
     assert np.abs(np.log(total) - slope * np.log(counts) - rest).max() < 0.35
 
@@ -197,7 +198,7 @@ def test_result_fulfils_the_laws_and_balances() -> None:
     assert (q <= 0.3 * p * (1 + 1e-9)).all()
     assert (fields.traction * fields.slip).sum() < 0
     assert result.statistics.residual < 1e-8
-    assert result.statistics.points <= 200
+    assert result.statistics.points <= FINE.strips * FINE.cells
     local = np.column_stack([fields.traction, -p]) * fields.area[:, None]
     np.testing.assert_allclose((local[:, None] @ fields.axes)[:, 0].sum(axis=0), result.force, rtol=1e-12)
 
