@@ -139,6 +139,19 @@ def test_rails_of_an_animation_follow_the_magnified_wheelset() -> None:
     animation.view.close()
 
 
+def test_animation_draws_each_side_with_its_own_bodies() -> None:
+    right = RunBodies(WHEEL, RAIL, Mounting(0.75, MOUNTING.rail_y + 5e-3, 0.46), 0.44)
+    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING, right=right), scale=1.0)
+    bounds = {side: animation._wheels[side].mapper.dataset.bounds for side in ("left", "right")}
+    assert bounds["right"][4] - bounds["left"][4] == pytest.approx(0.02, abs=1e-4)
+    rails = [rail.mapper.dataset.bounds for rail in animation._rails]
+    assert -rails[1][2] - rails[0][3] == pytest.approx(5e-3, abs=1e-6)
+    whole = animation._axle.mapper.dataset.points
+    lowest = [whole[sign * whole[:, 1] > 0.7, 2].min() for sign in (1, -1)]
+    assert lowest[1] - lowest[0] == pytest.approx(0.02, abs=1e-4)
+    animation.view.close()
+
+
 def test_html_page_is_self_contained() -> None:
     """Scripts and styles are embedded, and the title is escaped."""
     page = drawn()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
+from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
 from wheelrail.support.number_text import significant
 
@@ -205,5 +206,8 @@ def bodies_of_scene(scene: RunScene) -> RunBodies:
     """The same from the scene itself."""
     from wheelrail.scenes.views.animation import RunBodies
 
-    wheel, rail = inclined_profiles(scene)
-    return RunBodies(wheel, rail, mounted(scene, rail))
+    def bodies(side: Side) -> RunBodies:
+        wheel, rail = inclined_profiles(scene, side)
+        return RunBodies(wheel, rail, mounted(scene, rail), scene.side(side).radius)
+
+    return bodies("left") if scene.sides_alike else replace(bodies("left"), right=bodies("right"))
