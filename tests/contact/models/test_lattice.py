@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -22,6 +24,7 @@ from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.equations import rigid_slip
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.state import LatticeState
@@ -31,6 +34,7 @@ from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import solve_tractions
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
+from wheelrail.support.interrupts import deferred_interrupts
 
 STEEL = Material()
 UNLIKE = Material(210e9, 0.0), Material(210e9, 0.3)
@@ -310,6 +314,21 @@ def test_tangent(friction: float, bodies: Bodies, place: tuple[float, float, flo
     if friction:
         rates = np.abs(found - expected)[:, 4:] / np.abs(expected[:, 4:]).max(axis=1, keepdims=True)
         assert rates.max() < 1e-3
+
+
+def test_ctrl_c_ends_newtons_method_at_its_next_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps, linearise = [], LatticeProblem.linearise
+
+    def interrupted(problem: LatticeProblem, state: LatticeState) -> Any:
+        steps.append(len(state.strips))
+        os.kill(os.getpid(), signal.SIGINT)
+        return linearise(problem, state)
+
+    contact = ellipse(0.3)
+    monkeypatch.setattr(LatticeProblem, "linearise", interrupted)
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():
+        contact(hertz_pose(exact().approach), flowing(1e-3), None)
+    assert len(steps) == 1
 
 
 def test_finite_bodies_from_any_start() -> None:
