@@ -2,8 +2,9 @@
 
 With these files a folder from elsewhere could run code: `.numba_config.yaml` (folder of pickled machine code),
 `.petscrc` (`-dll_prepend` loads a library), `dolfinx_jit_parameters.json` and `ffcx_parameters.json`, from 0.6 on
-`..._options.json` (arguments of the compiler), `matplotlibrc` (`backend: module://..` imports a module). The user's own settings, in the home folder and the environment, remain
-in effect. A library that was loaded before this package is left as it is.
+`..._options.json` (arguments of the compiler), `matplotlibrc` (`backend: module://..` imports a module). The user's own
+settings, in the home folder and the environment, remain in effect. A library that was loaded before this package is
+left as it is.
 """
 
 from __future__ import annotations

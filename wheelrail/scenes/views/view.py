@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,12 +33,14 @@ class ViewOptions:
         body: "both", or the name of one body.
         scale: displacement magnification factor; a round number by default.
         off_screen: whether to render without a window; by default without a display only.
+        peak: upper end of the pressure's colours, MPa; the largest pressure by default.
     """
 
     title: str
     body: str = "both"
     scale: float | None = None
     off_screen: bool | None = None
+    peak: float | None = None
 
 
 NO_BODIES = 'model = "standard": contains no elastic bodies; must be "condensed" or "full"'
@@ -70,9 +72,9 @@ def view_scene(
         raise SceneError(f"--side {chosen}: must be {' or '.join(sides)}")
     if scene.model == "standard":
         raise SceneError(NO_BODIES)
-    solved = dict(solve_sides(scene, report_progress=report_progress))[chosen]
-    view_options = ViewOptions(title, off_screen=True, **options)
-    return view_side(scene, chosen, solved, view_options, report_progress=report_progress)
+    solved = dict(solve_sides(scene, report_progress=report_progress))
+    view_options = ViewOptions(title, off_screen=True, peak=largest_pressure(solved.values()), **options)
+    return view_side(scene, chosen, solved[chosen], view_options, report_progress=report_progress)
 
 
 def view_side(
@@ -113,7 +115,14 @@ def view_side(
         scale=options.scale,
         mirrored=right,
         off_screen=options.off_screen,
+        peak=options.peak,
     )
+
+
+def largest_pressure(solved: Iterable[SideSolution]) -> float | None:
+    """Largest pressure MPa of the cells on all sides, of which views have one scale; None without contact."""
+    fields = [side.result.fields for side in solved if side.result.status == "converged"]
+    return max((1e-6 * float(field.pressure.max()) for field in fields if field is not None), default=None)
 
 
 def side_fields(
