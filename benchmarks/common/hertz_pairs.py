@@ -22,7 +22,7 @@ from wheelrail.contact.models.discretisation import Bodies, Discretisation, Mode
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.support.arrays import Array
-from wheelrail.support.storage.cache import cache_folder
+from wheelrail.support.cache import cache_folder
 
 STEEL = Material(2.1e11, 0.3)
 REPEATS = 9

@@ -18,8 +18,8 @@ from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.cache import digest, load, store
 from wheelrail.support.progress import ProgressTimer
-from wheelrail.support.storage.cache import digest, load, store
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody

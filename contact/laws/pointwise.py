@@ -24,8 +24,8 @@ from wheelrail.contact.laws.code_generation import friction_source, pressure_sou
 from wheelrail.contact.laws.friction import FrictionLaw, parameters
 from wheelrail.contact.laws.normal import NormalLaw
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.compiled import address, compiled, folder
-from wheelrail.support.storage.atomic_file import atomic_file
 
 NUMBERS = types.CPointer(types.float64)
 RESIDUAL_AT = types.void(*[NUMBERS] * 4, types.CPointer(types.int64), *[NUMBERS] * 3)

@@ -12,7 +12,7 @@ from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.triangulation import Grading, SectionMesh, triangulate
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
-from wheelrail.support.storage.cache import Arrays, cached, digest
+from wheelrail.support.cache import Arrays, cached, digest
 
 FINE = Grading(first=0.5, growth=0.2)
 RATIO = 1.35  # of successive layers along x outside the strip

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wheelrail.meshes.profiles.profile import Kind
 from wheelrail.support.arrays import Array
-from wheelrail.support.storage.text_file import read_text
+from wheelrail.support.text_file import read_text
 
 MAX_SIZE = 4.0  # MB
 KIND_OF_SUFFIX: dict[str, Kind] = {

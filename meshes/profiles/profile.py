@@ -14,7 +14,7 @@ from wheelrail.meshes.curves.arc_length import CurveSegment, curve
 from wheelrail.meshes.curves.curve import Curve
 from wheelrail.meshes.profiles.measurement import Measurement
 from wheelrail.support.arrays import Array
-from wheelrail.support.storage.cache import digest
+from wheelrail.support.cache import digest
 
 Kind = Literal["wheel", "rail"]
 

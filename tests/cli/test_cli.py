@@ -27,8 +27,8 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.contacts.report import json_text
+from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.runs.progress import case_bar
-from wheelrail.support.number_text import fixed, significant
 from wheelrail.support.terminal import messages_on
 
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -21,7 +21,7 @@ from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.meshes.bodies.extrusion import Cell, Solid
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
-from wheelrail.support.storage.cache import digest
+from wheelrail.support.cache import digest
 
 STEEL = Material(210e9, 0.3)
 E_STAR = modulus((210e9, 0.3), (210e9, 0.3))

@@ -50,9 +50,10 @@ MAY_IMPORT |= {
     "contact.models.lattice.influence": _MODEL
     | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
 }
-MAY_IMPORT["contact.models.lattice"] = MAY_IMPORT["contact.models.lattice.influence"] | {
-    "contact.models.lattice.influence"
-}
+_LATTICE = MAY_IMPORT["contact.models.lattice.influence"]
+for _index, _name in enumerate(("influence", "system", "solver", "")):
+    _lower = {f"contact.models.lattice.{lower}" for lower in ("influence", "system", "solver")[:_index]}
+    MAY_IMPORT[f"contact.models.lattice.{_name}".rstrip(".")] = _LATTICE | _lower
 MAY_IMPORT["contact.models"] = {
     "contact.analytical",
     "contact.elasticity.waveguide",
@@ -96,7 +97,7 @@ MAY_IMPORT["scenes.schema"] = {
 }
 for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
-MAY_IMPORT["cli"] = _BELOW | {f"scenes.{name}" for name in _SCENES}
+MAY_IMPORT["cli"] = _BELOW | {"scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
 MAY_IMPORT["api.elements"] = {"contact.element", "contact.kinematics", "contact.models", "scenes.schema"}
 MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}

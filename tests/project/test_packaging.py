@@ -19,8 +19,8 @@ import yaml
 from typer.testing import CliRunner
 
 from wheelrail.cli.main import app
-from wheelrail.scenes.schema.files.examples import examples
-from wheelrail.scenes.schema.files.toml import parse
+from wheelrail.scenes.example_scenes import examples
+from wheelrail.scenes.schema.toml import parse
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))

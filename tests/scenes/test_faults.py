@@ -25,8 +25,8 @@ from xarray import Dataset, open_dataset
 from wheelrail.cli.main import app
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.datasets.netcdf import write
-from wheelrail.support.storage.atomic_file import PART, atomic_file
-from wheelrail.support.storage.cache import load, store
+from wheelrail.support.atomic_file import PART, atomic_file
+from wheelrail.support.cache import load, store
 
 ROOT = Path(__file__).parents[2]
 SMOOTH = WheelsetContact(Stopping(), CONTACT.mounting)  # a spring with patches, without state

@@ -28,7 +28,7 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, StillRunning, read_header
 from wheelrail.scenes.runs.checkpoint_format import PACKAGES, Unreadable, checksum_of, entries
 from wheelrail.scenes.runs.resume import differences
-from wheelrail.support.storage.plain_data import decode, encode
+from wheelrail.support.plain_data import decode, encode
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints

@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 from wheelrail.cli.main import app
 from wheelrail.scenes.builders.vehicle import wagon as wagon_of
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.files.toml import parse
-from wheelrail.scenes.schema.files.wagon_file import load_wagon, wagon_toml
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
+from wheelrail.scenes.schema.toml import parse
+from wheelrail.scenes.schema.wagon_file import load_wagon, wagon_toml
 from wheelrail.vehicle.wagon.force_law import ForceLaw
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import PRIMARY, Wagon

@@ -25,7 +25,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies import solids as bodies
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
-from wheelrail.support.storage.cache import cached, digest, load, store
+from wheelrail.support.cache import cached, digest, load, store
 
 ROOT = Path(__file__).parents[2]
 ARRAYS = {"points": np.linspace(0.0, 1.0, 12).reshape(4, 3), "cells": np.arange(8), "mask": np.array([True, False])}
@@ -292,7 +292,7 @@ for cells in (2, 3, 4):
 WRITER = """
 import sys
 import numpy as np
-from wheelrail.support.storage.cache import load, store
+from wheelrail.support.cache import load, store
 sys.stdin.readline()
 number = int(sys.argv[1])
 for k in range(150):

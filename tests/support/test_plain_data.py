@@ -10,7 +10,7 @@ import pytest
 
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
-from wheelrail.support.storage.plain_data import NotPlainData, decode, encode
+from wheelrail.support.plain_data import NotPlainData, decode, encode
 from wheelrail.vehicle.dynamics.state import Split
 
 PACKAGES = ("wheelrail.contact", "wheelrail.vehicle")
@@ -126,8 +126,8 @@ def test_crafted_bytes_are_refused(data: bytes) -> None:
 
 
 def test_nothing_of_a_class_is_called() -> None:
-    class_entry = ["wheelrail.contact.models.wheelset", "WheelsetContact", ["model", "mounting"]]
-    made = decode(crafted(classes=[class_entry], value=["object", 0, None, None]), PACKAGES)
+    class_entry = ["wheelrail.contact.models.wheelset", "WheelsetContact", ["model", "mounting", "right"]]
+    made = decode(crafted(classes=[class_entry], value=["object", 0, None, None, None]), PACKAGES)
     assert isinstance(made, WheelsetContact)
 
 

@@ -12,7 +12,7 @@ from scipy.signal import welch
 from standin_contact import CONTACT, STIFFNESS
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.scenes.schema.files.irregularity_file import IrregularityFileError, read_irregularities
+from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_irregularities
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.support.number_text import fixed
+from wheelrail.scenes.datasets.number_text import fixed
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -138,8 +138,8 @@ def run(
     from wheelrail.scenes.runs.run import run_scene, simulate_scene
     from wheelrail.scenes.schema.edits import changed, without
     from wheelrail.scenes.schema.errors import SceneError
-    from wheelrail.scenes.schema.files.toml import parse, read_text
     from wheelrail.scenes.schema.scene import RunScene, checked
+    from wheelrail.scenes.schema.toml import parse, read_text
     from wheelrail.support.terminal import messages_on, progress_console
 
     text = read_text(Path(scene))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.datasets.run import AXES
-from wheelrail.support.number_text import fixed, significant
 
 if TYPE_CHECKING:
     from pandas import DataFrame

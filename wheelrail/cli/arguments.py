@@ -56,7 +56,7 @@ def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
     """
     from wheelrail.scenes.schema.errors import RunFailed, SceneError
     from wheelrail.support.memory import TooLarge
-    from wheelrail.support.storage.text_file import abridged
+    from wheelrail.support.text_file import abridged
 
     try:
         yield
@@ -90,7 +90,7 @@ def results_folder(out: Path | None, default: Path) -> Path:
 
 def rejected(message: str) -> typer.Exit:
     """Print a validation error; returns the exception to raise."""
-    from wheelrail.support.storage.text_file import abridged
+    from wheelrail.support.text_file import abridged
 
     print(abridged(message), file=sys.stderr)
     return typer.Exit(BAD_INPUT)

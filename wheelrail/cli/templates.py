@@ -19,7 +19,7 @@ def wagon(
     ] = None,
 ) -> None:
     """Print a wagon with all its values as a TOML template."""
-    from wheelrail.scenes.schema.files.wagon_file import load_wagon, wagon_toml
+    from wheelrail.scenes.schema.wagon_file import load_wagon, wagon_toml
     from wheelrail.vehicle.wagon.wagon import Wagon
 
     with error_lines(""):
@@ -34,8 +34,8 @@ def example(
     ] = None,
 ) -> None:
     """Print an example scene as a template, or list the examples."""
-    from wheelrail.scenes.schema.files.examples import example as text_of
-    from wheelrail.scenes.schema.files.examples import examples
+    from wheelrail.scenes.example_scenes import example as text_of
+    from wheelrail.scenes.example_scenes import examples
 
     with error_lines(""):
         if name is not None:

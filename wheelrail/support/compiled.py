@@ -19,9 +19,9 @@ from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 from numba.extending import intrinsic
 
-from wheelrail.support.storage.atomic_file import atomic_file
-from wheelrail.support.storage.cache import cache_folder, source_digest
-from wheelrail.support.storage.cache_home import writable
+from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.cache import cache_folder, source_digest
+from wheelrail.support.cache_home import writable
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -19,7 +19,7 @@ from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from types import ModuleType
 
-from wheelrail.support.storage.cache_home import provide_cache_home
+from wheelrail.support.cache_home import provide_cache_home
 
 ROOT = "/"  # where only an administrator puts files
 

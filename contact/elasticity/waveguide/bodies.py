@@ -18,7 +18,7 @@ from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, body_key, rail_contact_range, section, wheel_contact_range
 from wheelrail.meshes.bodies.triangulation import Grading, SectionMesh, triangulate
 from wheelrail.support.arrays import Array
-from wheelrail.support.storage.cache import cached, digest
+from wheelrail.support.cache import cached, digest
 
 log = logging.getLogger(__name__)
 

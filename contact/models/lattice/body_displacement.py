@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.equations import force_jumps, strip_grid
 from wheelrail.contact.models.lattice.influence.operator import antiderivatives
 from wheelrail.contact.models.lattice.influence.pair_tables import half_space_scale
-from wheelrail.contact.models.lattice.problem import LatticeProblem
-from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.system.equations import force_jumps, strip_grid
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.results.result import Patch
 from wheelrail.support.arrays import Array, Mask
 

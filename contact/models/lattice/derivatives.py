@@ -7,8 +7,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.equations import EquationData, cell_frames, strip_grid
-from wheelrail.contact.models.lattice.surface import GAUSS, Motion, SurfaceData, SurfaceFrames, frames, penetration
+from wheelrail.contact.models.lattice.system.equations import EquationData, cell_frames, strip_grid
+from wheelrail.contact.models.lattice.system.surface import (
+    GAUSS,
+    Motion,
+    SurfaceData,
+    SurfaceFrames,
+    frames,
+    penetration,
+)
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 

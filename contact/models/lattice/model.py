@@ -15,11 +15,9 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.lattice.friction import CellFriction
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
-from wheelrail.contact.models.lattice.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.chords import chords
@@ -27,7 +25,9 @@ from wheelrail.contact.models.lattice.solver.cold_start import cold_start, with_
 from wheelrail.contact.models.lattice.solver.entry import entering
 from wheelrail.contact.models.lattice.solver.factors import back_substitution
 from wheelrail.contact.models.lattice.solver.newton import ITERATIONS, LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.system.friction import CellFriction
+from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.solvers.options import IterationCount, NotConverged

@@ -10,9 +10,9 @@ import numpy as np
 
 from wheelrail.contact.geometry.strip_layout import StripLayout, connected
 from wheelrail.contact.models.lattice.body_displacement import body_displacements, with_material
-from wheelrail.contact.models.lattice.equations import resultants, strip_grid
-from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.system.equations import resultants, strip_grid
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.tangent import LatticeTangent
 from wheelrail.contact.results.patch_moments import sharpened
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics

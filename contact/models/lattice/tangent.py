@@ -14,14 +14,20 @@ import numpy as np
 
 from wheelrail.contact.kinematics.sensitivity import rotation_derivative
 from wheelrail.contact.models.lattice.derivatives import CHANGES, resultant_slopes, rigid_changes, speed_change
-from wheelrail.contact.models.lattice.equations import Evaluation, cell_frames, force_jumps, resultants, strip_grid
-from wheelrail.contact.models.lattice.equations import rigid_slip as rigid_slip_of
 from wheelrail.contact.models.lattice.influence.basis import MOMENTS
 from wheelrail.contact.models.lattice.influence.operator import antiderivatives, slips_and_moments
-from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.solver.factors import Factors
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.surface import GAUSS, crest_changes, frames
+from wheelrail.contact.models.lattice.system.equations import (
+    Evaluation,
+    cell_frames,
+    force_jumps,
+    resultants,
+    strip_grid,
+)
+from wheelrail.contact.models.lattice.system.equations import rigid_slip as rigid_slip_of
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.surface import GAUSS, crest_changes, frames
 from wheelrail.contact.solvers.tangent import co_moving_load
 from wheelrail.support.arrays import Array
 

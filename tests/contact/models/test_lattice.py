@@ -21,13 +21,13 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
-from wheelrail.contact.models.lattice.equations import rigid_slip
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.system.equations import rigid_slip
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.contacts.report import FORCE, MOMENT
 from wheelrail.scenes.contacts.side_values import SideValues
-from wheelrail.support.number_text import fixed, significant
+from wheelrail.scenes.datasets.number_text import fixed, significant
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.support.arrays import Array
-from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from rich.table import Table

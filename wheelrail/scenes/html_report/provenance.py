@@ -7,8 +7,8 @@ from datetime import datetime
 from itertools import takewhile
 from typing import Any
 
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.html_report.elements import PageNote, PagePicture, Part
-from wheelrail.support.number_text import significant
 
 
 def opening(text: str) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.support.storage.atomic_file import atomic_file
+from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
     from wheelrail.scenes.html_report.elements import Page

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter
 from wheelrail.scenes.plots.runs import along_track, named, patch_bands
 from wheelrail.scenes.plots.style import save, styled
-from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.support.arrays import Array
-from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.plots.patch_cells import PatchCells, chosen, title, touching
 from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, axes_of, save, styled
 from wheelrail.support.arrays import Array
-from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

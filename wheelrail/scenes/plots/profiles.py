@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.plots.patch_cells import touching
 from wheelrail.scenes.plots.style import axes_of
 from wheelrail.support.arrays import Array
-from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

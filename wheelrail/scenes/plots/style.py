@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.support.storage.atomic_file import atomic_file
+from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

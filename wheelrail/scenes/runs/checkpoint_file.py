@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from wheelrail.scenes.runs.checkpoint_format import checksum_of, entries, entry
-from wheelrail.support.storage.atomic_file import atomic_file
+from wheelrail.support.atomic_file import atomic_file
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 from wheelrail.vehicle.simulation.recorder import Row
 

@@ -2,7 +2,7 @@
 
 The first line is a header in JSON that describes the run. Entries follow: length of the payload (8 bytes, big-endian),
 checksum, payload. The payload is a `Checkpoint` with the rows since the previous entry as plain data (see
-`wheelrail.support.storage.plain_data`), which keeps every bit and runs no code; the checksum is SHA-256 of the previous
+`wheelrail.support.plain_data`), which keeps every bit and runs no code; the checksum is SHA-256 of the previous
 checksum (of the header's for the first entry) and the payload. Reading ends at the first entry that is incomplete or
 damaged, and the next entry overwrites it.
 """
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from wheelrail.support.storage.plain_data import NotPlainData, decode, encode
+from wheelrail.support.plain_data import NotPlainData, decode, encode
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.recorder import SHAPES, Outputs, Row

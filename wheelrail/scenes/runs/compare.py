@@ -12,7 +12,7 @@ from wheelrail.scenes.runs.resume import ended
 from wheelrail.scenes.runs.run import run_scene
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import ELEMENTS, RunScene, parse_scene
-from wheelrail.support.storage.atomic_file import atomic_file
+from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType

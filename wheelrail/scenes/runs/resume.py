@@ -12,8 +12,8 @@ from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.used_keys import used_keys
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
-from wheelrail.support.storage.cache import source_digest
-from wheelrail.support.storage.text_file import present
+from wheelrail.support.cache import source_digest
+from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
+from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.interrupts import deferred_interrupts
-from wheelrail.support.number_text import fixed, significant
 
 if TYPE_CHECKING:
     from rich.table import Table

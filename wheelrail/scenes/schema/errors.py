@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wheelrail.support.storage.text_file import abridged
+from wheelrail.support.text_file import abridged
 
 
 class SceneError(ValueError):

@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import cache
 from typing import Any, get_args, get_type_hints
 
-from wheelrail.scenes.schema.files.wagon_ranges import REACH, WAGON
 from wheelrail.scenes.schema.quantities import reject
+from wheelrail.scenes.schema.wagon_ranges import REACH, WAGON
 
 
 def overridden(part: Any, values: Mapping[str, Any], prefix: str = "", also: tuple[str, ...] = ()) -> Any:

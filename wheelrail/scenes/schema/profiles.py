@@ -10,7 +10,7 @@ from pydantic import PrivateAttr, ValidationInfo, field_validator, model_validat
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.laws import FrictionKey
 from wheelrail.scenes.schema.tables import SceneTable
-from wheelrail.support.storage.text_file import present
+from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Kind, Profile

@@ -18,7 +18,6 @@ from pydantic import (
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.files.toml import parse, read_text
 from wheelrail.scenes.schema.laws import FrictionKey, FrictionTable, NormalTable
 from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.profiles import SIDES, ProfilesTable, Side, SideTable
@@ -36,6 +35,7 @@ from wheelrail.scenes.schema.tables import (
     VehicleTable,
     WheelsetTable,
 )
+from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.track import TrackLine
 from wheelrail.scenes.schema.wheelset_defaults import with_defaults
 

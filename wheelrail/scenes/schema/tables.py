@@ -134,7 +134,7 @@ class VehicleTable(SceneTable):
     @classmethod
     def _readable(cls, value: str, info: ValidationInfo) -> str:
         """A file, relative to the scene's folder, as its full path."""
-        from wheelrail.scenes.schema.files.wagon_file import load_wagon
+        from wheelrail.scenes.schema.wagon_file import load_wagon
 
         file = Path((info.context or {}).get("folder", "."), value)
         try:
@@ -180,7 +180,7 @@ class VehicleTable(SceneTable):
 
     def on(self, radius: float | None) -> Wagon:
         """The wagon; radius: of its wheels, m, unless its file or the scene sets another one."""
-        from wheelrail.scenes.schema.files.wagon_file import load_wagon
+        from wheelrail.scenes.schema.wagon_file import load_wagon
         from wheelrail.vehicle.wagon.wagon import Wagon
 
         base = Wagon() if radius is None else _on_wheels(radius)

@@ -81,7 +81,7 @@ class IrregularityTable(SceneTable):
         """The file, relative to the scene's folder, as its full path."""
         if value is None:
             return None
-        from wheelrail.scenes.schema.files.irregularity_file import IrregularityFileError, read_irregularities
+        from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_irregularities
 
         file = Path((info.context or {}).get("folder", "."), value).resolve()
         try:
@@ -103,7 +103,7 @@ class IrregularityTable(SceneTable):
 
     def irregularities(self, length: float) -> Irregularities:
         """Irregularities along a track of a length, m."""
-        from wheelrail.scenes.schema.files.irregularity_file import read_irregularities
+        from wheelrail.scenes.schema.irregularity_file import read_irregularities
         from wheelrail.vehicle.track.irregularity import Irregularities
         from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 

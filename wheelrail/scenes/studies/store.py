@@ -16,7 +16,7 @@ from pathlib import Path
 
 from wheelrail.scenes.studies.job import run_data, unfinished
 from wheelrail.scenes.studies.solve import CaseResult
-from wheelrail.support.storage.atomic_file import atomic_file
+from wheelrail.support.atomic_file import atomic_file
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.plots.fits import slope
 from wheelrail.scenes.studies.convergence import (
     ORDER,
@@ -19,7 +20,6 @@ from wheelrail.scenes.studies.convergence import (
 )
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
-from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -11,10 +11,10 @@ from wheelrail.scenes.builders.loaded_bodies import loaded_bodies
 from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
+from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
-from wheelrail.support.number_text import significant
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.equations import EquationData, evaluate
 from wheelrail.contact.models.lattice.solver.factors import Factors, newton_step
-from wheelrail.contact.models.lattice.state import leaving, longest, moved, relative_size
+from wheelrail.contact.models.lattice.system.equations import EquationData, evaluate
+from wheelrail.contact.models.lattice.system.state import leaving, longest, moved, relative_size
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 

@@ -8,14 +8,14 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.lattice.equations import linearise
 from wheelrail.contact.models.lattice.influence.basis import MODES, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.problem import LatticeProblem
-from wheelrail.contact.models.lattice.state import LatticeState
-from wheelrail.contact.models.lattice.surface import GAUSS, frames, rigid_shift
+from wheelrail.contact.models.lattice.system.equations import linearise
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.system.surface import GAUSS, frames, rigid_shift
 from wheelrail.contact.solvers.active_set import PrescribedPressure
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.semismooth_newton import tangential_contact

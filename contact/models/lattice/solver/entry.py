@@ -9,10 +9,10 @@ from wheelrail.contact.models.lattice.influence.basis import StripBasis, equal_c
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.solver.cold_start import state_of_cells
 from wheelrail.contact.models.lattice.solver.remaining import Probes, excess, remaining
-from wheelrail.contact.models.lattice.state import LatticeState
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.active_set import normal_contact
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.support.arrays import Array, Nodes

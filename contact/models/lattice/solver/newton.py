@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.lattice.equations import Evaluation
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.problem import LatticeProblem
 from wheelrail.contact.models.lattice.solver.chords import CONTRACTION, STEPS
 from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.solver.factors import Factors
-from wheelrail.contact.models.lattice.state import LatticeState, leaving, longest, relative_parts, relative_size
+from wheelrail.contact.models.lattice.system.equations import Evaluation
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState, leaving, longest, relative_parts, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.interrupts import check_interrupt

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
-from wheelrail.contact.models.lattice.surface import GAUSS, ContactLines, penetration
+from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
+from wheelrail.contact.models.lattice.system.surface import GAUSS, ContactLines, penetration
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from pydantic_core import PydanticCustomError
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.files.toml import parse, read_text
-from wheelrail.scenes.schema.files.wagon_ranges import WAGON
 from wheelrail.scenes.schema.messages import entry_message
 from wheelrail.scenes.schema.override import overridden
+from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.schema.wagon_ranges import WAGON
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.wagon.wagon import Wagon

@@ -15,8 +15,8 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.support.storage.atomic_file import atomic_file
-from wheelrail.support.storage.cache_home import provide_cache_home
+from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.cache_home import provide_cache_home
 
 FORMAT = 3  # to be increased when the meaning of stored arrays changes
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from wheelrail.scenes.schema.errors import SceneError
 
-FOLDER = Path(__file__).parents[2] / "examples"
+FOLDER = Path(__file__).parent / "examples"
 
 
 def examples() -> dict[str, str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.support.storage.text_file import FileRefused, read_text
+from wheelrail.support.text_file import FileRefused, read_text
 from wheelrail.vehicle.track.irregularity import QUANTITIES
 
 Row = tuple[int, list[str]]  # number and cells

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.support.storage.text_file import FileRefused
-from wheelrail.support.storage.text_file import read_text as text_of
+from wheelrail.support.text_file import FileRefused
+from wheelrail.support.text_file import read_text as text_of
 
 MOST = 1.0  # MB
 DEEPEST = 32  # tables and arrays inside each other

@@ -1,8 +1,8 @@
 """Equations of the contact on a lattice at one pose: residual and Jacobian of all unknowns together.
 
 Moments of the gap:  int (d + u_n) T_k / sqrt(1 - xi^2) = 0, d the undeformed penetration and u_n the relative normal
-displacement by all tractions. Friction: F(q, s, p) = 0 of `wheelrail.contact.models.lattice.friction` in every cell, s
-the rigid slip plus the elastic one over the rolling speed. Ends of strips are unknowns like the others.
+displacement by all tractions. Friction: F(q, s, p) = 0 of `CellFriction` in every cell, s the rigid slip plus the
+elastic one over the rolling speed. Ends of strips are unknowns like the others.
 """
 
 from __future__ import annotations
@@ -18,7 +18,10 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfaceP
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.residual_call import ResidualCode
-from wheelrail.contact.models.lattice.equations import (
+from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
+from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
+from wheelrail.contact.models.lattice.system.equations import (
     EquationData,
     Evaluation,
     StripPlaces,
@@ -26,12 +29,9 @@ from wheelrail.contact.models.lattice.equations import (
     friction_rows,
     linearise,
 )
-from wheelrail.contact.models.lattice.friction import CellFriction
-from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
-from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
-from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.state import LatticeState
-from wheelrail.contact.models.lattice.surface import (
+from wheelrail.contact.models.lattice.system.friction import CellFriction
+from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.system.surface import (
     ContactLines,
     Motion,
     Penetration,

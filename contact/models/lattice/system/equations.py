@@ -10,7 +10,7 @@ from wheelrail.contact.laws.residual_call import ResidualCode, friction_residual
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
-from wheelrail.contact.models.lattice.surface import (
+from wheelrail.contact.models.lattice.system.surface import (
     GAUSS,
     Motion,
     SurfaceData,

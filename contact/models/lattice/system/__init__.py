@@ -1,0 +1,1 @@
+"""Equations of the contact on a lattice: unknowns, surfaces, friction, residual and Jacobian."""

@@ -1,1 +1,0 @@
-"""Files of a scene: TOML, wagons and their ranges, irregularities, examples."""

@@ -1,1 +1,0 @@
-"""Files: atomic writing, caches and their folder, plain data, text from outside."""
