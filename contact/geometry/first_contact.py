@@ -40,6 +40,25 @@ class FirstContact:
     penetration: float
 
 
+@dataclass(frozen=True)
+class RigidWheelset:
+    """Rigid left-hand pair of profiles and its mounting; the right-hand one where it differs, as a left-hand pair.
+
+    Parameters:
+        pair: rigid surfaces.
+        mounting: of wheels and rails.
+        right: surfaces and mounting of the right-hand side; None where both sides are alike.
+    """
+
+    pair: RigidWheelRail
+    mounting: Mounting
+    right: RigidWheelset | None = None
+
+    def on(self, side: Side) -> RigidWheelset:
+        """The pair of one side, as a left-hand one."""
+        return self.right if side == "right" and self.right is not None else self
+
+
 def contact_point(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState) -> FirstContact:
     """Point of the largest penetration of the left pair.
 
@@ -78,14 +97,11 @@ def _largest_penetration(pair: RigidWheelRail, pose: Pose) -> FirstContact:
     return FirstContact(float(s), foot, float(x), point, np.array([0.0, *pair.rail.normal(foot)]), float(depth))
 
 
-def first_contacts(
-    pair: RigidWheelRail, mounting: Mounting, state: WheelsetState
-) -> tuple[WheelsetState, dict[Side, FirstContact]]:
+def first_contacts(wheelset: RigidWheelset, state: WheelsetState) -> tuple[WheelsetState, dict[Side, FirstContact]]:
     """State with the height and roll at which both wheels just touch, by Newton's method, and the contact points.
 
     Parameters:
-        pair: rigid surfaces of the left-hand pair.
-        mounting: of wheels and rails.
+        wheelset: rigid surfaces of both sides.
         state: lateral position and yaw, initial guess of height and roll.
 
     Contact points of the right pair are those of its mirror image. Raises ValueError without solution.
@@ -93,18 +109,20 @@ def first_contacts(
     for _ in range(ITERATIONS):
         states = {"left": state, "right": state.mirrored()}
         try:
-            contacts: dict[Side, FirstContact] = {side: contact_point(pair, mounting, states[side]) for side in SIDES}
+            contacts: dict[Side, FirstContact] = {
+                side: contact_point(wheelset.on(side).pair, wheelset.on(side).mounting, states[side]) for side in SIDES
+            }
         except ValueError as error:
             raise ValueError(f"y = {state.y:.6g} m: {error}") from None
         residual = np.array([contacts[side].penetration - TOUCH for side in SIDES])
         if np.abs(residual).max() < TOLERANCE:
             return state, contacts
-        slope = np.array([_gradient(mounting, states[side], contacts[side]) for side in SIDES])
+        slope = np.array([_gradient(wheelset.on(side).mounting, states[side], contacts[side]) for side in SIDES])
         slope[1, 1] *= -1.0  # roll changes sign in the mirror image
         if np.abs(slope[:, 0]).min() < LEAN:
             break
         step = np.linalg.solve(slope, -residual)
-        step *= min(1.0, 5e-4 / max(abs(step[0]), mounting.wheel_y * abs(step[1])))
+        step *= min(1.0, 5e-4 / max(abs(step[0]), wheelset.mounting.wheel_y * abs(step[1])))
         state = replace(state, z=state.z + float(step[0]), roll=state.roll + float(step[1]))
     raise ValueError(f"y = {state.y:.6g} m: no height and roll found at which both wheels touch the rails")
 
@@ -118,20 +136,19 @@ def _gradient(mounting: Mounting, state: WheelsetState, contact: FirstContact) -
 
 
 def first_contacts_over(
-    pair: RigidWheelRail, mounting: Mounting, y: Array, yaw: float = 0.0
+    wheelset: RigidWheelset, y: Array, yaw: float = 0.0
 ) -> list[tuple[WheelsetState, dict[Side, FirstContact]]]:
     """Height, roll and contact points at every lateral position, as `first_contacts`.
 
     Parameters:
-        pair: rigid surfaces of the left-hand pair.
-        mounting: of wheels and rails.
+        wheelset: rigid surfaces of both sides.
         y: (n,) m, reached in steps of `STEP` from the middle of the track.
         yaw: rad.
 
     Raises ValueError naming the first position, from the middle, that cannot be reached.
     """
     solutions: dict[int, tuple[WheelsetState, dict[Side, FirstContact]]] = {}
-    middle = first_contacts(pair, mounting, WheelsetState(yaw=yaw))
+    middle = first_contacts(wheelset, WheelsetState(yaw=yaw))
     for sign in (1.0, -1.0):
         state = middle[0]
         indices = np.flatnonzero((y >= 0.0) if sign > 0.0 else (y < 0.0))
@@ -139,7 +156,7 @@ def first_contacts_over(
             positions = np.linspace(state.y, y[i], int(np.ceil(abs(y[i] - state.y) / STEP)) + 1)[1:]
             solution = middle if state is middle[0] else None
             for position in positions.tolist():
-                solution = first_contacts(pair, mounting, replace(state, y=position))
+                solution = first_contacts(wheelset, replace(state, y=position))
                 state = solution[0]
-            solutions[i] = solution or first_contacts(pair, mounting, state)
+            solutions[i] = solution or first_contacts(wheelset, state)
     return [solutions[i] for i in range(len(y))]

@@ -17,7 +17,8 @@ from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.wheelset import side_profiles, wheelset_contact
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import Side
-from wheelrail.scenes.schema.scene import WheelsetScene, parse_scene
+from wheelrail.scenes.schema.scene import RunScene, WheelsetScene, parse_scene
+from wheelrail.scenes.views.view import bodies_of_scene
 
 ROOT = Path(__file__).parents[2]
 WHEELSET, CURVE = ((ROOT / "scenes" / f"{name}.toml").read_text(encoding="utf-8") for name in ("wheelset", "curve"))
@@ -195,6 +196,28 @@ def test_run_takes_profile_objects(tmp_path: Path) -> None:
         wr.run(scene, profiles={"wheel": wr.profile("60E1")}, **quick)
 
 
-def test_contact_geometry_of_different_sides_is_refused() -> None:
-    with pytest.raises(SceneError, match="right: must be left out"):
-        wr.contact_geometry("S1002", "UIC60", [0.0], right={"radius": 0.459})
+def test_contact_geometry_of_different_sides() -> None:
+    """Exchanged sides are the mirror image; equal ones given twice the same as given once."""
+    y, smaller = np.array([-2e-3, 0.0, 2e-3]), {"radius": 0.459}
+    alike, left, right = (
+        wr.contact_geometry("S1002", "UIC60", y, **sides) for sides in ({}, {"left": smaller}, {"right": smaller})
+    )
+    np.testing.assert_allclose(left.rolling_radius.values, right.rolling_radius.values[::-1, ::-1], atol=1e-9)
+    np.testing.assert_allclose(left.z, right.z[::-1], atol=1e-9)
+    np.testing.assert_allclose(left["roll"], -right["roll"][::-1], atol=1e-9)
+    # the wheelset rolls by the difference of the radii over the track's width, so that the contact points move, too
+    assert 1e-3 < right.rolling_radius_difference[1].item() < 2e-3
+    assert alike.rolling_radius_difference[1].item() == pytest.approx(0.0, abs=1e-9)
+    assert float(right["roll"][1]) > 5e-4
+    assert right.attrs["wheel"] == "S1002 (left), S1002 (right)"
+    assert np.isnan(right.equivalent_conicity.item())  # equal radii lie farther out than the positions
+    same = wr.contact_geometry("S1002", "UIC60", y, left=smaller, right=smaller, radius=0.46)
+    np.testing.assert_allclose(same.rolling_radius, alike.rolling_radius - 1e-3, atol=1e-6)
+
+
+def test_bodies_that_are_drawn_are_those_of_each_side() -> None:
+    scene = parse_scene(CURVE.replace("[track]", "[profiles.right]\nradius = 0.4597\n[track]", 1))
+    assert isinstance(scene, RunScene)
+    bodies = bodies_of_scene(scene)
+    assert (bodies.on("left").rolling_radius, bodies.on("right").rolling_radius) == (0.46, 0.4597)
+    assert bodies.on("right").rail.name == bodies.on("left").rail.name

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -18,6 +19,7 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.contacts.side_solution import SideSolution
 from wheelrail.scenes.views.animation import Animation, RunBodies, animate_run, magnified
 from wheelrail.scenes.views.body_meshes import (
     DISPLACEMENT,
@@ -32,6 +34,7 @@ from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene, round_
 from wheelrail.scenes.views.export import PARTS
 from wheelrail.scenes.views.html import save_view, view_html
 from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
+from wheelrail.scenes.views.view import largest_pressure
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
 
 WHEEL, RAIL = named_profile("S1002"), named_profile("60E1")
@@ -136,6 +139,32 @@ def test_rails_of_an_animation_follow_the_magnified_wheelset() -> None:
     animation.show(2)
     for rail in animation._rails:
         assert rail.user_matrix[:3, 3] == pytest.approx([0.0, 19 * 6e-3, 0.0])
+    animation.view.close()
+
+
+def test_sides_have_one_scale_of_pressure() -> None:
+    """The peak of the side with the larger one, in both panes."""
+    fields = result().fields
+    assert fields is not None
+    higher = replace(result(), fields=replace(fields, pressure=2 * fields.pressure))
+    peak = largest_pressure([SideSolution(each, None) for each in (result(), higher, ContactResult.separated())])
+    assert peak == pytest.approx(2e-6 * fields.pressure.max())
+    view = contact_scene(result(), (DrawnBody("rail", False, box(False), (box(False),)),), title="t", peak=peak)
+    ranges = [m.scalar_range for r in view.renderers for a in r.actors.values() if (m := getattr(a, "mapper", None))]
+    assert sum(upper == pytest.approx(peak) for _, upper in ranges) == 2
+    view.close()
+
+
+def test_animation_draws_each_side_with_its_own_bodies() -> None:
+    right = RunBodies(WHEEL, RAIL, Mounting(0.75, MOUNTING.rail_y + 5e-3, 0.46), 0.44)
+    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING, right=right), scale=1.0)
+    bounds = {side: animation._wheels[side].mapper.dataset.bounds for side in ("left", "right")}
+    assert bounds["right"][4] - bounds["left"][4] == pytest.approx(0.02, abs=1e-4)
+    rails = [rail.mapper.dataset.bounds for rail in animation._rails]
+    assert -rails[1][2] - rails[0][3] == pytest.approx(5e-3, abs=1e-6)
+    whole = animation._axle.mapper.dataset.points
+    lowest = [whole[sign * whole[:, 1] > 0.7, 2].min() for sign in (1, -1)]
+    assert lowest[1] - lowest[0] == pytest.approx(0.02, abs=1e-4)
     animation.view.close()
 
 

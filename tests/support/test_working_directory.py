@@ -19,6 +19,7 @@ from numba.core.config import reload_config
 reload_config()  # as at every compilation
 from petsc4py import PETSc
 from dolfinx import jit
+import matplotlib
 try:
     from ffcx.options import get_options
 except ImportError:
@@ -29,6 +30,8 @@ print(json.dumps([
     PETSc.Options().hasName("from_folder"),
     jit_options()["cffi_extra_compile_args"],
     get_options()["epsilon"],
+    matplotlib.rcParams["lines.linewidth"],
+    matplotlib.get_backend(),
     os.getcwd(),
 ]))
 """
@@ -52,6 +55,8 @@ def test_settings_in_the_working_directory_are_not_read(tmp_path: Path) -> None:
         folder.mkdir()
     (other / ".numba_config.yaml").write_text("cache_dir: elsewhere\n")
     (other / ".petscrc").write_text("-from_folder 1\n")
+    (other / "matplotlibrc").write_text("lines.linewidth: 7.5\nbackend: module://harm\n")
+    (other / "harm.py").write_text("raise SystemExit('imported from the working directory')\n")
     for name in ("parameters", "options"):
         (other / f"dolfinx_jit_{name}.json").write_text('{"cffi_extra_compile_args": ["-DHARM"]}')
         (other / f"ffcx_{name}.json").write_text('{"epsilon": 0.5}')

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wheelrail.api.rigid_pair import MountedPair, contact_values, mounted_pair
+from wheelrail.api.rigid_pair import contact_values, rigid_wheelset
+from wheelrail.contact.geometry.first_contact import FirstContact, RigidWheelset, first_contacts_over
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
@@ -47,24 +48,23 @@ def contact_geometry(
         y: (n,) lateral positions of the wheelset, m, positive to the left; -6 to 6 mm in steps of 0.1 mm by default.
         yaw: of the wheelset, rad.
         more: mounting as for `wheelrail.Wheelset`: laying_angle, rad; gauge, gauge_height, flange_back_distance,
-            flange_back and radius, m.
+            flange_back and radius, m; left and right, what differs on one side.
 
     Returns a Dataset over y and side: rolling_radius, m, contact_angle, rad, contact points on both profiles, m; over
     y: height z, m, and roll, rad, of the wheelset, rolling_radius_difference, m, left minus right; over amplitude, m,
     the positive values of y: equivalent_conicity, that of conical wheels with the same wavelength of the kinematic
-    motion (EN 15302; Klingel's formula for cones).
+    motion (EN 15302; Klingel's formula for cones), with sides that differ about the position of equal rolling radii.
 
     Raises SceneError, and ValueError for a position without contact on both sides.
     """
     from xarray import Dataset
 
-    from wheelrail.contact.geometry.first_contact import first_contacts_over
     from wheelrail.scenes.datasets.patches import means
 
     positions = _positions(y)
-    pair = mounted_pair(wheel, rail, **more)
-    contacts = first_contacts_over(pair.rigid, pair.mounting, positions, yaw)
-    values = _by_side(pair, [touches for _, touches in contacts])
+    wheelset = rigid_wheelset(wheel, rail, **more)
+    contacts = first_contacts_over(wheelset, positions, yaw)
+    values = _by_side(wheelset, [touches for _, touches in contacts])
     radii = values["rolling_radius"]
     amplitude = np.unique(positions[positions > 0.0])
     return Dataset(
@@ -83,7 +83,7 @@ def contact_geometry(
             ),
             "equivalent_conicity": (
                 "amplitude",
-                _conicity(pair, amplitude),
+                _conicity(wheelset, amplitude),
                 means("1", "equivalent conicity, from the wavelength of the kinematic motion (EN 15302)"),
             ),
         },
@@ -94,10 +94,9 @@ def contact_geometry(
         },
         attrs={
             "title": "Contact geometry of rigid profiles",
-            "wheel": pair.rigid.wheel.name,
-            "rail": pair.rigid.rail.name,
-            "base": 2.0 * pair.mounting.wheel_y,
-            "nominal_radius": pair.mounting.radius,
+            **_names(wheelset),
+            "base": 2.0 * wheelset.mounting.wheel_y,
+            "nominal_radius": wheelset.mounting.radius,
             "yaw": yaw,
         },
     )
@@ -111,27 +110,40 @@ def _positions(y: ArrayLike | None) -> Array:
     return places
 
 
-def _by_side(pair: MountedPair, touches: Sequence[Mapping[Side, Any]]) -> dict[str, Array]:
+def _names(wheelset: RigidWheelset) -> dict[str, str]:
+    """Names of the profiles, by side where they differ."""
+    sides = {side: wheelset.on(side).pair for side in SIDES}
+    named = {
+        "wheel": {s: pair.wheel.name for s, pair in sides.items()},
+        "rail": {s: pair.rail.name for s, pair in sides.items()},
+    }
+    return {
+        body: names["left"] if wheelset.right is None else ", ".join(f"{name} ({s})" for s, name in names.items())
+        for body, names in named.items()
+    }
+
+
+def _by_side(wheelset: RigidWheelset, touches: Sequence[Mapping[Side, FirstContact]]) -> dict[str, Array]:
     """Variables (n, 2) of the contact points of both sides at n positions."""
     values = {name: np.empty((len(touches), len(SIDES))) for name in BY_SIDE}
     for row, touch in enumerate(touches):
         for column, side in enumerate(SIDES):
-            for name, value in contact_values(pair, touch[side], -1.0 if side == "right" else 1.0).items():
+            for name, value in contact_values(wheelset, touch[side], side).items():
                 values[name][row, column] = value
     return values
 
 
-def _conicity(pair: MountedPair, amplitude: Array) -> Array:
+def _conicity(wheelset: RigidWheelset, amplitude: Array) -> Array:
     """Equivalent conicity (n,) at amplitudes (n,) m, in order."""
     from wheelrail.contact.geometry.conicity import equivalent_conicity
-    from wheelrail.contact.geometry.first_contact import first_contacts_over
 
     if not amplitude.size:
         return np.empty(0)
-    fine = np.linspace(0.0, amplitude[-1], max(3, int(np.ceil(amplitude[-1] / FINEST)) + 1))
-    touches = [touch for _, touch in first_contacts_over(pair.rigid, pair.mounting, fine)]
+    steps = max(2, int(np.ceil(amplitude[-1] / FINEST)))
+    fine = amplitude[-1] * (np.arange(steps + 1) if wheelset.right is None else np.arange(-steps, steps + 1)) / steps
+    touches = [touch for _, touch in first_contacts_over(wheelset, fine)]
     left, right = (
-        np.array([contact_values(pair, touch[side], 1.0)["rolling_radius"] for touch in touches]) for side in SIDES
+        np.array([contact_values(wheelset, touch[side], side)["rolling_radius"] for touch in touches]) for side in SIDES
     )
-    base, radius = 2.0 * pair.mounting.wheel_y, pair.mounting.radius
+    base, radius = 2.0 * wheelset.mounting.wheel_y, wheelset.mounting.radius
     return equivalent_conicity(fine, left - right, amplitude, base=base, radius=radius)

@@ -32,10 +32,10 @@ def plot_profiles(
         ax: Matplotlib axes; a new figure by default.
         more: mounting as for `wheelrail.contact_geometry`.
     """
-    from wheelrail.api.rigid_pair import mounted_pair, outlines_in_contact
+    from wheelrail.api.rigid_pair import outlines_in_contact, rigid_wheelset
     from wheelrail.scenes.plots.profiles import draw_profiles
 
-    wheel_line, rail_line, point, angle = outlines_in_contact(mounted_pair(wheel, rail, **more), y, yaw)
+    wheel_line, rail_line, point, angle = outlines_in_contact(rigid_wheelset(wheel, rail, **more), y, yaw)
     with styled():
         axes = shown(None, (7.2, 4.0)).subplots() if ax is None else ax
         title = f"left wheel and rail, wheelset at y = {1e3 * y:.3g} mm"

@@ -83,7 +83,7 @@ class Solution(StoredDataset):
         and for one without contact; SceneError for another side or body, and for the standard model; OSError.
         """
         from wheelrail.scenes.schema.errors import SceneError
-        from wheelrail.scenes.views.view import ViewOptions, view_side
+        from wheelrail.scenes.views.view import ViewOptions, largest_pressure, view_side
 
         if self.origin is None:
             raise ValueError("view: a solution from a file contains no bodies; solve the contact again")
@@ -103,7 +103,7 @@ class Solution(StoredDataset):
             scene,
             chosen,
             sides[chosen],
-            ViewOptions(title, body, scale, None if file is None else True),
+            ViewOptions(title, body, scale, None if file is None else True, largest_pressure(sides.values())),
         )
         if file is not None:
             from wheelrail.scenes.views.html import save_view

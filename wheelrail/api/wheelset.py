@@ -20,6 +20,7 @@ from wheelrail.scenes.schema.wheelset_defaults import INCLINED, LOAD, LOADS, SUR
 
 if TYPE_CHECKING:
     from wheelrail.api.elements.wheelset_element import WheelsetElement
+    from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting
     from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import WheelsetContact
@@ -191,6 +192,13 @@ class Wheelset:
     def mounting(self) -> Mounting:
         """Positions of the wheels on the axle and of the rails in the track, m."""
         return mounted(self._scene(PLACED), self.profiles[1])
+
+    @cached_property
+    def rigid(self) -> RigidWheelset:
+        """Rigid profiles of both sides and their mounting."""
+        from wheelrail.scenes.builders.wheelset import rigid_wheelset
+
+        return rigid_wheelset(self._scene(PLACED), self.side_profiles)
 
     @cached_property
     def _contact(self) -> WheelsetContact:

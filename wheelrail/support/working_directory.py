@@ -2,8 +2,9 @@
 
 With these files a folder from elsewhere could run code: `.numba_config.yaml` (folder of pickled machine code),
 `.petscrc` (`-dll_prepend` loads a library), `dolfinx_jit_parameters.json` and `ffcx_parameters.json`, from 0.6 on
-`..._options.json` (arguments of the compiler). The user's own settings, in the home folder and the environment, remain
-in effect. A library that was loaded before this package is left as it is.
+`..._options.json` (arguments of the compiler), `matplotlibrc` (`backend: module://..` imports a module). The user's own
+settings, in the home folder and the environment, remain in effect. A library that was loaded before this package is
+left as it is.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def _read_options(*modules: str) -> None:
 
 
 def _nothing() -> None:
-    """PETSc reads its file once, when it is loaded."""
+    """PETSc and Matplotlib read their files once, when they are loaded."""
 
 
 LIBRARIES: dict[str, Callable[[], None]] = {
@@ -63,6 +64,7 @@ LIBRARIES: dict[str, Callable[[], None]] = {
     "petsc4py.PETSc": _nothing,
     "ffcx": _ffcx,
     "dolfinx": _dolfinx,
+    "matplotlib": _nothing,
 }
 
 

@@ -207,6 +207,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
             self.preconditioner.correct(self.problem, contact, self._b.array_r.copy())
 
     def _update(self, step: Any, x: Any) -> None:
+        check_interrupt()  # dolfinx passes the exception on
         self.count.newton += 1
         self.count.linear += self.krylov_solver.getIterationNumber()
         # dolfinx continues after a failed linear solve: it is counted, and the Armijo rule limits the step

@@ -31,12 +31,16 @@ from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
+from wheelrail.support.memory import check_memory
 
 log = logging.getLogger(__name__)
 
 FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
 WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearly always
 START_TOLERANCE = 1e-3  # of the solution without friction that is a start
+MATRICES = 3  # of the size of the Jacobian: operator, Jacobian, factors
+SPEED = 5e9  # 1/s, operations of a factorisation on one core
+LONG = 2.0  # s per Newton step, from which on the time is logged
 FIRST_ITERATIONS = 25  # with friction from the first cells: 99.9 % of random poses need at most 21
 
 
@@ -168,10 +172,20 @@ class LatticeContact:
         tractions = 2 * self.resolution.cells if self.laws.frictional else 0
         return tractions + len(self.basis.moments)
 
+    def _check_size(self, strips: int) -> None:
+        """Log memory and time of Newton's method on some strips if they are large. Raises TooLarge."""
+        unknowns = strips * self._block
+        gigabytes, seconds = MATRICES * 8e-9 * unknowns**2, 2 / 3 * unknowns**3 / SPEED
+        name = f"{strips} strips, {self.resolution.cells} cells along each: {unknowns} unknowns"
+        check_memory(name, gigabytes)
+        if seconds > LONG:
+            log.info("%s: %.2g GB, about %.2g s per Newton step", name, gigabytes, seconds)
+
     def _from_none(self, problem: LatticeProblem, count: IterationCount) -> LatticeSolution | None:
         """Solution without an earlier result; None without contact. With friction from all of it at once, and where
-        that does not converge, from the solution without friction.
+        that does not converge, from the solution without friction. Raises TooLarge.
         """
+        self._check_size(len(problem.candidates))
         try:
             state = cold_start(problem, self.laws, IterationCount())
             iterations = FIRST_ITERATIONS if problem.rolls else ITERATIONS

@@ -9,6 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from wheelrail.contact.geometry.strip_layout import StripLayout, connected
+from wheelrail.contact.models.lattice.body_displacement import body_displacements, with_material
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import resultants, strip_grid
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
@@ -76,7 +77,27 @@ class SolutionDetails:
             approach=problem.approach,
             statistics=Statistics(),
         )
-        return _with_peaks(sharpened(result, layout, bound), layout, state.modes)
+        return self._with_material(_with_peaks(sharpened(result, layout, bound), layout, state.modes), layout)
+
+    def _with_material(self, result: ContactResult, layout: StripLayout) -> ContactResult:
+        """The result with the material of both bodies that touches, and the inclination of their common surface."""
+        fields = result.fields
+        assert fields is not None
+        S = len(layout.sides)
+        load = (fields.pressure * fields.area).reshape(S, -1)
+        labels = fields.patch.reshape(S, -1).max(axis=1)
+
+        def patches() -> tuple[Patch, ...]:
+            relative = fields.displacement.reshape(S, -1, 3)
+            displacements = body_displacements(self.problem, self.solution.state, relative, load)
+            return tuple(
+                with_material(
+                    patch, displacements.of(labels == k), layout.middle[labels == k], load[labels == k].sum(1)
+                )
+                for k, patch in enumerate(result.patches)
+            )
+
+        return replace(result, patches=LazyPatches(patches))
 
     @property
     def fields(self) -> Fields:

@@ -8,6 +8,7 @@ from scipy.special import beta
 
 import wheelrail as wr
 from wheelrail.contact.geometry.conicity import equivalent_conicity
+from wheelrail.support.arrays import Array
 
 # EN 15302:2008+A1:2010, annex E, cases E1 (wheels A) and E2 (wheels B) on rail A, as tabulated in the repository
 # criogenox/B_ECC-Equivalent-Conicity-Calculation: differences of the rolling radii in mm every 0.1 mm of y from 0 on,
@@ -51,3 +52,23 @@ def test_a_narrower_track_makes_s1002_more_conical() -> None:
         for gauge in (1.432, 1.435, 1.438)
     ]
     assert found[0] > found[1] > found[2] > 0.025
+
+
+def test_sides_that_differ_oscillate_about_equal_radii() -> None:
+    """Cones of different radii have the conicity of their slope, about another position; a motion beyond y has none."""
+    y, slope = np.linspace(-8e-3, 8e-3, 161), 0.05
+    amplitude = np.array([1e-3, 5e-3, 6e-3])
+    conicity = equivalent_conicity(y, 2 * slope * (y - 2.05e-3), amplitude, base=1.5, radius=0.46)
+    np.testing.assert_allclose(conicity[:2], slope, rtol=1e-9)
+    assert np.isnan(conicity[2])
+
+
+def test_a_shifted_difference_has_the_conicity_of_the_centred_one() -> None:
+    y, amplitude = np.linspace(-8e-3, 8e-3, 1601), np.array([2e-3, 4e-3])
+
+    def difference(y: Array) -> Array:
+        return np.asarray(0.2 * y + 2e4 * y**3)
+
+    centred = equivalent_conicity(y[800:], difference(y[800:]), amplitude, base=1.5, radius=0.46)
+    shifted = equivalent_conicity(y, difference(y - 1.5e-3), amplitude, base=1.5, radius=0.46)
+    np.testing.assert_allclose(shifted, centred, rtol=1e-5)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
+from typing import Any
+
 import numpy as np
 import pytest
 from small_pairs import AT_REST, BRICKS, CREEP, QUADRATIC, STEEL, TETRAHEDRA, condensed, full, rolling
@@ -18,6 +22,7 @@ from wheelrail.contact.models.full.newton import FullOptions
 from wheelrail.contact.models.full.primal_dual import primal_dual_tangent
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
+from wheelrail.support.interrupts import deferred_interrupts
 
 SIZE, RADIUS = 1e-3, 0.3
 FRICTIONLESS, ROLLING = ContactLaws(1e15, friction=0.0), ContactLaws(1e15, friction=0.3, regularisation=1e-5)
@@ -307,3 +312,24 @@ def test_primal_dual_tangent_has_the_direction_of_the_predicted_traction() -> No
     assert np.isfinite(tangent).all()
     normal = np.ones((3, 1, 1))
     assert primal_dual_tangent(normal, z[:, :1], forces[:, :1], forces[:, :1]) is normal
+
+
+def test_ctrl_c_ends_newtons_method_at_its_next_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Through dolfinx's Newton solver; the model can be used again."""
+    model, steps, linearised = (
+        full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=FRICTIONLESS),
+        [],
+        DiscreteProblem.linearised,
+    )
+
+    def interrupted(problem: DiscreteProblem, *arguments: Any) -> Any:
+        steps.append(1)
+        os.kill(os.getpid(), signal.SIGINT)
+        return linearised(problem, *arguments)
+
+    monkeypatch.setattr(DiscreteProblem, "linearised", interrupted)
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():
+        model(pose(3.2), AT_REST)
+    assert len(steps) == 1
+    monkeypatch.undo()
+    assert model(pose(3.2), AT_REST).status == "converged"

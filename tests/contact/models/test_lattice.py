@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -24,6 +26,7 @@ from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import rigid_slip
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -31,6 +34,8 @@ from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import solve_tractions
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
+from wheelrail.support.interrupts import deferred_interrupts
+from wheelrail.support.memory import TooLarge
 
 STEEL = Material()
 UNLIKE = Material(210e9, 0.0), Material(210e9, 0.3)
@@ -310,6 +315,36 @@ def test_tangent(friction: float, bodies: Bodies, place: tuple[float, float, flo
     if friction:
         rates = np.abs(found - expected)[:, 4:] / np.abs(expected[:, 4:]).max(axis=1, keepdims=True)
         assert rates.max() < 1e-3
+
+
+def test_memory_and_time_are_told_before_or_refused(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    contact = replace(ellipse(0.3), resolution=LatticeResolution(16, 64))
+    caplog.set_level("INFO")
+    contact._check_size(4)
+    assert not caplog.messages
+    contact._check_size(64)
+    (message,) = caplog.messages
+    assert message.startswith("64 strips, 64 cells along each: 8512 unknowns: 1.7 GB, about ")
+    monkeypatch.setattr("os.sysconf", lambda name: 1)  # a machine of one byte
+    with pytest.raises(TooLarge, match="strips, 64 cells along each"):
+        contact(hertz_pose(exact().approach), flowing(1e-3), None)
+
+
+def test_ctrl_c_ends_newtons_method_at_its_next_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps, linearise = [], LatticeProblem.linearise
+
+    def interrupted(problem: LatticeProblem, state: LatticeState) -> Any:
+        steps.append(len(state.strips))
+        os.kill(os.getpid(), signal.SIGINT)
+        return linearise(problem, state)
+
+    contact = ellipse(0.3)
+    monkeypatch.setattr(LatticeProblem, "linearise", interrupted)
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():
+        contact(hertz_pose(exact().approach), flowing(1e-3), None)
+    assert len(steps) == 1
 
 
 def test_finite_bodies_from_any_start() -> None:

@@ -13,6 +13,7 @@ from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
 
 if TYPE_CHECKING:
+    from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.meshes.profiles.profile import Profile
@@ -53,6 +54,21 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
     materials = material(scene), material(scene)
     model = wheel_rail_pair(pair, radius, materials, laws(scene, side), scene.discretisation)
     return WheelsetContact(model, mounting)
+
+
+def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | None = None) -> RigidWheelset:
+    """Rigid surfaces of both sides and their mounting; parameters and errors as for `wheelset_contact`."""
+    from wheelrail.contact.geometry.first_contact import RigidWheelset
+    from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
+
+    pairs = profiles or side_profiles(scene)
+
+    def on(side: Side) -> RigidWheelset:
+        radius = scene.side(side).radius
+        assert radius is not None
+        return RigidWheelset(RigidWheelRail(*pairs[side], radius), mounted(scene, pairs[side][1]))
+
+    return on("left") if scene.sides_alike else replace(on("left"), right=on("right"))
 
 
 def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:

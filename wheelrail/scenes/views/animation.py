@@ -35,16 +35,29 @@ BELOW, ABOVE = 0.06, 0.075  # m below and above the top of the rail, extent of t
 
 @dataclass(frozen=True)
 class RunBodies:
-    """Bodies that are drawn.
+    """Bodies that are drawn, of the left-hand side, and of the right-hand one where it differs.
 
     Parameters:
         wheel, rail: profiles, the rail inclined.
         mounting: positions of wheels on the axle and rails in the track.
+        radius: of the rolling circle, m; None: that of the mounting.
+        right: bodies of the right-hand side, as left-hand ones; None where both sides are alike.
     """
 
     wheel: Profile
     rail: Profile
     mounting: Mounting
+    radius: float | None = None
+    right: RunBodies | None = None
+
+    def on(self, side: str) -> RunBodies:
+        """Bodies of one side, as left-hand ones."""
+        return self.right if side == "right" and self.right is not None else self
+
+    @property
+    def rolling_radius(self) -> float:
+        """Radius of the rolling circle, m."""
+        return self.mounting.radius if self.radius is None else self.radius
 
 
 def animate_run(
@@ -135,7 +148,7 @@ class Animation:
             sign = 1.0 if side == "left" else -1.0
             self._wheels[side].user_matrix = _pose(y, mounting.radius + z, roll, 0.0)
             force = sample.sel(side=side)
-            start = (magnification @ [-ARROW_OFFSET, sign * mounting.rail_y, 0.03, 1.0])[:3]
+            start = (magnification @ [-ARROW_OFFSET, sign * self.bodies.on(side).mounting.rail_y, 0.03, 1.0])[:3]
             self._arrow(f"Q {side}", start, np.array([0.0, 0.0, float(force["vertical_force"])]))
             self._arrow(f"Y {side}", start, np.array([0.0, float(force["lateral_force"]), 0.0]))
             self._patches(side, sign, force)
@@ -154,12 +167,12 @@ class Animation:
     def _whole(self) -> None:
         view, mounting = self.view, self.bodies.mounting
         view.subplot(2)
-        body = wheelset_body(self.bodies.wheel, mounting.radius, wheel_y=mounting.wheel_y)
+        sides = [self.bodies.on(side) for side in SIDES]
+        wheels = [wheel_body(own.wheel, own.rolling_radius, right=k == 1) for k, own in enumerate(sides)]
+        body = wheelset_body(wheels[0], wheels[1], wheel_y=mounting.wheel_y)
         self._axle = view.add_mesh(body, color=STEEL, smooth_shading=True, split_sharp_edges=True)
-        for sign in (1.0, -1.0):
-            rail = rail_body(self.bodies.rail, length=TRACK, right=sign < 0).translate(
-                (0.0, sign * mounting.rail_y, 0.0)
-            )
+        for sign, own in zip((1.0, -1.0), sides, strict=True):
+            rail = rail_body(own.rail, length=TRACK, right=sign < 0).translate((0.0, sign * own.mounting.rail_y, 0.0))
             self._rails.append(view.add_mesh(rail, color=RAIL))
         boxes = [pyvista().Box((x - 0.13, x + 0.13, -1.3, 1.3, -0.39, -0.18)) for x in np.arange(-0.6, 1.3, 0.6)]
         self._sleepers = view.add_mesh(pyvista().merge(boxes), color="#d8d4cc")
@@ -168,15 +181,16 @@ class Animation:
         self._text("whole", " ")
 
     def _close(self, pane: int, side: str) -> None:
-        view, mounting = self.view, self.bodies.mounting
+        view, own = self.view, self.bodies.on(side)
+        mounting = own.mounting
         sign = 1.0 if side == "left" else -1.0
         view.subplot(pane)
-        rail = rail_body(self.bodies.rail, length=0.2, right=side == "right").translate(
-            (0.0, sign * mounting.rail_y, 0.0)
-        )
+        rail = rail_body(own.rail, length=0.2, right=side == "right").translate((0.0, sign * mounting.rail_y, 0.0))
         view.add_mesh(rail.clip_closed_surface("z", origin=(0.0, 0.0, -BELOW)), color=RAIL)
-        body = wheel_body(self.bodies.wheel, mounting.radius, right=side == "right", sector=0.35)
-        body = body.clip("z", origin=(0.0, 0.0, ABOVE - mounting.radius)).translate((0.0, sign * mounting.wheel_y, 0.0))
+        body = wheel_body(own.wheel, own.rolling_radius, right=side == "right", sector=0.35)
+        body = body.clip("z", origin=(0.0, 0.0, ABOVE - own.rolling_radius)).translate(
+            (0.0, sign * mounting.wheel_y, 0.0)
+        )
         self._wheels[side] = view.add_mesh(body, color=STEEL, opacity=0.45, smooth_shading=True)
         middle = np.array([0.0, sign * mounting.rail_y, 0.0])
         view.camera_position = [middle + np.array([-1.0, 0.0, 0.12]), middle, (0.0, 0.0, 1.0)]
@@ -205,16 +219,16 @@ class Animation:
 
     def _patches(self, side: str, sign: float, sample: Dataset) -> None:
         """Ellipses on the rail from the second moments of pressure, one per patch."""
-        load = sample["patch_normal_force"].values
+        load, own = sample["patch_normal_force"].values, self.bodies.on(side)
         self.view.subplot(SIDES.index(side))  # type: ignore[arg-type]
         discs = []
         for k in np.flatnonzero(np.isfinite(load)):
             patch = sample.isel(patch=k)
             a, b = float(patch["patch_semi_axis_x"]), float(patch["patch_semi_axis_y"])
             angle = np.linspace(0, 2 * np.pi, 49)[:-1]
-            position = self.bodies.rail.point(float(patch["rail_s"]))
+            position = own.rail.point(float(patch["rail_s"]))
             c, s = np.cos(float(patch["patch_contact_angle"])), np.sin(float(patch["patch_contact_angle"]))
-            y, z = sign * (self.bodies.mounting.rail_y + position[0]), position[1]
+            y, z = sign * (own.mounting.rail_y + position[0]), position[1]
             points = np.column_stack(
                 [float(patch["patch_x"]) + a * np.cos(angle), y + c * b * np.sin(angle), z + s * b * np.sin(angle)]
             )

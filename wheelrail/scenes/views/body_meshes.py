@@ -146,13 +146,13 @@ def displaced_with(mesh: Any, body: Any, scale: float, offset_z: float = 0.0) ->
     return displaced(copy, scale, offset_z)
 
 
-def patch_pressure(plotter: Any, mesh: Any, *, bar: bool = False) -> None:
-    """Draw the pressure of the patch cells."""
+def patch_pressure(plotter: Any, mesh: Any, *, peak: float, bar: bool = False) -> None:
+    """Draw the pressure of the patch cells, on a scale up to a peak, MPa."""
     actor = plotter.add_mesh(
         mesh,
         scalars=PRESSURE,
         cmap=MAPS[PRESSURE],
-        clim=(0.0, float(mesh[PRESSURE].max())),
+        clim=(0.0, peak),
         lighting=False,
         show_scalar_bar=False,
     )

@@ -59,6 +59,7 @@ def contact_scene(
     scale: float | None = None,
     mirrored: bool = False,
     off_screen: bool | None = None,
+    peak: float | None = None,
 ) -> Any:
     """PyVista plotter with two panes: deformed bodies and pressure; von Mises stress on cuts through the patch.
 
@@ -69,6 +70,7 @@ def contact_scene(
         scale: displacement magnification factor; a round number by default.
         mirrored: whether to mirror the patch, for a right-hand pair.
         off_screen: whether to render without a window.
+        peak: upper end of the pressure's colours, MPa; the largest pressure by default.
 
     For `.show()` (also in a notebook) or `save_view`. Raises ValueError without contact.
     """
@@ -79,8 +81,8 @@ def contact_scene(
     meshes = [(body, bodies_mesh(body.whole)) for body in bodies]
     largest = max(float(mesh[DISPLACEMENT].max()) for _, mesh in meshes)
     scale = round_scale(SHOWN / (1e-3 * largest)) if scale is None else scale
-    _left(view, meshes, patch, middle, scale, largest)
-    peak = float(patch[PRESSURE].max())
+    peak = float(patch[PRESSURE].max()) if peak is None else peak
+    _left(view, meshes, patch, (middle, scale, largest, peak))
     view.title = (
         f"{title}\nleft: bodies separated, displacements magnified x {scale:g};"
         f" pressure up to {peak:.0f} MPa (yellow)\n"
@@ -92,7 +94,7 @@ def contact_scene(
         color="black",
     )
     view.subplot(0, 1)
-    _right(view, bodies, patch, middle, half)
+    _right(view, bodies, patch, (middle, half, peak))
     view.add_text(
         "von Mises stress below the patch\non longitudinal and lateral cuts, bodies separated",
         font_size=10,
@@ -109,8 +111,10 @@ def round_scale(value: float) -> float:
 
 
 def _left(
-    view: Any, meshes: list[tuple[DrawnBody, Any]], patch: Any, middle: Array, scale: float, largest: float
+    view: Any, meshes: list[tuple[DrawnBody, Any]], patch: Any, drawing: tuple[Array, float, float, float]
 ) -> None:
+    """Deformed bodies; drawing: middle of the patch mm, magnification, largest displacement µm and pressure MPa."""
+    middle, scale, largest, peak = drawing
     lower = None
     for number, (body, mesh) in enumerate(meshes):
         offset_z = SEPARATION if body.upper and len(meshes) > 1 else 0.0
@@ -119,18 +123,20 @@ def _left(
         )
         if lower is None or not body.upper:
             lower = mesh
-    patch_pressure(view, displaced_with(patch, lower, scale))
+    patch_pressure(view, displaced_with(patch, lower, scale), peak=peak)
     _frame(view, direction=np.array([1.0, -0.9, 0.42]))
 
 
-def _right(view: Any, bodies: tuple[DrawnBody, ...], patch: Any, middle: Array, half: float) -> None:
+def _right(view: Any, bodies: tuple[DrawnBody, ...], patch: Any, drawing: tuple[Array, float, float]) -> None:
+    """Cuts; drawing: middle of the patch and half its length mm, largest pressure MPa."""
+    middle, half, peak = drawing
     gap, reach = CUT_SEPARATION * half, REACH * half
     cuts = [(body, bodies_mesh(cut)) for body in bodies for cut in body.cuts]
     largest = max(float(mesh[MISES].max()) for _, mesh in cuts)
     for number, (body, mesh) in enumerate(cuts):
         offset_z = gap if body.upper and len(bodies) > 1 else 0.0
         stress_cut(view, mesh, around=middle, reach=reach, largest=largest, offset_z=offset_z, bar=number == 0)
-    patch_pressure(view, patch)
+    patch_pressure(view, patch, peak=peak)
     _frame(view, direction=np.array([1.0, -1.15, 0.5]))
 
 

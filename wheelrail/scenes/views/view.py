@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
+from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
 
 if TYPE_CHECKING:
@@ -32,12 +33,14 @@ class ViewOptions:
         body: "both", or the name of one body.
         scale: displacement magnification factor; a round number by default.
         off_screen: whether to render without a window; by default without a display only.
+        peak: upper end of the pressure's colours, MPa; the largest pressure by default.
     """
 
     title: str
     body: str = "both"
     scale: float | None = None
     off_screen: bool | None = None
+    peak: float | None = None
 
 
 NO_BODIES = 'model = "standard": contains no elastic bodies; must be "condensed" or "full"'
@@ -69,9 +72,9 @@ def view_scene(
         raise SceneError(f"--side {chosen}: must be {' or '.join(sides)}")
     if scene.model == "standard":
         raise SceneError(NO_BODIES)
-    solved = dict(solve_sides(scene, report_progress=report_progress))[chosen]
-    view_options = ViewOptions(title, off_screen=True, **options)
-    return view_side(scene, chosen, solved, view_options, report_progress=report_progress)
+    solved = dict(solve_sides(scene, report_progress=report_progress))
+    view_options = ViewOptions(title, off_screen=True, peak=largest_pressure(solved.values()), **options)
+    return view_side(scene, chosen, solved[chosen], view_options, report_progress=report_progress)
 
 
 def view_side(
@@ -112,7 +115,14 @@ def view_side(
         scale=options.scale,
         mirrored=right,
         off_screen=options.off_screen,
+        peak=options.peak,
     )
+
+
+def largest_pressure(solved: Iterable[SideSolution]) -> float | None:
+    """Largest pressure MPa of the cells on all sides, of which views have one scale; None without contact."""
+    fields = [side.result.fields for side in solved if side.result.status == "converged"]
+    return max((1e-6 * float(field.pressure.max()) for field in fields if field is not None), default=None)
 
 
 def side_fields(
@@ -205,5 +215,8 @@ def bodies_of_scene(scene: RunScene) -> RunBodies:
     """The same from the scene itself."""
     from wheelrail.scenes.views.animation import RunBodies
 
-    wheel, rail = inclined_profiles(scene)
-    return RunBodies(wheel, rail, mounted(scene, rail))
+    def bodies(side: Side) -> RunBodies:
+        wheel, rail = inclined_profiles(scene, side)
+        return RunBodies(wheel, rail, mounted(scene, rail), scene.side(side).radius)
+
+    return bodies("left") if scene.sides_alike else replace(bodies("left"), right=bodies("right"))

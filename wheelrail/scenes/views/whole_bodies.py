@@ -47,10 +47,14 @@ def wheel_body(wheel: Profile, radius: float, *, right: bool = False, sector: fl
     return revolved(np.vstack([section, section[:1]]), np.linspace(-sector, sector, 81, dtype=np.float64))
 
 
-def wheelset_body(wheel: Profile, radius: float, *, wheel_y: float) -> Any:
-    """Both wheels and the axle about the centre of the wheelset; wheel_y: lateral position of the rolling circle, m."""
-    left = wheel_body(wheel, radius).translate((0.0, wheel_y, 0.0))
-    right = wheel_body(wheel, radius, right=True).translate((0.0, -wheel_y, 0.0))
+def wheelset_body(left: Any, right: Any, *, wheel_y: float) -> Any:
+    """Both wheels and the axle about the centre of the wheelset.
+
+    Parameters:
+        left, right: wheels from `wheel_body`.
+        wheel_y: lateral position of the rolling circles, m.
+    """
+    left, right = left.translate((0.0, wheel_y, 0.0)), right.translate((0.0, -wheel_y, 0.0))
     axle = pyvista().Cylinder(direction=(0.0, 1.0, 0.0), radius=AXLE, height=2 * wheel_y + 0.35, resolution=48)
     return left.merge(right).merge(axle.triangulate()).extract_surface(algorithm="dataset_surface")
 

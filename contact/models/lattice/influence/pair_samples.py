@@ -144,7 +144,7 @@ def pair_coefficients(
     start = start_of(strips, i, j)
     tilt, angle = 0.5 * (strips.angle[j] - strips.angle[i]), 0.5 * (strips.angle[i] + strips.angle[j])
     cosine, sine = np.cos(tilt), np.sin(tilt)
-    normal, lateral = np.cos(angle), np.sin(angle)
+    normal = np.cos(angle)
     stretch = 0.5 * (strips.stretch[i] + strips.stretch[j])
     rolls = bodies.radius > 0.0 and len(deviations[0].share) > 0
     means = np.zeros((2, count_of(START), DEGREE + 1, COMPONENTS))
@@ -174,7 +174,7 @@ def pair_coefficients(
                         total[c] += stretch * stretch * part[c]
             for c in range(COMPONENTS):
                 samples[node, c] = upper[c] + lower[c]
-            radial[node] = normal * upper[NN] + lateral * upper[TN]
+            radial[node] = normal * upper[NN]
         if rolls:
             for node in range(DEGREE + 1):
                 total_integral = integral

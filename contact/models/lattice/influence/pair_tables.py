@@ -11,8 +11,10 @@ is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_
 coupling of normal with tangential directions, (1 + nu)(1 - 2 nu)/(2 pi E) times x/r^2 and y/r^2, has opposite signs in
 both bodies: half-spaces of equal material have none. Parts with the other symmetry are neglected: (C_xt - C_tx)/2, up
 to 1 % of XX at 5 mm and of the elastic slip, and (C_xn + C_nx)/2, about 0.1 %. The first five components are even
-functions of x, the others odd. ROLL is added to C_xn alone: u_r by pressure over R, integrated along x. On a wheel the
-slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius.
+functions of x, the others odd. ROLL is added to C_xn alone: the radial component of u_n by pressure over R, integrated
+along x. On a wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius. The rigid slip at s
+has the radius there, but the material at s comes from s - u_t (`wheelrail.contact.models.lattice.body_displacement`),
+where the radius differs by as much as u_t adds to u_r: u_n alone remains.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
-from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, BodyCorrection, pair_means
+from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, START, BodyCorrection, pair_means
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE
 from wheelrail.contact.models.lattice.influence.pair_samples import (
     Deviation,
@@ -136,6 +138,22 @@ class LatticeTables:
             place = np.zeros(len(self.middle), dtype=int)
             place[strips] = np.arange(len(strips))
         return PairTables(self._values, self._first, self._count, self._inverse, place, smooth)
+
+    def deviation_of(self, which: int, strips: Nodes, feet: Array | None, reach: float) -> PairTables | None:
+        """Tables of the deviation from a half-space of the upper (0) or lower (1) body alone, as `of`; None for a
+        half-space.
+        """
+        body = self._corrections[which]
+        if body is None:
+            return None
+        middle = feet[strips] if which == 1 and feet is not None else self.middle[strips]
+        smooth = self._means(body, strips, middle, body.grid.cells_up_to(reach))
+        K, cells = len(self.middle), len(body.grid.lower)
+        place = np.zeros(K, dtype=int)
+        place[strips] = np.arange(len(strips))
+        none = np.zeros((cells, DEGREE + 1, COMPONENTS))
+        first, count = np.zeros((K, K), dtype=int), np.full((K, K), cells)
+        return PairTables(none, first, count, np.full((K, K), 1 / START), place, smooth)
 
     def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> Array:
         """Coefficients (C, C, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (C,) m on it."""

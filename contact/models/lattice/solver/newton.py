@@ -17,6 +17,7 @@ from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState, leaving, longest, relative_parts, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
 from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.interrupts import check_interrupt
 
 log = logging.getLogger(__name__)
 
@@ -65,6 +66,7 @@ class LatticeNewton:
         """
         checked = False  # for strips that enter, since the last change of the set
         for iteration in range(iterations):
+            check_interrupt()
             evaluation, jacobian, rho = self.problem.linearise(state)
             self.count.newton += 1
             factors = Factors.of(jacobian, rho)
