@@ -56,12 +56,14 @@ def solids() -> Iterator[ModelVariant]:
         yield ModelVariant(f"{model}, solid", "solid", points=FULL, stiffness=K, regularisation=eps, model=model)
 
 
-def measured(quick: bool, against: Reference, say: Say) -> Iterator[Row]:
-    """Rows of all models; a row that fails holds `failed` with the reason."""
+def measured(quick: bool, against: Reference, say: Say, *, strips: bool = False) -> Iterator[Row]:
+    """Rows of all models, or of strips on half-spaces alone; a row that fails holds `failed` with the reason."""
     every = against.cases[1:]
     known = tuple(case for case in every if case.contact_forces is not None)
     plan = [(lattices(quick), every), (grids(quick), known), (laws(quick), known)]
-    if not quick:
+    if strips:
+        plan = [((variant for variant in lattices(quick) if variant.bodies == "half-space"), every)]
+    elif not quick:
         plan.append((solids(), ()))
     for variants, cases in plan:
         for variant in variants:

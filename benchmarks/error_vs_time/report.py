@@ -1,7 +1,7 @@
 """Error over time of a contact solve: lattices and grids, cold and warm, regularised and exact laws, `full` and
 `condensed`, and CONTACT.
 
-python -m benchmarks.error_vs_time [--quick] [--seed S] [--picture FILE] [--json FILE]
+python -m benchmarks.error_vs_time [--quick] [--strips] [--seed S] [--picture FILE] [--json FILE]
 """
 
 from __future__ import annotations
@@ -105,6 +105,7 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help="few models, few cases, no `full`")
+    parser.add_argument("--strips", action="store_true", help="strips on half-spaces alone, beside CONTACT")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the sampled ellipses (0)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="file for the figure")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all data to a file")
@@ -118,7 +119,7 @@ def main() -> None:
     sampled = sampled_cases(QUICK_SAMPLED if arguments.quick else SAMPLED, arguments.seed)
     against = extrapolated(finest, (*creep_cases(every), *sampled), progress)
     rows: list[Row] = [
-        *measured(arguments.quick, against, progress),
+        *measured(arguments.quick, against, progress, strips=arguments.strips),
         *contact_rows(against.of(timing_case())),
         *long_cell_rows(),
     ]
