@@ -34,9 +34,11 @@ LOAD = 57e3  # N
 NAMES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 SPEED = 10.0  # m/s
 RTOL = 1e-7  # of the load
+SEARCH = 60  # solves for the depth under the load
+DEEPER, RELEASE = 2e-5, 1e-4  # m, largest steps of the depth: on a flange the force grows within micrometres
 WIDE = 8  # distance of the differences from which the curvature is taken, in steps
 ALLOWED = 2e-5  # of the load
-DISTANCES = 2e-7, 2e-6  # m and rad, of the differences of the tangent
+DISTANCES = 2e-8, 2e-7, 2e-6  # m and rad, of the differences of the tangent
 RATES = SPEED  # m/s and rad/s over m and rad in them: equal creepages
 
 
@@ -72,19 +74,23 @@ class Sweep:
         return WheelsetState(y=y, z=-depth, yaw=self.yaw, speed=SPEED, pitch_rate=rolling)
 
     def under_load(self, y: float) -> WheelsetState:
-        """State that carries the load, by secant steps. Raises Unsolved."""
+        """State that carries the load, by secant steps within the bracket of depths. Raises Unsolved."""
         before: tuple[float, float] | None = None
+        low, high = -np.inf, np.inf  # depths under too small and too large a force
         result = self.last
-        for _ in range(30):
+        for _ in range(SEARCH):
             result = self.solved(self.at(y, self.depth), result)
             force = float(result.force[2])
+            if abs(force - LOAD) <= RTOL * LOAD:
+                return self.at(y, self.depth)
+            low, high = (max(low, self.depth), high) if force < LOAD else (low, min(high, self.depth))
             if before is not None and abs(self.depth - before[0]) > 1e-10:
                 self.slope = max((force - before[1]) / (self.depth - before[0]), 1e7)
-            if abs(force - LOAD) <= RTOL * LOAD or (before is not None and abs(self.depth - before[0]) < 1e-12):
-                break
             before = self.depth, force
-            self.depth += float(np.clip((LOAD - force) / self.slope, -2e-5, 2e-5)) if force > 0 else 2e-5
-        return self.at(y, self.depth)
+            self.depth += float(np.clip((LOAD - force) / self.slope, -RELEASE, DEEPER)) if force > 0 else DEEPER
+            if not low < self.depth < high:
+                self.depth = 0.5 * (low + high)
+        raise Unsolved(f"y = {1e3 * y:.3f} mm: {LOAD:g} N not reached in {SEARCH} solves, {force:.0f} N at the last")
 
     def position(self, y: float) -> tuple[WheelsetState, ContactResult, float]:
         """State under the load at y m, result from no earlier one, and the largest difference to that from the position
@@ -143,7 +149,7 @@ class Record:
     patches: list[int]
     difference: list[float]
     seconds: list[float]
-    tangents: list[tuple[float, float, float]]
+    tangents: list[tuple[float, ...]]
     unsolved: list[str]
 
 
@@ -159,7 +165,7 @@ def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int)
             record.patches.append(len(result.patches))
             record.difference.append(difference)
             if tangents and i % tangents == 0:
-                record.tangents.append((y, *run.tangent_errors(state, result)))  # type: ignore[arg-type]
+                record.tangents.append((y, *run.tangent_errors(state, result)))
         except Unsolved as error:
             record.unsolved.append(str(error))
             print(f"  {error}", flush=True)

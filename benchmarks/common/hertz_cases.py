@@ -21,6 +21,12 @@ def pair_of(case: dict[str, float], steel: Material) -> Ellipse:
     return Ellipse((5e-4 / case["A"], 5e-4 / case["B"]), case["Fn"], steel)
 
 
+def reference_steel() -> Material:
+    """Material of the cases, whose file is in mm and MPa."""
+    material = reference("hertz")["material"]
+    return Material(1e6 * material["E"], material["nu"])
+
+
 @cache
 def block_correction(nu: float, direction: int = 2) -> tuple[float, float]:
     """kappa: a block of half width and depth D, clamped at its bottom, moves kappa F / (E D) less than a half-space
@@ -46,7 +52,7 @@ def block_correction(nu: float, direction: int = 2) -> tuple[float, float]:
 def hertz_section(quick: bool) -> TableSection:
     """All cases at 20 points across the short axis."""
     data = reference("hertz")
-    steel = Material(data["material"]["E"], data["material"]["nu"])
+    steel = reference_steel()
     kappa, spread = block_correction(steel.nu)
     section = TableSection(
         "hertz",

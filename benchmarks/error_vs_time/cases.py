@@ -26,14 +26,14 @@ LINES = 285  # points of a grid as fine as the lines under the strips
 
 @dataclass(frozen=True)
 class TimedCase:
-    """A pair rolling with friction mu, creepages xi, eta and spin phi [rad/m]; known: extrapolated (Fx, Fy) over mu F_n
-    by CONTACT.
+    """A pair rolling with friction mu, creepages xi, eta and spin phi [rad/m]; (Fx, Fy) over mu F_n by CONTACT,
+    extrapolated, None where they are not known.
     """
 
     pair: Ellipse
     friction: float
     creep: tuple[float, float, float]
-    contact_forces: tuple[float, float]
+    contact_forces: tuple[float, float] | None
 
     @property
     def bound(self) -> float:

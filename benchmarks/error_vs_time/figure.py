@@ -21,19 +21,30 @@ STYLES: dict[str, tuple[str, str]] = {
     "condensed, solid": ("0.45", "D"),
     "full, solid": ("0.45", "P"),
     "CONTACT": ("#000000", "*"),
+    "CONTACT, long cells": ("#000000", "p"),
+    "CONTACT, long cells, warm": ("0.6", "p"),
 }
 SMALLEST = 1e-3  # %, below which an error is drawn there
-# each panel: task, titles, and what is drawn by a full and by a dashed line
+STROKES = ("-", "--", ":")
+# each panel: task, titles, and what is drawn by these strokes
 PANELS = (
-    ("normal", "Normal contact alone, at Hertz's approach", "error, % of Hertz", "force error", "area error"),
-    ("rolling", "Rolling with xi, eta and spin", "error of creep forces, % of mu F_n", "creep RMS", "creep error"),
+    (
+        "normal",
+        "Normal contact alone, at Hertz's approach",
+        "error, % of Hertz",
+        {"force error": "force", "area error": "area"},
+    ),
+    (
+        "rolling",
+        "Rolling with xi, eta and spin",
+        "error of creep forces, % of mu F_n",
+        {
+            "creep RMS": "RMS over the creep curves",
+            "creep error": "the timed ellipse, larger error",
+            "sampled RMS": "RMS over sampled ellipses",
+        },
+    ),
 )
-NAMES = {
-    "force error": "force",
-    "area error": "area",
-    "creep RMS": "RMS over the creep curves",
-    "creep error": "the timed ellipse, larger error",
-}
 
 
 def draw(path: Path, rows: Sequence[Row]) -> None:
@@ -45,23 +56,27 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
     from matplotlib.lines import Line2D
 
     figure, axes = plt.subplots(1, 2, figsize=(14, 7.4), layout="constrained")
-    for axis, (task, title, label, main_error, second_error) in zip(axes, PANELS, strict=True):
+    for axis, (task, title, label, errors) in zip(axes, PANELS, strict=True):
         families = grouped([row for row in rows if row["task"] == task], "family")
         for name, family_rows in families.items():
             colour, marker = STYLES[name]
-            scattered, size = name == "grid, soft laws", 10 if name == "CONTACT" else 6
-            lines(axis, family_rows, main_error, "" if scattered else "-", color=colour, marker=marker, ms=size)
-            # the second error of regularised laws would hide others
-            if not scattered:
-                lines(axis, family_rows, second_error, "--", color=colour, marker=marker, ms=size, mfc="none", lw=0.8)
+            scattered, size = name == "grid, soft laws", 10 if name.startswith("CONTACT") else 6
+            for k, (error, stroke) in enumerate(zip(errors, STROKES, strict=False)):
+                if scattered and k:  # further errors of regularised laws would hide others
+                    continue
+                style = {} if k == 0 else {"mfc": "none", "lw": 0.8}
+                lines(
+                    axis, family_rows, error, "" if scattered else stroke, color=colour, marker=marker, ms=size, **style
+                )
         strokes = [
-            Line2D([], [], color="0.3", ls=s, label=NAMES[k]) for k, s in ((main_error, "-"), (second_error, "--"))
+            Line2D([], [], color="0.3", ls=stroke, label=name)
+            for name, stroke in zip(errors.values(), STROKES, strict=False)
         ]
         axis.legend(handles=strokes, fontsize=8, loc="best")
         axis.set(xscale="log", yscale="log", xlabel="time of a solve, median, ms", ylabel=label, title=title)
         axis.grid(True, which="both", lw=0.3, color="0.85")
     drawn_families = {row["family"] for row in rows}
-    shown = {name: f"{name} (times of another machine and date)" if name == "CONTACT" else name for name in STYLES}
+    shown = {name: f"{name} (times of another date)" if name.startswith("CONTACT") else name for name in STYLES}
     handles = [
         Line2D([], [], color=c, marker=m, ls="none", label=shown[k])
         for k, (c, m) in STYLES.items()

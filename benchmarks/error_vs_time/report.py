@@ -1,7 +1,7 @@
 """Error over time of a contact solve: lattices and grids, cold and warm, regularised and exact laws, `full` and
 `condensed`, and CONTACT.
 
-python -m benchmarks.error_vs_time.report [--quick] [--picture FILE] [--json FILE]
+python -m benchmarks.error_vs_time [--quick] [--strips] [--seed S] [--picture FILE] [--json FILE]
 """
 
 from __future__ import annotations
@@ -17,14 +17,16 @@ from time import perf_counter
 
 from benchmarks.common.machine import machine_description
 from benchmarks.common.measurement import Row
-from benchmarks.common.measurement_tables import Column, phase, table
+from benchmarks.common.measurement_tables import Column, table
 from benchmarks.error_vs_time.cases import creep_cases, timing_case
 from benchmarks.error_vs_time.plan import measured
-from benchmarks.error_vs_time.reference import contact_rows, extrapolated
+from benchmarks.error_vs_time.reference import WARM_GAIN, contact_rows, extrapolated, long_cell_rows
+from benchmarks.error_vs_time.sampled import sampled_cases
 from benchmarks.scaling.report import progress
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-FINEST, QUICK_FINEST = LatticeResolution(48, 32), LatticeResolution(32, 20)
+FINEST, QUICK_FINEST = LatticeResolution(32, 20), LatticeResolution(24, 16)
+SAMPLED, QUICK_SAMPLED = 40, 4  # random ellipses
 TITLES = {"normal": "Normal contact alone", "rolling": "Rolling with xi, eta and spin"}
 EVERY, QUICK_EVERY = 6, 15  # of the 132 cases, one in so many
 
@@ -37,10 +39,7 @@ def _ms(name: str) -> Column:
     return f"{name}, ms", lambda row: 1e3 * row[name] if name in row else None
 
 
-def _remaining_time(row: Row) -> float | None:
-    return 1e3 * (row["median"] - sum(row["phases"].values())) if "phases" in row else None
-
-
+CREEP_ERRORS = ("creep error", "creep RMS", "creep worst")
 COMMON: list[Column] = [
     ("model", lambda row: row["family"]),
     ("division", lambda row: row.get("division")),
@@ -48,16 +47,12 @@ COMMON: list[Column] = [
     ("points", lambda row: row.get("points")),
     _ms("least"),
     _ms("median"),
-    ("projection, ms", phase("points")),
-    ("compliance, ms", phase("compliance")),
-    ("solve, ms", phase("solve")),
-    ("other, ms", _remaining_time),
 ]
 NORMAL: list[Column] = [*COMMON, *map(_percent, ("force error", "peak error", "area error"))]
 ROLLING: list[Column] = [
     *COMMON,
     ("Newton", lambda row: row.get("newton")),
-    *[_percent(name, "% of mu F_n", "") for name in ("creep error", "creep RMS", "creep worst")],
+    *[_percent(name, "% of mu F_n", "") for name in (*CREEP_ERRORS, "sampled RMS", "sampled worst")],
 ]
 
 
@@ -84,28 +79,34 @@ def notes() -> str:
 - Timed: an ellipse of {2e3 * a:.3g} x {2e3 * b:.3g} mm under {1e-3 * case.pair.load:.4g} kN, mu {case.friction:g}; \
 rolling with xi {xi:g}, eta {eta:g}, spin {phi:g} rad/m. CONTACT's file does not state these creepages; they are the \
 round values that give its forces.
-- Times: the whole call with projection, candidates, compliance, solve and forces, 8 repeats or more (3 where a solve \
-takes over 1 s), after a first one that computes shared data. Phases are those of the median solve; other: forces and \
-the assembly of the result. Patches are computed on request and not timed.
+- Times of the processor: the whole call with projection, candidates, compliance, solve and forces, 8 repeats or more \
+(3 where a solve takes over 1 s), after a first one that computes shared data. Patches are computed on request and not \
+timed.
 - warm: each solve starts from the previous one, along a path of steps that change approach by 0.1 % and creepages by \
 1 %.
 - Normal contact: errors in % of Hertz at Hertz's approach, corrected for finite blocks. A penalty reduces the force \
 by its part of the approach.
 - Rolling: under the load, by the same laws; in % of mu F_n against the extrapolated finest solution. creep \
 error: the larger of Fx and Fy on the timed ellipse; RMS and worst: of Fx and Fy over {len(creep_cases(EVERY))} cases \
-of creep_curves.json (every sixth; --quick: {len(creep_cases(QUICK_EVERY))}), where a solve takes less than 1 s.
+of creep_curves.json (every sixth; --quick: {len(creep_cases(QUICK_EVERY))}), where a solve takes less than 1 s; \
+sampled: over {SAMPLED} random ellipses (a/b 0.2 to 5, friction 0.1 to 0.6, 5 to 150 % of saturation; --quick: \
+{QUICK_SAMPLED}).
 - CONTACT: times of another machine and date, first-order slip; its load is prescribed, so its force error is that of \
-its approach times 1.5; its area is that of its elements."""
+its approach times 1.5; its area is that of its elements. On square elements; "long cells": nx along x by ny across \
+over the ellipse, which is more accurate at equal times, errors over 40 other random ellipses in the same ranges \
+against its own extrapolation; warm: its warm starts are 1.6 to 2 times quicker, shown at {WARM_GAIN:g}."""
 
 
 def main() -> None:
     """Measures and prints."""
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.error_vs_time.report",
+        prog="python -m benchmarks.error_vs_time",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help="few models, few cases, no `full`")
+    parser.add_argument("--strips", action="store_true", help="strips on half-spaces alone, beside CONTACT")
+    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the sampled ellipses (0)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="file for the figure")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all data to a file")
     arguments = parser.parse_args()
@@ -115,8 +116,13 @@ def main() -> None:
     machine, began = machine_description(), perf_counter()
     print(machine, flush=True)
     finest, every = (QUICK_FINEST, QUICK_EVERY) if arguments.quick else (FINEST, EVERY)
-    against = extrapolated(finest, creep_cases(every), progress)
-    rows: list[Row] = [*measured(arguments.quick, against, progress), *contact_rows(against.of(timing_case()))]
+    sampled = sampled_cases(QUICK_SAMPLED if arguments.quick else SAMPLED, arguments.seed)
+    against = extrapolated(finest, (*creep_cases(every), *sampled), progress)
+    rows: list[Row] = [
+        *measured(arguments.quick, against, progress, strips=arguments.strips),
+        *contact_rows(against.of(timing_case())),
+        *long_cell_rows(),
+    ]
     progress("")
     print(f"\n{against.description()}")
     for task, columns in (("normal", NORMAL), ("rolling", ROLLING)):

@@ -14,7 +14,7 @@ import pytest
 from benchmarks.accuracy.contact_frames import FrameDifference, difference, rail_position, state, wheel_force
 from benchmarks.accuracy.rolling import coefficients, curve_errors
 from benchmarks.accuracy.wheelset import loaded_wheel, track_of
-from benchmarks.common.hertz_cases import block_correction, pair_of
+from benchmarks.common.hertz_cases import block_correction, pair_of, reference_steel
 from benchmarks.common.models import Ellipse, frictional, hertz_model, loads, pressed, rolling, solved
 from benchmarks.common.reference_table import TableSection, measure, reference, show
 from wheelrail.contact.analytical.kalker import Name, kalker
@@ -53,6 +53,7 @@ def test_bounds_of_the_tests_are_not_stricter_than_targets() -> None:
 
 def test_hertz_at_twenty_points_across() -> None:
     (case,) = (case for case in reference("hertz")["cases"] if case["name"] == "circ_R300_50kN")
+    assert reference_steel() == STEEL
     pair = pair_of(case, STEEL)
     assert pair.exact.peak == pytest.approx(1e6 * case["hertz"]["p0"], rel=1e-6)
     size = pair.size(across=20.0)
