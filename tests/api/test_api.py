@@ -174,7 +174,6 @@ def test_files_without_results_are_rejected(tmp_path: Path, text: bytes) -> None
     ("call", "says"),
     [
         (lambda w: w.solve(y=2.0, wheel_load=57e3), "Wheelset: y = 2.0: must be a number from -0.1 to 0.1 m"),
-        (lambda w: w.solve(y=0.0), "Wheelset: wheel_load: missing: exactly one of wheel_load, axle_load and z"),
         (lambda w: w.solve(wheel_load=57e3, z=0.0), "exactly one of wheel_load, axle_load and z"),
         (lambda w: w.solve(axle_load=1e5, roll="solve"), 'roll = "solve": "solve" requires wheel_load'),
         (lambda w: w.solve(wheel_load=float("nan")), "wheel_load = NaN: must be a number from 1000 to 1e+06 N"),
@@ -280,7 +279,7 @@ def test_a_run_from_a_changed_scene(tmp_path: Path) -> None:
     found = wr.run(SCENES / "curve.toml", **changes)
     assert found.status == "completed"
     assert found.data.attrs["speed"] == 30.0
-    assert float(found.data["distance"][-1]) == pytest.approx(20.0, abs=0.3)  # the last stored sample
+    assert float(found.data["distance"][-1]) == pytest.approx(20.0, abs=1.5)  # samples every 0.05 s
     assert "speed = 30.0" in found.data.attrs["scene"]
     assert repr(found).startswith("Vehicle run: completed at 19.8 m")
     assert "<table>" in found._repr_html_()

@@ -146,8 +146,6 @@ def test_noise_is_reported_and_rough_files_are_refused(tmp_path: Path, caplog: p
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('wheel = "S1002"', "", "profiles.wheel: missing: required, here or in both"),
-        ("laying_angle = 0.0", "", "profiles.laying_angle: missing: required"),
         ("[track]", '[profiles.left]\nwheel = "60E1"\n[track]', 'profiles.left.wheel = "60E1": must be S1002'),
         ("[track]", "[profiles.left]\nradius = 460.0\n[track]", "profiles.left.radius = 460.0: must be a number"),
         ("[track]", "[profiles.middle]\n[track]", "profiles.middle: unknown key; allowed are"),

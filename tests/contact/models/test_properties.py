@@ -195,8 +195,8 @@ def test_force_grows_like_the_approach_to_three_halves(ratio: float) -> None:
 @pytest.mark.parametrize(("bodies", "off"), [("half-space", 1e-3), ("waveguide", 6e-3)])
 @pytest.mark.parametrize("ratio", [0.4, 1.0])
 def test_force_on_one_lattice_grows_like_the_approach_to_three_halves(bodies: Bodies, off: float, ratio: float) -> None:
-    """Fitted slope; 10 to 32 strips are loaded. Blocks end after 40 to 80 semi-axes, which reduces the approach by about
-    1 %, more for larger patches: 0.3 to 0.5 % of the slope.
+    """Fitted slope; 10 to 32 strips are loaded. Blocks end after 40 to 80 semi-axes, which reduces the approach by
+    about 1 %, more for larger patches: 0.3 to 0.5 % of the slope.
     """
     at = APPROACH * np.geomspace(0.1, 1.0, 5)
     model = replace(frictionless(ratio, bodies=bodies), resolution=LatticeResolution(strips=32))
