@@ -43,6 +43,7 @@ MAY_IMPORT["contact.elasticity.waveguide"] = MAY_IMPORT["contact.elasticity"] | 
     "contact.elasticity",
     "contact.kinematics",
 }
+MAY_IMPORT["contact.structure"] = MAY_IMPORT["contact.elasticity.waveguide"] | {"contact.elasticity.waveguide"}
 _MODEL = {"contact.geometry", "contact.kinematics", "contact.laws", "contact.results", "support"}
 MAY_IMPORT |= {
     "contact.models.standard": _MODEL | {"contact.analytical"},
