@@ -61,7 +61,8 @@ MAY_IMPORT["contact.models"] = {
     *(MAY_IMPORT["contact.models.lattice"] | MAY_IMPORT["contact.models.full"]),
 }
 MAY_IMPORT |= {
-    "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"},
+    "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"}
+    | {"contact.solvers", "contact.structure"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
     "vehicle": {f"vehicle.{name}" for name in ("dynamics", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
