@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import SIDES, Pose, Side
+from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.load_search import LoadError
 from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, SLOPES, MovedPair
@@ -107,10 +107,12 @@ class FlexibleEquilibrium:
     Parameters:
         state: of the wheelset, whose frame is that of the line through its journals.
         results: contact by side in the track's axes, with the moment about the wheelset's centre.
-        poses: of the wheels in the frames of their moved rails, as left-hand ones.
+        pairs: of the wheels and their moved rails, as left-hand ones.
         hubs: (6,) m and rad, motion of each hub in the wheelset's axes about its centre.
         rails: (3,) m and rad, y, z and roll of each rail about its foot.
         hub_loads: (6,) N and N m on each hub, as left-hand ones.
+        stress: bending stress Pa of the axle at places y m from its middle, on the side of each wheel, see
+            `HubCompliance.bending_stress`; empty for a rigid axle.
         solves: number of contact solves.
         errors: by Newton step, of forces over the load and of motions over 1 mm or 1 mrad, the largest.
         tangent: (2, 6, 9), derivative of both sides' force and moment about the wheelset's centre by
@@ -119,10 +121,11 @@ class FlexibleEquilibrium:
 
     state: WheelsetState
     results: dict[Side, ContactResult]
-    poses: dict[Side, Pose]
+    pairs: dict[Side, MovedPair]
     hubs: dict[Side, Array]
     rails: dict[Side, Array]
     hub_loads: dict[Side, Array]
+    stress: dict[Side, tuple[Array, Array]]
     solves: int
     errors: tuple[float, ...]
     tangent: Array
@@ -275,14 +278,22 @@ class FlexibleWheelset:
         return FlexibleEquilibrium(
             trial.state,
             {"left": results[0], "right": results[1].mirrored()},
-            {side: pair.pose for side, pair in zip(SIDES, trial.pairs, strict=True)},
+            dict(zip(SIDES, trial.pairs, strict=True)),
             {"left": hubs[0], "right": MIRRORED_HUB * hubs[1]},
             {"left": rails[0], "right": rails[1] * (-1.0, 1.0, -1.0)},
             dict(zip(SIDES, trial.loads[:, :6], strict=True)),
+            self._stress(trial),
             solves,
             tuple(errors),
             self._condensed(trial),
         )
+
+    def _stress(self, trial: Trial) -> dict[Side, tuple[Array, Array]]:
+        hubs = self.flexibility.hubs
+        if hubs is None:
+            return {}
+        stresses = hubs.bending_stress(*trial.loads[:, :6])
+        return {side: (hubs.places, stress) for side, stress in zip(SIDES, stresses, strict=True)}
 
     def _condensed(self, trial: Trial) -> Array:
         """Derivative (2, 6, 9) of force and moment by the state, with motions that follow the loads:
