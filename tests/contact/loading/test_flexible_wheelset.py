@@ -8,6 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from wheelrail.contact.elasticity.waveguide.bodies import GRADING, REACH
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
+from wheelrail.contact.elasticity.waveguide.spectrum import sample
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.material import Material
@@ -18,11 +21,14 @@ from wheelrail.contact.loading.moved_pair import MovedPair
 from wheelrail.contact.loading.wheelset import wheels_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.structure.hubs import hub_compliance
+from wheelrail.contact.structure.padded_section import PaddedSection
 from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.meshes.bodies.axle import AxleShape
 from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
+from wheelrail.meshes.bodies.solids import Strip, rail_contact_range, section
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 
@@ -217,3 +223,29 @@ def test_without_motion_the_pair_is_that_of_the_mounting() -> None:
 def test_refuses_to_start_without_contact() -> None:
     with pytest.raises(LoadError, match="no contact to start from"):
         FlexibleWheelset(contact(), flexibility("both")).equilibrium(replace(ROLLING, z=0.01), Loads.wheels(LOAD))
+
+
+@cache
+def contact_on_padded_spectrum() -> WheelsetContact:
+    """The pads in the spectrum of the rail itself: no motions of the rail as unknowns."""
+    outline, size = rail_outline(PROFILES[1]), 1e-3
+    strip = Strip.over(outline, rail_contact_range(outline.profile), half_length=size, size=size)
+    mesh = section(outline, strip, grading=GRADING)
+    along, lateral, vertical = (stiffness / STEEL.E for stiffness in RailPads().per_length)
+    body = PaddedSection(mesh, Material(1.0, STEEL.nu), (along, lateral, vertical))
+    samples = sample(body.flexibility, shift=1 / 0.172, largest=REACH / size, step=size, tolerance=1e-3)
+    model = contact().model
+    assert isinstance(model, LatticeContact)
+    lower = model.operators.lower
+    assert isinstance(lower, ElementInfluence)
+    operators = replace(model.operators, lower=replace(lower, spectrum=lambda: samples))
+    return replace(contact(), model=replace(model, operators=operators))
+
+
+@pytest.mark.parametrize("y", [0.0, 1e-3, 2e-3])
+def test_agrees_with_pads_in_the_spectrum_of_the_rail(y: float) -> None:
+    whole = wheels_under_load(contact_on_padded_spectrum(), replace(ROLLING, y=y), LOAD, expected=4e-4)
+    split = solved("pads", y)
+    expected, patch = whole.results["left"].patches[0], split.results["left"].patches[0]
+    assert patch.rail_y == pytest.approx(expected.rail_y, abs=2e-5)
+    assert split.state.z == pytest.approx(whole.state.z, abs=2e-6)
