@@ -1,3 +1,7 @@
+from .flexible_wheelset import Flexibility as Flexibility
+from .flexible_wheelset import FlexibleEquilibrium as FlexibleEquilibrium
+from .flexible_wheelset import FlexibleWheelset as FlexibleWheelset
+from .flexible_wheelset import Loads as Loads
 from .hertz import hertz_pose as hertz_pose
 from .hertz import hertz_under_load as hertz_under_load
 from .hertz import sphere_approach as sphere_approach

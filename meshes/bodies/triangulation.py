@@ -84,6 +84,43 @@ def triangulate(
     return _compact(xy, cells, surface_nodes, is_clamped, surface)
 
 
+def triangulate_parts(
+    parts: tuple[Array, ...], surface: int, *, size: float, grading: Grading
+) -> tuple[SectionMesh, Nodes]:
+    """Mesh of polygons that are joined along common edges, and the part (m,) of every cell.
+
+    Parameters:
+        parts: corners (k, 2) m of each; an edge is common if both its corners are corners of both polygons.
+        surface: number of first corners of the first part that form the contact surface, with no nodes between them.
+        size: element size on the surface, m.
+        grading: of the element sizes.
+    """
+    scale = 1.0 / size  # gmsh's tolerances are absolute
+    with _gmsh_model() as gmsh:
+        faces, points, lines = _joined_polygons(gmsh, [part * scale for part in parts])
+        for line in lines[: surface - 1]:
+            gmsh.model.mesh.setTransfiniteCurve(line, 2)
+        _set_sizes(gmsh, lines[: surface - 1], grading, scale)
+        _generate(gmsh, quadrilaterals=False)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+        index[tags.astype(np.int64)] = np.arange(len(tags))
+        cells = [index[gmsh.model.mesh.getElementsByType(2, face)[1].astype(np.int64)].reshape(-1, 3) for face in faces]
+        surface_nodes = index[_along_surface(gmsh, points[:surface], lines[: surface - 1], quadrilaterals=False)]
+    xy = coordinates.reshape(-1, 3)[:, :2] / scale
+    part = np.repeat(np.arange(len(cells)), [len(own) for own in cells])
+    free = np.zeros(len(xy), dtype=bool)
+    return _compact(xy, np.concatenate(cells), surface_nodes, free, parts[0][:surface]), part
+
+
+def part_of(mesh: SectionMesh, cells: Mask) -> SectionMesh:
+    """Mesh of some cells (m,) of a mesh, among them those at its contact surface."""
+    used = np.unique(mesh.cells[cells])
+    new = np.full(len(mesh.points), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    return SectionMesh(mesh.points[used], new[mesh.cells[cells]], new[mesh.surface], mesh.clamped[used])
+
+
 @contextmanager
 def _gmsh_model() -> Iterator[Any]:
     """gmsh with a model of its own, silent and on one thread."""
@@ -111,6 +148,33 @@ def _polygon(gmsh: Any, corners: Array) -> tuple[list[int], list[int]]:
     geo.addPlaneSurface([geo.addCurveLoop(lines)])
     geo.synchronize()
     return points, lines
+
+
+def _joined_polygons(gmsh: Any, polygons: list[Array]) -> tuple[list[int], list[int], list[int]]:
+    """Faces with given corners; points and lines of the first, in its order. Common corners and edges exist once."""
+    geo = gmsh.model.geo
+    points: dict[tuple[float, float], int] = {}
+    lines: dict[tuple[int, int], int] = {}
+    faces, outlines = [], []
+    for polygon in polygons:
+        corners = []
+        for x, y in polygon:
+            key = (round(float(x), 7), round(float(y), 7))
+            if key not in points:
+                points[key] = geo.addPoint(x, y, 0.0)
+            corners.append(points[key])
+        edges = []
+        for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
+            if (b, a) in lines:
+                edges.append(-lines[b, a])
+                continue
+            if (a, b) not in lines:
+                lines[a, b] = geo.addLine(a, b)
+            edges.append(lines[a, b])
+        faces.append(geo.addPlaneSurface([geo.addCurveLoop(edges)]))
+        outlines.append((corners, edges))
+    geo.synchronize()
+    return faces, *outlines[0]
 
 
 def _set_sizes(gmsh: Any, contact: list[int], grading: Grading, scale: float) -> None:

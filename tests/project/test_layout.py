@@ -43,6 +43,7 @@ MAY_IMPORT["contact.elasticity.waveguide"] = MAY_IMPORT["contact.elasticity"] | 
     "contact.elasticity",
     "contact.kinematics",
 }
+MAY_IMPORT["contact.structure"] = MAY_IMPORT["contact.elasticity.waveguide"] | {"contact.elasticity.waveguide"}
 _MODEL = {"contact.geometry", "contact.kinematics", "contact.laws", "contact.results", "support"}
 MAY_IMPORT |= {
     "contact.models.standard": _MODEL | {"contact.analytical"},
@@ -61,7 +62,8 @@ MAY_IMPORT["contact.models"] = {
     *(MAY_IMPORT["contact.models.lattice"] | MAY_IMPORT["contact.models.full"]),
 }
 MAY_IMPORT |= {
-    "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"},
+    "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"}
+    | {"contact.solvers", "contact.structure"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
     "vehicle": {f"vehicle.{name}" for name in ("dynamics", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},

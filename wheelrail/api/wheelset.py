@@ -12,6 +12,7 @@ from wheelrail.api.solution import Solution, solved
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.wheelset import SideProfiles, mounted, side_profiles, wheelset_contact, wheelset_state
 from wheelrail.scenes.contacts.solve import solve_sides
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import ProfilesTable
 from wheelrail.scenes.schema.scene import WheelsetScene
 from wheelrail.scenes.schema.tables import TrackTable
@@ -55,6 +56,9 @@ class Wheelset:
             bodies, points, strips, cells, falling, merge_distance, ...; left and right, {"wheel", "rail", "radius",
             "friction", ...} of one side where it differs; noise, rolling_circle, wheel_section and rail_section of
             profiles from files; and defaults for the arguments of `solve`.
+            axle: True for an axle of 160 mm that bends, or {"diameter", "steps", "journal", "bore", "weight"}; pads:
+            True for rails on pads, or {"vertical", "lateral", "longitudinal", "spacing"}. Without them the wheels do
+            not tilt against each other, and the rails are clamped at their feet.
 
     The compliance of the bodies is computed at the first solve, and cached. Raises SceneError, a ValueError, naming
     the argument, its value and what is allowed.
@@ -130,7 +134,7 @@ class Wheelset:
         Parameters:
             y: lateral position, m, positive to the left; 0 by default.
             yaw, roll: rad; 0 by default. roll = "solve": one height and roll at which both wheels carry wheel_load;
-                otherwise each wheel has its own height.
+                otherwise each wheel has its own height. With axle or pads "solve" is the default.
             wheel_load: on each wheel, N; or
             axle_load: on both wheels together, N; or
             z: height above the nominal one, m.
@@ -169,13 +173,15 @@ class Wheelset:
         """Contact element for a time integration; bodies and tables are shared with this wheelset.
 
         Arguments of `WheelsetElement.solve` that are not given are those of this wheelset; y, z, roll and yaw are 0 m
-        and 0 rad unless given here.
+        and 0 rad unless given here. Raises SceneError with axle or pads.
         """
         from wheelrail.api.elements.wheelset_element import WheelsetElement
 
         position = {key: self.arguments.get(key) for key in PLACED}
         placed = {key: value if isinstance(value, float | int) else 0.0 for key, value in position.items()}
         scene = self._scene(placed)
+        if scene.is_flexible:
+            raise SceneError("element: not allowed with axle or pads, whose motions are known to the time integration")
         return WheelsetElement(self._contact, wheelset_state(scene), scene.track.curvature)
 
     @cached_property
@@ -205,7 +211,7 @@ class Wheelset:
         return wheelset_contact(self._scene(PLACED), self.side_profiles)
 
     def _scene(self, arguments: Mapping[str, Any]) -> WheelsetScene:
-        keys = {"y": 0.0, "yaw": 0.0, "roll": 0.0, **replaced(self.arguments, arguments, GROUPS)}
+        keys = {"y": 0.0, "yaw": 0.0, **replaced(self.arguments, arguments, GROUPS)}
         scene = scene_of("Wheelset", "wheelset", keys, SECTIONS, self._given)
         assert isinstance(scene, WheelsetScene)
         return scene

@@ -15,7 +15,9 @@ from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+    from wheelrail.contact.loading.flexible_wheelset import Flexibility
     from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.contact.structure.hubs import HubCompliance
     from wheelrail.meshes.profiles.profile import Profile
 
 log = logging.getLogger(__name__)
@@ -69,6 +71,43 @@ def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | Non
         return RigidWheelset(RigidWheelRail(*pairs[side], radius), mounted(scene, pairs[side][1]))
 
     return on("left") if scene.sides_alike else replace(on("left"), right=on("right"))
+
+
+def flexibility(scene: WheelsetScene, profiles: SideProfiles) -> Flexibility:
+    """Compliance of the axle and of the rails on their pads; where the wheels differ, that of two left-hand ones.
+
+    Raises SceneError for an axle that does not fit the wheels.
+    """
+    from wheelrail.contact.loading.flexible_wheelset import Flexibility
+    from wheelrail.contact.structure.pads import RailPads, rail_compliance
+    from wheelrail.meshes.bodies.outlines import rail_outline
+
+    rails, steel, pads = None, material(scene), scene.track.pads
+    if pads is not None:
+        supports = RailPads(pads.vertical, pads.lateral, pads.longitudinal, pads.spacing)
+        left, right = (rail_outline(profiles[side][1]) for side in ("left", "right"))
+        of_left = rail_compliance(left, steel, supports)
+        rails = of_left, of_left if scene.sides_alike else rail_compliance(right, steel, supports)
+    return Flexibility(None if scene.wheelset.axle is None else _hubs(scene, profiles["left"]), rails)
+
+
+def _hubs(scene: WheelsetScene, pair: tuple[Profile, Profile]) -> HubCompliance:
+    """Compliance of the hubs of the scene's axle."""
+    from wheelrail.contact.structure.hubs import hub_compliance
+    from wheelrail.meshes.bodies.axle import AxleShape
+    from wheelrail.meshes.bodies.outlines import wheel_outline
+
+    table, mounting = scene.wheelset.axle, mounted(scene, pair[1])
+    assert table is not None
+    try:
+        if table.steps is None or table.journal is None:
+            axle = replace(AxleShape.typical(table.diameter or 0.160, mounting.wheel_y), bore=table.bore)
+        else:
+            axle = AxleShape(table.steps, table.journal, table.bore)
+        outline = wheel_outline(pair[0], mounting.radius)
+        return hub_compliance(outline, axle, material(scene), wheel_y=mounting.wheel_y, weight=table.weight)
+    except ValueError as error:
+        raise SceneError(f"wheelset.axle: {error}") from error
 
 
 def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:

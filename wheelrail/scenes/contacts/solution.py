@@ -47,6 +47,7 @@ def solution_dataset(
     data = contact_dataset({side: solution.result for side, solution in solved.items()}, _laws(scene, solved))
     data = data.assign(
         **_poses(solved),
+        **_structure(solved),
         **_cost(solved),
         **gap_curvatures(scene, solved, profiles or {}),
         **outlines(list(solved), profiles or {}),
@@ -139,6 +140,28 @@ def _poses(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
         ),
         "wheel_rotation": (("side", "axis", "wheel_axis"), rotation, axes),
     }
+
+
+def _structure(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
+    """Motions of hubs and rails and stress of the axle, where they are flexible."""
+    motions = [solution.structure for solution in solved.values()]
+    if all(motion is None for motion in motions):
+        return {}
+    hub, rail = np.full((len(motions), 6), np.nan), np.full((len(motions), 3), np.nan)
+    for row, motion in enumerate(motions):
+        if motion is not None:
+            hub[row], rail[row] = motion.hub, motion.rail
+    units = {"hub": "m and rad, x, y, z, then about x, y, z", "rail": "m and rad, y, z, then roll about the foot"}
+    variables: dict[str, Any] = {
+        "hub_motion": (("side", "hub_component"), hub, means(units["hub"], "motion of the hub against the wheelset")),
+        "rail_motion": (("side", "rail_component"), rail, means(units["rail"], "motion of the rail on its pads")),
+    }
+    axles = [motion.axle for motion in motions if motion is not None and motion.axle is not None]
+    if len(axles) == len(motions):
+        stress = means("Pa", "bending stress at the bottom of the axle, on this side")
+        variables["axle_y"] = ("axle_place", axles[0][0], means("m", "distance from the middle of the axle"))
+        variables["axle_stress"] = (("side", "axle_place"), np.stack([values for _, values in axles]), stress)
+    return variables
 
 
 def _cost(solved: Mapping[str, SideSolution]) -> dict[str, Any]:

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, cast
 from wheelrail.scenes.builders.hertz import hertz_model, hertz_motion, hertz_scale
 from wheelrail.scenes.builders.wheelset import (
     SideProfiles,
+    flexibility,
     side_profiles,
     wheel_scale,
     wheelset_contact,
     wheelset_state,
 )
 from wheelrail.scenes.contacts.error_estimate import coarse_models, estimated
-from wheelrail.scenes.contacts.side_solution import SideSolution
+from wheelrail.scenes.contacts.side_solution import SideSolution, StructuralMotion
 from wheelrail.scenes.contacts.solution import solution_dataset
 from wheelrail.scenes.contacts.stress import subsurface_stress
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
@@ -27,10 +28,15 @@ from wheelrail.support.interrupts import deferred_interrupts
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from wheelrail.contact.kinematics.frames import Side
+    from wheelrail.contact.loading.moved_pair import MovedPair
     from wheelrail.contact.loading.wheelset import WheelsetEquilibrium
     from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
+    from wheelrail.contact.results.result import ContactResult
 
 ReportProgress = Callable[[str], None]
+
+START = 0.02  # of the load: error of the equilibrium of rigid hubs and rails from which those of flexible ones start
 
 
 def solve_contact(
@@ -125,6 +131,9 @@ def _wheelset(
     if contact is None:
         report_progress("compliance of wheel and rail")
         contact = wheelset_contact(scene, profiles)
+    if scene.is_flexible:
+        yield from _flexible(scene, contact, profiles or side_profiles(scene), report_progress)
+        return
     for sides, solve in _equilibria(scene, contact):
         report_progress(f"contact of the {' and '.join(sides)} wheel")
         with _clock() as seconds:
@@ -149,10 +158,58 @@ def _wheelset(
             yield side, SideSolution(result, pose, state.z, state.roll, solves, time, stress)
 
 
+def _flexible(
+    scene: WheelsetScene, contact: WheelsetContact, profiles: SideProfiles, report_progress: ReportProgress
+) -> Iterator[tuple[str, SideSolution]]:
+    """Sides of a wheelset whose axle bends, or whose rails move on pads, from its equilibrium as a rigid one."""
+    from wheelrail.contact.loading.flexible_wheelset import FlexibleWheelset, Loads
+    from wheelrail.contact.loading.load_search import LoadError
+
+    report_progress("compliance of axle and pads")
+    wheelset, position = FlexibleWheelset(contact, flexibility(scene, profiles)), scene.wheelset
+    loads = Loads()
+    if position.axle_load is not None:
+        loads = Loads.axle(position.axle_load)
+    elif position.wheel_load is not None:
+        loads = Loads.wheels(position.wheel_load)
+    report_progress("contact of the left and right wheel")
+    ((sides, solve),) = _equilibria(scene, contact, rtol=START)
+    with _clock() as seconds:
+        try:
+            with deferred_interrupts():
+                rigid = solve()
+                equilibrium = wheelset.equilibrium(rigid.state, loads, rigid.results)
+        except LoadError as error:
+            yield from ((side, SideSolution.failed(str(error))) for side in sides)
+            return
+    solves, time, state = (rigid.solves + equilibrium.solves) // 2, seconds() / 2, equilibrium.state
+    for side, pair in equilibrium.pairs.items():
+        result, pose = equilibrium.results[side], pair.pose
+        if scene.error_estimate:
+            report_progress(f"{side} wheel: error estimate: solution on half as many strips and cells")
+            result = estimated(
+                result, [partial(_moved, model, pair, side) for model in coarse_models(contact.of(side).model)]
+            )
+        stress = subsurface_stress(scene, result, pose, side, report_progress)
+        if side == "right":
+            pose, stress = pose.mirrored(), {name: body_stress.mirrored() for name, body_stress in stress.items()}
+        motion = StructuralMotion(equilibrium.hubs[side], equilibrium.rails[side], equilibrium.stress.get(side))
+        yield side, SideSolution(result, pose, state.z, state.roll, solves, time, stress, motion)
+
+
+def _moved(model: ContactModel, pair: MovedPair, side: Side) -> ContactResult:
+    """Result of a model for a pair with moved hub and rail."""
+    result = pair.in_track(model(pair.pose, pair.motion, None))
+    return result if side == "left" else result.mirrored()
+
+
 def _equilibria(
-    scene: WheelsetScene, contact: WheelsetContact
+    scene: WheelsetScene, contact: WheelsetContact, rtol: float | None = None
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], WheelsetEquilibrium]]]:
-    """Solves of a wheelset scene: sides, and the function that computes their static equilibrium."""
+    """Solves of a wheelset scene: sides, and the function that computes their static equilibrium within rtol of the
+    load, by default `wheelrail.contact.loading.load_search.RTOL`.
+    """
+    from wheelrail.contact.loading.load_search import RTOL
     from wheelrail.contact.loading.wheelset import (
         axle_under_load,
         wheel_under_load,
@@ -160,20 +217,23 @@ def _equilibria(
         wheelset_at_state,
     )
 
-    position, state = scene.wheelset, wheelset_state(scene)
+    position, state, rtol = scene.wheelset, wheelset_state(scene), RTOL if rtol is None else rtol
     if position.z is not None:
         yield scene.sides, lambda: wheelset_at_state(contact, state, scene.sides)
     elif position.axle_load is not None:
         load = position.axle_load
-        yield scene.sides, lambda: axle_under_load(contact, state, load, expected=wheel_scale(scene, 0.5 * load))
+        yield (
+            scene.sides,
+            partial(axle_under_load, contact, state, load, expected=wheel_scale(scene, 0.5 * load), rtol=rtol),
+        )
     else:
         load = position.wheel_load or 0.0
         expected = wheel_scale(scene, load)
         if position.roll == "solve":
-            yield scene.sides, lambda: wheels_under_load(contact, state, load, expected=expected)
+            yield scene.sides, lambda: wheels_under_load(contact, state, load, expected=expected, rtol=rtol)
             return
         for side in scene.sides:
-            yield (side,), partial(wheel_under_load, contact, state, side, load, expected=expected)
+            yield (side,), partial(wheel_under_load, contact, state, side, load, expected=expected, rtol=rtol)
 
 
 @contextmanager

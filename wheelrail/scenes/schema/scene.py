@@ -306,9 +306,27 @@ class WheelsetScene(OnRails, Solve):
             raise q.reject('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
         if self.model == "standard" and self.stress is not None:
             raise q.reject(NO_STRESS, "stress")
+        self._flexible()
         _between(self.wheelset, self.track.gauge)
         _tabulated(self, {"nu": self.nu})
         return self
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether the axle bends or the rails move on pads."""
+        return self.wheelset.axle is not None or self.track.pads is not None
+
+    def _flexible(self) -> None:
+        """Raises a validation error where an elastic axle or pads do not fit."""
+        if not self.is_flexible:
+            return
+        key = "wheelset.axle" if self.wheelset.axle is not None else "track.pads"
+        if self.model == "standard":
+            raise q.reject('allowed only with model = "condensed" or "full"', key)
+        if len(self.sides) == 1:
+            raise q.reject('must be ["left", "right"] with wheelset.axle or track.pads', "sides")
+        if self.wheelset.wheel_load is not None and self.wheelset.roll != "solve":
+            raise q.reject('must be "solve" with wheel_load and wheelset.axle or track.pads', "wheelset.roll")
 
 
 class RunScene(OnRails):

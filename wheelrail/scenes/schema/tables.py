@@ -5,9 +5,18 @@ from __future__ import annotations
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
@@ -68,10 +77,55 @@ class RailsTable(SceneTable):
     gauge_height: q.GaugeHeight
 
 
+class PadsTable(SceneTable):
+    """Stiffness of one pad with its fastening, N/m: vertical, lateral and along the rail, by default as lateral; and
+    the spacing of the sleepers, m. Pads are linear, spread along the rail, and do not lift.
+    """
+
+    vertical: q.PadStiffness = 100e6
+    lateral: q.PadStiffness = 40e6
+    longitudinal: q.PadStiffness | None = None
+    spacing: q.PadSpacing = 0.6
+
+
+class ElasticAxleTable(SceneTable):
+    """An axle that bends: a typical one of a diameter, m, or one by its drawing: steps (end from the middle, diameter),
+    ends of the journal from the middle, and bore, m; weight: whether the wheelset's own weight bends it.
+    """
+
+    diameter: q.Diameter | None = None
+    steps: (
+        Annotated[
+            tuple[Annotated[tuple[q.AxlePlace, q.Diameter], Strict(False)], ...],
+            Strict(False),
+            Field(min_length=1),
+            q.AtMost(100),
+        ]
+        | None
+    ) = None
+    journal: Annotated[tuple[q.AxlePlace, q.AxlePlace], Strict(False)] | None = None
+    bore: q.Bore = 0.0
+    weight: bool = True
+
+    @model_validator(mode="after")
+    def _by_diameter_or_drawing(self) -> ElasticAxleTable:
+        if self.steps is not None and self.diameter is not None:
+            raise q.reject("must not be combined with steps", "diameter")
+        if (self.steps is None) != (self.journal is None):
+            raise q.reject("steps and journal are required together", "journal")
+        return self
+
+
+def _switched(value: Any) -> Any:
+    """An optional table: true stands for all its defaults, false for none."""
+    return {} if value is True else None if value is False else value
+
+
 class TrackTable(RailsTable):
-    """Position of the rails and curvature of the track."""
+    """Position of the rails, curvature of the track, and pads, without which the rails are clamped at their feet."""
 
     curvature: q.Curvature
+    pads: Annotated[PadsTable | None, BeforeValidator(_switched)] = None
 
 
 class AxleTable(SceneTable):
@@ -83,7 +137,9 @@ class AxleTable(SceneTable):
 
 
 class WheelsetTable(AxleTable):
-    """Position and motion of a wheelset, and exactly one of wheel_load, N, axle_load, N, and z, m."""
+    """Position and motion of a wheelset, and exactly one of wheel_load, N, axle_load, N, and z, m; and its axle, rigid
+    unless given.
+    """
 
     y: q.Offset
     roll: q.Angle | Literal["solve"]
@@ -97,6 +153,7 @@ class WheelsetTable(AxleTable):
     wheel_load: q.WheelLoad | None = None
     axle_load: q.AxleLoad | None = None
     z: q.Offset | None = None
+    axle: Annotated[ElasticAxleTable | None, BeforeValidator(_switched)] = None
 
     @model_validator(mode="after")
     def _single_load_condition(self) -> WheelsetTable:

@@ -25,8 +25,14 @@ def with_defaults(data: Mapping[str, Any]) -> dict[str, Any]:
         if isinstance(table := scene.get(name, {}), Mapping):
             scene[name] = complete(table)
     if isinstance(table := scene.get("wheelset", {}), Mapping):
-        scene["wheelset"] = _wheelset(table, frictional=_frictional(scene))
+        scene["wheelset"] = _wheelset(table, frictional=_frictional(scene), flexible=_is_flexible(scene))
     return scene
+
+
+def _is_flexible(scene: Mapping[str, Any]) -> bool:
+    """Whether the axle bends or the rails move on pads."""
+    tables = (scene.get("wheelset", {}), "axle"), (scene.get("track", {}), "pads")
+    return any(isinstance(table, Mapping) and table.get(key) not in (None, False) for table, key in tables)
 
 
 def _profiles(table: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -56,10 +62,12 @@ def _track(table: Mapping[str, Any]) -> Mapping[str, Any]:
     return {**TRACK, **table}
 
 
-def _wheelset(table: Mapping[str, Any], *, frictional: bool) -> Mapping[str, Any]:
+def _wheelset(table: Mapping[str, Any], *, frictional: bool, flexible: bool) -> Mapping[str, Any]:
     wheelset = {**WHEELSET, **table}
     if not any(key in wheelset for key in LOADS):
         wheelset["wheel_load"] = LOAD
+    if flexible and "roll" not in table and "wheel_load" in wheelset:
+        wheelset["roll"] = "solve"  # one wheelset cannot have a height for each wheel
     if frictional:
         wheelset.setdefault("speed", SPEED)
     speed, radius = wheelset.get("speed"), wheelset["radius"]

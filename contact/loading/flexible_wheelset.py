@@ -1,0 +1,320 @@
+"""Static equilibrium of a wheelset whose axle bends on rails that move on their pads: one Newton method for both sides.
+
+Unknowns are the free coordinates of the wheelset (height, roll), the motions e of its hubs and r of its rails. With the
+loads w on the hubs and l on the rails, which the contacts return with their derivatives, the equations are
+
+    vertical forces = loads,    e = e_0 + C w,    r = c l.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.loading.load_search import LoadError
+from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, SLOPES, MovedPair
+from wheelrail.contact.models.wheelset import STATE_MIRRORED, WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.solvers.tangent import MIRRORED
+from wheelrail.contact.structure.hubs import HubCompliance
+from wheelrail.contact.structure.pads import RailCompliance
+from wheelrail.support.arrays import Array
+from wheelrail.support.interrupts import check_interrupt
+
+MAX_STEPS = 40  # Newton steps: 4 to 8 suffice from the equilibrium of rigid hubs and rails
+FORCE = 1e-7  # of the load: largest error of a vertical force
+PLACE = 1e-9  # m and rad: largest error of a motion
+STALLED_FORCE, STALLED_PLACE = 1e-5, 1e-8  # accepted where halved steps gain nothing: the contact's own tolerance
+MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are compared with those of loads
+SHORTEST = 2.0**-12  # of a Newton step
+MIRRORED_HUB = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # factors of a hub's motion in the mirror y = 0
+
+
+@dataclass(frozen=True)
+class Flexibility:
+    """What lets the wheels move against the wheelset, and the rails against the track.
+
+    Parameters:
+        hubs: compliance of the hubs; None: a rigid axle.
+        rails: compliance of the left and of the right rail, as left-hand ones; None: clamped feet.
+    """
+
+    hubs: HubCompliance | None = None
+    rails: tuple[RailCompliance, RailCompliance] | None = None
+
+    @property
+    def rigid(self) -> bool:
+        """Whether nothing moves."""
+        return self.hubs is None and self.rails is None
+
+    @cached_property
+    def matrix(self) -> Array:
+        """Compliance (18, 18): motions of both hubs (6 each), then of both rails (3 each), by the loads on them."""
+        out = np.zeros((18, 18))
+        if self.hubs is not None:
+            out[:12, :12] = self.hubs.matrix
+        for index, rail in enumerate(self.rails or ()):
+            at = slice(12 + 3 * index, 15 + 3 * index)
+            out[at, at] = rail.matrix
+        return out
+
+    @cached_property
+    def unloaded(self) -> Array:
+        """Motions (18,) without contact: of the hubs, by the wheelset's own weight."""
+        out = np.zeros(18)
+        if self.hubs is not None:
+            out[:12] = self.hubs.own_weight
+        return out
+
+    def foot(self, index: int) -> Array:
+        """Centre (2,) m of a rail's roll in its frame."""
+        return np.zeros(2) if self.rails is None else self.rails[index].foot
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Condition on the vertical forces of the wheels.
+
+    Parameters:
+        free: coordinates of the wheelset that are solved for, of "z" and "roll".
+        forces: (n, 2), sums of the left and the right force that are given, as many as free coordinates.
+        values: (n,) N.
+    """
+
+    free: tuple[str, ...] = ()
+    forces: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    values: Array = field(default_factory=lambda: np.zeros(0))
+
+    @classmethod
+    def wheels(cls, load: float) -> Loads:
+        """The same load N on each wheel, by height and roll."""
+        return cls(("z", "roll"), np.eye(2), np.full(2, load))
+
+    @classmethod
+    def axle(cls, load: float) -> Loads:
+        """A load N on both wheels together, by the height."""
+        return cls(("z",), np.ones((1, 2)), np.array([load]))
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleEquilibrium:
+    """Equilibrium of a flexible wheelset on its track.
+
+    Parameters:
+        state: of the wheelset, whose frame is that of the line through its journals.
+        results: contact by side in the track's axes, with the moment about the wheelset's centre.
+        pairs: of the wheels and their moved rails, as left-hand ones.
+        hubs: (6,) m and rad, motion of each hub in the wheelset's axes about its centre.
+        rails: (3,) m and rad, y, z and roll of each rail about its foot.
+        hub_loads: (6,) N and N m on each hub, as left-hand ones.
+        stress: bending stress Pa of the axle at places y m from its middle, on the side of each wheel, see
+            `HubCompliance.bending_stress`; empty for a rigid axle.
+        solves: number of contact solves.
+        errors: by Newton step, of forces over the load and of motions over 1 mm or 1 mrad, the largest.
+        tangent: (2, 6, 9), derivative of both sides' force and moment about the wheelset's centre by
+            `WheelsetState.coordinates`, hubs and rails moving with the loads.
+    """
+
+    state: WheelsetState
+    results: dict[Side, ContactResult]
+    pairs: dict[Side, MovedPair]
+    hubs: dict[Side, Array]
+    rails: dict[Side, Array]
+    hub_loads: dict[Side, Array]
+    stress: dict[Side, tuple[Array, Array]]
+    solves: int
+    errors: tuple[float, ...]
+    tangent: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Contact of both sides at given motions.
+
+    Parameters:
+        state: of the wheelset.
+        motions: (18,) of hubs and rails.
+        pairs: of both sides.
+        results: of their contacts in the frames of the moved rails.
+    """
+
+    state: WheelsetState
+    motions: Array
+    pairs: tuple[MovedPair, ...]
+    results: tuple[ContactResult, ...]
+
+    @property
+    def usable(self) -> bool:
+        """Whether both contacts are solved and carry."""
+        return all(result.status == "converged" for result in self.results)
+
+    @cached_property
+    def loads(self) -> Array:
+        """Loads (2, 12) by side, see `MovedPair.loads`."""
+        return np.stack([pair.loads(result) for pair, result in zip(self.pairs, self.results, strict=True)])
+
+    @cached_property
+    def structural(self) -> Array:
+        """Loads (18,) on both hubs, then on both rails."""
+        return np.concatenate([self.loads[:, :6].ravel(), self.loads[:, 6:9].ravel()])
+
+    @cached_property
+    def slopes(self) -> tuple[Array, Array]:
+        """Derivatives (2, 12, 9) of the loads by the coordinates of the state, and (2, 12, 18) by the motions."""
+        by_state, by_motion = np.zeros((2, 12, COORDINATES)), np.zeros((2, 12, 18))
+        for index, (pair, result) in enumerate(zip(self.pairs, self.results, strict=True)):
+            slope = pair.load_slopes(result)
+            by_state[index] = slope[:, :COORDINATES] * (STATE_MIRRORED if index else 1.0)
+            by_motion[index, :, 6 * index : 6 * index + 6] = slope[:, HUB]
+            by_motion[index, :, 12 + 3 * index : 15 + 3 * index] = slope[:, RAIL]
+        return by_state, by_motion
+
+
+def _structural(loads: Array) -> Array:
+    """Rows (18, n) of the loads (2, 12, n) on hubs and rails."""
+    return np.concatenate([loads[0, :6], loads[1, :6], loads[0, 6:9], loads[1, 6:9]])
+
+
+@dataclass(frozen=True)
+class FlexibleWheelset:
+    """A wheelset with elastic axle on rails on pads.
+
+    Parameters:
+        contact: of both sides.
+        flexibility: of axle and rails.
+    """
+
+    contact: WheelsetContact
+    flexibility: Flexibility
+
+    def equilibrium(
+        self, state: WheelsetState, loads: Loads, guess: dict[Side, ContactResult] | None = None
+    ) -> FlexibleEquilibrium:
+        """Equilibrium under given vertical loads, from a state near that of the rigid wheelset.
+
+        Parameters:
+            state: first height and roll, and the other coordinates and velocities.
+            loads: condition on the wheels' vertical forces.
+            guess: results to start from.
+
+        Raises LoadError.
+        """
+        guesses = tuple((guess or {}).get(side) for side in SIDES)
+        trial, solves = self._trial(state, np.zeros(18), guesses), 2
+        if not trial.usable:
+            raise LoadError(f"no contact to start from: {', '.join(result.status for result in trial.results)}")
+        errors: list[float] = []
+        for _ in range(MAX_STEPS):
+            check_interrupt()
+            residual = self._residual(trial, loads)
+            force, place = _sizes(residual, loads)
+            errors.append(max(force, place / MOTION))
+            if force <= FORCE and place <= PLACE:
+                return self._outcome(trial, solves, errors)
+            step = -np.linalg.solve(self._jacobian(trial, loads), residual)
+            following, more = self._advance(trial, step, loads, errors[-1])
+            solves += more
+            if following is None:
+                if force <= STALLED_FORCE and place <= STALLED_PLACE:
+                    return self._outcome(trial, solves, errors)
+                raise LoadError(f"hubs and rails do not settle: loads within {force:.1e}, motions within {place:.1e} m")
+            trial = following
+        raise LoadError(f"hubs and rails do not settle in {MAX_STEPS} Newton steps")
+
+    def _trial(self, state: WheelsetState, motions: Array, guesses: tuple[ContactResult | None, ...]) -> Trial:
+        pairs, results = [], []
+        for index, (side, guess) in enumerate(zip(SIDES, guesses, strict=True)):
+            own = self.contact.of(side)
+            pair = MovedPair(
+                own.mounting,
+                state.mirrored() if index else state,
+                motions[6 * index : 6 * index + 6],
+                motions[12 + 3 * index : 15 + 3 * index],
+                self.flexibility.foot(index),
+            )
+            pairs.append(pair)
+            results.append(own.model(pair.pose, pair.motion, guess))
+        return Trial(state, motions, tuple(pairs), tuple(results))
+
+    def _residual(self, trial: Trial, loads: Loads) -> Array:
+        vertical = loads.forces @ trial.loads[:, 11] - loads.values
+        elastic = self.flexibility.unloaded + self.flexibility.matrix @ trial.structural
+        return np.concatenate([vertical, trial.motions - elastic])
+
+    def _jacobian(self, trial: Trial, loads: Loads) -> Array:
+        by_state, by_motion = trial.slopes
+        free = [WheelsetState.coordinates.index(name) for name in loads.free]
+        by_unknown = np.concatenate([by_state[:, :, free], by_motion], axis=2)
+        vertical = loads.forces @ by_unknown[:, 11]
+        elastic = -self.flexibility.matrix @ _structural(by_unknown)
+        elastic[:, len(free) :] += np.eye(18)
+        return np.concatenate([vertical, elastic])
+
+    def _advance(self, trial: Trial, step: Array, loads: Loads, size: float) -> tuple[Trial | None, int]:
+        """Next trial, by the longest halving of a step that lowers the error, and number of solves."""
+        count, fraction, solves = len(loads.free), 1.0, 0
+        while fraction >= SHORTEST:
+            change = {
+                name: getattr(trial.state, name) + fraction * s for name, s in zip(loads.free, step, strict=False)
+            }
+            following = self._trial(
+                replace(trial.state, **change), trial.motions + fraction * step[count:], trial.results
+            )
+            solves += 2
+            if following.usable:
+                force, place = _sizes(self._residual(following, loads), loads)
+                if max(force, place / MOTION) < (1 - 0.1 * fraction) * size:
+                    return following, solves
+            fraction *= 0.5
+        return None, solves
+
+    def _outcome(self, trial: Trial, solves: int, errors: list[float]) -> FlexibleEquilibrium:
+        results = [pair.in_track(result) for pair, result in zip(trial.pairs, trial.results, strict=True)]
+        hubs, rails = trial.motions[:12].reshape(2, 6), trial.motions[12:].reshape(2, 3)
+        return FlexibleEquilibrium(
+            trial.state,
+            {"left": results[0], "right": results[1].mirrored()},
+            dict(zip(SIDES, trial.pairs, strict=True)),
+            {"left": hubs[0], "right": MIRRORED_HUB * hubs[1]},
+            {"left": rails[0], "right": rails[1] * (-1.0, 1.0, -1.0)},
+            dict(zip(SIDES, trial.loads[:, :6], strict=True)),
+            self._stress(trial),
+            solves,
+            tuple(errors),
+            self._condensed(trial),
+        )
+
+    def _stress(self, trial: Trial) -> dict[Side, tuple[Array, Array]]:
+        hubs = self.flexibility.hubs
+        if hubs is None:
+            return {}
+        stresses = hubs.bending_stress(*trial.loads[:, :6])
+        return {side: (hubs.places, stress) for side, stress in zip(SIDES, stresses, strict=True)}
+
+    def _condensed(self, trial: Trial) -> Array:
+        """Derivative (2, 6, 9) of force and moment by the state, with motions that follow the loads:
+        dw = W_q dq + W_x dx, dx = A dw.
+        """
+        by_state, by_motion = trial.slopes
+        system = np.eye(18) - self.flexibility.matrix @ _structural(by_motion)
+        motion = np.linalg.solve(system, self.flexibility.matrix @ _structural(by_state))  # (18, 9)
+        out = np.zeros((2, 6, COORDINATES))
+        for index, (pair, loads) in enumerate(zip(trial.pairs, trial.loads, strict=True)):
+            slope = by_state[index] + by_motion[index] @ motion
+            own = np.zeros((SLOPES, COORDINATES))
+            own[:COORDINATES] = np.diag(STATE_MIRRORED) if index else np.eye(COORDINATES)
+            own[HUB], own[RAIL] = motion[6 * index : 6 * index + 6], motion[12 + 3 * index : 15 + 3 * index]
+            total = pair.wheelset_slopes(loads, slope, own)
+            out[index] = MIRRORED[:, None] * total if index else total
+        return out
+
+
+def _sizes(residual: Array, loads: Loads) -> tuple[float, float]:
+    """Largest error of a force over the largest load, and of a motion, m or rad."""
+    count = len(loads.free)
+    force = np.abs(residual[:count]).max() / np.abs(loads.values).max() if count else 0.0
+    return float(force), float(np.abs(residual[count:]).max())

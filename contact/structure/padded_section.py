@@ -1,0 +1,72 @@
+"""Rail section on a continuous elastic support: the pads as a Robin condition on the underside of the foot."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx import mesh as dmesh
+from scipy.spatial import cKDTree
+
+from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
+from wheelrail.contact.laws.material import Material
+from wheelrail.forms import compat
+from wheelrail.forms.elasticity import lame
+from wheelrail.forms.waveguide import wavenumber_forms
+from wheelrail.meshes.bodies.triangulation import SectionMesh
+from wheelrail.support.arrays import Array, Nodes
+
+
+class PaddedSection(WaveguideSection):
+    """Prismatic section whose clamped boundary, a straight line, is elastically supported instead.
+
+    Parameters:
+        mesh: of the section.
+        steel: material.
+        stiffness: of the support along x, along the line and normal to it, N/m2 per length of the body.
+        degree: of the displacements.
+
+    The support is spread evenly over the line; its roll stiffness is that of the normal one.
+    """
+
+    def __init__(
+        self, mesh: SectionMesh, steel: Material, stiffness: tuple[float, float, float], *, degree: int = 2
+    ) -> None:
+        super().__init__(mesh, steel, degree=degree)
+        self.stiffness_per_length = stiffness
+
+    @cached_property
+    def fixed(self) -> Nodes:
+        return np.zeros(0, dtype=np.int64)
+
+    @property
+    def foot(self) -> Array:
+        """Ends (2, 2) m of the supported line, from the gauge side to the field side."""
+        line = self.section.points[self.section.clamped]
+        return line[[np.argmin(line[:, 0]), np.argmax(line[:, 0])]]
+
+    @cached_property
+    def matrices(self) -> tuple[Nodes, Nodes, tuple[Array, Array, Array]]:
+        U, V = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+        A0, A1, A2 = wavenumber_forms(U, V, *lame(self.steel.E, self.steel.nu), degree=self.degree)
+        first, last = self.foot
+        width = float(np.hypot(*(last - first)))
+        t = np.array([0.0, *(last - first) / width])
+        axes = np.array([[1.0, 0.0, 0.0], t, [0.0, -t[2], t[1]]])
+        per_area = axes.T @ np.diag(self.stiffness_per_length) @ axes / width
+        K = fem.Constant(self.mesh, per_area)
+        A0 += ufl.inner(K * U, V) * self._support(1)
+        (pointer, columns, values), (_, _, slope), (_, _, curvature) = (
+            compat.assemble_csr(fem.form(form)) for form in (A0, A1, A2)
+        )
+        return pointer.astype(np.int64), columns.astype(np.int64), (values, slope, curvature)
+
+    @property
+    def _support(self) -> ufl.Measure:
+        """Measure of the supported edges, which have the index 1."""
+        corners, clamped = cKDTree(self.section.points), self.section.clamped
+        facets = dmesh.locate_entities_boundary(self.mesh, 1, lambda x: clamped[corners.query(x[:2].T)[1]])
+        tags = dmesh.meshtags(self.mesh, 1, np.sort(facets), np.ones(len(facets), dtype=np.int32))
+        return ufl.Measure("ds", domain=self.mesh, subdomain_data=tags)
