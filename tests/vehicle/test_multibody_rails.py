@@ -18,10 +18,12 @@ from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.schema.files.vehicle_file import load_vehicle
+from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium, vehicle_equilibrium
 from wheelrail.vehicle.multibody.modes import critical_speed
-from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheel_forces
+from wheelrail.vehicle.multibody.simulate import simulate_vehicle
+from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -39,14 +41,14 @@ def dynamics(speed: float, *, track: Track | None = None, friction: float = 0.3)
 def in_curve(way: float) -> tuple[VehicleEquilibrium, list[WheelsetForces]]:
     curve = ConstantCurve(CURVE.speed, way * CURVE.curvature, CURVE.cant)
     solution = vehicle_equilibrium(dynamics(CURVE.speed, track=curve.track))
-    return solution, list(wheel_forces(solution.dynamics, solution.state, solution.contacts).values())
+    return solution, list(wheelset_forces(solution.dynamics, solution.state, solution.contacts).values())
 
 
 def test_wheel_loads_on_straight_track() -> None:
     """Equal within the pitch moments of rolling resistance and the force that keeps the speed."""
     solution = vehicle_equilibrium(dynamics(30.0))
     assert solution.residual < 1e-7
-    wheelsets = wheel_forces(solution.dynamics, solution.state, solution.contacts).values()
+    wheelsets = wheelset_forces(solution.dynamics, solution.state, solution.contacts).values()
     loads = np.array([[w.left.vertical, w.right.vertical] for w in wheelsets])
     assert loads == pytest.approx(54546.0525, abs=1.0)
     assert loads.sum() == pytest.approx(436368.42, abs=0.01)
@@ -106,3 +108,19 @@ def test_a_right_hand_curve_is_the_mirror_image() -> None:
     for a, b in zip(left_forces, right_forces, strict=True):
         assert a.left.guiding == pytest.approx(b.right.guiding, abs=1.0)
         assert a.right.vertical == pytest.approx(b.left.vertical, abs=1.0)
+
+
+def test_hunting_above_the_critical_speed_is_a_small_steady_cycle() -> None:
+    """70 m/s, bogies kicked sideways: amplitudes within 5 % of the bounds of the reference's last seconds."""
+    model = dynamics(70.0)
+    coordinates, state = model.coordinates, vehicle_equilibrium(model).state
+    for bogie, kick in (("front_bogie", 0.1), ("rear_bogie", 0.07)):
+        state[coordinates.count + coordinates.index(bogie, Y)] += kick  # m/s
+    run = simulate_vehicle(model, (0.0, 1.7), initial=state)
+    assert run.status == "completed"
+    late = run.time > 1.2
+    for wheelset, low, high in ((1, 0.21, 0.24), (2, 0.12, 0.14), (3, 0.21, 0.24), (4, 0.12, 0.14)):
+        amplitude = 1e3 * np.abs(run.coordinate(f"wheelset_{wheelset}", Y)[late]).max()
+        assert 0.95 * low < amplitude < 1.05 * high
+    lateral = np.abs(run.force[late, :, :, 1].sum(axis=2)).max()
+    assert 1e-3 * lateral == pytest.approx(1.4, abs=0.1)

@@ -9,4 +9,5 @@ from .vehicle import SpeedHold as SpeedHold
 from .vehicle import SuspensionElement as SuspensionElement
 from .vehicle import Vehicle as Vehicle
 from .vehicle import VehicleBody as VehicleBody
-from .wheel_forces import wheel_forces as wheel_forces
+from .wheel_forces import WheelsetForces as WheelsetForces
+from .wheel_forces import wheelset_forces as wheelset_forces

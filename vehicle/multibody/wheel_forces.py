@@ -84,7 +84,7 @@ class WheelsetForces:
         return self.left.vertical + self.right.vertical
 
 
-def wheel_forces(
+def wheelset_forces(
     dynamics: VehicleDynamics, state: Array, contacts: WheelContacts, time: float = 0.0
 ) -> dict[str, WheelsetForces]:
     """Forces by wheelset.
