@@ -92,7 +92,6 @@ MAY_IMPORT["scenes.schema"] = {
     "contact.laws",
     "contact.models",
     "meshes.profiles",
-    "vehicle.multibody",
     "vehicle.track",
     "vehicle.wagon",
     "support",

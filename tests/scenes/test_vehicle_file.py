@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from wheelrail.cli.main import app
+from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.files.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.vehicle.multibody.vehicle import SuspensionElement
 from wheelrail.vehicle.wagon.wagon import BOGIE, BUMPSTOP, CAR_BODY, PRIMARY, SECONDARY, WHEELSET
 

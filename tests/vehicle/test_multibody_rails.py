@@ -17,7 +17,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.scenes.schema.files.vehicle_file import load_vehicle
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium, vehicle_equilibrium

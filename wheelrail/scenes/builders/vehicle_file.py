@@ -11,15 +11,14 @@ from pydantic import AllowInfNan, Field, Strict, ValidationError
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.example_scenes import FOLDER
-from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.messages import entry_message, validation_error
 from wheelrail.scenes.schema.tables import SceneTable
+from wheelrail.scenes.schema.toml import parse, read_text
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.multibody.vehicle import Laws, SuspensionElement, Vehicle
 
-MANCHESTER = FOLDER / "manchester_vehicle.toml"
+MANCHESTER = Path(__file__).parents[1] / "examples" / "manchester_vehicle.toml"
 
 Mass = Annotated[q.Finite, q.Range(1.0, 1e6, "kg")]
 Inertia = Annotated[q.Finite, q.Range(1.0, 1e9, "kg m2")]

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.runs.steady import curve_of, failures_as_run_failed
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
-from wheelrail.scenes.schema.files.vehicle_file import load_vehicle
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.number_text import fixed, significant
 
