@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
+from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.runs.steady import curve_of, failures_as_run_failed
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import RunScene
-from wheelrail.support.number_text import fixed, significant
 
 if TYPE_CHECKING:
     from rich.table import Table
