@@ -1,7 +1,8 @@
-"""Dynamics of a plane wagon on a track; any contact model can be used. Needs no dolfinx.
+"""Dynamics of railway vehicles on a track; any contact model can be used. Needs no dolfinx.
 
-`Wagon` and `Track` hold the data, `Dynamics` the equations of motion; `simulate` integrates them, `equilibrium`,
-`curving` and `modes` compute steady states and linear modes.
+`Wagon` and `Track` hold the data of a plane wagon, `Dynamics` the equations of motion; `simulate` integrates them,
+`equilibrium`, `curving` and `modes` compute steady states and linear modes. `multibody` has vehicles in three
+dimensions.
 """
 
 import lazy_loader

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from wheelrail.support.storage.cache import cached, digest
 
 from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.axle import GRADING, SPACING, AxleShape
 from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.support.arrays import Array
+from wheelrail.support.cache import cached, digest
 
 log = logging.getLogger(__name__)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from wheelrail.support.storage.cache import cached, digest
 
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
 from wheelrail.contact.laws.material import Material
@@ -13,6 +12,7 @@ from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.solids import Strip, body_key, rail_contact_range, section
 from wheelrail.meshes.bodies.triangulation import Grading
 from wheelrail.support.arrays import Array
+from wheelrail.support.cache import cached, digest
 
 SIZE = 2e-3  # m, of the surface's lines, over which the rigid motion is fitted
 GRADING = Grading(first=1.0, growth=0.4, largest=8e-3)

@@ -84,6 +84,15 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.steady.curving",
         "wheelrail.vehicle.steady.modes",
     ),
+    "Vehicle: three dimensions": (
+        "wheelrail.vehicle.multibody.vehicle",
+        "wheelrail.vehicle.multibody.equations",
+        "wheelrail.vehicle.multibody.equilibrium",
+        "wheelrail.vehicle.multibody.modes",
+        "wheelrail.vehicle.multibody.wheel_forces",
+        "wheelrail.vehicle.multibody.simulate",
+        "wheelrail.vehicle.multibody.energy",
+    ),
     "Vehicle: simulation": (
         "wheelrail.vehicle.simulation.simulate",
         "wheelrail.vehicle.simulation.history",
@@ -93,6 +102,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
     "Scenes": (
         "wheelrail.scenes.schema.scene",
         "wheelrail.scenes.schema.errors",
+        "wheelrail.scenes.builders.vehicle_file",
         "wheelrail.scenes.datasets.run",
         "wheelrail.scenes.datasets.netcdf",
         "wheelrail.scenes.html_report.write",

@@ -65,7 +65,7 @@ MAY_IMPORT |= {
     "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"}
     | {"contact.solvers", "contact.structure"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
-    "vehicle": {f"vehicle.{name}" for name in ("dynamics", "simulation", "steady", "track", "wagon")},
+    "vehicle": {f"vehicle.{name}" for name in ("dynamics", "multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
     "vehicle.integration": {"support"},
     "vehicle.track": {"contact.kinematics", "support"},
@@ -85,6 +85,7 @@ MAY_IMPORT |= {
     "vehicle.dynamics": _DRIVEN,
     "vehicle.steady": _DRIVEN | {"vehicle.dynamics"},
     "vehicle.simulation": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
+    "vehicle.multibody": _DRIVEN | {"vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
 _SCENES = ("schema", "builders", "datasets", "contacts", "plots", "runs", "views", "studies", "html_report")

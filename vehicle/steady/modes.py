@@ -24,17 +24,19 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 @dataclass(frozen=True)
 class Mode:
-    """A motion Re(shape exp(eigenvalue t)) of the ten coordinates.
+    """A motion Re(shape exp(eigenvalue t)) of n coordinates, the ten of the plane wagon by default.
 
     Parameters:
         eigenvalue: 1/s.
-        shape: (10,) m and rad.
-        energy_fraction: (10,) fraction of the kinetic energy in each coordinate.
+        shape: (n,) m and rad.
+        energy_fraction: (n,) fraction of the kinetic energy in each coordinate.
+        names: of the coordinates.
     """
 
     eigenvalue: complex
     shape: NDArray[np.complex128]
     energy_fraction: Array
+    names: tuple[str, ...] = COORDINATES
 
     @property
     def frequency(self) -> float:
@@ -55,7 +57,7 @@ class Mode:
     def main_coordinates(self) -> str:
         """Coordinates with at least a tenth of the kinetic energy, in descending order."""
         order = [i for i in np.argsort(-self.energy_fraction) if self.energy_fraction[i] >= 0.1]
-        return ", ".join(f"{COORDINATES[i]} {self.energy_fraction[i]:.0%}" for i in order)
+        return ", ".join(f"{self.names[i]} {self.energy_fraction[i]:.0%}" for i in order)
 
     def __str__(self) -> str:
         return f"{self.frequency:9.4g} Hz  damping {self.damping:7.4f}  {self.main_coordinates}"

@@ -1,4 +1,4 @@
-"""Commands for vehicle runs: track, run, compare, modes, curving."""
+"""Commands for vehicle runs: track, run, compare, modes, curving, equilibrium, critical."""
 
 from __future__ import annotations
 
@@ -8,13 +8,21 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_picture, error_lines, load_run, results_folder
+from wheelrail.cli.arguments import SceneFile, check_picture, error_lines, load_run, rejected, results_folder
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
 from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
 
 Speeds = Annotated[
     list[float] | None,
     typer.Option("--speed", metavar="V", min=0.1, max=200.0, help="Speed in m/s, repeatable; default: of the scene."),
+]
+
+VehicleFile = Annotated[
+    Path | None,
+    typer.Option("--vehicle", metavar="FILE", help="Vehicle file (TOML): this vehicle in three dimensions."),
+]
+NeededVehicleFile = Annotated[
+    Path, typer.Option("--vehicle", metavar="FILE", help="Vehicle file (TOML).", show_default=False)
 ]
 
 
@@ -92,23 +100,68 @@ def compare(
 
 
 @app.command()
-def modes(scene: SceneFile, speed: Speeds = None) -> None:
-    """Linear modes of the wagon on straight track with its contact: frequency, damping ratio, mode shape."""
+def modes(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -> None:
+    """Linear modes on straight track with the contact: frequency, damping ratio, mode shape.
+
+    Of the plane wagon of the scene, or of a vehicle file.
+    """
     checked = load_run(scene)
     from wheelrail.scenes.runs.steady import modes_of, modes_table
+    from wheelrail.scenes.runs.vehicle_steady import vehicle_modes_of
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
-        modes_by_speed = modes_of(checked, speeds)
+        modes_by_speed = modes_of(checked, speeds) if vehicle is None else vehicle_modes_of(checked, vehicle, speeds)
     print_results(*map(modes_table, modes_by_speed, speeds))
 
 
 @app.command()
-def curving(scene: SceneFile, speed: Speeds = None) -> None:
-    """Steady-state curving in the sharpest curve of a run: wheel loads, Y/Q, displacements, contact positions."""
-    checked = load_run(scene)
-    from wheelrail.scenes.runs.steady import curving_of, curving_table
+def curving(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -> None:
+    """Steady-state curving in the sharpest curve of a run: wheel loads, Y/Q, displacements, contact positions.
 
+    Of the plane wagon of the scene, or of all wheelsets of a vehicle file.
+    """
+    checked = load_run(scene)
+    from wheelrail.scenes.runs.steady import curve_of, curving_of, curving_table
+    from wheelrail.scenes.runs.vehicle_steady import bodies_table, curve_equilibria_of, wheelsets_table
+
+    speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
-        states = curving_of(checked, speed or [checked.vehicle.first_speed])
-    print_results(curving_table(states))
+        if vehicle is None:
+            tables = [curving_table(curving_of(checked, speeds))]
+        else:
+            curve, states = curve_of(checked), curve_equilibria_of(checked, vehicle, speeds)
+            tables = [table for at in states for table in (wheelsets_table(at, curve), bodies_table(at))]
+    print_results(*tables)
+
+
+@app.command()
+def equilibrium(scene: SceneFile, vehicle: NeededVehicleFile, speed: Speeds = None) -> None:
+    """Equilibrium of a vehicle in three dimensions on straight track: wheel loads, attitude of all bodies."""
+    checked = load_run(scene)
+    from wheelrail.scenes.runs.vehicle_steady import bodies_table, straight_equilibria_of, wheelsets_table
+
+    speeds = speed or [checked.vehicle.first_speed]
+    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
+        states = straight_equilibria_of(checked, vehicle, speeds)
+    print_results(*(table for at in states for table in (wheelsets_table(at), bodies_table(at))))
+
+
+@app.command()
+def critical(
+    scene: SceneFile,
+    vehicle: NeededVehicleFile,
+    lowest: Annotated[float, typer.Option("--from", metavar="V", min=1.0, max=200.0, help="Lowest speed, m/s.")] = 20.0,
+    highest: Annotated[
+        float, typer.Option("--to", metavar="V", min=1.0, max=200.0, help="Highest speed, m/s.")
+    ] = 100.0,
+) -> None:
+    """Linear critical speed of a vehicle in three dimensions on straight track, with frequency and mode."""
+    checked = load_run(scene)
+    if not lowest < highest:
+        raise rejected(f"--from {lowest:g}: must be less than --to {highest:g}")
+    from wheelrail.scenes.runs.vehicle_steady import critical_speed_lines, critical_speed_of
+
+    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("modes over speed"):
+        found = critical_speed_of(checked, vehicle, (lowest, highest))
+    print_results(*critical_speed_lines(found, (lowest, highest)))

@@ -34,7 +34,7 @@ def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
     from wheelrail.vehicle.track.track import Track
 
     vehicle, contact = wagon(scene), wheelset_contact(scene)
-    with _failures_as_run_failed():
+    with failures_as_run_failed():
         return [modes(Dynamics(vehicle, Track(), contact, speed)) for speed in speeds]
 
 
@@ -58,12 +58,13 @@ def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[SteadyCurving]:
     from wheelrail.vehicle.steady.curving import curving_over
 
     curve, contact = curve_of(scene), wheelset_contact(scene)
-    with _failures_as_run_failed():
+    with failures_as_run_failed():
         return curving_over(wagon(scene), contact, [replace(curve, speed=speed) for speed in speeds])
 
 
 @contextmanager
-def _failures_as_run_failed() -> Iterator[None]:
+def failures_as_run_failed() -> Iterator[None]:
+    """Raise RunFailed for an equilibrium that is not found and for a contact that fails."""
     from wheelrail.vehicle.integration.problem import StepFailure
     from wheelrail.vehicle.steady.equilibrium import EquilibriumError
 

@@ -1,0 +1,41 @@
+"""A contact with linear springs and creep forces, whose point stays at a place on the axle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+
+
+@dataclass(frozen=True)
+class LinearCreep(VehicleContact):
+    """Wheel radius r0 + conicity y outwards; vertical spring; forces -c11 and -c22 times creepage; lateral spring."""
+
+    radius: float = 0.46
+    wheel_y: float = 0.75
+    conicity: float = 0.15
+    load: float = 54546.0
+    vertical: float = 2.0e8
+    longitudinal_creep: float = 9.0e6
+    lateral_creep: float = 8.0e6
+    lateral: float = 2.0e5
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        sign = 1.0 if side == "left" else -1.0
+        axle = state.rotation[:, 1]
+        centre = np.array([0.0, state.y, self.radius + state.z])
+        arm = sign * self.wheel_y * axle
+        load = self.load - self.vertical * (centre[2] + arm[2] - self.radius)
+        arm = arm - [0.0, 0.0, self.radius + self.conicity * sign * state.y]
+        rotation = state.roll_rate * state.nodes + state.pitch_rate * axle + [0.0, 0.0, state.yaw_rate]
+        wheel = np.array([0.0, state.y_rate, state.z_rate]) + np.cross(rotation, arm)
+        rail = -np.array([state.speed, 0.0, 0.0]) - np.cross(state.frame_rate, centre + arm)
+        creepage = (wheel - rail) / state.speed
+        lateral = -self.lateral_creep * creepage[1] - self.lateral * state.y
+        force = np.array([-self.longitudinal_creep * creepage[0], lateral, load])
+        return ContactResult(force, np.cross(arm, force), status="converged")

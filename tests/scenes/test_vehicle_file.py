@@ -1,0 +1,122 @@
+"""Vehicle files, and the commands that use them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from wheelrail.cli.main import app
+from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.vehicle.multibody.vehicle import SuspensionElement
+from wheelrail.vehicle.wagon.wagon import BOGIE, BUMPSTOP, CAR_BODY, PRIMARY, SECONDARY, WHEELSET
+
+SCENE = Path(__file__).parents[2] / "scenes" / "vehicle.toml"
+TEXT = MANCHESTER.read_text(encoding="utf-8")
+
+TWO_AXLES = """
+bodies.frame = { mass = 20e3, inertia = [3e4, 4e5, 4e5], x = 0.0, height = 1.2 }
+bodies.front = { type = "axle", x = 4.0 }
+bodies.rear = { type = "axle", x = -4.0 }
+body_types.axle = { mass = 1500.0, inertia = [900.0, 100.0, 900.0], height = 0.46, wheelset = true }
+element_types.box = { upper = "frame", stiffness = [1e7, 4e6, [[-0.1, -1e5], [0.0, 0.0], [0.1, 2e5]]], turn = 1.0 }
+elements.front = { type = "box", lower = "front", points = [[4.0, 1.0, 0.46], [4.0, -1.0, 0.46]] }
+elements.rear = { type = "box", lower = "rear", points = [[-4.0, 1.0, 0.46], [-4.0, -1.0, 0.46]] }
+elements.damper = { upper = "frame", lower = "rear", points = [[-4.0, 0.0, 0.46]], damping = [0.0, 2e4, 0.0], \
+series_stiffness = [inf, 5e6, inf] }
+"""
+
+
+def test_the_benchmark_vehicle_has_the_data_of_the_wagon() -> None:
+    """The same masses, inertias, heights, springs, dampers and bumpstop as the plane model's whole vehicle."""
+    vehicle = load_vehicle()
+    for name, body in (("car_body", CAR_BODY), ("rear_bogie", BOGIE), ("wheelset_3", WHEELSET)):
+        own = vehicle.bodies[name]
+        assert (own.mass, own.height) == (body.mass, body.height)
+        assert own.inertia == (body.roll_inertia, body.pitch_inertia, body.yaw_inertia)
+    for name, stage in (("primary_4_2", PRIMARY), ("front_secondary_1", SECONDARY)):
+        element = vehicle.elements[name]
+        assert element.stiffness[1:] == (stage.lateral_stiffness, stage.vertical_stiffness)
+        assert element.damping[1:] == (stage.lateral_damping, stage.vertical_damping)
+        assert (abs(element.point[1]), element.point[2]) == (stage.spring_y, stage.spring_height)
+    assert vehicle.elements["rear_bumpstop"].stiffness == (0.0, BUMPSTOP, 0.0)
+    assert vehicle.weight == pytest.approx(436368.42)
+    assert len(vehicle.elements) == 16
+
+
+def test_another_vehicle(tmp_path: Path) -> None:
+    file = tmp_path / "two_axles.toml"
+    file.write_text(TWO_AXLES, encoding="utf-8")
+    vehicle = load_vehicle(file)
+    assert vehicle.wheelsets == ("front", "rear")
+    damper = vehicle.elements["damper"]
+    assert isinstance(damper, SuspensionElement)
+    assert damper.series_stiffness[1] == 5e6
+    assert vehicle.speed_hold is None
+
+
+def replaced(old: str, new: str) -> Callable[[str], str]:
+    return lambda text: text.replace(old, new, 1)
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (replaced("mass = 32000.0", "mass = -1.0"), "bodies.car_body.mass = -1.0: must be a number from 1 to 1e+06 kg"),
+        (
+            replaced('type = "bogie", x = 9.5', 'type = "bogy", x = 9.5'),
+            "bodies.front_bogie.type = 'bogy': must be one",
+        ),
+        (
+            replaced('lower = "wheelset_1"', 'lower = "wheelset_9"'),
+            'elements.primary_1_1.lower: missing: no body "wheel',
+        ),
+        (replaced("turn = 1.0", "turn = 2.0"), "elements.primary_1.turn = 2.0: must be a number from 0 to 1"),
+        (replaced('body = "car_body"', 'body = "engine"'), 'speed_hold.body = "engine": must be one of car_body'),
+        (replaced("[0.025, 0.0]", "[0.025, -5.0]"), "elements.front_bumpstop.stiffness = "),
+        (replaced("damping = [0.0, 32e3, 20e3]", "dampings = [0.0]"), "unknown key; did you mean elements.front_secon"),
+        (
+            lambda text: text.replace("9.5, -1.0, 0.8275", "9.5, 1.0, 0.8275"),
+            "bodies.car_body: must be carried by vert",
+        ),
+        (lambda text: "[bodies]", "elements: missing"),
+    ],
+)
+def test_what_is_wrong_is_named(edit: Callable[[str], str], message: str, tmp_path: Path) -> None:
+    file = tmp_path / "vehicle.toml"
+    assert edit(TEXT) != TEXT
+    file.write_text(edit(TEXT), encoding="utf-8")
+    with pytest.raises(SceneError) as error:
+        load_vehicle(file)
+    assert str(error.value).startswith(str(file))
+    assert message in str(error.value)
+
+
+def wheelrail(*arguments: str) -> str:
+    outcome = CliRunner().invoke(app, [*arguments[:1], str(SCENE), "--vehicle", str(MANCHESTER), *arguments[1:]])
+    assert outcome.exit_code == 0, outcome.stderr
+    return outcome.stdout
+
+
+def test_commands() -> None:
+    curving = wheelrail("curving")
+    assert "wheelset_4" in curving
+    assert "47.22  62.44" in curving
+    assert "63.73 m/s" in wheelrail("critical", "--from", "60", "--to", "66")
+    assert "no linear critical speed from 40 m/s to 45 m/s" in wheelrail("critical", "--from", "40", "--to", "45")
+    assert "54.55  54.55" in wheelrail("equilibrium", "--speed", "30")
+    assert "Linear modes on straight track at 30 m/s" in wheelrail("modes", "--speed", "30")
+
+
+def test_invalid_arguments_of_commands(tmp_path: Path) -> None:
+    swapped = ["critical", str(SCENE), "--vehicle", str(MANCHESTER), "--from", "50", "--to", "40"]
+    outcome = CliRunner().invoke(app, swapped)
+    assert (outcome.exit_code, outcome.stderr) == (2, "--from 50: must be less than --to 40\n")
+    file = tmp_path / "small.toml"
+    file.write_text(TEXT.replace("height = 0.46 ", "height = 0.42 "), encoding="utf-8")
+    outcome = CliRunner().invoke(app, ["equilibrium", str(SCENE), "--vehicle", str(file)])
+    assert outcome.exit_code == 2
+    assert "bodies.wheelset_1.height = 0.42: must be 0.46 m, wheelset.radius of the scene" in outcome.stderr

@@ -1,0 +1,252 @@
+"""The vehicle in three dimensions: loads, modes, energy, and runs against Exudyn and closed forms."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from linear_creep import LinearCreep
+from scipy.linalg import eigvals
+from scipy.optimize import brentq
+
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
+from wheelrail.vehicle.integration.integrate import StepSettings, integrate
+from wheelrail.vehicle.multibody.coordinates import PITCH
+from wheelrail.vehicle.multibody.energy import mechanical_energy, power
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
+from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
+from wheelrail.vehicle.multibody.modes import critical_speed, held_wheelset_modes, vehicle_modes
+from wheelrail.vehicle.multibody.simulate import simulate_vehicle
+from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SpeedHold, SuspensionElement, Vehicle, VehicleBody
+from wheelrail.vehicle.steady.equilibrium import EquilibriumError
+from wheelrail.vehicle.steady.modes import fixed_wheelset_modes
+from wheelrail.vehicle.track.alignment import Segment
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
+from wheelrail.vehicle.track.section_poses import TrackSections
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
+from wheelrail.vehicle.track.track import Track, centre_line
+from wheelrail.vehicle.wagon.wagon import Wagon
+
+EXUDYN = json.loads(Path(__file__).with_name("exudyn_vehicle.json").read_text(encoding="utf-8"))
+
+
+@cache
+def manchester() -> Vehicle:
+    return load_vehicle()
+
+
+def with_turn(vehicle: Vehicle, turn: float) -> Vehicle:
+    return replace(vehicle, elements={name: replace(e, turn=turn) for name, e in vehicle.elements.items()})
+
+
+def test_track_sections_are_the_frames_and_the_centre_line_of_the_track() -> None:
+    segments = [Segment("tangent", 40.0, gradient=0.0), Segment("transition", 100.0, shape="clothoid")]
+    segments += [Segment("arc", 200.0, 1 / 600, 0.1, gradient=0.01, vertical_radius=2000.0)]
+    track = Track.of(segments)
+    sections, (stations, points) = TrackSections(track), centre_line(track, 340.0)
+    for reference in (40.0, 100.0, 141.0, 200.0):
+        s = np.linspace(reference - 30.0, reference + 30.0, 61)
+        poses = sections.at(s, reference)
+        frames = [track.frame(x, 1.0) for x in s.tolist()]
+        np.testing.assert_allclose(poses.rate, [f.rate for f in frames], atol=1e-15)
+        np.testing.assert_allclose(poses.rate_slope, [f.rate_dot for f in frames], atol=1e-14)
+        np.testing.assert_allclose(-poses.axes[:, 2], [f.down for f in frames], atol=1e-14)
+        heading = track.heading(reference)
+        level = np.array([[np.cos(heading), np.sin(heading), 0], [-np.sin(heading), np.cos(heading), 0], [0, 0, 1]])
+        line = points[np.isin(stations, s)] - points[np.isclose(stations, reference)]
+        np.testing.assert_allclose(poses.position, line @ level.T, atol=2e-11)
+
+
+def test_static_loads_of_the_benchmark_vehicle() -> None:
+    """A quarter of the car body on each secondary spring; an eighth of it and of two bogies on each primary spring."""
+    dynamics = VehicleDynamics(manchester(), Track(), LinearCreep(), 30.0)
+    np.testing.assert_allclose(dynamics.suspension.static_loads[:8], 45653.2875, rtol=1e-12)
+    np.testing.assert_allclose(dynamics.suspension.static_loads[8:12], 78480.0, rtol=1e-12)
+    wrenches = np.zeros((4, 6))
+    wrenches[:, 2] = 2 * 54546.0525
+    assert np.abs(dynamics.accelerations(0.0, np.zeros(dynamics.size), wrenches)).max() < 1e-9
+
+
+def test_held_wheelsets_have_the_modes_of_the_plane_wagon() -> None:
+    """Where both bogies move alike: sway and bounce of the car body, bounce, roll and lateral motion of the bogies."""
+    dynamics = VehicleDynamics(with_turn(manchester(), 0.0), Track(), LinearCreep(), 30.0)
+    whole = np.array([mode.eigenvalue for mode in held_wheelset_modes(dynamics)])
+    plane = np.array([mode.eigenvalue for mode in fixed_wheelset_modes(Wagon())])
+    nearest = whole[np.abs(whole[:, None] - plane).argmin(axis=0)]
+    np.testing.assert_allclose(nearest, plane, rtol=3e-6)
+    assert len(plane) == 6
+
+
+@pytest.mark.parametrize("kind", ["straight", "circle"])
+def test_runs_are_those_of_exudyn(kind: str) -> None:
+    """Random start, 0.05 s, without a force that keeps the speed; in the circle both bumpstops are compressed."""
+    case = EXUDYN[kind]
+    track = ConstantCurve(case["speed"], 1 / case["radius"], 0.1).track if case["radius"] else Track()
+    dynamics = VehicleDynamics(replace(manchester(), speed_hold=None), track, LinearCreep(), case["speed"])
+    settings = StepSettings("ode45", rtol=1e-7, atol=1e-10)
+    *_, last = integrate(dynamics, 0.0, np.array(case["initial"]), case["time"][0], settings)
+    position = last.x[:42].reshape(7, 6).copy()
+    position[3:, PITCH] = 0.0
+    np.testing.assert_allclose(position, case["position"][0], rtol=0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize("series", [False, True])
+def test_energy_changes_by_the_power_of_contacts_dampers_and_speed_hold(series: bool) -> None:
+    """In a transition with cant while the speed changes, at random states."""
+    vehicle = manchester()
+    if series:
+        stiff = {
+            name: replace(e, series_stiffness=(6e6, 6e6, 6e6)) if min(e.damping) > 0.0 else e
+            for name, e in vehicle.elements.items()
+        }
+        vehicle = replace(vehicle, elements=stiff)
+    track = Track.of([Segment("transition", 60.0), Segment("arc", 200.0, 1 / 300, 0.1)])
+    dynamics = VehicleDynamics(vehicle, track, LinearCreep(), SpeedProfile.through((0.0, 2.0), (10.0, 30.0)))
+    random, size = np.random.default_rng(3), dynamics.size
+    assert (size > 84) == series
+    scale = np.concatenate([np.full(42, 1e-2), np.full(42, 0.1), np.full(size - 84, 1e-3)])
+    for time in (1.0, 1.5, 1.8):
+        state = scale * random.normal(size=size)
+        wrenches = wheelset_wrenches(dynamics.solve_contacts(time, state, None))
+        rate = np.concatenate([state[42:84], dynamics.accelerations(time, state, wrenches)])
+        h = 3e-6
+        after, before = (mechanical_energy(dynamics, time + d, state + d * rate) for d in (h, -h))
+        powers = power(dynamics, time, state, wrenches)
+        assert (after - before) / (2 * h) == pytest.approx(sum(powers), abs=3e-8 * sum(map(abs, powers)))
+        assert powers.dampers < 0.0
+
+
+WHEELSET = VehicleBody(1800.0, (1100.0, 110.0, 1100.0), 0.0, 0.46, wheelset=True)
+SPRINGS = (4e6, 3e6, 1e6)  # N/m at each axle box
+VERTICAL_DAMPING = 1e4  # N s/m at each axle box
+
+
+def suspended(stiffness: tuple[float, float, float] = SPRINGS) -> Vehicle:
+    """One wheelset below a frame so heavy that it stays at rest; hardly any gravity."""
+    frame = VehicleBody(1e9, (1e9, 1e9, 1e9), 0.0, 0.6)
+    boxes = {
+        name: SuspensionElement("frame", "wheelset", (0.0, y, 0.46), stiffness, (0.0, 0.0, VERTICAL_DAMPING), turn=1.0)
+        for name, y in (("left", 1.0), ("right", -1.0))
+    }
+    steady = {
+        name: SuspensionElement("frame", "wheelset", (x, 0.0, 0.46), (0.0, 0.0, 1e-3), turn=1.0)
+        for name, x in (("before", 1.0), ("behind", -1.0))
+    }
+    return Vehicle({"frame": frame, "wheelset": WHEELSET}, boxes | steady, {}, SpeedHold("frame"), gravity=1e-6)
+
+
+def suspended_dynamics(speed: float, stiffness: tuple[float, float, float] = SPRINGS) -> VehicleDynamics:
+    vehicle = suspended(stiffness)
+    return VehicleDynamics(vehicle, Track(), LinearCreep(load=vehicle.mean_wheel_load, lateral=0.0), speed)
+
+
+def closed_form(speed: float, stiffness: tuple[float, float, float] = SPRINGS) -> np.ndarray:
+    """Eigenvalues of y, roll and yaw of a wheelset with linear creep on conical wheels, with its gyroscopic moments."""
+    c, r, b = LinearCreep(), 0.46, 0.75
+    kx, ky, kz = stiffness
+    along, across = 2 * c.longitudinal_creep, 2 * c.lateral_creep
+    turns = WHEELSET.inertia[1] * speed / r
+    damping = np.array(
+        [
+            [across / speed, across * r / speed, 0.0],
+            [across * r / speed, across * r**2 / speed + 2 * VERTICAL_DAMPING, -turns],
+            [0.0, turns, along * b**2 / speed],
+        ]
+    )
+    springs = np.array(
+        [
+            [2 * ky, 0.0, -across],
+            [0.0, 2 * c.vertical * b**2 + 2 * kz, -across * r],
+            [along * b * c.conicity / r, 0.0, 2 * kx],
+        ]
+    )
+    mass = np.diag([WHEELSET.mass, WHEELSET.inertia[0], WHEELSET.inertia[2]])
+    one, zero = np.eye(3), np.zeros((3, 3))
+    return eigvals(np.block([[zero, one], [-springs, -damping]]), np.block([[one, zero], [zero, mass]]))
+
+
+def test_a_suspended_wheelset_has_the_eigenvalues_of_the_closed_form() -> None:
+    for speed in (20.0, 60.0):
+        found = np.array([mode.eigenvalue for mode in vehicle_modes(suspended_dynamics(speed))])
+        expected = closed_form(speed)
+        expected = expected[expected.imag >= 0.0]
+        nearest = found[np.abs(found[:, None] - expected).argmin(axis=0)]
+        np.testing.assert_allclose(nearest, expected, rtol=2e-5)
+
+
+def test_critical_speed_of_a_suspended_wheelset() -> None:
+    growth = brentq(lambda v: max(x.real for x in closed_form(v) if x.imag > 5.0), 20.0, 150.0, xtol=1e-9)
+    found = critical_speed(suspended_dynamics(10.0), (20.0, 150.0), interval=40.0)
+    assert found is not None
+    assert found.speed == pytest.approx(growth, abs=0.02)
+    assert critical_speed(suspended_dynamics(10.0), (0.3 * growth, 0.6 * growth), interval=100.0) is None
+
+
+def test_a_free_wheelset_follows_klingels_wavelength() -> None:
+    """2 pi sqrt(b r / conicity), of a slow wheelset that is hardly held."""
+    found = vehicle_modes(suspended_dynamics(1.0, (1.0, 1.0, 1e6)))
+    wavelength = 2 * np.pi * np.sqrt(0.75 * 0.46 / 0.15)
+    slow = [m for m in found if m.oscillates and m.energy_fraction[6:].sum() > 0.9 and m.frequency < 1.0]
+    assert [1.0 / m.frequency for m in slow] == pytest.approx([wavelength], rel=2e-3)
+
+
+def test_a_run_keeps_its_equilibrium_and_its_energy_balance() -> None:
+    """A kicked bogie: the energy changes by the work of contacts, dampers and speed hold, by the trapezoidal rule."""
+    dynamics = VehicleDynamics(manchester(), Track(), LinearCreep(), 30.0)
+    rest = vehicle_equilibrium(dynamics).state
+    still = simulate_vehicle(dynamics, (0.0, 0.1), initial=rest)
+    angles = dynamics.coordinates.rolling_angles
+    assert np.abs(np.delete(still.state - rest, angles, axis=1)).max() < 1e-7
+    kicked = rest.copy()
+    kicked[42 + 6 + 1] = 0.1  # lateral rate of the front bogie, m/s
+    run = simulate_vehicle(dynamics, (0.0, 0.3), initial=kicked, rtol=1e-5, atol=1e-8)
+    assert run.status == "completed"
+    energy = [mechanical_energy(dynamics, t, x) for t, x in zip(run.time.tolist(), run.state, strict=True)]
+    powers = [
+        sum(power(dynamics, t, x, wheelset_wrenches(dynamics.solve_contacts(t, x, None))))
+        for t, x in zip(run.time.tolist(), run.state, strict=True)
+    ]
+    work = (0.5 * (np.array(powers[1:]) + powers[:-1]) * np.diff(run.time)).sum()
+    assert energy[-1] - energy[0] == pytest.approx(work, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda v: replace(v, bodies={"car_body": v.bodies["car_body"]}), "bodies: one of them at least"),
+        (lambda v: replace(v, elements={}), "bodies.car_body: must be connected to a wheelset"),
+        (lambda v: replace(v, bodies=v.bodies | {"car_body": replace(v.bodies["car_body"], mass=-1.0)}), "mass"),
+        (lambda v: replace(v, gravity=0.0), "gravity: must be positive"),
+        (lambda v: replace(v, speed_hold=SpeedHold("engine")), "speed_hold.body"),
+        (
+            lambda v: replace(
+                v, elements=v.elements | {"rod": SuspensionElement("car_body", "bogie", (0.0, 0.0, 1.0))}
+            ),
+            'elements.rod.lower: no body "bogie"',
+        ),
+        (
+            lambda v: replace(v, elements=v.elements | {"rod": SuspensionElement("wheelset_1", "car_body", (0, 0, 1))}),
+            "elements.rod.upper: must not be a wheelset",
+        ),
+    ],
+)
+def test_invalid_vehicles(change, message: str) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InvalidVehicle, match=message):
+        change(manchester())
+
+
+def test_a_body_without_vertical_springs_is_refused() -> None:
+    vehicle = manchester()
+    weak = {name: e for name, e in vehicle.elements.items() if not name.startswith("front_secondary")}
+    with pytest.raises(InvalidVehicle, match=r"bodies\.car_body: must be carried by vertical springs"):
+        VehicleDynamics(replace(vehicle, elements=weak), Track(), LinearCreep(), 30.0)
+
+
+def test_without_a_speed_hold_there_is_no_equilibrium() -> None:
+    coasting = VehicleDynamics(replace(manchester(), speed_hold=None), Track(), LinearCreep(), 30.0)
+    with pytest.raises(EquilibriumError, match="speed_hold"):
+        vehicle_equilibrium(coasting)

@@ -1,0 +1,126 @@
+"""Manchester benchmark vehicle 1 on S1002 wheels and 60E1 rails by the standard contact.
+
+Reference figures are those of a program written before this one, with the contact in another program text: the same
+vehicle in a single compiled function, absolute positions by a table of the centre line. It agreed with Exudyn, too.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
+from wheelrail.contact.kinematics.wheelset_state import Mounting
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.standard.model import StandardContact
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
+from wheelrail.vehicle.multibody.coordinates import Y
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium, vehicle_equilibrium
+from wheelrail.vehicle.multibody.modes import critical_speed
+from wheelrail.vehicle.multibody.simulate import simulate_vehicle
+from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
+from wheelrail.vehicle.track.track import Track
+
+CURVE = ConstantCurve(speed=25.0, curvature=1 / 600, cant=0.1)
+
+
+def dynamics(speed: float, *, track: Track | None = None, friction: float = 0.3) -> VehicleDynamics:
+    wheel, rail = named_profile("S1002"), named_profile("60E1").inclined(0.025)
+    model = StandardContact(RigidWheelRail(wheel, rail, 0.46), ContactLaws(friction=friction))
+    contact = WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
+    return VehicleDynamics(load_vehicle(), track or Track(), contact, speed)
+
+
+@cache
+def in_curve(way: float) -> tuple[VehicleEquilibrium, list[WheelsetForces]]:
+    curve = ConstantCurve(CURVE.speed, way * CURVE.curvature, CURVE.cant)
+    solution = vehicle_equilibrium(dynamics(CURVE.speed, track=curve.track))
+    return solution, list(wheelset_forces(solution.dynamics, solution.state, solution.contacts).values())
+
+
+def test_wheel_loads_on_straight_track() -> None:
+    """Equal within the pitch moments of rolling resistance and the force that keeps the speed."""
+    solution = vehicle_equilibrium(dynamics(30.0))
+    assert solution.residual < 1e-7
+    wheelsets = wheelset_forces(solution.dynamics, solution.state, solution.contacts).values()
+    loads = np.array([[w.left.vertical, w.right.vertical] for w in wheelsets])
+    assert loads == pytest.approx(54546.0525, abs=1.0)
+    assert loads.sum() == pytest.approx(436368.42, abs=0.01)
+    positions = solution.state[:42].reshape(7, 6)
+    assert 1e3 * positions[3:, 2] == pytest.approx(-0.2276, abs=2e-4)
+
+
+@pytest.mark.parametrize(("friction", "speed", "frequency"), [(0.3, 63.73, 6.200), (0.4, 62.57, 6.256)])
+def test_critical_speed(friction: float, speed: float, frequency: float) -> None:
+    found = critical_speed(dynamics(speed, friction=friction), (60.0, 66.0))
+    assert found is not None
+    assert found.speed == pytest.approx(speed, abs=0.05)
+    assert found.mode.frequency == pytest.approx(frequency, abs=0.01)
+    lateral = [n.endswith(("_y", "_yaw")) for n in found.mode.names]
+    assert found.mode.energy_fraction[lateral].sum() > 0.9
+
+
+# y mm, yaw mrad; Q, Y kN left and right; longitudinal force kN left and right; T gamma N left and right
+TABLE = [
+    [-6.020, -3.585, 47.22, 62.44, 9.75, 12.91, -10.68, 10.47, 72.4, 111.1],
+    [-1.358, 0.294, 48.56, 61.04, -2.07, 3.39, 5.44, -5.44, 4.1, 4.7],
+    [-5.864, -3.326, 48.33, 61.29, 10.35, 10.21, -10.55, 10.36, 66.0, 101.7],
+    [-1.036, 0.530, 47.69, 61.91, -3.56, 5.09, 6.47, -6.47, 7.2, 7.5],
+]
+ALLOWED = [0.002, 0.002, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02, 0.2, 0.2]
+
+
+def row(w: WheelsetForces) -> list[float]:
+    wheels = (w.left, w.right)
+    forces = [1e-3 * f for f in (*(x.vertical for x in wheels), *(x.guiding for x in wheels))]
+    return [1e3 * w.y, 1e3 * w.yaw, *forces, *(1e-3 * x.longitudinal for x in wheels), *(x.wear_number for x in wheels)]
+
+
+def test_steady_curve_of_600_m() -> None:
+    solution, wheelsets = in_curve(1.0)
+    assert solution.residual < 1e-7
+    for w, expected in zip(wheelsets, TABLE, strict=True):
+        assert (np.abs(np.array(row(w)) - expected) < ALLOWED).all(), (row(w), expected)
+    position = solution.state[:42].reshape(7, 6)
+    assert 1e3 * position[0, 1] == pytest.approx(45.17, abs=0.02)
+    assert 1e3 * position[0, 3] == pytest.approx(6.111, abs=0.002)
+    assert 1e3 * position[1:3, 1] == pytest.approx([-3.140, -2.896], abs=0.002)
+    assert 1e3 * position[1:3, 5] == pytest.approx([-1.705, -1.443], abs=0.002)
+
+
+def test_lateral_forces_in_the_curve_carry_the_unbalanced_acceleration() -> None:
+    solution, wheelsets = in_curve(1.0)
+    mass = solution.dynamics.vehicle.weight / 9.81
+    total = sum(w.left.guiding - w.right.guiding for w in wheelsets)
+    assert total == pytest.approx(-mass * CURVE.unbalanced(), rel=1e-3)
+
+
+def test_a_right_hand_curve_is_the_mirror_image() -> None:
+    (left, left_forces), (right, right_forces) = in_curve(1.0), in_curve(-1.0)
+    mirror = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    np.testing.assert_allclose(right.state[:42].reshape(7, 6), mirror * left.state[:42].reshape(7, 6), atol=1e-9)
+    for a, b in zip(left_forces, right_forces, strict=True):
+        assert a.left.guiding == pytest.approx(b.right.guiding, abs=1.0)
+        assert a.right.vertical == pytest.approx(b.left.vertical, abs=1.0)
+
+
+def test_hunting_above_the_critical_speed_is_a_small_steady_cycle() -> None:
+    """70 m/s, bogies kicked sideways: amplitudes within 5 % of the bounds of the reference's last seconds."""
+    model = dynamics(70.0)
+    coordinates, state = model.coordinates, vehicle_equilibrium(model).state
+    for bogie, kick in (("front_bogie", 0.1), ("rear_bogie", 0.07)):
+        state[coordinates.count + coordinates.index(bogie, Y)] += kick  # m/s
+    run = simulate_vehicle(model, (0.0, 1.7), initial=state)
+    assert run.status == "completed"
+    late = run.time > 1.2
+    for wheelset, low, high in ((1, 0.21, 0.24), (2, 0.12, 0.14), (3, 0.21, 0.24), (4, 0.12, 0.14)):
+        amplitude = 1e3 * np.abs(run.coordinate(f"wheelset_{wheelset}", Y)[late]).max()
+        assert 0.95 * low < amplitude < 1.05 * high
+    lateral = np.abs(run.force[late, :, :, 1].sum(axis=2)).max()
+    assert 1e-3 * lateral == pytest.approx(1.4, abs=0.1)

@@ -1,0 +1,13 @@
+from .equations import VehicleDynamics as VehicleDynamics
+from .equilibrium import vehicle_equilibrium as vehicle_equilibrium
+from .modes import critical_speed as critical_speed
+from .modes import modes_over_speed as modes_over_speed
+from .modes import vehicle_modes as vehicle_modes
+from .simulate import simulate_vehicle as simulate_vehicle
+from .vehicle import RotationalSpring as RotationalSpring
+from .vehicle import SpeedHold as SpeedHold
+from .vehicle import SuspensionElement as SuspensionElement
+from .vehicle import Vehicle as Vehicle
+from .vehicle import VehicleBody as VehicleBody
+from .wheel_forces import WheelsetForces as WheelsetForces
+from .wheel_forces import wheelset_forces as wheelset_forces

@@ -1,0 +1,246 @@
+"""Equations of motion of a vehicle of rigid bodies on a track."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.element.contact_element import ContactElement
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.wheelset_state import RailShift, WheelsetState
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.multibody.body_motion import BodyKinematics, BodyMotion
+from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Coordinates, X, Y, Z
+from wheelrail.vehicle.multibody.rotations import cross, rotate, rotate_back
+from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
+from wheelrail.vehicle.multibody.vehicle import Vehicle
+from wheelrail.vehicle.track.section_poses import TrackSections
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
+from wheelrail.vehicle.track.track import Track
+
+WheelContacts = Mapping[str, Mapping[Side, ContactResult]]  # by wheelset and side
+
+
+@dataclass(frozen=True)
+class VehicleEvaluation:
+    """Result of one evaluation of the equations of motion.
+
+    Parameters:
+        rate: (2 c + m,) time derivative of the state.
+        contacts: results by wheelset and side.
+    """
+
+    rate: Array
+    contacts: WheelContacts
+
+
+@dataclass(frozen=True)
+class VehicleDynamics:
+    """Equations of motion of a vehicle on a track.
+
+    Parameters:
+        vehicle: bodies and suspension.
+        track: alignment and irregularities.
+        contact: model of the wheel-rail contacts, the same for all wheelsets.
+        speed: of the reference motion along the track, constant, m/s, or a `SpeedProfile`.
+
+    Each body is described in the track frame at its own distance along the track. Raises ValueError for a speed that is
+    not positive and finite, InvalidVehicle for a body that the vertical springs cannot carry.
+    """
+
+    vehicle: Vehicle
+    track: Track
+    contact: VehicleContact
+    speed: float | SpeedProfile
+
+    def __post_init__(self) -> None:
+        _ = self.speed_profile, self.suspension.static_loads  # validates both
+
+    @cached_property
+    def speed_profile(self) -> SpeedProfile:
+        return SpeedProfile.of(self.speed)
+
+    @cached_property
+    def coordinates(self) -> Coordinates:
+        return Coordinates(self.vehicle)
+
+    @cached_property
+    def kinematics(self) -> BodyKinematics:
+        return BodyKinematics(self.coordinates, TrackSections(self.track))
+
+    @cached_property
+    def suspension(self) -> SuspensionForces:
+        return SuspensionForces(self.coordinates)
+
+    @cached_property
+    def element(self) -> ContactElement[WheelsetState, Side]:
+        """Both contacts of a wheelset."""
+        return ContactElement(self.contact, SIDES)
+
+    @cached_property
+    def mass(self) -> Array:
+        return np.array([body.mass for body in self.vehicle.bodies.values()])
+
+    @cached_property
+    def inertia(self) -> Array:
+        """(n, 3) kg m2."""
+        return np.array([body.inertia for body in self.vehicle.bodies.values()])
+
+    @property
+    def size(self) -> int:
+        """Length of a state."""
+        return self.coordinates.size
+
+    def __call__(self, time: float, state: Array, previous: VehicleEvaluation | None = None) -> VehicleEvaluation:
+        """Time derivative of the state.
+
+        Parameters:
+            time: s.
+            state: (2 c + m,), see `wheelrail.vehicle.multibody.coordinates`.
+            previous: evaluation whose contact results are the initial guess of the contact solves.
+
+        Raises StepFailure when a contact solve fails.
+        """
+        contacts = self.solve_contacts(time, state, previous.contacts if previous else None)
+        accelerations = self.accelerations(time, state, wheelset_wrenches(contacts))
+        c = self.coordinates.count
+        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts)
+
+    def wheelset_states(self, time: float, state: Array) -> dict[str, WheelsetState]:
+        """State of each wheelset in the track frame at its own distance."""
+        travel = self.speed_profile(time)
+        motion = self.kinematics(travel, state)
+        distances = self.kinematics.distances(travel, state)
+        position, rate, _ = self.coordinates.split(state)
+        states = {}
+        for i, name in zip(self.coordinates.wheelset_bodies.tolist(), self.vehicle.wheelsets, strict=True):
+            q, v = position[i].tolist(), rate[i].tolist()
+            wx, wy, wz = motion.relative.frame_rate[i].tolist()
+            states[name] = WheelsetState(
+                y=q[Y],
+                z=q[Z],
+                roll=q[ROLL],
+                yaw=q[YAW],
+                y_rate=v[Y],
+                z_rate=v[Z],
+                roll_rate=v[ROLL],
+                yaw_rate=v[YAW],
+                pitch_rate=float(motion.relative.spin[i]),
+                speed=float(motion.relative.speed[i]),
+                frame_rate=(wx, wy, wz),
+                rail_shift=self._rail_shift(float(distances[i]), q[YAW]),
+            )
+        return states
+
+    def _rail_shift(self, distance: float, yaw: float) -> RailShift | None:
+        """Displacement m of the rails at the wheels of a wheelset, of which yaw puts the left one behind the centre."""
+        irregularities = self.track.irregularities
+        if irregularities is None:
+            return None
+        left, right = (irregularities.rails(distance + way * self.vehicle.wheel_y * yaw) for way in (-1.0, 1.0))
+        none = (0.0, 0.0)
+        return (left[0] if left else none, right[1] if right else none)
+
+    def solve_contacts(self, time: float, state: Array, guess: WheelContacts | None) -> WheelContacts:
+        """Contacts of all wheels; raises StepFailure for a result that failed or is not finite."""
+        if not np.isfinite(state).all():
+            raise StepFailure("the state is not finite")
+        states = self.wheelset_states(time, state)
+        return {name: self.solve_wheelset(name, states[name], guess) for name in states}
+
+    def solve_wheelset(
+        self, name: str, wheelset: WheelsetState, guess: WheelContacts | None
+    ) -> Mapping[Side, ContactResult]:
+        """Both contacts of a wheelset; raises StepFailure as `solve_contacts`."""
+        contacts: dict[Side, ContactResult] = {}
+        for side, result in self.element.solve_sides(wheelset, guess[name] if guess else None):
+            if not result.ok:
+                raise StepFailure(f"{name}, {side} contact: {result.status}")
+            contacts[side] = result
+        return contacts
+
+    def accelerations(self, time: float, state: Array, wrenches: Array) -> Array:
+        """Accelerations under given contact forces.
+
+        Parameters:
+            time: s.
+            state: (..., 2 c + m).
+            wrenches: (..., w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
+
+        Returns accelerations of the coordinates, then the rates of the springs of Maxwell elements, (..., c + m).
+        """
+        travel = self.speed_profile(time)
+        motion = self.kinematics(travel, state)
+        _, rate, series = self.coordinates.split(state)
+        suspension = self.suspension(motion, series)
+        force, moment = suspension.force, suspension.moment
+        force[..., 2] -= self.vehicle.gravity * self.mass
+        force += self._hold_force(motion, state)
+        force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
+        force[..., self.coordinates.wheelset_bodies, :] += wrenches[..., :3]
+        moment[..., self.coordinates.wheelset_bodies, :] += wrenches[..., 3:]
+        path, lateral, vertical = self._translation(motion, force)
+        rotation = self._rotation(motion, rate, moment, path)
+        wheelset_angle = travel.acceleration / self.vehicle.radius * self.kinematics.nominal[:, 2]
+        parts = [path - travel.acceleration, lateral, vertical]
+        parts += [rotation[..., 0], rotation[..., 1] - wheelset_angle, rotation[..., 2]]
+        coordinates = np.stack(parts, axis=-1)
+        return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), suspension.series_rate], axis=-1)
+
+    def _hold_force(self, motion: BodyMotion, state: Array) -> Array:
+        """Force (..., n, 3) N in common axes that keeps the speed."""
+        hold, force = self.vehicle.speed_hold, np.zeros_like(motion.position)
+        if hold is not None:
+            i = self.vehicle.names.index(hold.body)
+            position, rate, _ = self.coordinates.split(state)
+            size = -hold.stiffness * position[..., i, X] - hold.damping * rate[..., i, X]
+            force[..., i, :] = size[..., None] * motion.sections.axes[..., i, :, 0]
+        return force
+
+    def _translation(self, motion: BodyMotion, force: Array) -> tuple[Array, Array, Array]:
+        """Accelerations (..., n) m/s2 along the path, in y and in z under forces (..., n, 3) N in the track frames."""
+        frame, (_, _, k, k_slope) = motion.relative, motion.sections
+        rate, tangent = frame.frame_rate, np.array([1.0, 0.0, 0.0])
+        speed = frame.speed[..., None]
+        inertial = speed**2 * cross(k_slope, frame.offset) + cross(rate, cross(rate, frame.offset))
+        inertial += 2.0 * cross(rate, frame.offset_rate) + speed * cross(rate, np.broadcast_to(tangent, rate.shape))
+        acceleration, lever = force / self.mass[:, None] - inertial, cross(k, frame.offset)
+        path = acceleration[..., 0] / (1.0 + lever[..., 0])
+        return path, acceleration[..., 1] - path * lever[..., 1], acceleration[..., 2] - path * lever[..., 2]
+
+    def _rotation(self, motion: BodyMotion, rate: Array, moment: Array, path: Array) -> Array:
+        """Second derivatives (..., n, 3) rad/s2 of roll, pitch and yaw.
+
+        Parameters:
+            motion: of the bodies.
+            rate: (..., n, 6) of the coordinates.
+            moment: (..., n, 3) N m in the track frames.
+            path: (..., n) m/s2 along the path.
+        """
+        frame, (_, _, k, k_slope) = motion.relative, motion.sections
+        yaw_rate = np.zeros_like(moment)
+        yaw_rate[..., 2] = rate[..., YAW]
+        roll_rate, spin = rate[..., ROLL, None] * frame.roll_axis, frame.spin[..., None] * frame.axle
+        before_roll = frame.frame_rate + yaw_rate
+        before_spin = before_roll + roll_rate
+        bias = path[..., None] * k + frame.speed[..., None] ** 2 * k_slope + cross(frame.frame_rate, yaw_rate)
+        bias += cross(before_roll, roll_rate) + cross(before_spin, spin)
+        angular = rotate_back(frame.rotation, before_spin + spin)
+        right = rotate_back(frame.rotation, moment) - cross(angular, self.inertia * angular)
+        x, y, z = np.moveaxis(rotate(frame.rotation, right / self.inertia) - bias, -1, 0)
+        cos_yaw, sin_yaw = frame.roll_axis[..., 0], frame.roll_axis[..., 1]
+        sin_roll = frame.axle[..., 2]
+        pitch = (cos_yaw * y - sin_yaw * x) / np.sqrt(1.0 - sin_roll**2)
+        return np.stack([cos_yaw * x + sin_yaw * y, pitch, z - sin_roll * pitch], axis=-1)
+
+
+def wheelset_wrenches(contacts: WheelContacts) -> Array:
+    """Force N and moment N m (w, 6) of both contacts on each wheelset, in its track frame."""
+    wheels = [[np.concatenate([c.force, c.moment]) for c in sides.values()] for sides in contacts.values()]
+    return np.asarray(np.array(wheels).sum(axis=1))

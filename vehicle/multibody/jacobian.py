@@ -1,0 +1,182 @@
+"""Derivatives of the equations of motion of a vehicle with respect to the state and time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
+from wheelrail.vehicle.multibody.equations import (
+    VehicleDynamics,
+    VehicleEvaluation,
+    WheelContacts,
+    wheelset_wrenches,
+)
+
+# Steps of `WheelsetState.coordinates`, well above the residual noise of a contact solve; those antisymmetric in y are
+# differentiated centrally, which keeps the mirror symmetry.
+DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3)
+ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")
+FIRST_RATE = WheelsetState.coordinates.index("y_rate")
+STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
+TIME_STEP = 1e-5  # s, forward difference in time
+REUSED = 8  # Jacobians per set of contact differences
+
+
+@dataclass(frozen=True)
+class VehicleLinearisation:
+    """Derivatives of the rate (n,), n = 2 c + m.
+
+    Parameters:
+        by_state: (n, n).
+        by_time: (n,) at constant contact forces, but for the motion of irregular rails.
+    """
+
+    by_state: Array
+    by_time: Array
+
+
+@dataclass
+class VehicleJacobian:
+    """Linearisation at a time s and state (n,) with its evaluation.
+
+    Parameters:
+        dynamics: the equations of motion.
+        counts: statistics to which Jacobians and contact differences are added.
+        central: central differences of contacts throughout, for uses of the matrix itself such as modes.
+        reused: Jacobians that use the same contact differences, of a contact without tangent.
+
+    Suspension, inertia and kinematics: differences at constant contact forces, all n columns in one vectorised
+    evaluation. Contact forces: the contact's tangent or, without one, differences.
+    """
+
+    dynamics: VehicleDynamics
+    counts: StepStatistics
+    central: bool = False
+    reused: int = REUSED
+
+    def __post_init__(self) -> None:
+        self._tangents: Array | None = None  # by differences
+        self._age = 0
+
+    def __call__(self, time: float, state: Array, at: VehicleEvaluation) -> VehicleLinearisation:
+        """Derivatives of the rate.
+
+        Parameters:
+            time: s.
+            state: (n,).
+            at: evaluation at this time and state.
+
+        Raises StepFailure when a contact solve or its tangent fails.
+        """
+        self.counts.jacobians += 1
+        d, c, n = self.dynamics, self.dynamics.coordinates.count, self.dynamics.size
+        wrenches = wheelset_wrenches(at.contacts)
+        by_state, by_time = np.zeros((n, n)), np.zeros(n)
+        by_state[:c, c : 2 * c] = np.eye(c)
+        steps = STEP * np.eye(n)
+        accelerations = d.accelerations(time, np.vstack([state + steps, state - steps, state]), wrenches)
+        plus, minus, (centre,) = np.split(accelerations, [n, 2 * n])
+        by_state[c:] = (plus - minus).T / (2 * STEP)
+        by_time[c:] = (d.accelerations(time + TIME_STEP, state, wrenches) - centre) / TIME_STEP
+        by_wrench = self.by_wrench(time, state, wrenches, centre)
+        states = d.wheelset_states(time, state)
+        later = d.wheelset_states(time + TIME_STEP, state) if d.track.irregularities is not None else {}
+        for i, (name, tangents) in enumerate(zip(states, self.tangents(states, at.contacts), strict=True)):
+            columns = self._columns(name)
+            by_state[c : 2 * c, columns] += by_wrench[:, i] @ tangents.sum(axis=0)
+            if later:
+                shift, later_shift = states[name].rail_shift, later[name].rail_shift
+                rates = (np.array(later_shift) - np.array(shift)) / TIME_STEP
+                # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
+                by_time[c : 2 * c] -= by_wrench[:, i] @ np.einsum("sij,sj->i", tangents[:, :, :2], rates)
+        return VehicleLinearisation(by_state, by_time)
+
+    def _columns(self, wheelset: str) -> list[int]:
+        """Indices in the state of `WheelsetState.coordinates` and of the speed."""
+        coordinates = self.dynamics.coordinates
+        positions = [coordinates.index(wheelset, k) for k in (Y, Z, ROLL, YAW)]
+        rates = [coordinates.index(wheelset, k) + coordinates.count for k in (Y, Z, ROLL, YAW, PITCH, X)]
+        return positions + rates
+
+    def by_wrench(self, time: float, state: Array, wrenches: Array, centre: Array) -> Array:
+        """Derivatives (c, w, 6) of the accelerations by force and moment on each wheelset; they are linear in them.
+
+        Parameters:
+            time: s.
+            state: (n,).
+            wrenches: (w, 6) N and N m.
+            centre: (c + m,) accelerations under these wrenches.
+        """
+        d, unit = self.dynamics, 1e3  # N or N m
+        perturbed = wrenches + unit * np.eye(6)[:, None, :]
+        change = (d.accelerations(time, np.tile(state, (6, 1)), perturbed) - centre) / unit
+        result = np.zeros((d.coordinates.count, len(wrenches), 6))
+        for i, body in enumerate(d.coordinates.wheelset_bodies):
+            own = slice(6 * body, 6 * body + 6)
+            result[own, i] = change[:, own].T
+        return result
+
+    def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
+        """Derivatives (w, 2, 6, 10) of force and moment of each wheel by `WheelsetState.coordinates` and the speed.
+
+        With friction that does not depend on speed, forces depend on the ratio of all rates, that of the track frame
+        included, to the speed V: dF/dV = -sum(rate dF/drate) / V.
+        """
+        by_coordinates = self._analytical_tangents(states, contacts)
+        if by_coordinates is None:
+            by_coordinates = self._differences(states, contacts)
+        rates = np.array([[getattr(s, name) for name in s.coordinates[FIRST_RATE:]] for s in states.values()])
+        speeds = np.array([s.speed for s in states.values()])
+        by_speed = -np.einsum("wsij,wj->wsi", by_coordinates[..., FIRST_RATE:], rates / speeds[:, None])
+        return np.concatenate([by_coordinates, by_speed[..., None]], axis=-1)
+
+    def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
+        """The tangents (w, 2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
+        try:
+            tangents = [self.dynamics.element.side_tangents(state, contacts[name]) for name, state in states.items()]
+        except ValueError:  # some models and results have no tangent
+            return None
+        except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
+            raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error
+        return np.array(tangents) if np.isfinite(tangents).all() else None
+
+    def _differences(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
+        """Tangents (w, 2, 6, 9) by differences, those of an earlier call as long as they may be reused."""
+        self._age += 1
+        if self._tangents is None:
+            self._tangents, self._age = self._differentiated(states, contacts), 0
+        elif self._age >= self.reused:
+            with suppress(StepFailure):  # a contact that fails nearby: earlier differences are better than none
+                self._tangents, self._age = self._differentiated(states, contacts), 0
+        return self._tangents
+
+    def _differentiated(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
+        result = np.zeros((len(states), len(SIDES), 6, len(WheelsetState.coordinates)))
+        for i, (name, state) in enumerate(states.items()):
+            centre = _wheel_wrenches(contacts[name])
+            for column, (key, step) in enumerate(zip(WheelsetState.coordinates, DIFFERENCE_STEPS, strict=True)):
+                central = self.central or key in ODD
+                plus = self._perturbed(name, state, contacts, key, step)
+                minus = self._perturbed(name, state, contacts, key, -step) if central else centre
+                result[i, :, :, column] = (plus - minus) / (2 * step if central else step)
+        return result
+
+    def _perturbed(self, name: str, state: WheelsetState, contacts: WheelContacts, key: str, step: float) -> Array:
+        self.counts.differences += 1
+        perturbed = replace(state, **{key: getattr(state, key) + step})
+        return _wheel_wrenches(self.dynamics.solve_wheelset(name, perturbed, contacts))
+
+
+def _wheel_wrenches(contacts: Mapping[Side, ContactResult]) -> Array:
+    """Force and moment of the left and the right wheel (2, 6)."""
+    return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])

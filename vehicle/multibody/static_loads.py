@@ -1,0 +1,47 @@
+"""Static loads of the vertical springs on straight level track."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
+from wheelrail.vehicle.wagon.force_law import ForceLaw
+
+UNBALANCED = 1e-9  # of the weight, or of the weight times 1 m
+
+
+def static_loads(vehicle: Vehicle) -> Array:
+    """Vertical forces (e,) N on the upper bodies that carry all bodies but the wheelsets in the nominal position.
+
+    Parameters:
+        vehicle: of e suspension elements.
+
+    Of all distributions that balance vertical forces, roll moments and pitch moments, that of springs on fixed
+    wheelsets: it minimises the sum of F^2 / k. Raises InvalidVehicle for a body that vertical springs cannot carry in
+    its nominal position.
+    """
+    carried = [name for name in vehicle.names if not vehicle.bodies[name].wheelset]
+    rows = {name: 3 * i for i, name in enumerate(carried)}
+    balance, weights = np.zeros((3 * len(carried), len(vehicle.elements))), np.zeros(3 * len(carried))
+    for name, row in rows.items():
+        weights[row] = vehicle.gravity * vehicle.bodies[name].mass
+    stiffness = np.array([_vertical_stiffness(e.stiffness[2]) for e in vehicle.elements.values()])
+    for column, element in enumerate(vehicle.elements.values()):
+        for name, sign in ((element.upper, 1.0), (element.lower, -1.0)):
+            if name in rows:
+                x, y = element.point[0] - vehicle.bodies[name].x, element.point[1]
+                balance[rows[name] : rows[name] + 3, column] = sign, sign * y, -sign * x
+    compliance_root = np.sqrt(stiffness)
+    loads = compliance_root * np.linalg.lstsq(balance * compliance_root, weights, rcond=1e-12)[0]
+    for name, row in rows.items():
+        if np.abs((balance @ loads - weights)[row : row + 3]).max() > UNBALANCED * vehicle.weight:
+            raise InvalidVehicle(f"bodies.{name}", "must be carried by vertical springs in its nominal position")
+    return np.asarray(loads)
+
+
+def _vertical_stiffness(law: float | ForceLaw) -> float:
+    """Stiffness at zero deflection, N/m."""
+    if not isinstance(law, ForceLaw):
+        return law
+    return float(law.slopes[int(np.searchsorted(law.abscissae[1:-1], 0.0, side="right"))])

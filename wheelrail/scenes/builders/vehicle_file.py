@@ -1,0 +1,184 @@
+"""Reading of vehicle files (TOML): rigid bodies, suspension elements and rotational springs by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import AllowInfNan, Field, Strict, ValidationError
+
+from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.messages import entry_message, validation_error
+from wheelrail.scenes.schema.tables import SceneTable
+from wheelrail.scenes.schema.toml import parse, read_text
+
+if TYPE_CHECKING:
+    from wheelrail.vehicle.multibody.vehicle import Laws, SuspensionElement, Vehicle
+
+MANCHESTER = Path(__file__).parents[1] / "examples" / "manchester_vehicle.toml"
+
+Mass = Annotated[q.Finite, q.Range(1.0, 1e6, "kg")]
+Inertia = Annotated[q.Finite, q.Range(1.0, 1e9, "kg m2")]
+Along = Annotated[q.Finite, q.Range(-100.0, 100.0, "m", "forward of the vehicle's reference point")]
+Across = Annotated[q.Finite, q.Range(-5.0, 5.0, "m", "to the left")]
+Height = Annotated[q.Finite, q.Range(0.05, 5.0, "m", "above top of rail")]
+Point = Annotated[tuple[Along, Across, Height], Strict(False)]
+LawPoint = Annotated[tuple[q.Finite, q.Finite], Strict(False)]
+LawPoints = Annotated[tuple[LawPoint, ...], Strict(False), Field(min_length=2), q.AtMost(1000)]
+Stiffness = Annotated[q.Finite, q.Range(0.0, 1e11, "N/m", "or points [m, N]")]
+Damping = Annotated[q.Finite, q.Range(0.0, 1e9, "N s/m", "or points [m/s, N]")]
+Series = Annotated[float, Strict(), AllowInfNan(True), q.Range(1e3, inf, "N/m, in series with the damper; inf is none")]
+Rotational = Annotated[q.Finite, q.Range(0.0, 1e10, "N m/rad")]
+
+
+class VehicleBodyTable(SceneTable):
+    """A rigid body: mass, kg, inertia about x, y and z, kg m2, place of its centre, m.
+
+    The height of a wheelset is its rolling radius.
+    """
+
+    mass: Mass
+    inertia: Annotated[tuple[Inertia, Inertia, Inertia], Strict(False)]
+    x: Along
+    height: Height
+    wheelset: bool = False
+
+
+class ElementTable(SceneTable):
+    """Equal springs and dampers between two bodies, one at each point, m; values along x, y and z."""
+
+    upper: str
+    lower: str
+    points: Annotated[tuple[Point, ...], Strict(False), Field(min_length=1), q.AtMost(1000)]
+    stiffness: Annotated[tuple[Stiffness | LawPoints, Stiffness | LawPoints, Stiffness | LawPoints], Strict(False)] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    damping: Annotated[tuple[Damping | LawPoints, Damping | LawPoints, Damping | LawPoints], Strict(False)] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    series_stiffness: Annotated[tuple[Series, Series, Series], Strict(False)] = (inf, inf, inf)
+    turn: q.Share = 0.0
+
+
+class RotationalSpringTable(SceneTable):
+    """Moments about the axes of the lower body proportional to the relative rotation, N m/rad about x, y and z."""
+
+    upper: str
+    lower: str
+    stiffness: Annotated[tuple[Rotational, Rotational, Rotational], Strict(False)]
+
+
+class SpeedHoldTable(SceneTable):
+    """Spring, N/m, and damper, N s/m, along the track that keep a body at its place in the reference motion."""
+
+    body: str
+    stiffness: Stiffness = 2e5
+    damping: Damping = 1e5
+
+
+class VehicleFileTable(SceneTable):
+    """A vehicle file after its types have been filled in."""
+
+    bodies: dict[str, VehicleBodyTable]
+    elements: dict[str, ElementTable]
+    rotational_springs: dict[str, RotationalSpringTable] = Field(default_factory=dict)
+    speed_hold: SpeedHoldTable | None = None
+    wheel_y: Annotated[q.Finite, q.Range(0.2, 1.5, "m", "half the distance of the rolling circles")] = 0.75
+    gravity: Annotated[q.Finite, q.Range(0.0, 30.0, "m/s2")] = 9.81
+
+
+def load_vehicle(path: str | Path = MANCHESTER) -> Vehicle:
+    """Vehicle of a TOML file.
+
+    Parameters:
+        path: vehicle file; by default Manchester benchmark vehicle 1.
+
+    Raises SceneError naming file, key, value and what is allowed.
+    """
+    from wheelrail.vehicle.multibody.static_loads import static_loads
+    from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
+
+    data = _with_types(parse(read_text(Path(path)), path), path)
+    try:
+        table = VehicleFileTable.model_validate(data)
+    except ValidationError as error:
+        raise validation_error(error, VehicleFileTable, data, path) from None
+    try:
+        vehicle = _vehicle(table)
+        static_loads(vehicle)  # validates that every body is carried
+    except InvalidVehicle as error:
+        raise SceneError(f"{path}: {entry_message(tuple(error.key.split('.')), data, error.allowed)}") from None
+    return vehicle
+
+
+def _with_types(data: Mapping[str, Any], path: str | Path) -> dict[str, Any]:
+    """Tables in which the values of `type` precede those of each body and element. Raises SceneError."""
+    result = {key: value for key, value in data.items() if key not in ("body_types", "element_types")}
+    for kind, types_key in (("bodies", "body_types"), ("elements", "element_types")):
+        types, entries = data.get(types_key, {}), result.get(kind)
+        if not isinstance(types, Mapping) or not all(isinstance(values, Mapping) for values in types.values()):
+            raise SceneError(f"{path}: {types_key}: must be tables of values by name")
+        if isinstance(entries, Mapping):
+            result[kind] = {name: _filled(f"{path}: {kind}.{name}", entry, types) for name, entry in entries.items()}
+    return result
+
+
+def _filled(place: str, entry: Any, types: Mapping[str, Mapping[str, Any]]) -> Any:
+    if not isinstance(entry, Mapping) or "type" not in entry:
+        return entry
+    name = entry["type"]
+    if not isinstance(name, str) or name not in types:
+        raise SceneError(f"{place}.type = {str(name)[:100]!r}: must be one of {', '.join(types) or 'none: no types'}")
+    return {**types[name], **{key: value for key, value in entry.items() if key != "type"}}
+
+
+def _vehicle(table: VehicleFileTable) -> Vehicle:
+    """Raises InvalidVehicle."""
+    from wheelrail.vehicle.multibody.vehicle import RotationalSpring, SpeedHold, Vehicle, VehicleBody
+
+    elements: dict[str, SuspensionElement] = {}
+    for name, entry in table.elements.items():
+        elements |= _elements(name, entry)
+    hold = table.speed_hold
+    return Vehicle(
+        bodies={name: VehicleBody(**body.model_dump()) for name, body in table.bodies.items()},
+        elements=elements,
+        rotational_springs={name: RotationalSpring(**s.model_dump()) for name, s in table.rotational_springs.items()},
+        speed_hold=None if hold is None else SpeedHold(**hold.model_dump()),
+        wheel_y=table.wheel_y,
+        gravity=table.gravity,
+    )
+
+
+def _elements(name: str, entry: ElementTable) -> dict[str, SuspensionElement]:
+    """One element for each point, numbered from 1 where there are several. Raises InvalidVehicle."""
+    from wheelrail.vehicle.multibody.vehicle import SuspensionElement
+
+    names = [name] if len(entry.points) == 1 else [f"{name}_{i}" for i in range(1, len(entry.points) + 1)]
+    stiffness = _laws(f"elements.{name}.stiffness", entry.stiffness)
+    damping = _laws(f"elements.{name}.damping", entry.damping)
+    return {
+        each: SuspensionElement(
+            entry.upper, entry.lower, point, stiffness, damping, entry.series_stiffness, turn=entry.turn
+        )
+        for each, point in zip(names, entry.points, strict=True)
+    }
+
+
+def _laws(key: str, values: tuple[float | tuple[tuple[float, float], ...], ...]) -> Laws:
+    """Raises InvalidVehicle for points that are no force law."""
+    from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
+    from wheelrail.vehicle.wagon.force_law import ForceLaw
+
+    try:
+        x, y, z = (ForceLaw(value) if isinstance(value, tuple) else value for value in values)
+    except ValueError as error:
+        raise InvalidVehicle(key, f"must have {error}") from None
+    return x, y, z

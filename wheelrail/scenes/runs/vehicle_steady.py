@@ -1,0 +1,162 @@
+"""Equilibrium, steady-state curving, linear modes and critical speed of a vehicle in three dimensions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
+from wheelrail.scenes.builders.wheelset import wheelset_contact
+from wheelrail.scenes.datasets.number_text import fixed, significant
+from wheelrail.scenes.runs.steady import curve_of, failures_as_run_failed
+from wheelrail.scenes.schema.errors import RunFailed, SceneError
+from wheelrail.scenes.schema.scene import RunScene
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wheelrail.vehicle.multibody.equations import VehicleDynamics
+    from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium
+    from wheelrail.vehicle.multibody.modes import CriticalSpeed
+    from wheelrail.vehicle.multibody.wheel_forces import WheelForces, WheelsetForces
+    from wheelrail.vehicle.steady.modes import Mode
+    from wheelrail.vehicle.track.constant_curve import ConstantCurve
+
+TABLE_DIGITS = 4
+
+
+def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynamics:
+    """Equations of motion of the vehicle of a file, with contact, profiles and rails of a scene, on straight track.
+
+    Parameters:
+        scene: of a run; its wagon is not used.
+        file: vehicle file.
+        speed: m/s.
+
+    Raises SceneError, also for wheels of another radius than those of the scene.
+    """
+    from wheelrail.vehicle.multibody.equations import VehicleDynamics
+    from wheelrail.vehicle.track.track import Track
+
+    vehicle = load_vehicle(file)
+    if vehicle.radius != scene.wheelset.radius:
+        text = f"must be {scene.wheelset.radius:g} m, wheelset.radius of the scene"
+        raise SceneError(f"{file}: bodies.{vehicle.wheelsets[0]}.height = {vehicle.radius:g}: {text}")
+    return VehicleDynamics(vehicle, Track(), wheelset_contact(scene), speed)
+
+
+def vehicle_modes_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[list[Mode]]:
+    """Linear modes on straight level track at speeds (n,) m/s. Raises RunFailed without an equilibrium, SceneError."""
+    from wheelrail.vehicle.multibody.modes import modes_over_speed
+
+    dynamics = vehicle_dynamics(scene, file, speeds[0])
+    with failures_as_run_failed():
+        return modes_over_speed(dynamics, speeds)
+
+
+def critical_speed_of(scene: RunScene, file: Path, speeds: tuple[float, float]) -> CriticalSpeed | None:
+    """Linear critical speed on straight level track within a range, m/s; None without one. Raises as above."""
+    from wheelrail.vehicle.multibody.modes import critical_speed
+
+    dynamics = vehicle_dynamics(scene, file, speeds[0])
+    try:
+        with failures_as_run_failed():
+            return critical_speed(dynamics, speeds)
+    except ValueError as error:
+        raise RunFailed(str(error)) from error
+
+
+def straight_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[VehicleEquilibrium]:
+    """Equilibrium on straight level track at speeds (n,) m/s. Raises as above."""
+    from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
+
+    dynamics = vehicle_dynamics(scene, file, speeds[0])
+    with failures_as_run_failed():
+        return [vehicle_equilibrium(replace(dynamics, speed=speed)) for speed in speeds]
+
+
+def curve_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[VehicleEquilibrium]:
+    """Steady position in the sharpest curve of the scene at speeds (n,) m/s. Raises as above."""
+    from wheelrail.vehicle.multibody.equilibrium import curve_dynamics, vehicle_equilibrium
+
+    dynamics, curve = vehicle_dynamics(scene, file, speeds[0]), curve_of(scene)
+    with failures_as_run_failed():
+        return [vehicle_equilibrium(curve_dynamics(dynamics, replace(curve, speed=speed))) for speed in speeds]
+
+
+def critical_speed_lines(critical: CriticalSpeed | None, speeds: tuple[float, float]) -> list[str]:
+    """Critical speed, frequency, wavelength and mode as lines of text.
+
+    Parameters:
+        critical: result.
+        speeds: range in which it was looked for, m/s.
+    """
+    low, high = (f"{speed:g} m/s" for speed in speeds)
+    if critical is None:
+        return [f"no linear critical speed from {low} to {high}: all modes above 0.8 Hz are damped"]
+    if critical.speed == speeds[0]:
+        return [f"already unstable at {low}: {critical.mode}"]
+    return [
+        f"linear critical speed: {critical.speed:.2f} m/s ({3.6 * critical.speed:.1f} km/h)",
+        f"frequency: {critical.mode.frequency:.3f} Hz, wavelength: {critical.wavelength:.2f} m",
+        f"kinetic energy in: {critical.mode.main_coordinates}",
+    ]
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A row of the table of wheelsets: label, and text of one wheelset."""
+
+    label: str
+    text: Callable[[WheelsetForces], str]
+
+
+def _wheels(value: Callable[[WheelForces], float], scale: float, digits: int) -> Callable[[WheelsetForces], str]:
+    return lambda w: "  ".join(fixed(scale * value(wheel), digits) for wheel in (w.left, w.right))
+
+
+_ROWS = (
+    _Row("lateral displacement y (mm)", lambda w: fixed(1e3 * w.y, 3)),
+    _Row("yaw (mrad)", lambda w: fixed(1e3 * w.yaw, 3)),
+    _Row("wheel load Q, left, right (kN)", _wheels(lambda wheel: wheel.vertical, 1e-3, 2)),
+    _Row("guiding force Y, positive outwards (kN)", _wheels(lambda wheel: wheel.guiding, 1e-3, 2)),
+    _Row("derailment quotient Y/Q", _wheels(lambda wheel: wheel.derailment_quotient, 1.0, 3)),
+    _Row("sum of Y, positive to the right (kN)", lambda w: fixed(1e-3 * w.track_shifting, 2)),
+    _Row("longitudinal force on the wheel (kN)", _wheels(lambda wheel: wheel.longitudinal, 1e-3, 2)),
+    _Row("wear number T gamma (N)", _wheels(lambda wheel: wheel.wear_number, 1.0, 1)),
+)
+
+
+def wheelsets_table(at: VehicleEquilibrium, curve: ConstantCurve | None = None) -> Table:
+    """Table of attitude and forces with one column per wheelset; curve for its title."""
+    from rich.table import Table
+
+    from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
+
+    speed = at.dynamics.speed_profile(0.0).speed
+    where = "straight track" if curve is None else f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
+    table = Table(title=f"Wheelsets at {speed:g} m/s: {where}", title_justify="left")
+    forces = wheelset_forces(at.dynamics, at.state, at.contacts)
+    table.add_column("")
+    for name in forces:
+        table.add_column(name, justify="right")
+    for line in _ROWS:
+        table.add_row(line.label, *(line.text(w) for w in forces.values()))
+    return table
+
+
+def bodies_table(at: VehicleEquilibrium) -> Table:
+    """Table of the positions of all bodies."""
+    from rich.table import Table
+
+    table = Table(
+        title="Positions from the nominal ones, each in the track frame at its own distance", title_justify="left"
+    )
+    for label in ("body", "x [mm]", "y [mm]", "z [mm]", "roll [mrad]", "pitch [mrad]", "yaw [mrad]"):
+        table.add_column(label, justify="left" if label == "body" else "right")
+    position, _, _ = at.dynamics.coordinates.split(at.state)
+    for name, q in zip(at.dynamics.vehicle.names, position.tolist(), strict=True):
+        table.add_row(name, *(significant(1e3 * value, TABLE_DIGITS) for value in q))
+    return table
