@@ -261,7 +261,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
         "lattice",
     ]
     found = report["contact"]
-    assert found["statistics"]["points"] == 6 * 10
+    assert found["statistics"]["points"] == 8 * 10
     assert set(found["error_estimate"]) == {"force", "moment", "max_pressure", "area"}
     assert 0 < found["error_estimate"]["force"] < 0.05 * 10e3
     assert 0 < found["error_estimate"]["max_pressure"] < 0.1 * found["patches"][0]["max_pressure"]

@@ -107,18 +107,33 @@ class LatticeTangent:
             speed = speed_change(problem.surface, problem.data, *place, depth, problem.width[own], moves)
         return shift.reshape(CHANGES, -1, M, 2).transpose(1, 3, 2, 0), speed
 
+    @cached_property
+    def _touching(self) -> tuple[Array, Array]:
+        """Derivatives (S, 6) by the pose of the places of largest penetration along x, and of the closest points on the
+        lower body there: these move along x with the former, which depend on the normals at the latter.
+        """
+        problem, own, data = self.problem, self.solution.state.strips, self.problem.data
+        foot, fixed = problem.lines.foot[own], problem.lines.foot_pose[own]
+        crest = crest_changes(problem.surface, data.rotation, foot, fixed)
+        if not problem.surface.revolves:
+            return crest, fixed
+        shifted = np.zeros_like(fixed)
+        shifted[:, 0] = 1.0
+        by_foot = crest_changes(problem.surface, data.rotation, foot, shifted)[:, 0]
+        at = frames(problem.surface, data.origin, data.rotation, problem.middle[own], problem.crest[0][own])
+        by_crest = (fixed[:, 1:3] * at.forward[:, 1:]).sum(axis=1)
+        crest = crest / (1 - by_foot * by_crest)[:, None]
+        return crest, fixed + by_crest[:, None] * crest
+
     def _level(self) -> Array:
         """Derivative (6, S, 3) by the pose of the longitudinal axes where the strips touch."""
         problem, own = self.problem, self.solution.state.strips
         level = problem.lines.level[own]
         if not problem.surface.revolves:
             return np.zeros((6, *level.shape))
-        crest = crest_changes(
-            problem.surface, problem.data.rotation, problem.lines.foot[own], problem.lines.foot_pose[own]
-        )
         data = problem.data
         turn = frames(problem.surface, data.origin, data.rotation, problem.middle[own], problem.crest[0][own]).turn
-        return np.asarray(rotation_derivative(level) + crest.T[..., None] * np.cross(turn, level))
+        return np.asarray(rotation_derivative(level) + self._touching[0].T[..., None] * np.cross(turn, level))
 
     def _by_compliance(self, evaluation: Evaluation) -> tuple[Array, Array]:
         """Derivatives (S, 2, M, 6) of slips and (S, MOMENTS, 6) of moments by the strips' places on the lower body.
@@ -136,7 +151,7 @@ class LatticeTangent:
         jumps = force_jumps(state.values, strips, problem.basis, problem.rolls)
         at = problem.lines
         before = slips_and_moments(evaluation.V, grid, problem.basis)
-        shapes, size, amounts = np.linalg.svd(at.foot_pose[state.strips], full_matrices=False)
+        shapes, size, amounts = np.linalg.svd(self._touching[1], full_matrices=False)
         for k in np.flatnonzero(size > NEGLIGIBLE * size[0]):
             feet = at.foot.copy()
             feet[state.strips] += DIFFERENCE * shapes[:, k]
