@@ -152,7 +152,7 @@ def test_report_and_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     monkeypatch.setattr("sys.argv", ["error_vs_time", "--quick", "--picture", str(picture), "--json", str(data)])
     error_vs_time.main()
     told = capsys.readouterr().out
-    assert "| lattice, half-space, warm | 4 x 6 | exact | 36 |" in told
+    assert "| lattice, half-space, warm | 4 x 6 | exact | 24 |" in told
     assert "| CONTACT | dx 1 mm |" in told
     found = json.loads(data.read_text())["rows"]
     assert len(found) == 4 + 10 + 10

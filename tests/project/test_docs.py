@@ -291,11 +291,12 @@ def test_files_and_functions_named_in_the_text_exist() -> None:
     assert not missing
 
 
-def test_scenes_in_the_text_are_valid_tables() -> None:
-    """Keys of TOML in the how-to pages are keys of scenes, or of the wagon."""
+def test_scenes_in_the_text_are_valid_tables(tmp_path: Path) -> None:
+    """Keys of TOML in the how-to pages are keys of scenes, or of the wagon; vehicle files are complete."""
     from dataclasses import fields
 
     from wheelrail.contact.laws.registry import FRICTION, NORMAL
+    from wheelrail.scenes.builders.vehicle_file import load_vehicle
     from wheelrail.vehicle.wagon.components import Suspension
     from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -308,7 +309,10 @@ def test_scenes_in_the_text_are_valid_tables() -> None:
     for source in (DOCS / "how-to").glob("*.md"):
         for block in re.findall(r"^```toml\n(.*?)^```", source.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):
             given = tomllib.loads(block)
-            if given.get("kind") != "study":
+            if "bodies" in given:  # a vehicle file
+                (tmp_path / "vehicle.toml").write_text(block, encoding="utf-8")
+                assert load_vehicle(tmp_path / "vehicle.toml").bodies
+            elif given.get("kind") != "study":
                 seen |= set(_keys(given))
     assert len(seen) > 20
     assert seen <= allowed
