@@ -281,14 +281,14 @@ def test_a_run_from_a_changed_scene(tmp_path: Path) -> None:
     assert found.data.attrs["speed"] == 30.0
     assert float(found.data["distance"][-1]) == pytest.approx(20.0, abs=1.5)  # samples every 0.05 s
     assert "speed = 30.0" in found.data.attrs["scene"]
-    assert repr(found).startswith("Vehicle run: completed at 19.8 m")
+    assert repr(found).startswith("Vehicle run: completed at 19.5 m")
     assert "<table>" in found._repr_html_()
     kept = wr.run(SCENES / "curve.toml", tmp_path / "kept", **changes, **{"output.figures": False})
     np.testing.assert_array_equal(kept.data["lateral_force"], found.data["lateral_force"])
     page = wr.report(tmp_path / "kept", tmp_path / "page.html", view=False)
     assert "speed = 30.0" in page.read_text(encoding="utf-8")
     drawn = found.view(10.0)
-    assert drawn.title.startswith("9.9 m, ")
+    assert drawn.title.startswith("10.5 m, ")
     drawn.close()
     back = wr.open(found.to_netcdf(tmp_path / "run.nc"))
     assert isinstance(back, wr.Run)

@@ -220,9 +220,10 @@ def test_quiet_and_verbose(spring: SpringContact, monkeypatch: pytest.MonkeyPatc
 
 
 def test_shell_completion() -> None:
-    script = subprocess.run(
-        [sys.executable, "-m", "wheelrail.cli", "--show-completion", "bash"], capture_output=True, text=True, check=True
-    ).stdout
+    # the shell is named: it is detected among the parents of the process otherwise
+    line = [sys.executable, "-m", "wheelrail.cli", "--show-completion", "bash"]
+    named = {**os.environ, "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}
+    script = subprocess.run(line, capture_output=True, text=True, check=True, env=named).stdout
     assert "_WHEELRAIL_COMPLETE=complete_bash" in script
     words = {**os.environ, "_WHEELRAIL_COMPLETE": "complete_bash", "COMP_WORDS": "wheelrail cu", "COMP_CWORD": "1"}
     offered = subprocess.run([sys.executable, "-m", "wheelrail.cli"], capture_output=True, text=True, env=words)

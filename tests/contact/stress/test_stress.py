@@ -173,10 +173,10 @@ def test_below_a_hertz_contact(points: str) -> None:
     for upper, found in both.items():
         (below,) = found.patches
         np.testing.assert_allclose(below.position[:, 2], depths if upper else -depths, rtol=1e-9)
-        i = int(below.von_mises.argmax())
-        a, b, _ = np.polyfit(depths[i - 2 : i + 3], below.von_mises[i - 2 : i + 3], 2)
-        assert -b / (2 * a) == pytest.approx(depth, rel=0.02)
-        assert below.von_mises[i] == pytest.approx(mises, rel=0.01)
+        smooth = np.polynomial.Polynomial.fit(depths, below.von_mises, 5)  # the maximum is flat
+        fine = np.linspace(depths[0], depths[-1], 1000)
+        assert fine[smooth(fine).argmax()] == pytest.approx(depth, rel=0.02)
+        assert below.von_mises.max() == pytest.approx(mises, rel=0.01)
         radial, axial = axis_stress(depths, radius=radius, peak=peak, nu=0.3)
         exact = np.einsum("am,ab->mab", [radial, radial, axial], np.eye(3))
         assert np.abs(below.stress - exact).max() < 0.01 * peak
