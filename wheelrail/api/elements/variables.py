@@ -42,10 +42,7 @@ assert tuple(variable.name for variable in _COORDINATES) == WheelsetState.coordi
 INPUTS = (
     *_COORDINATES,
     Variable("speed", "m/s", "of the track frame along the track"),
-    *(
-        Variable(f"frame_rate_{axis}", "rad/s", f"angular velocity of the track frame about its {axis}")
-        for axis in "xyz"
-    ),
+    *(Variable(f"frame_rate_{axis}", "rad/s", f"of the track frame about its axis {axis}") for axis in "xyz"),
     *(
         Variable(f"{side}_rail_{axis}", "m", f"displacement of the {side} rail along {axis} by irregularities")
         for side in SIDES
@@ -69,7 +66,7 @@ OUTPUTS = (
 
 # Of the patch with the largest normal force of a side.
 PATCH = (
-    Variable("patches", "1", "number of patches of the side"),
+    Variable("count", "1", "number of patches of the side"),
     Variable("area", "m2", "area of the patch"),
     Variable("max_pressure", "Pa", "largest pressure"),
     Variable("normal_force", "N", "normal force"),

@@ -32,11 +32,10 @@ def invalid_input(values: Sequence[float]) -> str:
 
 def state_of(values: Sequence[float]) -> WheelsetState:
     """State of the wheelset of numbers (17,) in the order of INPUTS."""
-    return WheelsetState(
-        *values[:10],
-        frame_rate=(values[10], values[11], values[12]),
-        rail_shift=((values[13], values[14]), (values[15], values[16])),
-    )
+    y, z, roll, yaw, y_rate, z_rate, roll_rate, yaw_rate, pitch_rate, speed, *track = values
+    frame_rate, rail_shift = (track[0], track[1], track[2]), ((track[3], track[4]), (track[5], track[6]))
+    rates = y_rate, z_rate, roll_rate, yaw_rate, pitch_rate
+    return WheelsetState(y, z, roll, yaw, *rates, speed, frame_rate, rail_shift)
 
 
 def inputs_of(state: WheelsetState) -> Array:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 COORDINATES = len(WheelsetState.coordinates)
 SPEED = COORDINATES  # number of the input
 RAILS = SPEED + 4  # number of the first displacement of a rail
+TRACK_FRAME = tuple(range(SPEED, RAILS))  # numbers of the motion of the track frame
 CREEPAGE_STEP = 1e-5  # of differences by the speed and, at 1 m from the centre, by the rotation of the track frame
 
 
@@ -121,12 +122,15 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
         write_outputs([solution.results[side] for side in SIDES], outputs)
         return solution.status
 
-    def tangent_array(self) -> Array:
-        """Derivatives (12, 17) of `variables.FORCES` by `variables.INPUTS` at the last solved state.
+    def tangent_array(self, columns: Sequence[int] = tuple(range(len(INPUTS)))) -> Array:
+        """Derivatives (12, n) of `variables.FORCES` by inputs at the last solved state.
+
+        Parameters:
+            columns: numbers of the n inputs, all by default.
 
         Those by the nine coordinates and by the displacements of the rails are those of `tangent` (for the rails
         without the velocity that the frame's rotation gives to the displaced rail, a part of 1e-5); those by the
-        motion of the track frame are central differences: eight solves. Raises ValueError as `tangent`.
+        motion of the track frame are central differences, two solves each. Raises ValueError as `tangent`.
         """
         by_coordinates = self.tangent().values
         derivatives = np.zeros((len(FORCES), len(INPUTS)))
@@ -135,11 +139,11 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
             derivatives[6 * side : 6 * side + 6, RAILS + 2 * side : RAILS + 2 * side + 2] = -by_coordinates[side, :, :2]
         inputs = inputs_of(self._solved("tangent").state)
         size = CREEPAGE_STEP * (inputs[SPEED] or 1.0)  # at standstill, without friction: the derivatives are zero
-        for number in range(SPEED, RAILS):
+        for number in set(columns) & set(TRACK_FRAME):
             step = size * (np.arange(len(INPUTS)) == number)
             ahead, behind = self._forces(inputs + step), self._forces(inputs - step)
             derivatives[:, number] = (ahead - behind) / (2 * size)
-        return derivatives
+        return derivatives[:, columns]
 
     def _forces(self, inputs: Array) -> Array:
         """Forces and moments (12,) from the accepted state, which is not changed."""
