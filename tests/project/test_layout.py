@@ -101,7 +101,7 @@ MAY_IMPORT["scenes.schema"] = {
 for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
-MAY_IMPORT["export"] = {"api.elements", "contact.element", "contact.kinematics", "scenes.schema", "support"}
+MAY_IMPORT["export"] = {"api", "api.elements", "contact.element", "contact.kinematics", "scenes.schema", "support"}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
 MAY_IMPORT["api.elements"] = {"contact.element", "contact.kinematics", "contact.models", "contact.results"} | {
     "scenes.schema",
