@@ -109,7 +109,7 @@ def test_weave_of_a_free_wheelset_in_exudyn(tmp_path: Path, monkeypatch: pytest.
     names: dict[str, Any] = {}
     exec(compile(code, "export.md", "exec"), names)
     assert names["wavelength"] == pytest.approx(names["klingel"], rel=0.01)
-    assert 0.0526 == pytest.approx(names["conicity"], abs=1e-4)
+    assert pytest.approx(names["conicity"], abs=1e-4) == 0.0526
 
 
 def noisy_file(file: Path, profile: Any, start: float, stop: float, shift: float, sign: float) -> None:
