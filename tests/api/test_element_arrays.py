@@ -115,6 +115,7 @@ def test_derivatives_by_all_inputs() -> None:
         ({"left_rail_z": float("inf")}, "failed: left_rail_z = inf: must be"),
         ({"speed": 0.0, "pitch_rate": 0.0}, "failed: left: friction needs a positive rolling speed"),
         ({"z": -0.02}, "failed: left: the wheel overlaps the rail"),
+        ({"z": -0.05}, "failed: left: the wheel lies inside the rail, too deep for a contact"),
     ],
 )
 def test_wild_input_is_a_status(values: dict[str, float], says: str) -> None:

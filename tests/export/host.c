@@ -55,7 +55,7 @@ int main(int count, char **arguments)
     if (!(element = wheelrail_open(arguments[2], NULL)) || wheelrail_start(element, start)) return 1;
     start[WHEELRAIL_IN_Z] = -2.5e-4;
     wild(element, start, WHEELRAIL_IN_Z, NAN);
-    wild(element, start, WHEELRAIL_IN_Z, -0.02);
+    wild(element, start, WHEELRAIL_IN_Z, -0.05);
     wild(element, start, WHEELRAIL_IN_SPEED, 0.0);
     wild(element, start, WHEELRAIL_IN_Y, 1e300);
     if (wheelrail_accept(element) != 1) return 1;

@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -48,8 +49,8 @@ def built(folder: Path, compiler: str, *sources: str) -> Path:
     return program
 
 
-def output(program: Path, *arguments: str) -> list[str]:
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+def output(program: Path, *arguments: str, **settings: str) -> list[str]:
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | settings
     done = subprocess.run(
         [program, *arguments], capture_output=True, text=True, timeout=120, env=environment, check=False, cwd="/"
     )
@@ -79,7 +80,7 @@ def test_a_host_in_c(folder: Path) -> None:
             text[:59]
             for text in (
                 "failed: z = nan: must be a number from -0.1 to 0.1 m (2 mm is 0.002)",
-                "failed: left: the wheel overlaps the rail beyond the part of its surface that can contact rails",
+                "failed: left: the wheel lies inside the rail, too deep for a contact",
                 "failed: left: friction needs a positive rolling speed, got -0 m/s",
                 "failed: y = 1e+300: must be a number from -0.1 to 0.1 m (2 mm is 0.002)",
             )
@@ -105,6 +106,20 @@ def test_the_examples(folder: Path) -> None:
     element.solve_array(inputs, outputs)
     program = built(folder, "gfortran", "wheelrail.f90", "example.f90")
     assert [float(line) for line in output(program, options)] == outputs.tolist()
+
+
+def test_finite_elements_are_not_needed_at_run_time(folder: Path) -> None:
+    """Without dolfinx, PETSc and MPI, in other folders of Python packages than those of the export."""
+    without = folder / "without"
+    without.mkdir()
+    for name in ("dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py", "gmsh"):
+        (without / f"{name}.py").write_text(f"raise ImportError('{name} is not installed')")
+    path = os.pathsep.join([str(without), str(HERE.parents[1]), *filter(None, sys.path)])
+    program, options = built(folder, "cc", "example.c"), json.dumps(STANDARD)
+    assert output(program, options, WHEELRAIL_PYTHONPATH=path) == output(program, options)
+    (without / "numpy.py").write_text("raise ImportError('numpy is not installed')")  # the folder is read
+    with pytest.raises(AssertionError, match="numpy is not installed"):
+        output(program, options, WHEELRAIL_PYTHONPATH=path)
 
 
 def test_header_and_module_have_the_numbers_of_the_table(folder: Path) -> None:

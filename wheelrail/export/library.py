@@ -93,7 +93,7 @@ def _compile(code: Path, library: Path) -> None:
         raise OSError(f"C compiler {compiler!r}: not found; install one, or name it by the environment variable CC")
     place, version = sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("LDVERSION")
     command = [compiler, "-O2", "-shared", "-fPIC", f"-I{sysconfig.get_path('include')}", str(code), "-o", str(library)]
-    command += [f"-L{place}", f"-Wl,-rpath,{place}", f"-lpython{version}", "-ldl", KEEP]
+    command += [f"-L{place}", f"-Wl,-rpath,{place}", f"-lpython{version}", "-ldl", "-lpthread", KEEP]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         error = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip())

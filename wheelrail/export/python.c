@@ -1,13 +1,17 @@
 /* What Python needs inside programs that load the library with dlopen, and inside programs that run Python already. */
 #include <dlfcn.h>
+#include <pthread.h>
 
 int wheelrail_python_open(const char *options, const char *folder);
+
+static int runs_python; /* the program, before it loaded the library */
+static pthread_once_t once = PTHREAD_ONCE_INIT;
 
 /* cffi takes the version tag of a type to be zero and uses it as a lock; in a running Python it may have been set. */
 static void clear_lock(void)
 {
     PyGILState_STATE state;
-    if (!Py_IsInitialized()) return;
+    if (!runs_python) return;
     state = PyGILState_Ensure();
     PyType_Modified(&PyCapsule_Type);
     PyGILState_Release(state);
@@ -17,6 +21,7 @@ static void clear_lock(void)
 __attribute__((constructor)) static void share_python(void)
 {
     dlopen(LIBPYTHON, RTLD_NOW | RTLD_GLOBAL);
+    runs_python = Py_IsInitialized();
     clear_lock();
 }
 
@@ -24,6 +29,6 @@ int wheelrail_version(void) { return WHEELRAIL_VERSION; }
 
 int wheelrail_open(const char *options, const char *folder)
 {
-    clear_lock();
+    pthread_once(&once, clear_lock);
     return wheelrail_python_open(options, folder);
 }
