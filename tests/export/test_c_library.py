@@ -36,6 +36,7 @@ PLACES = ((-1e-3, -2.8e-4), (-1.2e-3, -2.7e-4), (-1.4e-3, -2.6e-4))  # of host.c
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The exported files."""
     folder = tmp_path_factory.mktemp("library")
+    wr.Wheelset(**STANDARD).element().solve(z=-2.5e-4)  # machine code is in the cache before programs need it
     exported = CliRunner().invoke(app, ["export", "--c", str(folder)])
     assert exported.exit_code == 0, exported.stderr
     assert exported.stdout.replace("\n", "") == str(folder / "libwheelrail.so")
@@ -52,7 +53,7 @@ def built(folder: Path, compiler: str, *sources: str) -> Path:
 def output(program: Path, *arguments: str, **settings: str) -> list[str]:
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | settings
     done = subprocess.run(
-        [program, *arguments], capture_output=True, text=True, timeout=120, env=environment, check=False, cwd="/"
+        [program, *arguments], capture_output=True, text=True, timeout=300, env=environment, check=False, cwd="/"
     )
     assert done.returncode == 0, done.stdout[-500:] + done.stderr
     return done.stdout.splitlines()
@@ -70,9 +71,9 @@ def numbers(element: wr.WheelsetElement) -> list[float]:
 
 
 def test_a_host_in_c(folder: Path) -> None:
+    expected = numbers(wr.Wheelset(**LATTICE).element())
     program = built(folder, "cc", str(HERE / "host.c"))
     first, second, *errors = output(program, json.dumps(LATTICE), json.dumps(STANDARD))
-    expected = numbers(wr.Wheelset(**LATTICE).element())
     assert [float.fromhex(text) for text in first.split()] == expected
     assert second == first  # another element in another thread
     assert errors == [
