@@ -37,8 +37,7 @@ class StaticResidual:
         dynamics: the equations of motion.
         frame: steady track frame.
 
-    Springs of Maxwell elements are unloaded. Contacts are solved without an initial guess, so that the residual is a
-    function of the unknowns alone.
+    Springs of Maxwell elements are unloaded.
     """
 
     dynamics: Dynamics
@@ -60,8 +59,8 @@ class StaticResidual:
     def unknown(self, state: Array) -> Array:
         return np.append(state[:9], state[COUNT + PITCH] / self.dynamics.rolling_rate(self.frame))
 
-    def contacts(self, unknown: Array) -> Contacts:
-        return self.dynamics.solve_contacts(self.frame, self.state(unknown), None)
+    def contacts(self, unknown: Array, guess: Contacts | None) -> Contacts:
+        return self.dynamics.solve_contacts(self.frame, self.state(unknown), guess)
 
     def residual(self, unknown: Array, contacts: Contacts) -> Array:
         accelerations, _ = self.dynamics.accelerations(self.frame, self.state(unknown), Wrench.of(contacts))
@@ -76,7 +75,7 @@ class StaticResidual:
             perturbed = unknown.copy()
             perturbed[i] += step
             solve = tangents is None and i in CONTACT_UNKNOWNS
-            results = self.contacts(perturbed) if solve else contacts
+            results = self.contacts(perturbed, contacts) if solve else contacts
             columns.append((self.residual(perturbed, results) - residual) / step)
         result: Array = np.stack(columns, axis=1)
         if tangents is not None:
@@ -111,13 +110,12 @@ class StaticResidual:
         """
         unknown = np.zeros(COUNT)
         unknown[ROLL] = roll
-        loads: dict[str, float] = {}
+        contacts: Contacts = {}
         heights = [1, 4, Z]
 
         def load_fraction(z: float) -> float:
             unknown[heights] = z
-            contacts = self.contacts(unknown)
-            loads.update((side, float(result.force[2])) for side, result in contacts.items())
+            contacts.update(self.contacts(unknown, contacts))
             load = Wrench.of(contacts).force[2]
             # A Hertzian force grows as depth^(3/2): its power 2/3 is nearly straight.
             return float(np.cbrt(max(load, 0.0) / self.dynamics.wagon.axle_load) ** 2)
@@ -147,4 +145,5 @@ class StaticResidual:
                 z, fraction = middle, value
             else:
                 other, other_fraction = middle, value
-        return unknown, (loads["left"] - loads["right"]) / self.dynamics.wagon.axle_load
+        left, right = (float(contacts[side].force[2]) for side in ("left", "right"))
+        return unknown, (left - right) / self.dynamics.wagon.axle_load

@@ -82,7 +82,7 @@ def _newton(
     equations: StaticResidual, unknown: Array, tolerance: float, acceptable: float, max_iterations: int
 ) -> Equilibrium:
     """Newton's method from one start. Raises EquilibriumError, or StepFailure when no step reduces the residual."""
-    contacts = equations.contacts(unknown)
+    contacts = equations.contacts(unknown, None)
     residual = equations.residual(unknown, contacts)
     damping, best = 0.0, Equilibrium(equations.state(unknown), contacts, 0, size_of(residual))
     for iteration in range(1, max_iterations + 1):
@@ -112,7 +112,7 @@ def _step(
         try:
             change = np.linalg.solve(damping * np.diag(1.0 / LARGE) - jacobian, residual)
             change /= max(1.0, size_of(change / LARGE))
-            new_contacts = equations.contacts(unknown + change)
+            new_contacts = equations.contacts(unknown + change, contacts)
             new = equations.residual(unknown + change, new_contacts)
             if size_of(new) < 3.0 * size:
                 return unknown + change, new_contacts, new, damping
