@@ -88,6 +88,16 @@ def drawn() -> str:
 
 
 NAMES = ("wheel", "rail")
+SOLIDS = """
+kind = "hertz"
+model = "full"
+laws = "paper"
+friction = 0.0
+approach = 15e-6
+surface_size = 4e-3
+upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
+lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
+"""
 PICTURES: list[np.ndarray] = []
 RANGES: dict[str, tuple[float, float]] = {}
 
@@ -309,6 +319,20 @@ def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) ->
     shown = [output["data"] for output in cell.outputs if "data" in output]
     assert any("application/vnd.jupyter.widget-view+json" in data for data in shown)
     assert any("<iframe" in data.get("text/plain", "") for data in shown)
+
+
+def test_export_of_solids_for_paraview(tmp_path: Path) -> None:
+    """The meshes of the full model itself, and the deepest point under the load."""
+    (tmp_path / "scene.toml").write_text(SOLIDS)
+    outcome = CliRunner().invoke(app, ["export", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "fields")])
+    assert outcome.exit_code == 0, outcome.stderr
+    solids = [Path(line) for line in outcome.stdout.splitlines() if Path(line).suffix == ".xdmf"]
+    assert [file.stem for file in solids] == ["contact_upper_solid", "contact_lower_solid"]
+    for file, up in zip(solids, (1, -1), strict=True):
+        moved = pyvista().get_reader(file).read()["displacement"]
+        k = int(np.argmax(up * moved["displacement"][:, 2]))
+        assert up * moved["displacement"][k, 2] > 4e-3  # mm, of an approach of 15 um
+        assert np.linalg.norm(moved.points[k]) < 4.1  # mm, a cell from the middle of the patch
 
 
 def test_export_for_paraview(tmp_path: Path) -> None:
