@@ -81,6 +81,7 @@ def drawn() -> str:
     view = contact_scene(result(), bodies, title="a <contact>", off_screen=True)
     picture = np.asarray(view.screenshot(None))
     PICTURES.append(picture)
+    AXES.extend((pane.cube_axes_actor.x_labels, pane.cube_axes_actor.y_labels) for pane in view.renderers)
     RANGES.update({title: bar.GetLookupTable().GetRange() for title, bar in view.scalar_bars.items()})
     page = view_html(view)
     view.close()
@@ -100,6 +101,7 @@ lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
 """
 PICTURES: list[np.ndarray] = []
 RANGES: dict[str, tuple[float, float]] = {}
+AXES: list[tuple[list[str], list[str]]] = []
 
 
 def test_a_contact_scene() -> None:
@@ -112,6 +114,16 @@ def test_a_contact_scene() -> None:
         assert len(np.unique(pane.reshape(-1, 3), axis=0)) > 200
     assert RANGES[DISPLACEMENT] == pytest.approx((0.0, 20.0))
     assert RANGES[MISES] == pytest.approx((0.0, 800.0))
+
+
+def test_one_label_at_the_common_corner_of_two_axes() -> None:
+    """In the picture, where x ends and y begins."""
+    drawn()
+    assert len(AXES) == 2
+    for x, y in AXES:
+        assert all(x)
+        assert y[0] == ""
+        assert all(y[1:])
 
 
 @pytest.mark.parametrize("size", [(800, 450), (1280, 720), (1600, 900)])
