@@ -16,7 +16,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.load_search import LoadError
-from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, SLOPES, MovedPair
+from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPair
 from wheelrail.contact.models.wheelset import STATE_MIRRORED, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
@@ -31,6 +31,7 @@ PLACE = 1e-9  # m and rad: largest error of a motion
 STALLED_FORCE, STALLED_PLACE = 1e-5, 1e-8  # accepted where halved steps gain nothing: the contact's own tolerance
 MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are compared with those of loads
 SHORTEST = 2.0**-12  # of a Newton step
+COLUMNS = COORDINATES + 18  # of derivatives: the wheelset's coordinates, then the motions of hubs and rails
 MIRRORED_HUB = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # factors of a hub's motion in the mirror y = 0
 
 
@@ -139,7 +140,7 @@ class Trial:
         state: of the wheelset.
         motions: (18,) of hubs and rails.
         pairs: of both sides.
-        results: of their contacts in the frames of the moved rails.
+        results: of their contacts in the track's axes, as left-hand ones, see `MovedPair.in_track`.
     """
 
     state: WheelsetState
@@ -153,30 +154,47 @@ class Trial:
         return all(result.status == "converged" for result in self.results)
 
     @cached_property
-    def loads(self) -> Array:
-        """Loads (2, 12) by side, see `MovedPair.loads`."""
-        return np.stack([pair.loads(result) for pair, result in zip(self.pairs, self.results, strict=True)])
+    def wrenches(self) -> Array:
+        """Force and moment (2, 6) about the wheelset's centre, by side."""
+        return np.stack([np.concatenate([result.force, result.moment]) for result in self.results])
 
     @cached_property
-    def structural(self) -> Array:
+    def loads(self) -> Array:
         """Loads (18,) on both hubs, then on both rails."""
-        return np.concatenate([self.loads[:, :6].ravel(), self.loads[:, 6:9].ravel()])
+        loads = zip(self.pairs, self.wrenches, strict=True)
+        return structural(np.stack([pair.loads(wrench) for pair, wrench in loads]))
 
     @cached_property
     def slopes(self) -> tuple[Array, Array]:
-        """Derivatives (2, 12, 9) of the loads by the coordinates of the state, and (2, 12, 18) by the motions."""
-        by_state, by_motion = np.zeros((2, 12, COORDINATES)), np.zeros((2, 12, 18))
-        for index, (pair, result) in enumerate(zip(self.pairs, self.results, strict=True)):
-            slope = pair.load_slopes(result)
-            by_state[index] = slope[:, :COORDINATES] * (STATE_MIRRORED if index else 1.0)
-            by_motion[index, :, 6 * index : 6 * index + 6] = slope[:, HUB]
-            by_motion[index, :, 12 + 3 * index : 15 + 3 * index] = slope[:, RAIL]
-        return by_state, by_motion
+        """Derivatives (2, 6, 27) of the wrenches and (18, 27) of the loads by the coordinates of the state, then by the
+        motions.
+        """
+        wrenches, loads = np.zeros((2, 6, COLUMNS)), np.zeros((2, 9, COLUMNS))
+        for index, (pair, wrench, result) in enumerate(zip(self.pairs, self.wrenches, self.results, strict=True)):
+            own = pair.wrench_slopes(result)
+            wrenches[index] = by_unknowns(own, index)
+            loads[index] = by_unknowns(pair.load_slopes(wrench, own), index)
+        return wrenches, structural(loads)
 
 
-def _structural(loads: Array) -> Array:
-    """Rows (18, n) of the loads (2, 12, n) on hubs and rails."""
-    return np.concatenate([loads[0, :6], loads[1, :6], loads[0, 6:9], loads[1, 6:9]])
+def structural(loads: Array) -> Array:
+    """Rows (18, ...) on both hubs, then on both rails, of the loads (2, 9, ...) by side."""
+    return np.concatenate([loads[0, :6], loads[1, :6], loads[0, 6:], loads[1, 6:]])
+
+
+def by_unknowns(slopes: Array, index: int) -> Array:
+    """Derivatives (n, 27) by the coordinates of the wheelset's state and the motions of both hubs and both rails.
+
+    Parameters:
+        slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.slopes`.
+        index: of the side.
+    """
+    out = np.zeros((len(slopes), COLUMNS))
+    out[:, :COORDINATES] = slopes[:, :COORDINATES] * (STATE_MIRRORED if index else 1.0)
+    for first, size, own in ((0, 6, HUB), (12, 3, RAIL)):
+        start = COORDINATES + first + size * index
+        out[:, start : start + size] = slopes[:, own]
+    return out
 
 
 @dataclass(frozen=True)
@@ -237,20 +255,20 @@ class FlexibleWheelset:
                 self.flexibility.foot(index),
             )
             pairs.append(pair)
-            results.append(own.model(pair.pose, pair.motion, guess))
+            results.append(pair.in_track(own.model(pair.pose, pair.motion, guess)))
         return Trial(state, motions, tuple(pairs), tuple(results))
 
     def _residual(self, trial: Trial, loads: Loads) -> Array:
-        vertical = loads.forces @ trial.loads[:, 11] - loads.values
-        elastic = self.flexibility.unloaded + self.flexibility.matrix @ trial.structural
+        vertical = loads.forces @ trial.wrenches[:, 2] - loads.values
+        elastic = self.flexibility.unloaded + self.flexibility.matrix @ trial.loads
         return np.concatenate([vertical, trial.motions - elastic])
 
     def _jacobian(self, trial: Trial, loads: Loads) -> Array:
-        by_state, by_motion = trial.slopes
+        wrenches, structural_loads = trial.slopes
         free = [WheelsetState.coordinates.index(name) for name in loads.free]
-        by_unknown = np.concatenate([by_state[:, :, free], by_motion], axis=2)
-        vertical = loads.forces @ by_unknown[:, 11]
-        elastic = -self.flexibility.matrix @ _structural(by_unknown)
+        unknown = [*free, *range(COORDINATES, COLUMNS)]
+        vertical = loads.forces @ wrenches[:, 2, unknown]
+        elastic = -self.flexibility.matrix @ structural_loads[:, unknown]
         elastic[:, len(free) :] += np.eye(18)
         return np.concatenate([vertical, elastic])
 
@@ -273,7 +291,7 @@ class FlexibleWheelset:
         return None, solves
 
     def _outcome(self, trial: Trial, solves: int, errors: list[float]) -> FlexibleEquilibrium:
-        results = [pair.in_track(result) for pair, result in zip(trial.pairs, trial.results, strict=True)]
+        results, hub_loads = trial.results, trial.loads[:12].reshape(2, 6)
         hubs, rails = trial.motions[:12].reshape(2, 6), trial.motions[12:].reshape(2, 3)
         return FlexibleEquilibrium(
             trial.state,
@@ -281,36 +299,30 @@ class FlexibleWheelset:
             dict(zip(SIDES, trial.pairs, strict=True)),
             {"left": hubs[0], "right": MIRRORED_HUB * hubs[1]},
             {"left": rails[0], "right": rails[1] * (-1.0, 1.0, -1.0)},
-            dict(zip(SIDES, trial.loads[:, :6], strict=True)),
-            self._stress(trial),
+            dict(zip(SIDES, hub_loads, strict=True)),
+            self._stress(hub_loads),
             solves,
             tuple(errors),
             self._condensed(trial),
         )
 
-    def _stress(self, trial: Trial) -> dict[Side, tuple[Array, Array]]:
+    def _stress(self, hub_loads: Array) -> dict[Side, tuple[Array, Array]]:
         hubs = self.flexibility.hubs
         if hubs is None:
             return {}
-        stresses = hubs.bending_stress(*trial.loads[:, :6])
+        stresses = hubs.bending_stress(*hub_loads)
         return {side: (hubs.places, stress) for side, stress in zip(SIDES, stresses, strict=True)}
 
     def _condensed(self, trial: Trial) -> Array:
         """Derivative (2, 6, 9) of force and moment by the state, with motions that follow the loads:
         dw = W_q dq + W_x dx, dx = A dw.
         """
-        by_state, by_motion = trial.slopes
-        system = np.eye(18) - self.flexibility.matrix @ _structural(by_motion)
-        motion = np.linalg.solve(system, self.flexibility.matrix @ _structural(by_state))  # (18, 9)
-        out = np.zeros((2, 6, COORDINATES))
-        for index, (pair, loads) in enumerate(zip(trial.pairs, trial.loads, strict=True)):
-            slope = by_state[index] + by_motion[index] @ motion
-            own = np.zeros((SLOPES, COORDINATES))
-            own[:COORDINATES] = np.diag(STATE_MIRRORED) if index else np.eye(COORDINATES)
-            own[HUB], own[RAIL] = motion[6 * index : 6 * index + 6], motion[12 + 3 * index : 15 + 3 * index]
-            total = pair.wheelset_slopes(loads, slope, own)
-            out[index] = MIRRORED[:, None] * total if index else total
-        return out
+        wrenches, loads = trial.slopes
+        moved = self.flexibility.matrix @ loads
+        motion = np.linalg.solve(np.eye(18) - moved[:, COORDINATES:], moved[:, :COORDINATES])  # (18, 9)
+        out = wrenches[:, :, :COORDINATES] + wrenches[:, :, COORDINATES:] @ motion
+        out[1] *= MIRRORED[:, None]
+        return np.asarray(out)
 
 
 def _sizes(residual: Array, loads: Loads) -> tuple[float, float]:
