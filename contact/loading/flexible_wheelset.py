@@ -161,8 +161,9 @@ class Trial:
     @cached_property
     def loads(self) -> Array:
         """Loads (18,) on both hubs, then on both rails."""
-        loads = zip(self.pairs, self.wrenches, strict=True)
-        return structural(np.stack([pair.loads(wrench) for pair, wrench in loads]))
+        return structural(
+            np.stack([pair.load_matrix @ wrench for pair, wrench in zip(self.pairs, self.wrenches, strict=True)])
+        )
 
     @cached_property
     def slopes(self) -> tuple[Array, Array]:
@@ -171,9 +172,8 @@ class Trial:
         """
         wrenches, loads = np.zeros((2, 6, COLUMNS)), np.zeros((2, 9, COLUMNS))
         for index, (pair, wrench, result) in enumerate(zip(self.pairs, self.wrenches, self.results, strict=True)):
-            own = pair.wrench_slopes(result)
-            wrenches[index] = by_unknowns(own, index)
-            loads[index] = by_unknowns(pair.load_slopes(wrench, own), index)
+            wrenches[index] = by_unknowns(pair.wrench_slopes(result), index)
+            loads[index] = pair.load_matrix @ wrenches[index] + by_unknowns(pair.load_change(wrench), index)
         return wrenches, structural(loads)
 
 

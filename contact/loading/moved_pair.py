@@ -152,40 +152,33 @@ class MovedPair:
         out[:, RAIL.stop - 1] += np.concatenate([turned, np.cross(X, about_hub) + np.cross(self.arm, turned)])
         return out
 
-    def loads(self, wrench: Array) -> Array:
-        """Loads (9,) on the structure: force N and moment N m on the hub, in the wheelset's axes about the hub's centre
-        (6); y and z force and roll moment on the rail about the foot (3).
-
-        Parameters:
-            wrench: (6,) N and N m, as in a result of `in_track`.
+    @cached_property
+    def load_matrix(self) -> Array:
+        """Loads (9, 6) on the structure by force N and moment N m on the wheel about the wheelset's centre, in the
+        track's axes: force and moment on the hub, in the wheelset's axes about the hub's centre (6); y and z force and
+        roll moment on the rail about the foot (3).
         """
-        (force, moment), axes = np.split(wrench, 2), self.state.rotation.T
-        about_hub = moment - np.cross(self.arm, force)
-        about_foot = moment + np.cross(self._above_foot, force)
-        return np.concatenate([axes @ force, axes @ about_hub, -force[1:], -about_foot[:1]])
+        axes, out = self.state.rotation.T, np.zeros((9, 6))
+        out[:3, :3], out[3:6, :3], out[3:6, 3:] = axes, -axes @ skew(self.arm), axes
+        out[6, 1] = out[7, 2] = out[8, 3] = -1.0
+        out[8, :3] = -skew(self._above_foot)[0]
+        return out
 
-    def load_slopes(self, wrench: Array, change: Array) -> Array:
-        """Derivative (9, 18) of `loads`, columns as of `slopes`.
+    def load_change(self, wrench: Array) -> Array:
+        """Derivative (9, 18) of the loads by a constant wrench, columns as of `slopes`.
 
         Parameters:
-            wrench: (6,) N and N m.
-            change: (6, 18), its derivative.
+            wrench: (6,) force N and moment N m as for `load_matrix`.
         """
         (force, moment), axes, turn = np.split(wrench, 2), self.state.rotation.T, self._turn
-        by_force, by_moment = change[:3], change[3:]
         about_hub = moment - np.cross(self.arm, force)
-        hub_change = by_moment - skew(self.arm) @ by_force + skew(force) @ self._arm_change
+        out = np.zeros((9, SLOPES))
+        out[:3] = axes @ skew(force) @ turn
+        out[3:6] = axes @ (skew(force) @ self._arm_change + skew(about_hub) @ turn)
         lever = np.zeros((3, SLOPES))
         lever[1:, :2], lever[1:, RAIL.start : RAIL.start + 2] = np.eye(2), -np.eye(2)
-        foot_change = by_moment + skew(self._above_foot) @ by_force - skew(force) @ lever
-        return np.concatenate(
-            [
-                axes @ (by_force + skew(force) @ turn),
-                axes @ (hub_change + skew(about_hub) @ turn),
-                -by_force[1:],
-                -foot_change[:1],
-            ]
-        )
+        out[8] = (skew(force) @ lever)[0]
+        return out
 
     @cached_property
     def _rigid(self) -> RigidMotion:
