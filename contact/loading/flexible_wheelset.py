@@ -33,6 +33,7 @@ MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are com
 SHORTEST = 2.0**-12  # of a Newton step
 COLUMNS = COORDINATES + 18  # of derivatives: the wheelset's coordinates, then the motions of hubs and rails
 MIRRORED_HUB = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # factors of a hub's motion in the mirror y = 0
+MIRRORED_RAIL = np.array([-1.0, 1.0, -1.0])  # the same of a rail's
 
 
 @dataclass(frozen=True)
@@ -298,7 +299,7 @@ class FlexibleWheelset:
             {"left": results[0], "right": results[1].mirrored()},
             dict(zip(SIDES, trial.pairs, strict=True)),
             {"left": hubs[0], "right": MIRRORED_HUB * hubs[1]},
-            {"left": rails[0], "right": rails[1] * (-1.0, 1.0, -1.0)},
+            {"left": rails[0], "right": MIRRORED_RAIL * rails[1]},
             dict(zip(SIDES, hub_loads, strict=True)),
             self._stress(hub_loads),
             solves,
