@@ -47,11 +47,11 @@ class QuasiStaticStructure:
         values = {f.name: getattr(state, f.name) for f in fields(WheelsetState)}
         return FlexibleState(**values, motions=tuple(motions.tolist()))
 
-    def loads(self, state: FlexibleState, wrenches: Array) -> Array:
+    def loads(self, state: WheelsetState, wrenches: Array) -> Array:
         """Loads (18,) N and N m on both hubs, then on both rails, conjugate to the motions.
 
         Parameters:
-            state: of the wheelset.
+            state: of the wheelset with its motions, from `moved`.
             wrenches: (2, 6), force N on the left and the right wheel, and moment N m about the wheelset's centre.
         """
         mirrored = self._mirrored(wrenches)
@@ -64,7 +64,7 @@ class QuasiStaticStructure:
         elastic = self.pairs.flexibility
         return np.asarray((elastic.unloaded + elastic.matrix @ loads - motions) / self.time_constant)
 
-    def rate_slopes(self, state: FlexibleState, wrenches: Array, tangents: Array) -> Array:
+    def rate_slopes(self, state: WheelsetState, wrenches: Array, tangents: Array) -> Array:
         """Derivatives (2, 18, 27) of the rates at constant motions, by `FlexibleState.coordinates`: parts of the left
         and the right contact.
 

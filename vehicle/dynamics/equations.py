@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_contact import FlexibleState
-from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
@@ -23,6 +21,9 @@ from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import Wagon
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 Contacts = dict[Side, ContactResult]
 
@@ -201,7 +202,6 @@ class Dynamics:
         if self.structure is None:
             return np.zeros(0)
         wheelset = self.wheelset_state(frame, state)
-        assert isinstance(wheelset, FlexibleState)
         return self.structure.rates(self.split(state).motions, self.structure.loads(wheelset, wrenches))
 
     def solve_contacts(self, frame: Frame, state: Array, guess: Contacts | None) -> Contacts:

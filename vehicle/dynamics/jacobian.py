@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_contact import FlexibleState
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench, wrenches
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
@@ -104,7 +103,6 @@ class Jacobian:
         by_state[COUNT : 2 * COUNT, indices] += by_wrench @ tangents.sum(axis=0)[:, columns]
         if d.structure is not None:
             wheelset = d.wheelset_state(frame, state)
-            assert isinstance(wheelset, FlexibleState)
             slopes = d.structure.rate_slopes(wheelset, wrenches(at.contacts), tangents)
             by_state[bodies.stop :, indices] = slopes.sum(axis=0)[:, columns]
             by_state[bodies.stop :, bodies.stop :] -= np.eye(d.motions) / d.structure.time_constant

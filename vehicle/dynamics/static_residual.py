@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_contact import FlexibleState
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Wrench, wrenches
 from wheelrail.vehicle.dynamics.jacobian import NO_TANGENT, Jacobian
@@ -107,7 +106,6 @@ class StaticResidual:
         if d.structure is not None:
             if tangents is None:
                 raise StepFailure(NO_TANGENT)
-            assert isinstance(wheelset, FlexibleState)
             own, factor = len(WheelsetState.coordinates), d.structure.time_constant / MOTION
             slopes = factor * d.structure.rate_slopes(wheelset, wrenches(contacts), tangents).sum(axis=0)
             result[:COUNT, COUNT:] = self.weights[:, None] * by_wrench @ tangents.sum(axis=0)[:, own:]

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_contact import FlexibleState
-from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
@@ -18,6 +17,9 @@ from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 POWERS = ("contact", "dampers", "gravity", "inertial")
 
@@ -114,7 +116,6 @@ def _structure_power(history: History, dynamics: Dynamics, structure: QuasiStati
     loads = np.empty((len(history), structure.size))
     for i, (time, state) in enumerate(zip(history.time.tolist(), history.state, strict=True)):
         wheelset = dynamics.wheelset_state(dynamics.frame(time), state)
-        assert isinstance(wheelset, FlexibleState)
         loads[i] = structure.loads(wheelset, wrenches[i])
     rates = CubicSpline(history.time, history.structure_motion)(history.time, 1)
     return (loads * rates).sum(axis=1), structure.dissipated_power(rates)

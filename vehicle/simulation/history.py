@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
-from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.state import COUNT, split
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair, Recorder
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 
 @dataclass

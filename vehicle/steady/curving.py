@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
-from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 from wheelrail.contact.results.result import Patch
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
@@ -19,6 +19,9 @@ from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, 
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wagon.suspension import SuspensionForces
 from wheelrail.vehicle.wagon.wagon import Wagon
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
