@@ -16,6 +16,7 @@ from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.contact.solvers.tangent import MIRRORED
+from wheelrail.contact.structure.hubs import about_hubs_line
 from wheelrail.support.arrays import Array
 
 HUB_MOTIONS, RAIL_MOTIONS = ("x", "y", "z", "roll", "pitch", "yaw"), ("y", "z", "roll")
@@ -118,18 +119,3 @@ class FlexibleContact(VehicleContact):
         own = result if side == "left" else result.mirrored()
         slopes = self.pairs.by_coordinates(self.pairs.pair(state, side).wrench_slopes(own), side)
         return slopes if side == "left" else MIRRORED[:, None] * slopes
-
-
-def about_hubs_line(wheel_y: float) -> Array:
-    """Motions (12, 12) of both hubs relative to the line through them by those relative to any other line.
-
-    What is taken out are x, z, roll and yaw of the line and the mean of y. Parameters: wheel_y: m, y of the left hub.
-    """
-    x, y, z, roll, _, yaw = range(6)
-    out = np.eye(12)
-    for own, other in ((0, 6), (6, 0)):
-        out[own + x] = out[own + z] = 0.0
-        out[own + y, other + y] = out[own + y, own + y] = 0.5  # the other one is mirrored
-        out[own + roll, [own + z, other + z]] = np.array([-0.5, 0.5]) / wheel_y
-        out[own + yaw, [own + x, other + x]] = np.array([0.5, -0.5]) / wheel_y
-    return out

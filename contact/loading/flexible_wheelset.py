@@ -20,7 +20,7 @@ from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPa
 from wheelrail.contact.models.wheelset import STATE_MIRRORED, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
-from wheelrail.contact.structure.hubs import HubCompliance
+from wheelrail.contact.structure.hubs import HubCompliance, about_hubs_line
 from wheelrail.contact.structure.pads import RailCompliance
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
@@ -119,6 +119,8 @@ class FlexibleEquilibrium:
         errors: by Newton step, of forces over the load and of motions over 1 mm or 1 mrad, the largest.
         tangent: (2, 6, 9), derivative of both sides' force and moment about the wheelset's centre by
             `WheelsetState.coordinates`, hubs and rails moving with the loads.
+        motions: (18,) of both hubs relative to the line through the journals, then of both rails; those of the right
+            side mirrored.
     """
 
     state: WheelsetState
@@ -131,6 +133,7 @@ class FlexibleEquilibrium:
     solves: int
     errors: tuple[float, ...]
     tangent: Array
+    motions: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,19 +143,20 @@ class Trial:
     Parameters:
         state: of the wheelset.
         motions: (18,) of hubs and rails.
+        frame: (18, 18), motions in the frame of the wheelset by `motions`.
         pairs: of both sides.
         results: of their contacts in the track's axes, as left-hand ones, see `MovedPair.in_track`.
     """
 
     state: WheelsetState
     motions: Array
+    frame: Array
     pairs: tuple[MovedPair, ...]
     results: tuple[ContactResult, ...]
 
-    @property
-    def usable(self) -> bool:
-        """Whether both contacts are solved and carry."""
-        return all(result.status == "converged" for result in self.results)
+    def usable(self, loads: Loads) -> bool:
+        """Whether both contacts are solved and, under given loads, carry."""
+        return all(r.status == "converged" or (r.ok and not loads.free) for r in self.results)
 
     @cached_property
     def wrenches(self) -> Array:
@@ -175,7 +179,10 @@ class Trial:
         for index, (pair, wrench, result) in enumerate(zip(self.pairs, self.wrenches, self.results, strict=True)):
             wrenches[index] = by_unknowns(pair.wrench_slopes(result), index)
             loads[index] = pair.load_matrix @ wrenches[index] + by_unknowns(pair.load_change(wrench), index)
-        return wrenches, structural(loads)
+        wrenches[:, :, COORDINATES:] = wrenches[:, :, COORDINATES:] @ self.frame
+        of_structure = structural(loads)
+        of_structure[:, COORDINATES:] = of_structure[:, COORDINATES:] @ self.frame
+        return wrenches, of_structure
 
 
 def structural(loads: Array) -> Array:
@@ -205,13 +212,19 @@ class FlexibleWheelset:
     Parameters:
         contact: of both sides.
         flexibility: of axle and rails.
+        on_hubs: whether the frame of the wheelset is that of the line through its hubs instead of its journals.
     """
 
     contact: WheelsetContact
     flexibility: Flexibility
+    on_hubs: bool = False
 
     def equilibrium(
-        self, state: WheelsetState, loads: Loads, guess: dict[Side, ContactResult] | None = None
+        self,
+        state: WheelsetState,
+        loads: Loads,
+        guess: dict[Side, ContactResult] | None = None,
+        motions: Array | None = None,
     ) -> FlexibleEquilibrium:
         """Equilibrium under given vertical loads, from a state near that of the rigid wheelset.
 
@@ -219,12 +232,13 @@ class FlexibleWheelset:
             state: first height and roll, and the other coordinates and velocities.
             loads: condition on the wheels' vertical forces.
             guess: results to start from.
+            motions: (18,) of hubs and rails to start from, see `FlexibleEquilibrium.motions`; None: zero.
 
         Raises LoadError.
         """
         guesses = tuple((guess or {}).get(side) for side in SIDES)
-        trial, solves = self._trial(state, np.zeros(18), guesses), 2
-        if not trial.usable:
+        trial, solves = self._trial(state, np.zeros(18) if motions is None else motions, guesses), 2
+        if not trial.usable(loads):
             raise LoadError(f"no contact to start from: {', '.join(result.status for result in trial.results)}")
         errors: list[float] = []
         for _ in range(MAX_STEPS):
@@ -244,20 +258,28 @@ class FlexibleWheelset:
             trial = following
         raise LoadError(f"hubs and rails do not settle in {MAX_STEPS} Newton steps")
 
+    @cached_property
+    def _frame(self) -> Array:
+        """Motions (18, 18) in the frame of the wheelset by those relative to the line through the journals."""
+        frame = np.eye(18)
+        if self.on_hubs:
+            frame[:12, :12] = about_hubs_line(self.contact.mounting.wheel_y)
+        return frame
+
     def _trial(self, state: WheelsetState, motions: Array, guesses: tuple[ContactResult | None, ...]) -> Trial:
-        pairs, results = [], []
+        pairs, results, placed = [], [], self._frame @ motions
         for index, (side, guess) in enumerate(zip(SIDES, guesses, strict=True)):
             own = self.contact.of(side)
             pair = MovedPair(
                 own.mounting,
                 state.mirrored() if index else state,
-                motions[6 * index : 6 * index + 6],
-                motions[12 + 3 * index : 15 + 3 * index],
+                placed[6 * index : 6 * index + 6],
+                placed[12 + 3 * index : 15 + 3 * index],
                 self.flexibility.foot(index),
             )
             pairs.append(pair)
             results.append(pair.in_track(own.model(pair.pose, pair.motion, guess)))
-        return Trial(state, motions, tuple(pairs), tuple(results))
+        return Trial(state, motions, self._frame, tuple(pairs), tuple(results))
 
     def _residual(self, trial: Trial, loads: Loads) -> Array:
         vertical = loads.forces @ trial.wrenches[:, 2] - loads.values
@@ -284,7 +306,7 @@ class FlexibleWheelset:
                 replace(trial.state, **change), trial.motions + fraction * step[count:], trial.results
             )
             solves += 2
-            if following.usable:
+            if following.usable(loads):
                 force, place = _sizes(self._residual(following, loads), loads)
                 if max(force, place / MOTION) < (1 - 0.1 * fraction) * size:
                     return following, solves
@@ -305,6 +327,7 @@ class FlexibleWheelset:
             solves,
             tuple(errors),
             self._condensed(trial),
+            trial.motions,
         )
 
     def _stress(self, hub_loads: Array) -> dict[Side, tuple[Array, Array]]:

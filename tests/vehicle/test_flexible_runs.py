@@ -12,10 +12,10 @@ from small_strips import few_strips
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.loading.flexible_contact import FlexibleContact, FlexibleState, about_hubs_line
+from wheelrail.contact.loading.flexible_contact import FlexibleContact, FlexibleState
 from wheelrail.contact.loading.flexible_wheelset import Flexibility, FlexibleWheelset, Loads
 from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
-from wheelrail.contact.structure.hubs import hub_compliance
+from wheelrail.contact.structure.hubs import about_hubs_line, hub_compliance
 from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.meshes.bodies.axle import AxleShape
 from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
