@@ -244,3 +244,72 @@ def test_unknown_arguments_and_tangential_displacements() -> None:
         wr.Hertz().element()
     with pytest.raises(wr.SceneError, match="shift: an element rolls"):
         wr.Hertz(shift=(1e-6, 0.0)).element(load=1e4)
+
+
+@cache
+def flexible() -> wr.Wheelset:
+    return wr.Wheelset(
+        "S1002", "UIC60-benchmark", friction=0.3, bodies="half-space", strips=6, cells=8, axle=True, pads=True
+    )
+
+
+LOADED = {"y": 2e-3, "z": -6e-4, "roll": 1e-4, "yaw": 1e-3, "speed": 20.0}
+
+
+def test_an_element_with_axle_and_pads_is_the_wheelset_under_the_same_loads() -> None:
+    element = flexible().element()
+    solution = element.solve(**LOADED)
+    assert solution.ok
+    hubs = {side: hub for side, (hub, _) in element.motions().items()}
+    left, right = hubs["left"], hubs["right"]
+    # The line through the journals, by the motions of both hubs against it, to first order.
+    on_journals = {
+        "y": LOADED["y"] - 0.5 * (left[1] + right[1]),
+        "z": LOADED["z"] - 0.5 * (left[2] + right[2]),
+        "roll": LOADED["roll"] - (left[2] - right[2]) / 1.5,
+        "yaw": LOADED["yaw"] + (left[0] - right[0]) / 1.5,
+        "speed": 20.0,
+    }
+    expected = flexible().solve(**on_journals)
+    for side in SIDES:
+        force = expected.results[side].force
+        np.testing.assert_allclose(solution.force[side], force, atol=2e-4 * force[2])
+        np.testing.assert_allclose(hubs[side], expected.data["hub_motion"].sel(side=side), atol=1e-7)
+        rail = element.motions()[side][1]
+        np.testing.assert_allclose(rail, expected.data["rail_motion"].sel(side=side), atol=1e-7)
+
+
+def test_the_tangent_of_an_element_has_hubs_and_rails_follow() -> None:
+    element = flexible().element()
+    element.solve(**LOADED)
+    element.accept()
+    slopes = element.tangent().values
+    for name in ("z", "roll"):
+        column, h, ends = element.solve(**LOADED).state.coordinates.index(name), 2e-6, []
+        for sign in (1, -1):
+            ends.append(wrench(element.solve(**{**LOADED, name: LOADED[name] + sign * h})))
+        change = (ends[0] - ends[1]) / (2 * h)
+        np.testing.assert_allclose(slopes[:, :, column], change, atol=0.01 * np.abs(change).max())
+    assert -slopes[0, 2, 1] < 2.5e8  # N/m: pads, not the contact's 1e9
+
+
+def test_a_restored_element_with_axle_and_pads_repeats_its_solves() -> None:
+    element, other = flexible().element(), flexible().element()
+    element.solve(**LOADED)
+    element.accept()
+    other.restore(pickle.loads(pickle.dumps(element.state())))
+    moved = {**LOADED, "y": 2.2e-3}
+    np.testing.assert_array_equal(wrench(element.solve(**moved)), wrench(other.solve(**moved)))
+
+
+def test_an_element_with_axle_and_pads_may_leave_the_rails() -> None:
+    element = flexible().element()
+    solution = element.solve(**{**LOADED, "z": 5e-3})
+    assert solution.ok
+    assert not wrench(solution).any()
+    element.accept()
+    assert element.solve(**LOADED).ok  # and land again
+    rigid = wheelset().element()
+    rigid.solve(**PLACE)
+    with pytest.raises(ValueError, match="rigid"):
+        rigid.motions()

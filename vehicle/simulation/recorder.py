@@ -11,7 +11,7 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
-from wheelrail.vehicle.dynamics.state import split
+from wheelrail.vehicle.dynamics.structure_motions import with_motions_at_rates
 from wheelrail.vehicle.integration.integrate import Step
 from wheelrail.vehicle.integration.problem import StepFailure
 
@@ -31,7 +31,7 @@ class Outputs(NamedTuple):
 
     @classmethod
     def of(cls, dynamics: Dynamics, state: Array, at: Evaluation) -> Outputs:
-        position, rate, _, _, series = split(state)
+        position, rate, _, _, series, _ = dynamics.split(state)
         contacts = [at.contacts[side] for side in SIDES]
         forces = dynamics.suspension.forces(position, rate, series)
         return cls(
@@ -70,7 +70,8 @@ class Recorder:
     Parameters:
         dynamics: the equations of motion.
         every: interval s; None: at accepted steps. Within a step the state is that of its dense output, `Step.at`, and
-            the contacts are solved at this state; a contact that fails there has NaN forces and no patch.
+            the contacts are solved at this state; a contact that fails there has NaN forces and no patch. Motions of
+            axle and rails are those with their mean rates over the step.
         rows: recorded so far.
         latest: row at the last accepted step, if any.
     """
@@ -102,7 +103,11 @@ class Recorder:
         """Row at a time s before the end of a step."""
         state = step.at(time)
         try:
-            evaluation = self.dynamics(time, state, step.end)
+            if self.dynamics.structure is None:
+                evaluation = self.dynamics(time, state, step.end)
+            else:
+                rates = self.dynamics.split(step.x - step.x0).motions / (step.t - step.t0)
+                state, evaluation = with_motions_at_rates(self.dynamics, time, state, rates, step.end)
         except StepFailure as failure:
             evaluation = _without_contacts(step.end, str(failure))
         return Row.of(self.dynamics, time, state, evaluation)

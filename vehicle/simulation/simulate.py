@@ -62,7 +62,7 @@ def simulate(
     Parameters:
         dynamics: equations of motion.
         span: start and end, s.
-        initial: (20 + m,) state (see `wheelrail.vehicle.dynamics.state`); None: the equilibrium at the start.
+        initial: (20 + m + k,) state (see `wheelrail.vehicle.dynamics.state`); None: the equilibrium at the start.
         steps: "ode23" and "ode45" are explicit and resolve the contact's 150 Hz; "rosenbrock" is linearly implicit and
             uses the contact's tangent if it has one; atol: see `tolerances`.
         recording: rows and checkpoints. With a latest checkpoint the run resumes from it; all other arguments must

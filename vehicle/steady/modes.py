@@ -72,7 +72,8 @@ def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.
         time: s, at which speed and track are taken.
 
     The contact is linearised by its tangent, creep forces included, or by differences. The zero mode of the rolling
-    angle is left out. Raises EquilibriumError, and StepFailure where a contact solve fails.
+    angle is left out, and so are motions of axle and rails that move no body. Raises EquilibriumError, and StepFailure
+    where a contact solve fails.
     """
     solution = at or equilibrium(dynamics, time=time)
     return _modes_of(dynamics, _matrix(dynamics, time, solution), fixed=())
@@ -109,7 +110,9 @@ def _modes_of(dynamics: Dynamics, matrix: Array, *, fixed: Iterable[int]) -> lis
     shapes = np.zeros((len(matrix), len(values)), dtype=complex)
     shapes[free] = vectors
     all_modes = [
-        _mode(dynamics, complex(values[i]), shapes[:COUNT, i]) for i in np.argsort(np.abs(values), kind="stable")
+        _mode(dynamics, complex(values[i]), shapes[:COUNT, i])
+        for i in np.argsort(np.abs(values), kind="stable")
+        if shapes[:COUNT, i].any()
     ]
     return [
         m

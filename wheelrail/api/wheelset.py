@@ -10,9 +10,15 @@ from typing import TYPE_CHECKING, Any, Literal
 from wheelrail.api.arguments import check_keys, keys_of, replaced, scene_of, with_names
 from wheelrail.api.solution import Solution, solved
 from wheelrail.meshes.profiles.profile import Profile
-from wheelrail.scenes.builders.wheelset import SideProfiles, mounted, side_profiles, wheelset_contact, wheelset_state
+from wheelrail.scenes.builders.wheelset import (
+    SideProfiles,
+    flexibility,
+    mounted,
+    side_profiles,
+    wheelset_contact,
+    wheelset_state,
+)
 from wheelrail.scenes.contacts.solve import solve_sides
-from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import ProfilesTable
 from wheelrail.scenes.schema.scene import WheelsetScene
 from wheelrail.scenes.schema.tables import TrackTable
@@ -25,6 +31,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import Mounting
     from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
 
 SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "wheelset": keys_of(Position)}
 OWN = [key for key in keys_of(WheelsetScene) if key not in ("kind", *SECTIONS)]
@@ -173,16 +180,19 @@ class Wheelset:
         """Contact element for a time integration; bodies and tables are shared with this wheelset.
 
         Arguments of `WheelsetElement.solve` that are not given are those of this wheelset; y, z, roll and yaw are 0 m
-        and 0 rad unless given here. Raises SceneError with axle or pads.
+        and 0 rad unless given here.
         """
         from wheelrail.api.elements.wheelset_element import WheelsetElement
 
         position = {key: self.arguments.get(key) for key in PLACED}
         placed = {key: value if isinstance(value, float | int) else 0.0 for key, value in position.items()}
         scene = self._scene(placed)
+        contact: VehicleContact = self._contact
         if scene.is_flexible:
-            raise SceneError("element: not allowed with axle or pads, whose motions are known to the time integration")
-        return WheelsetElement(self._contact, wheelset_state(scene), scene.track.curvature)
+            from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
+
+            contact = QuasiStaticContact(self._contact, flexibility(scene, self.side_profiles))
+        return WheelsetElement(contact, self._contact.mounting.radius, wheelset_state(scene), scene.track.curvature)
 
     @cached_property
     def profiles(self) -> tuple[Profile, Profile]:

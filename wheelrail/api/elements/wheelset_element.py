@@ -13,7 +13,8 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 
 if TYPE_CHECKING:
-    from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
+    from wheelrail.support.arrays import Array
 
 
 class WheelsetElement(ContactElement[WheelsetState, Side]):
@@ -21,15 +22,18 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
 
     Parameters:
         contact: model of both contacts.
+        radius: nominal rolling radius, m.
         default: values of arguments that a solve does not give.
         curvature: of the track, 1/m.
 
-    SI units; x forward, y to the left, z up; forces act on the wheels, moments are about the wheelset's centre.
+    SI units; x forward, y to the left, z up; forces act on the wheels, moments are about the wheelset's centre. With
+    an elastic axle or pads every solve finds the motions of hubs and rails under its loads, and the tangent has them
+    follow; the wheelset's centre is the middle of the line through its hubs.
     """
 
-    def __init__(self, contact: WheelsetContact, default: WheelsetState, curvature: float) -> None:
+    def __init__(self, contact: VehicleContact, radius: float, default: WheelsetState, curvature: float) -> None:
         super().__init__(contact, SIDES)
-        self._default, self._radius, self._curvature = default, contact.mounting.radius, curvature
+        self._default, self._radius, self._curvature = default, radius, curvature
 
     def solve(
         self,
@@ -83,3 +87,16 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
         if rail_shift is not None:
             given["rail_shift"] = checked_shifts("rail_shift", rail_shift)
         return self.solve_state(replace(self._default, **given))
+
+    def motions(self) -> dict[Side, tuple[Array, Array]]:
+        """Motions of the hub (6,) relative to the line through the journals, x, y, z, then about x, y, z, and of the
+        rail (3,), y, z, then roll about its foot, m and rad, at the last solved state.
+
+        Raises ValueError when it failed, or there is none, and for rigid axle and clamped rails.
+        """
+        from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
+
+        results = self._solved("motions").results
+        if not isinstance(self.contact, QuasiStaticContact):
+            raise ValueError("motions: the axle is rigid, and the rails are clamped")
+        return {side: self.contact.motions(results[side], side) for side in SIDES}

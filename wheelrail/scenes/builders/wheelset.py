@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
     from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.contact.structure.hubs import HubCompliance
     from wheelrail.meshes.profiles.profile import Profile
 
@@ -58,6 +60,19 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
     return WheelsetContact(model, mounting)
 
 
+def run_contact(scene: RunScene) -> tuple[VehicleContact, QuasiStaticStructure | None]:
+    """Contact of a run, and its axle and rails where they are elastic; errors as for `wheelset_contact`."""
+    profiles = side_profiles(scene)
+    contact = wheelset_contact(scene, profiles)
+    if not scene.is_flexible:
+        return contact, None
+    from wheelrail.contact.loading.flexible_contact import FlexibleContact
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+
+    moving = FlexibleContact(contact, flexibility(scene, profiles))
+    return moving, QuasiStaticStructure(moving.pairs)
+
+
 def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | None = None) -> RigidWheelset:
     """Rigid surfaces of both sides and their mounting; parameters and errors as for `wheelset_contact`."""
     from wheelrail.contact.geometry.first_contact import RigidWheelset
@@ -73,7 +88,7 @@ def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | Non
     return on("left") if scene.sides_alike else replace(on("left"), right=on("right"))
 
 
-def flexibility(scene: WheelsetScene, profiles: SideProfiles) -> Flexibility:
+def flexibility(scene: WheelsetScene | RunScene, profiles: SideProfiles) -> Flexibility:
     """Compliance of the axle and of the rails on their pads; where the wheels differ, that of two left-hand ones.
 
     Raises SceneError for an axle that does not fit the wheels.
@@ -91,7 +106,7 @@ def flexibility(scene: WheelsetScene, profiles: SideProfiles) -> Flexibility:
     return Flexibility(None if scene.wheelset.axle is None else _hubs(scene, profiles["left"]), rails)
 
 
-def _hubs(scene: WheelsetScene, pair: tuple[Profile, Profile]) -> HubCompliance:
+def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> HubCompliance:
     """Compliance of the hubs of the scene's axle."""
     from wheelrail.contact.structure.hubs import hub_compliance
     from wheelrail.meshes.bodies.axle import AxleShape

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, wagon
-from wheelrail.scenes.builders.wheelset import wheelset_contact
+from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
 from wheelrail.scenes.schema.scene import RunScene
@@ -112,7 +112,7 @@ def _simulated(
 ) -> History:
     """History of a scene; checkpoints are appended to a file, the run continues from start."""
     with console.status("meshes and stiffness of wheel and rail"):
-        contact = wheelset_contact(scene)
+        contact, structure = run_contact(scene)
     from wheelrail.vehicle.dynamics.equations import Dynamics
     from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
@@ -130,7 +130,7 @@ def _simulated(
         progress_bar(console, length, start_distance) as progress,
     ):
         return simulate(
-            Dynamics(wagon(scene), track(scene), parallel, speed),
+            Dynamics(wagon(scene), track(scene), parallel, speed, structure),
             (0.0, end),
             steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
             recording=Recording(scene.output.interval or None, checkpoints),

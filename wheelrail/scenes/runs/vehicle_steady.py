@@ -40,6 +40,8 @@ def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynami
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
     from wheelrail.vehicle.track.track import Track
 
+    if scene.is_flexible:
+        raise SceneError("wheelset.axle, track.pads: not allowed with a vehicle file, whose axles and track are rigid")
     vehicle = load_vehicle(file)
     if vehicle.radius != scene.wheelset.radius:
         text = f"must be {scene.wheelset.radius:g} m, wheelset.radius of the scene"
