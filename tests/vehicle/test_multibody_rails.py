@@ -22,7 +22,7 @@ from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium, vehicle_equilibrium
 from wheelrail.vehicle.multibody.modes import critical_speed
-from wheelrail.vehicle.multibody.simulate import simulate_vehicle
+from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from wheelrail.vehicle.simulation.history import History
-    from wheelrail.vehicle.simulation.simulate import Progress
+    from wheelrail.vehicle.simulation.time_run import Progress
 
 
 @contextmanager

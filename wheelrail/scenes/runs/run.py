@@ -116,7 +116,8 @@ def _simulated(
     from wheelrail.vehicle.dynamics.equations import Dynamics
     from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
-    from wheelrail.vehicle.simulation.simulate import Recording, simulate
+    from wheelrail.vehicle.simulation.simulate import simulate
+    from wheelrail.vehicle.simulation.time_run import Recording
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
     checkpoints = None
