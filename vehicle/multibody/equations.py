@@ -162,6 +162,8 @@ class VehicleDynamics:
         if not np.isfinite(state).all():
             raise StepFailure("the state is not finite")
         states = self.wheelset_states(time, state)
+        for name, wheelset in states.items():  # the sides of one process need not wait for those of the other
+            self.contact.ahead(wheelset, guess[name][SIDES[-1]] if guess else None)
         return {name: self.solve_wheelset(name, states[name], guess) for name in states}
 
     def solve_wheelset(

@@ -138,6 +138,8 @@ class VehicleJacobian:
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
         """The tangents (w, 2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
+            for name, state in states.items():
+                self.dynamics.contact.ahead_tangent(state, contacts[name][SIDES[-1]])
             tangents = [self.dynamics.element.side_tangents(state, contacts[name]) for name, state in states.items()]
         except ValueError:  # some models and results have no tangent
             return None
