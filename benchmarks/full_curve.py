@@ -32,7 +32,8 @@ from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
 SCENE = Path(__file__).parents[1] / "scenes" / "full_curve.toml"

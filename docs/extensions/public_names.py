@@ -90,7 +90,8 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.multibody.equilibrium",
         "wheelrail.vehicle.multibody.modes",
         "wheelrail.vehicle.multibody.wheel_forces",
-        "wheelrail.vehicle.multibody.simulate",
+        "wheelrail.vehicle.multibody.runs.simulate",
+        "wheelrail.vehicle.multibody.runs.history",
         "wheelrail.vehicle.multibody.energy",
     ),
     "Vehicle: simulation": (

@@ -85,7 +85,9 @@ MAY_IMPORT |= {
     "vehicle.dynamics": _DRIVEN,
     "vehicle.steady": _DRIVEN | {"vehicle.dynamics"},
     "vehicle.simulation": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
-    "vehicle.multibody": _DRIVEN | {"vehicle.steady"},
+    "vehicle.multibody": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
+    "vehicle.multibody.runs": _DRIVEN
+    | {"vehicle.dynamics", "vehicle.multibody", "vehicle.simulation", "vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
 _SCENES = ("schema", "builders", "datasets", "contacts", "plots", "runs", "views", "studies", "html_report")

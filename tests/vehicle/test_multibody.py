@@ -20,7 +20,7 @@ from wheelrail.vehicle.multibody.energy import mechanical_energy, power
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
 from wheelrail.vehicle.multibody.modes import critical_speed, held_wheelset_modes, vehicle_modes
-from wheelrail.vehicle.multibody.simulate import simulate_vehicle
+from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SpeedHold, SuspensionElement, Vehicle, VehicleBody
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError
 from wheelrail.vehicle.steady.modes import fixed_wheelset_modes

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences, renewed
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench, wrenches
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
 from wheelrail.vehicle.integration.problem import StepFailure
@@ -26,7 +26,6 @@ DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
 STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
 TIME_STEP = 1e-5  # s, forward difference in time
 NO_TANGENT = "the contact has no tangent, which elastic axles and rails on pads need"
-REUSED = 8  # Jacobians per set of contact differences: saves 2 of 3 solves, at a third more steps
 
 
 @dataclass(frozen=True)
@@ -41,19 +40,6 @@ class Linearised:
 
     by_state: Array
     by_time: Array
-
-
-@dataclass(frozen=True)
-class ContactDifferences:
-    """Contact tangents by differences, used several times.
-
-    Parameters:
-        tangents: (2, 6, 9 + k), see `Jacobian.tangents`.
-        age: Jacobians made with them, after the first.
-    """
-
-    tangents: Array
-    age: int = 0
 
 
 @dataclass
@@ -148,16 +134,8 @@ class Jacobian:
         return tangents if np.isfinite(tangents).all() else None
 
     def _differences(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
-        current = self.differences
-        if current is None:
-            current = ContactDifferences(self._differentiated(wheelset, contacts))
-        elif current.age + 1 < REUSED:
-            current = replace(current, age=current.age + 1)
-        else:
-            with suppress(StepFailure):  # a contact that fails nearby: earlier differences are better than none
-                current = ContactDifferences(self._differentiated(wheelset, contacts))
-        self.differences = current
-        return current.tangents
+        self.differences = renewed(self.differences, lambda: self._differentiated(wheelset, contacts))
+        return self.differences.tangents
 
     def _differentiated(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
         result, centre = np.zeros((2, 6, len(WheelsetState.coordinates))), wrenches(contacts)

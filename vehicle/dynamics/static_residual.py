@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Wrench, wrenches
@@ -96,15 +97,9 @@ class StaticResidual:
             perturbed = unknown.copy()
             perturbed[i] += step
             solve = tangents is None and i in CONTACT_UNKNOWNS
-<<<<<<< HEAD
             results = self.contacts(perturbed, contacts) if solve else contacts
-            columns.append((self.residual(perturbed, results) - residual) / step)
-        result: Array = np.stack(columns, axis=1)
-=======
-            results = self.contacts(perturbed) if solve else contacts
             result[:COUNT, i] = (self._unbalanced(perturbed, results) - residual[:COUNT]) / step
         spin = np.array([1.0, 1.0, 1.0, d.rolling_rate(self.frame)])
->>>>>>> e6a6e71572b003a29ebc15067bcc5ae9df04e9b0
         if tangents is not None:
             by_unknowns = tangents.sum(axis=0)[:, TANGENT_COLUMNS] * spin
             result[:COUNT, CONTACT_UNKNOWNS] += self.weights[:, None] * by_wrench @ by_unknowns
@@ -176,5 +171,5 @@ class StaticResidual:
                 z, fraction = middle, value
             else:
                 other, other_fraction = middle, value
-        left, right = (float(contacts[side].force[2]) for side in ("left", "right"))
+        left, right = (float(contacts[side].force[2]) for side in SIDES)
         return unknown, (left - right) / self.dynamics.wagon.axle_load

@@ -34,10 +34,12 @@ class VehicleEvaluation:
     Parameters:
         rate: (2 c + m,) time derivative of the state.
         contacts: results by wheelset and side.
+        guess: results from which the contact solves started; None: none.
     """
 
     rate: Array
     contacts: WheelContacts
+    guess: WheelContacts | None = None
 
 
 @dataclass(frozen=True)
@@ -97,20 +99,28 @@ class VehicleDynamics:
         """Length of a state."""
         return self.coordinates.size
 
-    def __call__(self, time: float, state: Array, previous: VehicleEvaluation | None = None) -> VehicleEvaluation:
+    def __call__(
+        self,
+        time: float,
+        state: Array,
+        previous: VehicleEvaluation | None = None,
+        guess: WheelContacts | None = None,
+    ) -> VehicleEvaluation:
         """Time derivative of the state.
 
         Parameters:
             time: s.
             state: (2 c + m,), see `wheelrail.vehicle.multibody.coordinates`.
             previous: evaluation whose contact results are the initial guess of the contact solves.
+            guess: contact results that are the initial guess instead.
 
         Raises StepFailure when a contact solve fails.
         """
-        contacts = self.solve_contacts(time, state, previous.contacts if previous else None)
+        start = previous.contacts if guess is None and previous is not None else guess
+        contacts = self.solve_contacts(time, state, start)
         accelerations = self.accelerations(time, state, wheelset_wrenches(contacts))
         c = self.coordinates.count
-        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts)
+        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts, start)
 
     def wheelset_states(self, time: float, state: Array) -> dict[str, WheelsetState]:
         """State of each wheelset in the track frame at its own distance."""
@@ -152,6 +162,8 @@ class VehicleDynamics:
         if not np.isfinite(state).all():
             raise StepFailure("the state is not finite")
         states = self.wheelset_states(time, state)
+        for name, wheelset in states.items():  # the sides of one process need not wait for those of the other
+            self.contact.ahead(wheelset, guess[name][SIDES[-1]] if guess else None)
         return {name: self.solve_wheelset(name, states[name], guess) for name in states}
 
     def solve_wheelset(

@@ -10,10 +10,11 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COUNT, split
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
-from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair, Recorder
+from wheelrail.vehicle.simulation.row import Outputs, PatchPair, Row
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
 if TYPE_CHECKING:
@@ -72,8 +73,7 @@ class History:
     structure: QuasiStaticStructure | None = None
 
     @classmethod
-    def of(cls, recorder: Recorder, cost: RunCost, status: str) -> History:
-        dynamics, rows = recorder.dynamics, recorder.rows
+    def of(cls, dynamics: Dynamics, rows: list[Row], cost: RunCost, status: str) -> History:
         irregularities = dynamics.track.irregularities
         distances = [dynamics.speed_profile(row.time).distance for row in rows]
         return cls(
@@ -81,8 +81,8 @@ class History:
             speed=dynamics.speed,
             radius=dynamics.wagon.radius,
             time=np.array([row.time for row in rows]),
-            state=recorder.states(),
-            outputs=recorder.outputs(),
+            state=np.array([row.state for row in rows]).reshape(-1, dynamics.size),
+            outputs=Outputs.stacked([row.outputs for row in rows]),
             curvature=np.array([dynamics.track.curvature(s)[0] for s in distances]),
             lift=np.array([dynamics.track.superelevation(s)[0] for s in distances]),
             patches=[row.patches for row in rows],

@@ -57,20 +57,24 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Resume an interrupted run from its last checkpoint.")
     ] = False,
+    vehicle: VehicleFile = None,
 ) -> None:
-    """Simulate a vehicle run; after Ctrl-C, --resume continues from the last checkpoint."""
+    """Simulate a vehicle run; after Ctrl-C, --resume continues from the last checkpoint.
+
+    Of the plane wagon of the scene, or of a vehicle file.
+    """
     checked = load_run(scene)
     from wheelrail.scenes.runs.resume import ended
     from wheelrail.scenes.runs.run import run_scene
 
     folder = results_folder(out, Path("results", scene.stem))
     with error_lines(f"{scene}: ", f"{folder}: "):
-        if resume and ended(checked, folder):
+        if resume and ended(checked, folder, vehicle):
             print(f"{folder}: the run is complete; nothing to resume")
             return
         with stdout_for_results():
             text = scene.read_text(encoding="utf-8")
-            outcome = run_scene(checked, text, folder, progress_console(), resume=resume)
+            outcome = run_scene(checked, text, folder, progress_console(), resume=resume, vehicle=vehicle)
     print_results(*outcome.summary())
     if outcome.status == "interrupted":
         raise typer.Exit(INTERRUPTED)
