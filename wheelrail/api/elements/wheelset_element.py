@@ -6,15 +6,26 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from wheelrail.api.elements.checks import checked_numbers, checked_rates, checked_shifts
+from wheelrail.api.elements.variables import FORCES, INPUTS, OUTPUTS
+from wheelrail.api.elements.wheelset_arrays import inputs_of, invalid_input, patch_values, state_of, write_outputs
 from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.element.element_solution import ElementSolution
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from wheelrail.contact.results.vehicle_contact import VehicleContact
-    from wheelrail.support.arrays import Array
+
+
+COORDINATES = len(WheelsetState.coordinates)
+SPEED = COORDINATES  # number of the input
+RAILS = SPEED + 4  # number of the first displacement of a rail
+TRACK_FRAME = tuple(range(SPEED, RAILS))  # numbers of the motion of the track frame
+CREEPAGE_STEP = 1e-5  # of differences by the speed and, at 1 m from the centre, by the rotation of the track frame
 
 
 class WheelsetElement(ContactElement[WheelsetState, Side]):
@@ -100,3 +111,67 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
         if not isinstance(self.contact, QuasiStaticContact):
             raise ValueError("motions: the axle is rigid, and the rails are clamped")
         return {side: self.contact.motions(results[side], side) for side in SIDES}
+
+    def start_array(self) -> Array:
+        """Inputs (17,) of the state that `solve()` without arguments solves, in the order of `variables.INPUTS`."""
+        return inputs_of(self._default)
+
+    def solve_array(self, inputs: Array, outputs: Array) -> str:
+        """Solve both contacts of a trial state, arrays in and out; for right-hand sides and programs in C.
+
+        Parameters:
+            inputs: (17,), numbers in the order of `variables.INPUTS`, all of them: the spin, too.
+            outputs: (14,), filled in the order of `variables.OUTPUTS`; forces of a side that failed are NaN.
+
+        Returns the status of `ElementSolution`. Inputs that are not finite or out of range fail, without an exception:
+        trial states of an integrator may be wild. Raises ValueError for arrays of another size.
+        """
+        if inputs.shape != (len(INPUTS),) or outputs.shape != (len(OUTPUTS),):
+            sizes = f"({len(INPUTS)},) and ({len(OUTPUTS)},), got {inputs.shape} and {outputs.shape}"
+            raise ValueError(f"solve_array: inputs and outputs must be arrays {sizes}")
+        values = inputs.tolist()
+        if invalid := invalid_input(values):
+            self._latest = None
+            outputs[:] = np.nan
+            return f"failed: {invalid}"
+        solution = self.solve_state(state_of(values))
+        write_outputs([solution.results[side] for side in SIDES], outputs)
+        return solution.status
+
+    def tangent_array(self, columns: Sequence[int] = tuple(range(len(INPUTS)))) -> Array:
+        """Derivatives (12, n) of `variables.FORCES` by inputs at the last solved state.
+
+        Parameters:
+            columns: numbers of the n inputs, all by default.
+
+        Those by the nine coordinates and by the displacements of the rails are those of `tangent` (for the rails
+        without the velocity that the frame's rotation gives to the displaced rail, a part of 1e-5); those by the
+        motion of the track frame are central differences, two solves each. Raises ValueError as `tangent`.
+        """
+        by_coordinates = self.tangent().values
+        derivatives = np.zeros((len(FORCES), len(INPUTS)))
+        derivatives[:, :COORDINATES] = by_coordinates.reshape(len(FORCES), COORDINATES)
+        for side in range(len(SIDES)):
+            derivatives[6 * side : 6 * side + 6, RAILS + 2 * side : RAILS + 2 * side + 2] = -by_coordinates[side, :, :2]
+        inputs = inputs_of(self._solved("tangent").state)
+        size = CREEPAGE_STEP * (inputs[SPEED] or 1.0)  # at standstill, without friction: the derivatives are zero
+        for number in set(columns) & set(TRACK_FRAME):
+            step = size * (np.arange(len(INPUTS)) == number)
+            ahead, behind = self._forces(inputs + step), self._forces(inputs - step)
+            derivatives[:, number] = (ahead - behind) / (2 * size)
+        return derivatives[:, columns]
+
+    def _forces(self, inputs: Array) -> Array:
+        """Forces and moments (12,) from the accepted state, which is not changed."""
+        outputs = np.zeros(len(OUTPUTS))
+        results = dict(self.solve_sides(state_of(inputs.tolist()), self._accepted))
+        write_outputs([results[side] for side in SIDES], outputs)
+        return outputs[: len(FORCES)]
+
+    def patch_array(self) -> Array:
+        """The most loaded patch of each side at the last solved state, (2, 13), in the order of `variables.PATCH`.
+
+        Raises ValueError as `patches`.
+        """
+        patches = self.patches()
+        return np.array([patch_values(patches[side]) for side in SIDES])
