@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, cast
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.loading.flexible_state import FlexibleState
 from wheelrail.contact.loading.flexible_wheelset import Flexibility, by_unknowns
 from wheelrail.contact.loading.moved_pair import COORDINATES, MovedPair
 from wheelrail.contact.models.wheelset import WheelsetContact
@@ -19,40 +19,15 @@ from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.contact.structure.hubs import about_hubs_line
 from wheelrail.support.arrays import Array
 
-HUB_MOTIONS, RAIL_MOTIONS = ("x", "y", "z", "roll", "pitch", "yaw"), ("y", "z", "roll")
-MOTIONS = (
-    *(f"{side}_hub_{name}" for side in ("left", "right") for name in HUB_MOTIONS),
-    *(f"{side}_rail_{name}" for side in ("left", "right") for name in RAIL_MOTIONS),
-)
-SIDES_OF_MOTIONS = slice(0, 6), slice(6, 12), slice(12, 15), slice(15, 18)
 HUBS = slice(COORDINATES, COORDINATES + 12)  # columns of derivatives by the coordinates of a `FlexibleState`
-
-
-@dataclass(frozen=True)
-class FlexibleState(WheelsetState):
-    """Position and velocity of a wheelset, and the motions of its hubs and rails.
-
-    Parameters:
-        motions: (18,) m and rad of the left and the right hub relative to the line through the journals, then y, z and
-            roll of the left and the right rail; those of the right side mirrored.
-
-    The frame of the wheelset is that of the line through its hubs, which carry nearly all of its mass.
-    """
-
-    coordinates: ClassVar[tuple[str, ...]] = (*WheelsetState.coordinates, *MOTIONS)
-
-    motions: tuple[float, ...] = (0.0,) * len(MOTIONS)
-
-    def mirrored(self) -> FlexibleState:
-        """The state in the mirror y = 0."""
-        left, right, left_rail, right_rail = (self.motions[at] for at in SIDES_OF_MOTIONS)
-        return replace(cast(FlexibleState, super().mirrored()), motions=(*right, *left, *right_rail, *left_rail))
 
 
 @dataclass(frozen=True)
 class FlexiblePairs:
     """Pairs of both sides of a wheelset whose hubs and rails move.
 
+    The hubs' motions are relative to the line through the journals; the frame of the wheelset is that of the line
+    through its hubs, which carry nearly all of its mass.
     Parameters:
         mountings: of the left and the right side.
         flexibility: of axle and rails.

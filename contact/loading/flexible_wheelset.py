@@ -15,6 +15,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.loading.flexible_state import FlexibleState
 from wheelrail.contact.loading.load_search import LoadError
 from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPair
 from wheelrail.contact.models.wheelset import STATE_MIRRORED, WheelsetContact
@@ -22,6 +23,7 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.contact.structure.hubs import HubCompliance, about_hubs_line
 from wheelrail.contact.structure.pads import RailCompliance
+from wheelrail.contact.structure.rim import RimCompliance
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
 
@@ -41,11 +43,11 @@ class Flexibility:
     """What lets the wheels move against the wheelset, and the rails against the track.
 
     Parameters:
-        hubs: compliance of the hubs; None: a rigid axle.
+        hubs: compliance of the hubs, or of the rims that a host moves; None: a rigid axle.
         rails: compliance of the left and of the right rail, as left-hand ones; None: clamped feet.
     """
 
-    hubs: HubCompliance | None = None
+    hubs: HubCompliance | RimCompliance | None = None
     rails: tuple[RailCompliance, RailCompliance] | None = None
 
     @property
@@ -117,8 +119,8 @@ class FlexibleEquilibrium:
             `HubCompliance.bending_stress`; empty for a rigid axle.
         solves: number of contact solves.
         errors: by Newton step, of forces over the load and of motions over 1 mm or 1 mrad, the largest.
-        tangent: (2, 6, 9), derivative of both sides' force and moment about the wheelset's centre by
-            `WheelsetState.coordinates`, hubs and rails moving with the loads.
+        tangent: (2, 6, 27), derivative of both sides' force and moment about the wheelset's centre by
+            `FlexibleState.coordinates`, hubs and rails moving with the loads.
         motions: (18,) of both hubs relative to the line through the journals, then of both rails; those of the right
             side mirrored.
     """
@@ -143,14 +145,12 @@ class Trial:
     Parameters:
         state: of the wheelset.
         motions: (18,) of hubs and rails.
-        frame: (18, 18), motions in the frame of the wheelset by `motions`.
         pairs: of both sides.
         results: of their contacts in the track's axes, as left-hand ones, see `MovedPair.in_track`.
     """
 
     state: WheelsetState
     motions: Array
-    frame: Array
     pairs: tuple[MovedPair, ...]
     results: tuple[ContactResult, ...]
 
@@ -173,16 +173,13 @@ class Trial:
     @cached_property
     def slopes(self) -> tuple[Array, Array]:
         """Derivatives (2, 6, 27) of the wrenches and (18, 27) of the loads by the coordinates of the state, then by the
-        motions.
+        motions in its frame.
         """
         wrenches, loads = np.zeros((2, 6, COLUMNS)), np.zeros((2, 9, COLUMNS))
         for index, (pair, wrench, result) in enumerate(zip(self.pairs, self.wrenches, self.results, strict=True)):
             wrenches[index] = by_unknowns(pair.wrench_slopes(result), index)
             loads[index] = pair.load_matrix @ wrenches[index] + by_unknowns(pair.load_change(wrench), index)
-        wrenches[:, :, COORDINATES:] = wrenches[:, :, COORDINATES:] @ self.frame
-        of_structure = structural(loads)
-        of_structure[:, COORDINATES:] = of_structure[:, COORDINATES:] @ self.frame
-        return wrenches, of_structure
+        return wrenches, structural(loads)
 
 
 def structural(loads: Array) -> Array:
@@ -229,7 +226,8 @@ class FlexibleWheelset:
         """Equilibrium under given vertical loads, from a state near that of the rigid wheelset.
 
         Parameters:
-            state: first height and roll, and the other coordinates and velocities.
+            state: first height and roll, and the other coordinates and velocities; motions of a `FlexibleState` are
+                given ones, to which those under the loads are added.
             loads: condition on the wheels' vertical forces.
             guess: results to start from.
             motions: (18,) of hubs and rails to start from, see `FlexibleEquilibrium.motions`; None: zero.
@@ -268,6 +266,8 @@ class FlexibleWheelset:
 
     def _trial(self, state: WheelsetState, motions: Array, guesses: tuple[ContactResult | None, ...]) -> Trial:
         pairs, results, placed = [], [], self._frame @ motions
+        if isinstance(state, FlexibleState):
+            placed = placed + state.motions
         for index, (side, guess) in enumerate(zip(SIDES, guesses, strict=True)):
             own = self.contact.of(side)
             pair = MovedPair(
@@ -279,7 +279,7 @@ class FlexibleWheelset:
             )
             pairs.append(pair)
             results.append(pair.in_track(own.model(pair.pose, pair.motion, guess)))
-        return Trial(state, motions, self._frame, tuple(pairs), tuple(results))
+        return Trial(state, motions, tuple(pairs), tuple(results))
 
     def _residual(self, trial: Trial, loads: Loads) -> Array:
         vertical = loads.forces @ trial.wrenches[:, 2] - loads.values
@@ -289,9 +289,10 @@ class FlexibleWheelset:
     def _jacobian(self, trial: Trial, loads: Loads) -> Array:
         wrenches, structural_loads = trial.slopes
         free = [WheelsetState.coordinates.index(name) for name in loads.free]
-        unknown = [*free, *range(COORDINATES, COLUMNS)]
-        vertical = loads.forces @ wrenches[:, 2, unknown]
-        elastic = -self.flexibility.matrix @ structural_loads[:, unknown]
+        frame = np.zeros((COLUMNS, len(free) + 18))
+        frame[free, range(len(free))], frame[COORDINATES:, len(free) :] = 1.0, self._frame
+        vertical = loads.forces @ wrenches[:, 2] @ frame
+        elastic = -self.flexibility.matrix @ structural_loads @ frame
         elastic[:, len(free) :] += np.eye(18)
         return np.concatenate([vertical, elastic])
 
@@ -332,19 +333,19 @@ class FlexibleWheelset:
 
     def _stress(self, hub_loads: Array) -> dict[Side, tuple[Array, Array]]:
         hubs = self.flexibility.hubs
-        if hubs is None:
+        if not isinstance(hubs, HubCompliance):
             return {}
         stresses = hubs.bending_stress(*hub_loads)
         return {side: (hubs.places, stress) for side, stress in zip(SIDES, stresses, strict=True)}
 
     def _condensed(self, trial: Trial) -> Array:
-        """Derivative (2, 6, 9) of force and moment by the state, with motions that follow the loads:
-        dw = W_q dq + W_x dx, dx = A dw.
+        """Derivative (2, 6, 27) of force and moment by the state and given motions, with motions x that follow the
+        loads: dw = W_q dq + W_g (dg + P dx), dx = A dw.
         """
         wrenches, loads = trial.slopes
         moved = self.flexibility.matrix @ loads
-        motion = np.linalg.solve(np.eye(18) - moved[:, COORDINATES:], moved[:, :COORDINATES])  # (18, 9)
-        out = wrenches[:, :, :COORDINATES] + wrenches[:, :, COORDINATES:] @ motion
+        motion = np.linalg.solve(np.eye(18) - moved[:, COORDINATES:] @ self._frame, moved)  # (18, 27)
+        out = wrenches + wrenches[:, :, COORDINATES:] @ self._frame @ motion
         out[1] *= MIRRORED[:, None]
         return np.asarray(out)
 

@@ -41,21 +41,22 @@ class StructureStart:
 class QuasiStaticContact(VehicleContact):
     """Contact of one side in equilibrium of axle and rails at a given state of the wheelset.
 
-    Both sides are solved together; the solution of the first one asked for also serves the other. The frame of the
-    wheelset is that of the line through its hubs.
+    Both sides are solved together; the solution of the first one asked for also serves the other.
     Parameters:
         contact: of both sides.
         flexibility: of axle and rails.
+        on_hubs: whether the frame of the wheelset is that of the line through its hubs instead of its journals.
     """
 
     contact: WheelsetContact
     flexibility: Flexibility
+    on_hubs: bool = True
     _latest: tuple[WheelsetState, object, FlexibleEquilibrium, StructureStart] | None = field(default=None, init=False)
 
     @cached_property
     def wheelset(self) -> FlexibleWheelset:
         """Wheelset and track."""
-        return FlexibleWheelset(self.contact, self.flexibility, on_hubs=True)
+        return FlexibleWheelset(self.contact, self.flexibility, self.on_hubs)
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         start = None if guess is None else guess.warm_start
@@ -66,7 +67,8 @@ class QuasiStaticContact(VehicleContact):
         return replace(equilibrium.results[side], warm_start=following)
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
-        """Derivatives (6, 9) of force N and moment N m by `WheelsetState.coordinates`, with hubs and rails that move.
+        """Derivatives (6, n) of force N and moment N m by the coordinates of the state, with hubs and rails that follow
+        the loads.
 
         Parameters:
             state, side: for which the result was computed.
@@ -77,7 +79,7 @@ class QuasiStaticContact(VehicleContact):
             equilibrium, _ = self._solved(state, result.warm_start)
         else:
             equilibrium = latest[2]
-        return np.array(equilibrium.tangent[SIDES.index(side)])
+        return np.array(equilibrium.tangent[SIDES.index(side), :, : len(state.coordinates)])
 
     def motions(self, result: ContactResult, side: Side) -> tuple[Array, Array]:
         """Motion (6,) of the hub and (3,) of the rail of one side of a result, m and rad."""

@@ -17,7 +17,8 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_contact import MOTIONS, FlexiblePairs, FlexibleState
+from wheelrail.contact.loading.flexible_contact import FlexiblePairs
+from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
 from wheelrail.contact.loading.flexible_wheelset import COLUMNS, structural
 from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.support.arrays import Array

@@ -105,7 +105,13 @@ for _index, _name in enumerate(_SCENES[1:], 1):
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["export"] = {"api", "api.elements", "contact.element", "contact.kinematics", "scenes.schema", "support"}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
-MAY_IMPORT["api.elements"] = {"contact.element", "contact.kinematics", "contact.models", "contact.results"} | {
+MAY_IMPORT["api.elements"] = {
+    "contact.element",
+    "contact.kinematics",
+    "contact.loading",
+    "contact.models",
+    "contact.results",
+} | {
     "scenes.schema",
     "support",
 }

@@ -162,7 +162,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
             CONTACT if scene.model == "standard" else replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
         )
 
-    monkeypatch.setattr("wheelrail.scenes.runs.run.wheelset_contact", contact)
+    monkeypatch.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", contact)
     file, out = short_scene(tmp_path), tmp_path / "out"
     first = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
     assert first.exit_code == 0, first.output

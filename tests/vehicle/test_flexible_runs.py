@@ -12,7 +12,8 @@ from small_strips import few_strips
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.loading.flexible_contact import FlexibleContact, FlexibleState
+from wheelrail.contact.loading.flexible_contact import FlexibleContact
+from wheelrail.contact.loading.flexible_state import FlexibleState
 from wheelrail.contact.loading.flexible_wheelset import Flexibility, FlexibleWheelset, Loads
 from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 from wheelrail.contact.structure.hubs import about_hubs_line, hub_compliance

@@ -12,7 +12,7 @@ from wheelrail.api.solution import Solution, solved
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.wheelset import (
     SideProfiles,
-    flexibility,
+    element_contact,
     mounted,
     side_profiles,
     wheelset_contact,
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import Mounting
     from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import WheelsetContact
-    from wheelrail.contact.results.vehicle_contact import VehicleContact
 
 SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "wheelset": keys_of(Position)}
 OWN = [key for key in keys_of(WheelsetScene) if key not in ("kind", *SECTIONS)]
@@ -176,23 +175,31 @@ class Wheelset:
         sides_solved = dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles))
         return solved(scene, sides_solved, self.side_profiles, replaced(self.arguments, arguments, GROUPS))
 
-    def element(self) -> WheelsetElement:
+    def element(self, *, host: Sequence[Literal["axle", "wheels", "rails"]] = ()) -> WheelsetElement:
         """Contact element for a time integration; bodies and tables are shared with this wheelset.
 
         Arguments of `WheelsetElement.solve` that are not given are those of this wheelset; y, z, roll and yaw are 0 m
         and 0 rad unless given here.
+
+        Parameters:
+            host: bodies whose motions the program knows and gives to `solve`: "axle", rigid wheels on its own axle, by
+                the motion of their hubs; "wheels", its own flexible wheels, by the motion of their rims, which is taken
+                out of the compliance of the contact; "rails", its own track, by the mean motion of the rail's section,
+                which is taken out likewise.
+
+        Raises SceneError for other names, for bodies that are also this wheelset's own, and with bodies = "solid".
         """
         from wheelrail.api.elements.wheelset_element import WheelsetElement
 
         position = {key: self.arguments.get(key) for key in PLACED}
         placed = {key: value if isinstance(value, float | int) else 0.0 for key, value in position.items()}
         scene = self._scene(placed)
-        contact: VehicleContact = self._contact
-        if scene.is_flexible:
-            from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
+        contact, state = element_contact(scene, self._contact, self.side_profiles, host), wheelset_state(scene)
+        if host:
+            from wheelrail.contact.loading.flexible_state import FlexibleState
 
-            contact = QuasiStaticContact(self._contact, flexibility(scene, self.side_profiles))
-        return WheelsetElement(contact, self._contact.mounting.radius, wheelset_state(scene), scene.track.curvature)
+            state = FlexibleState(**vars(state))
+        return WheelsetElement(contact, self._contact.mounting.radius, state, scene.track.curvature)
 
     @cached_property
     def profiles(self) -> tuple[Profile, Profile]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -71,6 +71,55 @@ def run_contact(scene: RunScene) -> tuple[VehicleContact, QuasiStaticStructure |
 
     moving = FlexibleContact(contact, flexibility(scene, profiles))
     return moving, QuasiStaticStructure(moving.pairs)
+
+
+def element_contact(
+    scene: WheelsetScene, contact: WheelsetContact, profiles: SideProfiles, host: Sequence[str]
+) -> VehicleContact:
+    """Contact of an element, with axle and rails that follow the loads and those that a host moves.
+
+    Parameters:
+        scene: of a wheelset.
+        contact: of both sides.
+        profiles: of wheel and inclined rail by side.
+        host: bodies whose motions are given, of "axle", "wheels" and "rails".
+
+    Raises SceneError.
+    """
+    if not scene.is_flexible and not host:
+        return contact
+    own = {"axle": scene.wheelset.axle, "wheels": scene.wheelset.axle, "rails": scene.track.pads}
+    for name in host:
+        if name not in own:
+            raise SceneError(f"element: host: {name!r}: must be axle, wheels or rails")
+        if own[name] is not None:
+            raise SceneError(f"element: host: {name!r}: not allowed with axle or pads of the wheelset itself")
+    if scene.model == "standard" or scene.discretisation.bodies == "solid":
+        raise SceneError('element: host: allowed only with bodies = "waveguide" or "half-space"')
+    from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
+
+    moving = _with_host(scene, flexibility(scene, profiles), profiles, host)
+    return QuasiStaticContact(contact, moving, on_hubs=scene.wheelset.axle is not None)
+
+
+def _with_host(scene: WheelsetScene, own: Flexibility, profiles: SideProfiles, host: Sequence[str]) -> Flexibility:
+    """Flexibility less what clamped elastic bodies and the host would both count."""
+    from wheelrail.contact.structure.pads import RailPads
+    from wheelrail.contact.structure.rim import rim_compliance
+    from wheelrail.contact.structure.section_motion import section_motion
+    from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
+
+    steel, clamped = material(scene), scene.discretisation.bodies == "waveguide"
+    if "wheels" in host and clamped:
+        own = replace(own, hubs=rim_compliance(wheel_outline(profiles["left"][0], scene.wheelset.radius), steel))
+    if "rails" in host:
+        factor = 1.0 if clamped else 0.0  # half-spaces have no motion as a whole
+        left, right = (
+            section_motion(rail_outline(profiles[side][1]), steel, RailPads()).removed for side in ("left", "right")
+        )
+        rails = replace(left, matrix=factor * left.matrix), replace(right, matrix=factor * right.matrix)
+        own = replace(own, rails=rails)
+    return own
 
 
 def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | None = None) -> RigidWheelset:
