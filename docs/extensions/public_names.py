@@ -92,6 +92,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.multibody.wheel_forces",
         "wheelrail.vehicle.multibody.runs.simulate",
         "wheelrail.vehicle.multibody.runs.history",
+        "wheelrail.vehicle.multibody.runs.limit_cycle",
         "wheelrail.vehicle.multibody.energy",
     ),
     "Vehicle: simulation": (

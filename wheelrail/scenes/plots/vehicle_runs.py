@@ -78,7 +78,7 @@ def _draw_forces(ax: Axes, centres: Array, force: Array, largest: float) -> None
 def sample_of_largest_forces(data: Dataset) -> int:
     """Index of the sample with the largest sum of the guiding forces' magnitudes."""
     total = abs(data["guiding_force"]).sum(["wheelset", "side"])
-    return int(total.argmax("time"))
+    return int(np.argmax(total.values))
 
 
 def round_down(value: float) -> float:
