@@ -94,6 +94,8 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.multibody.runs.history",
         "wheelrail.vehicle.multibody.runs.limit_cycle",
         "wheelrail.vehicle.multibody.energy",
+        "wheelrail.vehicle.multibody.accelerometer",
+        "wheelrail.vehicle.evaluation.comfort",
     ),
     "Vehicle: simulation": (
         "wheelrail.vehicle.simulation.simulate",

@@ -67,6 +67,7 @@ MAY_IMPORT |= {
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
     "vehicle": {f"vehicle.{name}" for name in ("dynamics", "multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
+    "vehicle.evaluation": {"support"},
     "vehicle.integration": {"support"},
     "vehicle.track": {"contact.kinematics", "support"},
 }

@@ -200,7 +200,7 @@ class VehicleDynamics:
         suspension = self.suspension(motion, series)
         force, moment = suspension.force, suspension.moment
         force[..., 2] -= self.vehicle.gravity * self.mass
-        force += self._hold_force(motion, state)
+        force += self.hold_force(motion, state)
         force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
         force[..., self.coordinates.wheelset_bodies, :] += wrenches[..., :3]
         moment[..., self.coordinates.wheelset_bodies, :] += wrenches[..., 3:]
@@ -212,7 +212,7 @@ class VehicleDynamics:
         coordinates = np.stack(parts, axis=-1)
         return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), suspension.series_rate], axis=-1)
 
-    def _hold_force(self, motion: BodyMotion, state: Array) -> Array:
+    def hold_force(self, motion: BodyMotion, state: Array) -> Array:
         """Force (..., n, 3) N in common axes that keeps the speed."""
         hold, force = self.vehicle.speed_hold, np.zeros_like(motion.position)
         if hold is not None:
