@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from notebook_runner import executed
 
@@ -27,3 +28,23 @@ def test_your_own_measured_profile() -> None:
     names = executed("07_your_own_measured_profile.py", PLACES=25, SURFACE_SIZE=3e-3, STRIPS=6, CELLS=8)
     assert names["conicity"]["new"] == pytest.approx(0.177, abs=0.01)
     assert len(names["rejected"]) == 6
+
+
+def test_hunting() -> None:
+    """The standard contact is unstable from 63.7 m/s on; its load turns back at the hand-over of two contacts."""
+    names = executed(
+        "08_hunting.py",
+        SPEEDS=(62.0, 66.0),
+        SHIFTS=(0.1, 0.2, 0.3),
+        STRIPS=6,
+        CELLS=6,
+        BODIES="half-space",
+        DURATION=0.1,
+    )
+    growth = names["growth"]
+    assert growth.loc[62.0, "standard"] < 0.0 < growth.loc[66.0, "standard"]
+    assert (growth["elastic"] < 0.0).all()
+    moves = {name: np.diff(places) for name, places in names["centres"].items()}  # mm for 0.1 mm
+    assert moves["standard"][0] < -0.1 < 0.1 < moves["standard"][1]
+    assert (moves["elastic"] < -0.4).all()
+    assert names["run"].status == "completed"

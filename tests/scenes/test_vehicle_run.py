@@ -26,6 +26,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.views.view import animate_file
 
 SCENE = Path(__file__).parents[2] / "scenes" / "vehicle.toml"
+HUNTING = SCENE.with_name("hunting.toml")
 SHORT = {"tangent": "11.0", "transition_length": "10.0", "curve": "1.0"}  # all wheelsets start on the tangent
 
 
@@ -135,3 +136,38 @@ def test_explicit_methods_are_refused(tmp_path: Path) -> None:
     assert refused.exit_code == 2
     assert 'solver.method = "ode45": must be "rosenbrock" with a vehicle file' in refused.stderr
     assert not (tmp_path / "run.nc").exists()
+
+
+@dataclass(frozen=True)
+class CubicSpring(LinearCreep):
+    """With a lateral force of each wheel that grows with the cube of y, which limits hunting."""
+
+    cubic: float = 3e11  # N/m3
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        spring = LinearCreep(lateral=self.cubic * state.y**2, conicity=0.3)
+        return spring(state, side, guess)
+
+
+def hunting(*options: str, scene: Path = HUNTING, vehicle: Path = MANCHESTER) -> Any:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("wheelrail.scenes.runs.vehicle_steady.wheelset_contact", lambda scene: CubicSpring())
+        return CliRunner().invoke(app, ["hunting", str(scene), "--vehicle", str(vehicle), *options])
+
+
+def test_hunting_command(tmp_path: Path) -> None:
+    picture = tmp_path / "bifurcation.png"
+    done = hunting("--speed", "20", "--longest", "1", "--picture", str(picture))
+    assert done.exit_code == 0, done.stderr
+    row = next(line for line in done.stdout.splitlines() if "not settled" in line or "dies out" in line)
+    assert row.split()[0] == "20"
+    assert picture.stat().st_size > 5000
+    still = tmp_path / "still.toml"
+    still.write_text(HUNTING.read_text().split("[kick]")[0])
+    assert "kick: missing" in hunting(scene=still).stderr
+    unknown = tmp_path / "unknown.toml"
+    unknown.write_text(HUNTING.read_text().replace("front_bogie", "bogie"))
+    refused = hunting(scene=unknown)
+    assert (refused.exit_code, "kick.bogie: must be one of car_body, " in refused.stderr) == (2, True)
+    refused = CliRunner().invoke(app, ["run", str(HUNTING), "--out", str(tmp_path / "plane")])
+    assert (refused.exit_code, "kick: allowed only with a vehicle file" in refused.stderr) == (2, True)

@@ -15,6 +15,7 @@ from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 
 if TYPE_CHECKING:
@@ -127,6 +128,8 @@ def _simulated(
     """
     from wheelrail.scenes.runs.vehicle_run import simulate_on_track, vehicle_for_run
 
+    if file is None and scene.kick:
+        raise SceneError("kick: allowed only with a vehicle file (--vehicle)")
     vehicle = None if file is None else vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
         contact, structure = run_contact(scene)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, vehicle_on
+from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 
@@ -19,23 +21,47 @@ if TYPE_CHECKING:
 
 
 def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
-    """Vehicle of a file, for a run of a scene. Raises SceneError, also for an explicit method."""
+    """Vehicle of a file, for a run of a scene. Raises SceneError, also for an explicit method or a kick of no body."""
     if scene.solver.method != "rosenbrock":
         text = f'solver.method = "{scene.solver.method}": must be "rosenbrock" with a vehicle file'
         raise SceneError(f"{text}: the spin of its wheelsets on the creep forces is stiff")
-    return vehicle_on(scene, file)
+    vehicle = vehicle_on(scene, file)
+    for body in scene.kick or {}:
+        if body not in vehicle.names:
+            raise SceneError(f"kick.{body}: must be one of {', '.join(vehicle.names)}, the bodies of {file}")
+    return vehicle
 
 
 def simulate_on_track(
     scene: RunScene, vehicle: Vehicle, contact: VehicleContact, end: float, recording: Recording, progress: Progress
 ) -> VehicleHistory:
-    """Motion of a vehicle along the track of a scene until a time s."""
+    """Motion of a vehicle along the track of a scene.
+
+    Parameters:
+        scene: of the run.
+        vehicle: from `vehicle_for_run`.
+        contact: of its wheels.
+        end: s.
+        recording: rows and checkpoints.
+        progress: called at each accepted step.
+
+    Raises RunFailed when a kicked vehicle has no equilibrium to start from.
+    """
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
+    from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
+    from wheelrail.vehicle.multibody.runs.limit_cycle import kicked
     from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 
+    dynamics, initial = VehicleDynamics(vehicle, track(scene), contact, scene.vehicle.speed_profile), None
+    resumed = recording.checkpoints is not None and recording.checkpoints.latest is not None
+    if scene.kick and not resumed:
+        with failures_as_run_failed():
+            at_start = replace(dynamics, speed=scene.vehicle.first_speed)
+            initial = kicked(dynamics.coordinates, vehicle_equilibrium(at_start).state, scene.kick)
     return simulate_vehicle(
-        VehicleDynamics(vehicle, track(scene), contact, scene.vehicle.speed_profile),
+        dynamics,
         (0.0, end),
+        initial=initial,
         rtol=scene.solver.rtol,
         atol=scene.solver.atol,
         recording=recording,

@@ -339,7 +339,10 @@ class WheelsetScene(OnRails, Solve):
 
 
 class RunScene(OnRails):
-    """A vehicle run along a track."""
+    """A vehicle run along a track.
+
+    kick: lateral velocities at the start by body, m/s to the left, of a vehicle file.
+    """
 
     kind: Literal["run"]
     laws: Literal["paper", "exact"] = "paper"
@@ -347,6 +350,7 @@ class RunScene(OnRails):
     vehicle: VehicleTable
     solver: SolverTable = SolverTable()
     output: OutputTable = OutputTable()
+    kick: dict[str, q.KickVelocity] | None = None
 
     @model_validator(mode="after")
     def _samples(self) -> RunScene:
