@@ -109,10 +109,10 @@ def test_the_examples(folder: Path) -> None:
 
 
 def test_finite_elements_are_not_needed_at_run_time(folder: Path) -> None:
-    """Without dolfinx, PETSc and MPI, in other folders of Python packages than those of the export."""
+    """Without dolfinx, PETSc and MPI (UFL remains), in other folders of Python packages than those of the export."""
     without = folder / "without"
     without.mkdir()
-    for name in ("dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py", "gmsh"):
+    for name in ("dolfinx", "basix", "ffcx", "petsc4py", "mpi4py", "gmsh"):
         (without / f"{name}.py").write_text(f"raise ImportError('{name} is not installed')")
     path = os.pathsep.join([str(without), str(HERE.parents[1]), *filter(None, sys.path)])
     program, options = built(folder, "cc", "example.c"), json.dumps(STANDARD)
