@@ -25,7 +25,8 @@ from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 
 SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
 EVERY = 0.05  # s, between the rows that are compared, as in the scene

@@ -90,8 +90,12 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.multibody.equilibrium",
         "wheelrail.vehicle.multibody.modes",
         "wheelrail.vehicle.multibody.wheel_forces",
-        "wheelrail.vehicle.multibody.simulate",
+        "wheelrail.vehicle.multibody.runs.simulate",
+        "wheelrail.vehicle.multibody.runs.history",
+        "wheelrail.vehicle.multibody.runs.limit_cycle",
         "wheelrail.vehicle.multibody.energy",
+        "wheelrail.vehicle.multibody.accelerometer",
+        "wheelrail.vehicle.evaluation.comfort",
     ),
     "Vehicle: simulation": (
         "wheelrail.vehicle.simulation.simulate",

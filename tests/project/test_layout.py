@@ -67,6 +67,7 @@ MAY_IMPORT |= {
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
     "vehicle": {f"vehicle.{name}" for name in ("dynamics", "multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
+    "vehicle.evaluation": {"support"},
     "vehicle.integration": {"support"},
     "vehicle.track": {"contact.kinematics", "support"},
 }
@@ -85,7 +86,9 @@ MAY_IMPORT |= {
     "vehicle.dynamics": _DRIVEN,
     "vehicle.steady": _DRIVEN | {"vehicle.dynamics"},
     "vehicle.simulation": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
-    "vehicle.multibody": _DRIVEN | {"vehicle.steady"},
+    "vehicle.multibody": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
+    "vehicle.multibody.runs": _DRIVEN
+    | {"vehicle.dynamics", "vehicle.multibody", "vehicle.simulation", "vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
 _SCENES = ("schema", "builders", "datasets", "contacts", "plots", "runs", "views", "studies", "html_report")
@@ -103,9 +106,8 @@ for _index, _name in enumerate(_SCENES[1:], 1):
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["export"] = {"api", "api.elements", "contact.element", "contact.kinematics", "scenes.schema", "support"}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
-MAY_IMPORT["api.elements"] = {"contact.element", "contact.kinematics", "contact.models", "contact.results"} | {
-    "scenes.schema",
-    "support",
+MAY_IMPORT["api.elements"] = {"scenes.schema", "support"} | {
+    f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")
 }
 MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}
 

@@ -26,7 +26,7 @@ from wheelrail.vehicle.dynamics.state import COORDINATES
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.history import History, RunCost
-from wheelrail.vehicle.simulation.recorder import Outputs, PatchPair
+from wheelrail.vehicle.simulation.row import Outputs, PatchPair
 
 N = 40
 

@@ -34,7 +34,8 @@ from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -334,7 +335,7 @@ def command(folder: Path, *options: str, contact: Stopping | None = None, **chan
     scene.write_text(text.replace("[output]", "[output]\ncheckpoint = 30\nfigures = false"))
     model = WheelsetContact(contact or Stopping(), CONTACT.mounting)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.run.wheelset_contact", lambda scene: model)
+        patched.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", lambda *given: model)
         return CliRunner().invoke(app, ["run", str(scene), "--out", str(folder), *options])
 
 

@@ -12,7 +12,8 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon

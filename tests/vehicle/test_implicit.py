@@ -21,8 +21,9 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.progress import costs
 from wheelrail.scenes.schema.tables import SolverTable
+from wheelrail.vehicle.dynamics.contact_differences import REUSED
 from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import COLUMNS, FIELDS, REUSED, Jacobian, Linearised
+from wheelrail.vehicle.dynamics.jacobian import COLUMNS, FIELDS, Jacobian, Linearised
 from wheelrail.vehicle.integration.integrate import FirstStep, StepSettings, integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
 from wheelrail.vehicle.integration.step_control import StepStatistics

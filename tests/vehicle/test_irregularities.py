@@ -18,7 +18,8 @@ from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.irregularity import Irregularities
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI

@@ -15,7 +15,8 @@ from benchmarks.exudyn.linear_contact import LinearContact
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.steady.modes import Mode, fixed_wheelset_modes, modes
 from wheelrail.vehicle.track.track import Track

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -13,17 +13,21 @@ from linear_creep import LinearCreep
 from scipy.linalg import eigvals
 from scipy.optimize import brentq
 
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.multibody.coordinates import PITCH
 from wheelrail.vehicle.multibody.energy import mechanical_energy, power
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
-from wheelrail.vehicle.multibody.modes import critical_speed, held_wheelset_modes, vehicle_modes
-from wheelrail.vehicle.multibody.simulate import simulate_vehicle
+from wheelrail.vehicle.multibody.modes import critical_speed, held_wheelset_modes, least_damped, vehicle_modes
+from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch, frequency_of, limit_cycles
+from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SpeedHold, SuspensionElement, Vehicle, VehicleBody
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError
-from wheelrail.vehicle.steady.modes import fixed_wheelset_modes
+from wheelrail.vehicle.steady.modes import Mode, fixed_wheelset_modes
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.section_poses import TrackSections
@@ -192,6 +196,51 @@ def test_a_free_wheelset_follows_klingels_wavelength() -> None:
     wavelength = 2 * np.pi * np.sqrt(0.75 * 0.46 / 0.15)
     slow = [m for m in found if m.oscillates and m.energy_fraction[6:].sum() > 0.9 and m.frequency < 1.0]
     assert [1.0 / m.frequency for m in slow] == pytest.approx([wavelength], rel=2e-3)
+
+
+@dataclass(frozen=True)
+class CubicSpring(LinearCreep):
+    """With a lateral force of each wheel that grows with the cube of y."""
+
+    cubic: float = 0.0  # N/m3
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return replace(self, lateral=self.lateral + self.cubic * state.y**2).linear(state, side)
+
+    def linear(self, state: WheelsetState, side: Side) -> ContactResult:
+        return super().__call__(state, side)
+
+
+def test_a_cubic_spring_limits_hunting_to_the_amplitude_of_its_describing_function() -> None:
+    """A harmonic y of amplitude a feels a spring of stiffness 3/4 c a^2: that of neutral stability at this speed."""
+    vehicle, amplitude = suspended(), 2e-3
+    critical = critical_speed(suspended_dynamics(10.0), (20.0, 150.0), interval=40.0)
+    assert critical is not None
+    speed = 1.06 * critical.speed
+
+    def mode(lateral: float) -> Mode:
+        contact = LinearCreep(load=vehicle.mean_wheel_load, lateral=lateral)
+        return least_damped(vehicle_modes(VehicleDynamics(vehicle, Track(), contact, speed)))
+
+    neutral = brentq(lambda lateral: mode(lateral).eigenvalue.real, 0.0, 4e6, xtol=1e3)
+    contact = CubicSpring(load=vehicle.mean_wheel_load, lateral=0.0, cubic=neutral / (0.75 * amplitude**2))
+    dynamics = VehicleDynamics(vehicle, Track(), contact, speed)
+    search = CycleSearch(window=0.2, tolerance=0.015, smallest=0.5 * amplitude, rtol=1e-3, atol=1e-6)
+    speeds, kick = (speed, 0.3 * critical.speed), 2 * np.pi * mode(neutral).frequency * amplitude
+    steady, dying = limit_cycles(dynamics, speeds, {"wheelset": kick}, search)
+    assert (steady.status, dying.status) == ("limit cycle", "dies out")
+    assert steady.amplitude == pytest.approx([amplitude], rel=0.03)
+    assert steady.frequency == pytest.approx(mode(neutral).frequency, rel=0.01)
+    assert steady.track_shifting.shape == (1,)
+    assert dying.amplitude[0] < search.smallest
+    with pytest.raises(ValueError, match='no body "bogie"'):
+        next(limit_cycles(dynamics, speeds, {"bogie": 0.1}))
+
+
+def test_frequency_of_a_sampled_sine() -> None:
+    time = np.arange(0.0, 1.0, 1e-3)
+    assert frequency_of(time, 3.0 + np.sin(2 * np.pi * 6.2 * time + 1.0)) == pytest.approx(6.2, abs=1e-3)
+    assert np.isnan(frequency_of(time, np.sin(2 * np.pi * 1.2 * time)))
 
 
 def test_a_run_keeps_its_equilibrium_and_its_energy_balance() -> None:

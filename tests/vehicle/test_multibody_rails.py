@@ -10,20 +10,24 @@ from functools import cache
 
 import numpy as np
 import pytest
+from small_strips import few_strips
 
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium, vehicle_equilibrium
 from wheelrail.vehicle.multibody.modes import critical_speed
-from wheelrail.vehicle.multibody.simulate import simulate_vehicle
+from wheelrail.vehicle.multibody.runs.history import VehicleHistory
+from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
+from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -124,3 +128,25 @@ def test_hunting_above_the_critical_speed_is_a_small_steady_cycle() -> None:
         assert 0.95 * low < amplitude < 1.05 * high
     lateral = np.abs(run.force[late, :, :, 1].sum(axis=2)).max()
     assert 1e-3 * lateral == pytest.approx(1.4, abs=0.1)
+
+
+def test_elastic_contact_in_two_processes_has_the_same_bits() -> None:
+    """All right wheels in a second process that solves while this one solves the left wheels."""
+    state = vehicle_equilibrium(VehicleDynamics(load_vehicle(), Track(), few_strips(), 30.0)).state
+    state[42:84:6] += 0.1  # m/s forward
+    state[43:84:6] += 0.05  # m/s to the left
+
+    def run(contact: VehicleContact) -> VehicleHistory:
+        return simulate_vehicle(VehicleDynamics(load_vehicle(), Track(), contact, 30.0), (0.0, 0.01), initial=state)
+
+    alone = run(few_strips())
+    with in_parallel(few_strips()) as contact:
+        together = run(contact)
+        requests = contact.requests
+    assert alone.status == together.status == "completed"
+    assert len(alone) > 2
+    np.testing.assert_array_equal(together.state, alone.state)
+    np.testing.assert_array_equal(together.force, alone.force)
+    right = alone.cost.contact["right"]
+    patches = 4 * len(alone)  # of every row
+    assert requests == right.solves + right.tangents + patches

@@ -19,8 +19,9 @@ from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.recorder import Outputs
-from wheelrail.vehicle.simulation.simulate import Progress, Recording, simulate
+from wheelrail.vehicle.simulation.row import Outputs
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Progress, Recording
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 

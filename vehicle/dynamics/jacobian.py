@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench
+from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences, renewed
+from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench, wrenches
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
@@ -26,12 +25,12 @@ ODD = ("y", "roll", "y_rate", "roll_rate")  # antisymmetric: central differences
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
 STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
 TIME_STEP = 1e-5  # s, forward difference in time
-REUSED = 8  # Jacobians per set of contact differences: saves 2 of 3 solves, at a third more steps
+NO_TANGENT = "the contact has no tangent, which elastic axles and rails on pads need"
 
 
 @dataclass(frozen=True)
 class Linearised:
-    """Derivatives of the rate (n,), n = 20 + m.
+    """Derivatives of the rate (n,), n = 20 + m + k.
 
     Parameters:
         by_state: (n, n).
@@ -41,19 +40,6 @@ class Linearised:
 
     by_state: Array
     by_time: Array
-
-
-@dataclass(frozen=True)
-class ContactDifferences:
-    """Contact tangents by differences, used several times.
-
-    Parameters:
-        tangents: (2, 6, 9), see `Jacobian.tangents`.
-        age: Jacobians made with them, after the first.
-    """
-
-    tangents: Array
-    age: int = 0
 
 
 @dataclass
@@ -96,15 +82,24 @@ class Jacobian:
         steps = STEP * np.eye(len(state))
         accelerations, _ = d.accelerations(frame, np.vstack([state + steps, state - steps, state]), wrench)
         plus, minus, (centre,) = np.split(accelerations, [len(state), 2 * len(state)])
-        by_state[COUNT:] = (plus - minus).T / (2 * STEP)
+        bodies = slice(COUNT, len(state) - d.motions)
+        by_state[bodies] = (plus - minus).T / (2 * STEP)
         by_wrench, tangents = self.by_wrench(state), self.tangents(frame, state, at.contacts)
-        by_state[COUNT : 2 * COUNT, INDICES] += by_wrench @ tangents.sum(axis=0)[:, COLUMNS]
+        indices, columns = _indices(len(state), d.motions)
+        by_state[COUNT : 2 * COUNT, indices] += by_wrench @ tangents.sum(axis=0)[:, columns]
+        if d.structure is not None:
+            wheelset = d.wheelset_state(frame, state)
+            slopes = d.structure.rate_slopes(wheelset, wrenches(at.contacts), tangents)
+            by_state[bodies.stop :, indices] = slopes.sum(axis=0)[:, columns]
+            by_state[bodies.stop :, bodies.stop :] -= np.eye(d.motions) / d.structure.time_constant
         by_time = np.zeros(len(state))
-        by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
+        by_time[bodies] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
         if frame.rails is not None and later.rails is not None:
             rates = (np.array(later.rails) - np.array(frame.rails)) / TIME_STEP
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
             by_time[COUNT : 2 * COUNT] -= by_wrench @ np.einsum("sij,sj->i", tangents[:, :, :2], rates)
+            if d.structure is not None:
+                by_time[bodies.stop :] -= np.einsum("sij,sj->i", slopes[:, :, :2], rates)
         return Linearised(by_state, by_time)
 
     def by_wrench(self, state: Array) -> Array:
@@ -118,15 +113,18 @@ class Jacobian:
         return result
 
     def tangents(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
-        """Derivatives (2, 6, 9) of force and moment of the left and the right wheel with respect to the wheelset's
-        position and rates.
+        """Derivatives (2, 6, 9 + k) of force and moment of the left and the right wheel with respect to the wheelset's
+        position and rates, and to the motions of axle and rails. Raises StepFailure where these move and the contact
+        has no tangent.
         """
         wheelset = self.dynamics.wheelset_state(frame, state)
         tangents = self.analytical_tangents(wheelset, contacts)
+        if tangents is None and self.dynamics.structure is not None:
+            raise StepFailure(NO_TANGENT)
         return self._differences(wheelset, contacts) if tangents is None else tangents
 
     def analytical_tangents(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
-        """The tangents (2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
+        """The tangents (2, 6, 9 + k) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
             tangents = self.dynamics.element.side_tangents(wheelset, contacts)
         except ValueError:  # some models and results have no tangent
@@ -136,19 +134,11 @@ class Jacobian:
         return tangents if np.isfinite(tangents).all() else None
 
     def _differences(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
-        current = self.differences
-        if current is None:
-            current = ContactDifferences(self._differentiated(wheelset, contacts))
-        elif current.age + 1 < REUSED:
-            current = replace(current, age=current.age + 1)
-        else:
-            with suppress(StepFailure):  # a contact that fails nearby: earlier differences are better than none
-                current = ContactDifferences(self._differentiated(wheelset, contacts))
-        self.differences = current
-        return current.tangents
+        self.differences = renewed(self.differences, lambda: self._differentiated(wheelset, contacts))
+        return self.differences.tangents
 
     def _differentiated(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
-        result, centre = np.zeros((2, 6, len(WheelsetState.coordinates))), _wrenches(contacts)
+        result, centre = np.zeros((2, 6, len(WheelsetState.coordinates))), wrenches(contacts)
         for column, name, step in zip(COLUMNS, FIELDS, DIFFERENCE_STEPS, strict=True):
             plus = self._perturbed(wheelset, contacts, name, step)
             central = self.central or name in ODD
@@ -159,9 +149,11 @@ class Jacobian:
     def _perturbed(self, wheelset: WheelsetState, contacts: Contacts, name: str, step: float) -> Array:
         self.counts.differences += 1
         perturbed = replace(wheelset, **{name: getattr(wheelset, name) + step})
-        return _wrenches(self.dynamics.solve_wheelset(perturbed, contacts))
+        return wrenches(self.dynamics.solve_wheelset(perturbed, contacts))
 
 
-def _wrenches(contacts: Contacts) -> Array:
-    """Force and moment of the left and the right wheel (2, 6)."""
-    return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])
+def _indices(size: int, motions: int) -> tuple[Array, Array]:
+    """Indices in a state on which contact forces depend, and their columns in the tangents."""
+    first = len(WheelsetState.coordinates)
+    moving = np.arange(size - motions, size)
+    return np.concatenate([INDICES, moving]), np.concatenate([COLUMNS, np.arange(first, first + motions)])

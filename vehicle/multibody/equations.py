@@ -34,10 +34,12 @@ class VehicleEvaluation:
     Parameters:
         rate: (2 c + m,) time derivative of the state.
         contacts: results by wheelset and side.
+        guess: results from which the contact solves started; None: none.
     """
 
     rate: Array
     contacts: WheelContacts
+    guess: WheelContacts | None = None
 
 
 @dataclass(frozen=True)
@@ -97,25 +99,37 @@ class VehicleDynamics:
         """Length of a state."""
         return self.coordinates.size
 
-    def __call__(self, time: float, state: Array, previous: VehicleEvaluation | None = None) -> VehicleEvaluation:
+    def __call__(
+        self,
+        time: float,
+        state: Array,
+        previous: VehicleEvaluation | None = None,
+        guess: WheelContacts | None = None,
+    ) -> VehicleEvaluation:
         """Time derivative of the state.
 
         Parameters:
             time: s.
             state: (2 c + m,), see `wheelrail.vehicle.multibody.coordinates`.
             previous: evaluation whose contact results are the initial guess of the contact solves.
+            guess: contact results that are the initial guess instead.
 
         Raises StepFailure when a contact solve fails.
         """
-        contacts = self.solve_contacts(time, state, previous.contacts if previous else None)
-        accelerations = self.accelerations(time, state, wheelset_wrenches(contacts))
+        start = previous.contacts if guess is None and previous is not None else guess
+        _require_finite(state)
+        motion = self.kinematics(self.speed_profile(time), state)
+        contacts = self._solve_contacts(self._wheelset_states(time, state, motion), start)
+        accelerations = self._accelerations(time, state, wheelset_wrenches(contacts), motion)
         c = self.coordinates.count
-        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts)
+        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts, start)
 
     def wheelset_states(self, time: float, state: Array) -> dict[str, WheelsetState]:
         """State of each wheelset in the track frame at its own distance."""
+        return self._wheelset_states(time, state, self.kinematics(self.speed_profile(time), state))
+
+    def _wheelset_states(self, time: float, state: Array, motion: BodyMotion) -> dict[str, WheelsetState]:
         travel = self.speed_profile(time)
-        motion = self.kinematics(travel, state)
         distances = self.kinematics.distances(travel, state)
         position, rate, _ = self.coordinates.split(state)
         states = {}
@@ -149,9 +163,12 @@ class VehicleDynamics:
 
     def solve_contacts(self, time: float, state: Array, guess: WheelContacts | None) -> WheelContacts:
         """Contacts of all wheels; raises StepFailure for a result that failed or is not finite."""
-        if not np.isfinite(state).all():
-            raise StepFailure("the state is not finite")
-        states = self.wheelset_states(time, state)
+        _require_finite(state)
+        return self._solve_contacts(self.wheelset_states(time, state), guess)
+
+    def _solve_contacts(self, states: Mapping[str, WheelsetState], guess: WheelContacts | None) -> WheelContacts:
+        for name, wheelset in states.items():  # the sides of one process need not wait for those of the other
+            self.contact.ahead(wheelset, guess[name][SIDES[-1]] if guess else None)
         return {name: self.solve_wheelset(name, states[name], guess) for name in states}
 
     def solve_wheelset(
@@ -175,13 +192,15 @@ class VehicleDynamics:
 
         Returns accelerations of the coordinates, then the rates of the springs of Maxwell elements, (..., c + m).
         """
+        return self._accelerations(time, state, wrenches, self.kinematics(self.speed_profile(time), state))
+
+    def _accelerations(self, time: float, state: Array, wrenches: Array, motion: BodyMotion) -> Array:
         travel = self.speed_profile(time)
-        motion = self.kinematics(travel, state)
         _, rate, series = self.coordinates.split(state)
         suspension = self.suspension(motion, series)
         force, moment = suspension.force, suspension.moment
         force[..., 2] -= self.vehicle.gravity * self.mass
-        force += self._hold_force(motion, state)
+        force += self.hold_force(motion, state)
         force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
         force[..., self.coordinates.wheelset_bodies, :] += wrenches[..., :3]
         moment[..., self.coordinates.wheelset_bodies, :] += wrenches[..., 3:]
@@ -193,7 +212,7 @@ class VehicleDynamics:
         coordinates = np.stack(parts, axis=-1)
         return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), suspension.series_rate], axis=-1)
 
-    def _hold_force(self, motion: BodyMotion, state: Array) -> Array:
+    def hold_force(self, motion: BodyMotion, state: Array) -> Array:
         """Force (..., n, 3) N in common axes that keeps the speed."""
         hold, force = self.vehicle.speed_hold, np.zeros_like(motion.position)
         if hold is not None:
@@ -238,6 +257,12 @@ class VehicleDynamics:
         sin_roll = frame.axle[..., 2]
         pitch = (cos_yaw * y - sin_yaw * x) / np.sqrt(1.0 - sin_roll**2)
         return np.stack([cos_yaw * x + sin_yaw * y, pitch, z - sin_roll * pitch], axis=-1)
+
+
+def _require_finite(state: Array) -> None:
+    """Raises StepFailure."""
+    if not np.isfinite(state).all():
+        raise StepFailure("the state is not finite")
 
 
 def wheelset_wrenches(contacts: WheelContacts) -> Array:

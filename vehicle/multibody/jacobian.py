@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +11,7 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences, renewed
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
@@ -29,7 +29,6 @@ ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")
 FIRST_RATE = WheelsetState.coordinates.index("y_rate")
 STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
 TIME_STEP = 1e-5  # s, forward difference in time
-REUSED = 8  # Jacobians per set of contact differences
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ class VehicleJacobian:
         dynamics: the equations of motion.
         counts: statistics to which Jacobians and contact differences are added.
         central: central differences of contacts throughout, for uses of the matrix itself such as modes.
-        reused: Jacobians that use the same contact differences, of a contact without tangent.
+        differences: contact tangents (w, 2, 6, 9) by differences at an earlier state; None: none yet.
 
     Suspension, inertia and kinematics: differences at constant contact forces, all n columns in one vectorised
     evaluation. Contact forces: the contact's tangent or, without one, differences.
@@ -62,11 +61,7 @@ class VehicleJacobian:
     dynamics: VehicleDynamics
     counts: StepStatistics
     central: bool = False
-    reused: int = REUSED
-
-    def __post_init__(self) -> None:
-        self._tangents: Array | None = None  # by differences
-        self._age = 0
+    differences: ContactDifferences | None = None
 
     def __call__(self, time: float, state: Array, at: VehicleEvaluation) -> VehicleLinearisation:
         """Derivatives of the rate.
@@ -143,6 +138,8 @@ class VehicleJacobian:
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
         """The tangents (w, 2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
+            for name, state in states.items():
+                self.dynamics.contact.ahead_tangent(state, contacts[name][SIDES[-1]])
             tangents = [self.dynamics.element.side_tangents(state, contacts[name]) for name, state in states.items()]
         except ValueError:  # some models and results have no tangent
             return None
@@ -152,13 +149,8 @@ class VehicleJacobian:
 
     def _differences(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         """Tangents (w, 2, 6, 9) by differences, those of an earlier call as long as they may be reused."""
-        self._age += 1
-        if self._tangents is None:
-            self._tangents, self._age = self._differentiated(states, contacts), 0
-        elif self._age >= self.reused:
-            with suppress(StepFailure):  # a contact that fails nearby: earlier differences are better than none
-                self._tangents, self._age = self._differentiated(states, contacts), 0
-        return self._tangents
+        self.differences = renewed(self.differences, lambda: self._differentiated(states, contacts))
+        return self.differences.tangents
 
     def _differentiated(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         result = np.zeros((len(states), len(SIDES), 6, len(WheelsetState.coordinates)))

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from wheelrail.contact.element.contact_element import ElementState
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.jacobian import ContactDifferences
+from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences
 from wheelrail.vehicle.simulation.history import RunCost
-from wheelrail.vehicle.simulation.recorder import Row
+from wheelrail.vehicle.simulation.recorder import RunRow
+
+# of the only wheelset, or by wheelset
+WarmStarts = ElementState[Side] | Mapping[str, ElementState[Side]]
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class Checkpoint:
 
     Parameters:
         time: s.
-        state: (20 + m,).
+        state: (n,).
         step: length of the next step, s; None: not yet estimated.
         error: of the last step, in tolerances.
         guess: warm starts of the contact solves at the state; None: none.
@@ -34,10 +37,10 @@ class Checkpoint:
     state: Array
     step: float | None
     error: float
-    guess: ElementState[Side] | None
+    guess: WarmStarts | None
     differences: ContactDifferences | None
     cost: RunCost
-    rows: list[Row]
+    rows: Sequence[RunRow]
 
 
 @dataclass(frozen=True)

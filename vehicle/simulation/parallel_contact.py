@@ -1,4 +1,4 @@
-"""Parallel solution of both contacts of a wheelset: a second process solves the right-hand one.
+"""Parallel solution of the contacts of both sides: a second process solves the right-hand ones.
 
 Measured: two threads would reach 79 to 88 % of the gain of a second process, as 61 to 66 % of a solve holds the
 interpreter's lock, and PETSc is not thread-safe. A call through the pipe costs 0.2 to 0.3 ms; through an executor of
@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 from weakref import finalize
 
 import numpy as np
@@ -53,11 +53,21 @@ class RemoteResult(ContactResult):
     key: Key | None = field(default=None, repr=False, compare=False)
 
 
+class PendingRequest(NamedTuple):
+    """A request whose answer was not read yet."""
+
+    number: int
+    what: str
+    state: WheelsetState
+    result: ContactResult | None
+
+
 @dataclass
 class Parallel(VehicleContact):
-    """Contact model that solves the left-hand contact here and the right-hand one in a second process: `in_parallel`.
+    """Contact model that solves left-hand contacts here and right-hand ones in a second process: `in_parallel`.
 
-    `ahead` and `ahead_tangent` start the next call for the right side early. A guess is sent as the key of a stored
+    `ahead` and `ahead_tangent` start calls for the right side early, of several wheelsets one after another; the calls
+    follow in the same order, and a call forgets what was started before it. A guess is sent as the key of a stored
     result; results without references are released. Results agree with those of one process to the last bit.
     Exceptions of the contact model are raised here, WorkerLost when the second process has ended.
     """
@@ -65,77 +75,96 @@ class Parallel(VehicleContact):
     contact: VehicleContact
     pipe: Connection
     requests: int = 0
-    pending: tuple[str, WheelsetState, ContactResult | None] | None = None
+    pending: list[PendingRequest] = field(default_factory=list)
     released: list[int] = field(default_factory=list)
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         if side == LOCAL:
             return self.contact(state, side, guess)
-        return self._result(self._requested("solve", state, guess))
+        return self._result(*self._requested("solve", state, guess))
 
     def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
         """Start the solve of the right side."""
-        self._request("solve", state, guess)
+        self._announce("solve", state, guess)
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
         """As the tangent of the contact model; raises ValueError when that has none."""
         if side == LOCAL:
             return self.contact.tangent(state, side, result)
-        return np.asarray(self._requested("tangent", state, result))
+        return np.asarray(self._requested("tangent", state, result)[1])
 
     def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
         """Start the tangent of the right side."""
-        self._request("tangent", state, result)
+        self._announce("tangent", state, result)
 
     def warm_start(self, side: Side, result: ContactResult) -> object:
         if side == LOCAL:
             return self.contact.warm_start(side, result)
         assert isinstance(result, RemoteResult)
         assert result.key is not None
-        self._send("warm start", None, result.key.number)
-        return self._answer()
+        return self._answer(self._send("warm start", None, result.key.number))
 
     def guess(self, side: Side, warm_start: object) -> ContactResult:
         if side == LOCAL:
             return self.contact.guess(side, warm_start)
-        self._send("guess", warm_start, None)
-        return self._result(self._answer())
+        number = self._send("guess", warm_start, None)
+        return self._result(number, self._answer(number))
 
-    def _result(self, answer: ContactResult) -> ContactResult:
-        key = Key(self.requests, self.released.append)
+    def _result(self, number: int, answer: ContactResult) -> ContactResult:
+        """The answer to a request with the key of what the second process stores."""
+        key = Key(number, self.released.append)
         values = {f.name: getattr(answer, f.name) for f in fields(ContactResult)}
         values["patches"] = LazyPatches(lambda: tuple(self._patches(key)))
         return RemoteResult(**values, key=key)
 
     def _patches(self, key: Key) -> Sequence[Patch]:
-        self._send("patches", None, key.number)
-        return cast(Sequence[Patch], self._answer())
+        return cast(Sequence[Patch], self._answer(self._send("patches", None, key.number)))
 
-    def _requested(self, what: str, state: WheelsetState, result: ContactResult | None) -> Any:
-        before, self.pending = self.pending, None
-        if before is None or not (before[0] == what and before[1] == state and before[2] is result):
-            self._request(what, state, result)
-            self.pending = None
-        return self._answer()
+    def _announce(self, what: str, state: WheelsetState, result: ContactResult | None) -> None:
+        """Start a request unless it is pending."""
+        if self._index(what, state, result) is None:
+            number = self._request(what, state, result)
+            self.pending.append(PendingRequest(number, what, state, result))
 
-    def _request(self, what: str, state: WheelsetState, result: ContactResult | None) -> None:
+    def _requested(self, what: str, state: WheelsetState, result: ContactResult | None) -> tuple[int, Any]:
+        """Number of a request, of a pending one if there is one, and its answer."""
+        index = self._index(what, state, result)
+        if index is None:
+            number = self._request(what, state, result)
+            return number, self._answer(number)
+        number, pending = self.pending[index].number, self.pending[index + 1 :]
+        answer = self._answer(number)
+        self.pending = pending
+        return number, answer
+
+    def _index(self, what: str, state: WheelsetState, result: ContactResult | None) -> int | None:
+        """Index among the pending requests."""
+        for index, request in enumerate(self.pending):
+            if request.what == what and request.state == state and request.result is result:
+                return index
+        return None
+
+    def _request(self, what: str, state: WheelsetState, result: ContactResult | None) -> int:
         if result is not None and not (isinstance(result, RemoteResult) and result.key):
             raise ValueError("a result of the right-hand contact that was not computed in its process")
-        self._send(what, state, result.key.number if isinstance(result, RemoteResult) and result.key else None)
-        self.pending = what, state, result
+        return self._send(what, state, result.key.number if isinstance(result, RemoteResult) and result.key else None)
 
-    def _send(self, what: str, state: object, key: int | None) -> None:
-        self.requests, self.pending = self.requests + 1, None
+    def _send(self, what: str, state: object, key: int | None) -> int:
+        """Number of a request after sending it."""
+        self.requests += 1
         released = [self.released.pop() for _ in range(len(self.released))]
         try:
             self.pipe.send((self.requests, what, state, key, released))
         except OSError as error:
+            self.pending = []
             raise WorkerLost from error
+        return self.requests
 
-    def _answer(self) -> Any:
-        """Reply to the latest request; replies to requests that were not waited for are still in the pipe."""
+    def _answer(self, request: int) -> Any:
+        """Answer to a request; those to earlier requests are still in the pipe, and are forgotten."""
+        self.pending = []
         number = -1
-        while number != self.requests:
+        while number != request:
             if number > 0:
                 self.released.append(number)
             try:

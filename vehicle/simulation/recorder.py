@@ -2,122 +2,92 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.results.result import ContactResult, Patch
+from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
-from wheelrail.vehicle.dynamics.state import split
 from wheelrail.vehicle.integration.integrate import Step
-from wheelrail.vehicle.integration.problem import StepFailure
-
-PatchPair = tuple[tuple[Patch, ...], tuple[Patch, ...]]
+from wheelrail.vehicle.integration.problem import E, StepFailure
 
 
-class Outputs(NamedTuple):
-    """Outputs besides the state; see `wheelrail.vehicle.simulation.history.History`."""
+class RunRow(Protocol):
+    """A row of a history, a dataclass of plain data."""
 
-    force: Array
-    moment: Array
-    approach: Array
-    yaw_reaction: Array
-    secondary_deflection: Array
-    bumpstop_deflection: Array
-    bumpstop_force: Array
+    @property
+    def time(self) -> float: ...
 
-    @classmethod
-    def of(cls, dynamics: Dynamics, state: Array, at: Evaluation) -> Outputs:
-        position, rate, _, _, series = split(state)
-        contacts = [at.contacts[side] for side in SIDES]
-        forces = dynamics.suspension.forces(position, rate, series)
-        return cls(
-            force=np.array([c.force for c in contacts]),
-            moment=np.array([c.moment for c in contacts]),
-            approach=np.array([c.approach for c in contacts]),
-            yaw_reaction=np.array(at.yaw_reaction),
-            secondary_deflection=np.array(forces.secondary_deflection),
-            bumpstop_deflection=forces.deflection[-1, 0],
-            bumpstop_force=forces.force[-1, 0],
-        )
+    @property
+    def state(self) -> Array: ...
+
+    def is_valid(self, shape: tuple[int, ...]) -> bool: ...
 
 
-SHAPES = Outputs((2, 3), (2, 3), (2,), (), (), (), ())  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class Row:
-    time: float
-    state: Array
-    outputs: Outputs
-    patches: PatchPair
-    contact_status: tuple[str, str]
-
-    @classmethod
-    def of(cls, dynamics: Dynamics, time: float, state: Array, at: Evaluation) -> Row:
-        left, right = (at.contacts[side] for side in SIDES)
-        outputs = Outputs.of(dynamics, state, at)
-        return cls(time, state, outputs, (tuple(left.patches), tuple(right.patches)), (left.status, right.status))
+R = TypeVar("R", bound=RunRow)
 
 
 @dataclass
-class Recorder:
+class Recorder(Generic[E, R]):
     """Rows at accepted steps or at equal intervals.
 
     Parameters:
-        dynamics: the equations of motion.
-        every: interval s; None: at accepted steps. Within a step the state is that of its dense output, `Step.at`, and
-            the contacts are solved at this state; a contact that fails there has NaN forces and no patch.
+        between: state and its evaluation at a time s within a step, from the step, the time and the state of its dense
+            output, `Step.at`. Raises StepFailure.
+        row_of: row of a time s, a state and its evaluation.
+        without_contacts: the evaluation with NaN in place of contact forces, for a reason.
+        every: interval s; None: at accepted steps. A contact that fails within a step has NaN forces and no patch.
         rows: recorded so far.
         latest: row at the last accepted step, if any.
     """
 
-    dynamics: Dynamics
+    between: Callable[[Step[E], float, Array], tuple[Array, E]]
+    row_of: Callable[[float, Array, E], R]
+    without_contacts: Callable[[E, str], E]
     every: float | None
-    rows: list[Row] = field(default_factory=list)
-    latest: list[Row] = field(default_factory=list)
+    rows: list[R] = field(default_factory=list)
+    latest: list[R] = field(default_factory=list)
 
-    def begin(self, time: float, state: Array, at: Evaluation) -> None:
+    def begin(self, time: float, state: Array, at: E) -> None:
         """Records the first row, or sets the start of a resumed run."""
-        self.latest = [Row.of(self.dynamics, time, state, at)]
+        self.latest = [self.row_of(time, state, at)]
         self.rows = self.rows or self.latest[:]
 
-    def add(self, step: Step[Evaluation]) -> None:
+    def add(self, step: Step[E]) -> None:
         """Records an accepted step."""
-        after = Row.of(self.dynamics, step.t, step.x, step.end)
+        after = self.row_of(step.t, step.x, step.end)
         self.rows.extend([after] if self.every is None else self._within(step, after, self.every))
         self.latest = [after]
 
-    def _within(self, step: Step[Evaluation], after: Row, every: float) -> list[Row]:
+    def _within(self, step: Step[E], after: R, every: float) -> list[R]:
         origin = self.rows[0].time
         first = int(np.floor((step.t0 - origin) / every * (1 + 1e-12))) + 1
         last = int(np.floor((step.t - origin) / every * (1 + 1e-12)))
         times = (origin + i * every for i in range(first, last + 1))
-        return [self._between(step, time) if time < step.t else replace(after, time=step.t) for time in times]
+        return [self._between(step, time) if time < step.t else _at_time(after, step.t) for time in times]
 
-    def _between(self, step: Step[Evaluation], time: float) -> Row:
+    def _between(self, step: Step[E], time: float) -> R:
         """Row at a time s before the end of a step."""
         state = step.at(time)
         try:
-            evaluation = self.dynamics(time, state, step.end)
+            state, evaluation = self.between(step, time, state)
         except StepFailure as failure:
-            evaluation = _without_contacts(step.end, str(failure))
-        return Row.of(self.dynamics, time, state, evaluation)
-
-    def states(self) -> Array:
-        return np.array([row.state for row in self.rows]).reshape(-1, self.dynamics.size)
-
-    def outputs(self) -> Outputs:
-        """Outputs of all rows, stacked along the first axis."""
-        columns = zip(*(row.outputs for row in self.rows), strict=True) if self.rows else ([] for _ in SHAPES)
-        return Outputs(*(np.array(c).reshape(-1, *shape) for c, shape in zip(columns, SHAPES, strict=True)))
+            evaluation = self.without_contacts(step.end, str(failure))
+        return self.row_of(time, state, evaluation)
 
 
-def _without_contacts(evaluation: Evaluation, reason: str) -> Evaluation:
-    """The evaluation with NaN in place of all contact forces."""
+def _at_time(row: Any, time: float) -> Any:
+    return replace(row, time=time)
+
+
+def missing_contact(reason: str) -> ContactResult:
+    """A failed result with NaN forces."""
     unknown = np.full(3, np.nan)
-    failed = replace(ContactResult.failed(reason, np.nan), force=unknown, moment=unknown)
-    return replace(evaluation, contacts=dict.fromkeys(SIDES, failed), yaw_reaction=np.nan)
+    return replace(ContactResult.failed(reason, np.nan), force=unknown, moment=unknown)
+
+
+def is_array(value: Any, shape: Any) -> bool:
+    """Whether a value is an array (for shape (), also a number) of double precision."""
+    return isinstance(value, np.ndarray | np.float64) and value.dtype == np.float64 and value.shape == shape

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -35,47 +36,60 @@ class SectionPoses(NamedTuple):
 
 @dataclass(frozen=True)
 class LocalPolynomials:
-    """A piecewise polynomial of distance with vectorised values.
+    """Piecewise polynomials of distance on the same pieces, with vectorised values.
 
     Parameters:
         starts: (m,) m, start of each piece; the first and the last piece are unbounded.
-        coefficients: (m, degree + 1), ascending powers of the distance from the start.
+        coefficients: (m, degree + 1, k) of k polynomials, ascending powers of the distance from the start.
     """
 
     starts: Array
     coefficients: Array
 
     @classmethod
-    def through(cls, breaks: tuple[float, ...], values: Array, outside: tuple[float, float]) -> LocalPolynomials:
-        """Interpolants between breaks (m,) m through values (m - 1, 8) at `sample_points`, and constants outside."""
-        coefficients = np.zeros((len(breaks) + 1, DEGREE + 1))
-        coefficients[0, 0], coefficients[-1, 0] = outside
+    def through(cls, breaks: tuple[float, ...], values: Array, outside: Array) -> LocalPolynomials:
+        """Interpolants between breaks (m,) m of values (m - 1, 8, k) at `sample_points`, constants (2, k) outside."""
+        coefficients = np.zeros((len(breaks) + 1, DEGREE + 1, values.shape[-1]))
+        coefficients[[0, -1], 0] = outside
         if len(breaks) > 1:
-            lengths = np.diff(breaks)[:, None]
-            unit = np.linalg.solve(np.vander(_UNIT_POINTS, increasing=True), values.T).T
-            coefficients[1:-1] = unit / lengths ** np.arange(DEGREE + 1)
+            unit = np.linalg.solve(np.vander(_UNIT_POINTS, increasing=True), values)
+            coefficients[1:-1] = unit / np.diff(breaks)[:, None, None] ** np.arange(DEGREE + 1)[:, None]
         return cls(np.array([breaks[0], *breaks]), coefficients)
 
-    def __call__(self, s: Array, derivative: int = 0) -> Array:
-        """Values or derivatives at distances (...) m."""
+    def __call__(self, s: Array) -> Array:
+        """Values (..., k) at distances (...) m."""
         piece = np.searchsorted(self.starts[1:], s, side="right")
-        x, coefficients = s - self.starts[piece], self.coefficients
-        for _ in range(derivative):
-            coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
-        result: Array = np.zeros_like(x)
-        for power in range(coefficients.shape[1] - 1, -1, -1):
-            result = result * x + coefficients[piece, power]
-        return result
+        x, coefficients = (s - self.starts[piece])[..., None], self.coefficients[piece]
+        result = coefficients[..., -1, :]
+        for power in range(coefficients.shape[-2] - 2, -1, -1):
+            result = result * x + coefficients[..., power, :]
+        return np.asarray(result)
+
+    @cached_property
+    def derivative(self) -> LocalPolynomials:
+        return LocalPolynomials(self.starts, self.coefficients[:, 1:] * np.arange(1, self._count)[:, None])
 
     @cached_property
     def integral(self) -> LocalPolynomials:
         """Integral from the first break."""
-        powers = np.arange(1, self.coefficients.shape[1] + 1)
-        coefficients = np.hstack([np.zeros((len(self.coefficients), 1)), self.coefficients / powers])
+        powers = np.arange(1, self._count + 1)[:, None]
+        coefficients = np.concatenate([np.zeros_like(self.coefficients[:, :1]), self.coefficients / powers], axis=1)
         lengths = np.append(0.0, np.diff(self.starts[1:]))
-        rises = (coefficients[:-1] * lengths[:, None] ** np.arange(coefficients.shape[1])).sum(axis=1)
-        coefficients[1:, 0] = np.cumsum(rises)
+        rises = (coefficients[:-1] * lengths[:, None, None] ** np.arange(self._count + 1)[:, None]).sum(axis=1)
+        coefficients[1:, 0] = np.cumsum(rises, axis=0)
         return LocalPolynomials(self.starts, coefficients)
+
+    @property
+    def _count(self) -> int:
+        """Number of coefficients of a polynomial."""
+        return int(self.coefficients.shape[1])
+
+    @classmethod
+    def joined(cls, parts: Sequence[LocalPolynomials]) -> LocalPolynomials:
+        """All polynomials of several parts on the same pieces."""
+        count = max(part._count for part in parts)
+        padded = [np.pad(part.coefficients, ((0, 0), (0, count - part._count), (0, 0))) for part in parts]
+        return cls(parts[0].starts, np.concatenate(padded, axis=2))
 
 
 _UNIT_POINTS = 0.5 - 0.5 * np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
@@ -99,29 +113,33 @@ class TrackSections:
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
-        """Boundaries between smooth pieces of curvature and gradient, m."""
-        return tuple(sorted({*self.track.curvature.breaks, *self.track.gradient.breaks}))
+        """Boundaries between smooth pieces of curvature, superelevation and gradient, m."""
+        return tuple(sorted({b for function in self._functions for b in function.breaks}))
+
+    @property
+    def _functions(self) -> tuple[PiecewiseFunction, ...]:
+        return self.track.curvature, self.track.superelevation, self.track.gradient
 
     @cached_property
-    def curvature(self) -> LocalPolynomials:
-        return _polynomials(self.track.curvature)
+    def alignment(self) -> LocalPolynomials:
+        """Heading; curvature, superelevation and gradient; their first, then their second derivatives.
 
-    @cached_property
-    def superelevation(self) -> LocalPolynomials:
-        return _polynomials(self.track.superelevation)
-
-    @cached_property
-    def gradient(self) -> LocalPolynomials:
-        return _polynomials(self.track.gradient)
-
-    @cached_property
-    def heading(self) -> LocalPolynomials:
-        """Angle of the tangent in plan, rad, from the first break: integral of curvature times cos(gradient)."""
+        The heading is the angle of the tangent in plan, rad, from the first break: integral of curvature times
+        cos(gradient).
+        """
         points = sample_points(self.breaks)
-        turn = self.curvature(points) * np.cos(self.gradient(points))
-        ends = np.array([self.breaks[0] - 1.0, self.breaks[-1] + 1.0])
-        first, last = (self.curvature(ends) * np.cos(self.gradient(ends))).tolist()
-        return LocalPolynomials.through(self.breaks, turn, (first, last)).integral
+        values = np.array([[[f(s)[0] for f in self._functions] for s in row] for row in points.tolist()])
+        outside = np.array([[f.values[end] for f in self._functions] for end in (0, -1)])
+        functions = LocalPolynomials.through(self.breaks, values.reshape(*points.shape, 3), outside)
+        sampled = functions(points)
+        turn, turn_outside = (v[..., :1] * np.cos(v[..., 2:]) for v in (sampled, outside))
+        heading = LocalPolynomials.through(self.breaks, turn, turn_outside).integral
+        return LocalPolynomials.joined([heading, functions, functions.derivative, functions.derivative.derivative])
+
+    @cached_property
+    def direction(self) -> LocalPolynomials:
+        """Heading and gradient, rad."""
+        return LocalPolynomials(self.alignment.starts, self.alignment.coefficients[:, :, [0, 3]])
 
     def at(self, stations: Array, reference: float) -> SectionPoses:
         """Sections at distances (...) m, in the axes at the distance of the reference, m.
@@ -129,12 +147,12 @@ class TrackSections:
         Orientation Rz(heading) Ry(-gradient) Rx(roll), as in `Track.frame`. Positions by Gauss quadrature of the
         tangent, within smooth pieces.
         """
-        heading = self.heading(stations) - self.heading(np.array([reference]))
-        a, da, dda = (self.gradient(stations, order) for order in range(3))
-        h, dh, ddh = (self.superelevation(stations, order) / -self.track.base for order in range(3))
+        heading, curvature, h, a, dcurvature, dh, da, _, ddh, dda = np.moveaxis(self.alignment(stations), -1, 0)
+        at_reference = float(self.direction(np.array(reference))[0])
+        heading = heading - at_reference
+        h, dh, ddh = (value / -self.track.base for value in (h, dh, ddh))
         root = np.sqrt(1.0 - h * h)
         p, dp, ddp = np.arcsin(h), dh / root, ddh / root + h * dh * dh / root**3
-        curvature, dcurvature = self.curvature(stations), self.curvature(stations, 1)
         ca, sa, cp, sp, ch, sh = (f(x) for x in (a, p, heading) for f in (np.cos, np.sin))
         turn, dturn = curvature * ca, dcurvature * ca - curvature * da * sa
         across, dacross = turn * ca, dturn * ca - turn * da * sa
@@ -145,37 +163,30 @@ class TrackSections:
             dacross * cp - across * dp * sp + dda * sp + da * dp * cp,
         )
         tangent, left = _vectors(ch * ca, sh * ca, sa), _vectors(-sh, ch, 0.0 * sh)
-        upright = np.cross(tangent, left)
+        upright = _vectors(-ch * sa, -sh * sa, ca)
         lateral = cp[..., None] * left + sp[..., None] * upright
         normal = cp[..., None] * upright - sp[..., None] * left
         axes = np.stack([tangent, lateral, normal], axis=-1)
-        return SectionPoses(self._positions(stations, reference), axes, rate, rate_slope)
+        return SectionPoses(self._positions(stations, reference, at_reference), axes, rate, rate_slope)
 
-    def _positions(self, stations: Array, reference: float) -> Array:
-        """Positions (..., 3) m of the centre line relative to the reference."""
+    def _positions(self, stations: Array, reference: float, heading: float) -> Array:
+        """Positions (..., 3) m of the centre line relative to the reference, of a given heading, rad."""
         inside = [b for b in self.breaks if abs(b - reference) < REACH]
         knots = np.array(sorted({reference, *inside}))
-        steps = self._advance(knots[:-1], knots[1:], reference)
+        steps = self._advance(knots[:-1], knots[1:], heading)
         at_knots = np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
         at_knots -= at_knots[np.searchsorted(knots, reference)]
         nearest = np.maximum(np.searchsorted(knots, stations, side="right") - 1, 0)
-        return np.asarray(at_knots[nearest] + self._advance(knots[nearest], stations, reference))
+        return np.asarray(at_knots[nearest] + self._advance(knots[nearest], stations, heading))
 
-    def _advance(self, start: Array, end: Array, reference: float) -> Array:
-        """Displacement (..., 3) m along the centre line from start to end (...) m."""
+    def _advance(self, start: Array, end: Array, heading: float) -> Array:
+        """Displacement (..., 3) m along the centre line from start to end (...) m, x along a heading, rad."""
         half = 0.5 * (end - start)[..., None]
-        points = 0.5 * (start + end)[..., None] + half * GAUSS_NODES
-        heading, a = self.heading(points) - self.heading(np.array([reference])), self.gradient(points)
-        tangent = _vectors(np.cos(heading) * np.cos(a), np.sin(heading) * np.cos(a), np.sin(a))
+        direction = self.direction(0.5 * (start + end)[..., None] + half * GAUSS_NODES)
+        turned, a = direction[..., 0] - heading, direction[..., 1]
+        tangent = _vectors(np.cos(turned) * np.cos(a), np.sin(turned) * np.cos(a), np.sin(a))
         return np.asarray(((half * GAUSS_WEIGHTS)[..., None] * tangent).sum(axis=-2))
 
 
 def _vectors(x: Array, y: Array, z: Array) -> Array:
     return np.stack([x, y, z], axis=-1)
-
-
-def _polynomials(function: PiecewiseFunction) -> LocalPolynomials:
-    """Vectorised form of a function, exact but for round-off."""
-    breaks = function.breaks
-    values = np.array([[function(s)[0] for s in row] for row in sample_points(breaks).tolist()])
-    return LocalPolynomials.through(breaks, values, (function.values[0], function.values[-1]))

@@ -21,7 +21,7 @@ Scene = Annotated[
 def export(
     scene: Scene = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for fields as VTK files (.vtu, .vtp).")
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for fields as VTK files (.vtu, .vtp) and XDMF.")
     ] = None,
     fmu: Annotated[
         Path | None,
@@ -72,10 +72,14 @@ def _fields(scene: Path, out: Path) -> None:
     if checked.kind == "run":
         raise rejected(f'{scene}: kind = "run": must be "hertz" or "wheelset"')
     folder = results_folder(out, out)
-    from wheelrail.scenes.contacts.solve import solve_sides
+    from wheelrail.scenes.contacts.solve import built_model, solve_sides
     from wheelrail.scenes.views.export import export_side
 
     with error_lines(f"{scene}: ", f"{folder}: "), stdout_for_results(), progress_console().status("fields"):
-        solved = dict(solve_sides(checked))
-        files = [file for side, solution in solved.items() for file in export_side(checked, side, solution, folder)]
+        model = built_model(checked)
+        files = [
+            file
+            for side, solution in dict(solve_sides(checked, model=model)).items()
+            for file in export_side(checked, side, solution, folder, model)
+        ]
     print_results(*map(str, files))

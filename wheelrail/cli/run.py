@@ -57,20 +57,24 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Resume an interrupted run from its last checkpoint.")
     ] = False,
+    vehicle: VehicleFile = None,
 ) -> None:
-    """Simulate a vehicle run; after Ctrl-C, --resume continues from the last checkpoint."""
+    """Simulate a vehicle run; after Ctrl-C, --resume continues from the last checkpoint.
+
+    Of the plane wagon of the scene, or of a vehicle file.
+    """
     checked = load_run(scene)
     from wheelrail.scenes.runs.resume import ended
     from wheelrail.scenes.runs.run import run_scene
 
     folder = results_folder(out, Path("results", scene.stem))
     with error_lines(f"{scene}: ", f"{folder}: "):
-        if resume and ended(checked, folder):
+        if resume and ended(checked, folder, vehicle):
             print(f"{folder}: the run is complete; nothing to resume")
             return
         with stdout_for_results():
             text = scene.read_text(encoding="utf-8")
-            outcome = run_scene(checked, text, folder, progress_console(), resume=resume)
+            outcome = run_scene(checked, text, folder, progress_console(), resume=resume, vehicle=vehicle)
     print_results(*outcome.summary())
     if outcome.status == "interrupted":
         raise typer.Exit(INTERRUPTED)
@@ -165,3 +169,43 @@ def critical(
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("modes over speed"):
         found = critical_speed_of(checked, vehicle, (lowest, highest))
     print_results(*critical_speed_lines(found, (lowest, highest)))
+
+
+@app.command()
+def hunting(
+    scene: SceneFile,
+    vehicle: NeededVehicleFile,
+    speed: Speeds = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Save the bifurcation diagram (.png, .svg, .pdf)."),
+    ] = None,
+    longest: Annotated[
+        float, typer.Option("--longest", metavar="T", min=1.0, max=1000.0, help="Longest motion at a speed, s.")
+    ] = 20.0,
+) -> None:
+    """Limit cycles of a vehicle in three dimensions on straight track, after the kick of the scene.
+
+    Each speed starts from the motion at the one before: descending speeds follow the cycles down to the speed at which
+    they vanish.
+    """
+    checked = load_run(scene)
+    check_picture(picture)
+    from wheelrail.scenes.builders.vehicle_file import load_vehicle
+    from wheelrail.scenes.runs.hunting import draw_bifurcation, hunting_of, hunting_table
+    from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch
+
+    speeds, cycles = speed or [checked.vehicle.first_speed], []
+    with (
+        error_lines(f"{scene}: "),
+        stdout_for_results(),
+        progress_console().status("contact and equilibrium") as status,
+    ):
+        for cycle in hunting_of(checked, vehicle, speeds, CycleSearch(longest=longest)):
+            cycles.append(cycle)
+            status.update(f"{cycle.speed:g} m/s: {cycle.status}")
+        names = load_vehicle(vehicle).wheelsets
+    if picture is not None:
+        with error_lines("", f"{picture}: "):
+            draw_bifurcation(cycles, names, picture)
+    print_results(hunting_table(cycles, names))

@@ -17,7 +17,8 @@ from wheelrail.vehicle.dynamics.jacobian import STEP, Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, mirrored
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.elements import ElementPair, ForceElement, ForceElements

@@ -16,7 +16,8 @@ from benchmarks.exudyn.report import EVERY, REFERENCE, initial, ours, relative, 
 from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
-from wheelrail.vehicle.simulation.simulate import Recording, simulate
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon

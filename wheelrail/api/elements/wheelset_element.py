@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.api.elements.checks import checked_numbers, checked_rates, checked_shifts
+from wheelrail.api.elements.checks import checked_motions, checked_numbers, checked_rates, checked_shifts
 from wheelrail.api.elements.variables import FORCES, INPUTS, OUTPUTS
 from wheelrail.api.elements.wheelset_arrays import inputs_of, invalid_input, patch_values, state_of, write_outputs
 from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.element.element_solution import ElementSolution
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
-    from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
 
 
 COORDINATES = len(WheelsetState.coordinates)
@@ -33,15 +34,18 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
 
     Parameters:
         contact: model of both contacts.
+        radius: nominal rolling radius, m.
         default: values of arguments that a solve does not give.
         curvature: of the track, 1/m.
 
-    SI units; x forward, y to the left, z up; forces act on the wheels, moments are about the wheelset's centre.
+    SI units; x forward, y to the left, z up; forces act on the wheels, moments are about the wheelset's centre. With
+    an elastic axle or pads every solve finds the motions of hubs and rails under its loads, and the tangent has them
+    follow; the wheelset's centre is the middle of the line through its hubs.
     """
 
-    def __init__(self, contact: WheelsetContact, default: WheelsetState, curvature: float) -> None:
+    def __init__(self, contact: VehicleContact, radius: float, default: WheelsetState, curvature: float) -> None:
         super().__init__(contact, SIDES)
-        self._default, self._radius, self._curvature = default, contact.mounting.radius, curvature
+        self._default, self._radius, self._curvature = default, radius, curvature
 
     def solve(
         self,
@@ -58,6 +62,8 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
         speed: float | None = None,
         frame_rate: Sequence[float] | None = None,
         rail_shift: Sequence[Sequence[float]] | None = None,
+        wheel_motion: Sequence[Sequence[float]] | None = None,
+        rail_motion: Sequence[Sequence[float]] | None = None,
     ) -> ElementSolution[WheelsetState, Side]:
         """Solve both contacts of a trial state, starting from the last accepted one.
 
@@ -70,6 +76,9 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
             speed: of the track frame along the track, m/s.
             frame_rate: (3,) angular velocity of the track frame, rad/s; that of the wheelset's curvature by default.
             rail_shift: ((y, z), (y, z)), displacement of the left and the right rail by irregularities, m.
+            wheel_motion: of the left and the right wheel about its centre, x, y, z, then about x, y, z in the axes of
+                the wheelset; rail_motion: of the left and the right rail, y, z, then roll about the middle of its foot;
+                m and rad, 0 by default. Only of an element for a program that knows them, see `Wheelset.element`.
 
         Other defaults are those of the `Wheelset`. A contact that cannot be solved gives status "failed: ..." and no
         exception. Raises SceneError for values that are not numbers in range, naming argument and value.
@@ -94,7 +103,33 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
             given["frame_rate"] = checked_rates("frame_rate", frame_rate)
         if rail_shift is not None:
             given["rail_shift"] = checked_shifts("rail_shift", rail_shift)
+        if wheel_motion is not None or rail_motion is not None:
+            given["motions"] = self._given_motions(wheel_motion, rail_motion)
         return self.solve_state(replace(self._default, **given))
+
+    def _given_motions(self, wheels: object, rails: object) -> tuple[float, ...]:
+        """Motions (18,) of a `FlexibleState`. Raises SceneError, also where the program does not know them."""
+        from wheelrail.contact.loading.flexible_state import FlexibleState
+        from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_RAIL
+
+        if not isinstance(self._default, FlexibleState):
+            raise SceneError('solve: wheel_motion, rail_motion: allowed only with element(host=["wheels", "rails"])')
+        left, right = checked_motions("wheel_motion", np.zeros((2, 6)) if wheels is None else wheels, 3, 3)
+        left_rail, right_rail = checked_motions("rail_motion", np.zeros((2, 3)) if rails is None else rails, 2, 1)
+        return (*left, *(MIRRORED_HUB * right).tolist(), *left_rail, *(MIRRORED_RAIL * right_rail).tolist())
+
+    def motions(self) -> dict[Side, tuple[Array, Array]]:
+        """Motions of the hub (6,) relative to the line through the journals, x, y, z, then about x, y, z, and of the
+        rail (3,), y, z, then roll about its foot, m and rad, at the last solved state.
+
+        Raises ValueError when it failed, or there is none, and for rigid axle and clamped rails.
+        """
+        from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
+
+        results = self._solved("motions").results
+        if not isinstance(self.contact, QuasiStaticContact):
+            raise ValueError("motions: the axle is rigid, and the rails are clamped")
+        return {side: self.contact.motions(results[side], side) for side in SIDES}
 
     def start_array(self) -> Array:
         """Inputs (17,) of the state that `solve()` without arguments solves, in the order of `variables.INPUTS`."""

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_RAIL
 from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.datasets.patches import means, patch_variables
+from wheelrail.support.arrays import Array
 from wheelrail.support.version import commit, versions
 from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.track.irregularity import QUANTITIES
@@ -17,7 +19,8 @@ from wheelrail.vehicle.track.irregularity import QUANTITIES
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.vehicle.simulation.history import History
+    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
+    from wheelrail.vehicle.simulation.history import History, RunCost
 
 AXES = ("longitudinal", "lateral", "vertical")
 TURNS = ("roll", "spin", "yaw")
@@ -38,10 +41,9 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
     """
     from xarray import Dataset
 
-    costs = [history.cost.contact[side] for side in SIDES]
     every: dict[str, Any] = {
         **_motion(history),
-        **_forces(history),
+        **wheel_variables(history.outputs.force, history.outputs.moment, history.outputs.approach),
         **patch_variables(
             [patches for pair in history.patches for patches in pair], ("time", "side"), (len(history), len(SIDES))
         ),
@@ -50,6 +52,20 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
             np.array(history.contact_status) == "converged",
             means("1", "whether wheel and rail are in contact"),
         ),
+        **cost_variables(history.cost),
+    }
+    attributes = {
+        "title": "Vehicle run on finite-element wheel-rail contact",
+        "frame": "moving track frame: x forward, y to the left, z upwards; forces act on the wheels",
+        "nominal_radius": history.radius,
+    }
+    return Dataset(every, coords=run_coordinates(history), attrs=attributes | run_attributes(history, scene))
+
+
+def cost_variables(cost: RunCost) -> dict[str, Any]:
+    """Call statistics of the contact over side."""
+    costs = [cost.contact[side] for side in SIDES]
+    return {
         "contact_solves": ("side", [cost.solves for cost in costs], means("1", "contact problems solved")),
         "failed_solves": (
             "side",
@@ -60,19 +76,24 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
         "linear_iterations": ("side", [cost.linear for cost in costs], means("1", "total linear iterations")),
         "contact_seconds": ("side", [cost.seconds for cost in costs], means("s", "time for all contact solves")),
     }
-    coordinates = {
+
+
+def run_coordinates(history: History | VehicleHistory) -> dict[str, Any]:
+    """Coordinates of every run: time, distance, side, edge of a patch."""
+    return {
         "time": ("time", history.time, {"units": "s", "long_name": "time"}),
         "distance": ("time", history.distance, means("m", "distance along the track")),
         "side": ("side", list(SIDES)),
         "edge": ("edge", ["low", "high"]),
     }
+
+
+def run_attributes(history: History | VehicleHistory, scene: str) -> dict[str, Any]:
+    """Status, statistics and provenance of every run; scene: its text."""
     steps = history.cost.steps
-    attributes = {
-        "title": "Vehicle run on finite-element wheel-rail contact",
-        "frame": "moving track frame: x forward, y to the left, z upwards; forces act on the wheels",
+    return {
         "status": history.status,
         "speed": float(history.speeds[0]),
-        "nominal_radius": history.radius,
         "seconds": history.cost.seconds,
         "steps_accepted": steps.accepted,
         "steps_rejected": steps.rejected,
@@ -84,7 +105,16 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
         "machine": machine(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    return Dataset(every, coords=coordinates, attrs=attributes)
+
+
+def irregularity_variables(values: Array | None) -> dict[str, Any]:
+    """Irregularities of the track over time; values: (n, 4) m, none on smooth rails."""
+    if values is None:
+        return {}
+    return {
+        f"irregularity_{name}": ("time", values[:, index], means("m", IRREGULARITIES[name]))
+        for index, name in enumerate(QUANTITIES)
+    }
 
 
 def _motion(history: History) -> dict[str, Any]:
@@ -102,14 +132,9 @@ def _motion(history: History) -> dict[str, Any]:
     if history.series_deflection.size:
         text = "outward deflection of the series springs of the Maxwell elements, left side, then right side"
         variables["series_deflection"] = (("time", "series"), history.series_deflection, means("m", text))
+    variables |= _structure_motion(history)
     variables["speed"] = ("time", history.speeds, means("m/s", "speed along the track"))
-    if history.irregularities is not None:
-        for index, name in enumerate(QUANTITIES):
-            variables[f"irregularity_{name}"] = (
-                "time",
-                history.irregularities[:, index],
-                means("m", IRREGULARITIES[name]),
-            )
+    variables |= irregularity_variables(history.irregularities)
     for source, name, units, text in (
         (history, "curvature", "1/m", "curvature of the track, positive to the left"),
         (history, "lift", "m", "height of the right rail above the left"),
@@ -127,21 +152,39 @@ def _motion(history: History) -> dict[str, Any]:
     return variables
 
 
-def _forces(history: History) -> dict[str, Any]:
-    """Contact forces on the wheels and moments about the centre of the wheelset, in the track frame."""
-    by_side = ("time", "side")
+def _structure_motion(history: History) -> dict[str, Any]:
+    """Motions of hubs and rails, where they are elastic."""
+    if history.structure is None:
+        return {}
+    elastic, motion = history.structure.pairs.flexibility, history.structure_motion
+    hubs = motion[:, :12].reshape(-1, 2, 6) * [np.ones(6), MIRRORED_HUB]
+    rails = motion[:, 12:].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
+    units = {"hub": "m and rad, x, y, z, then about x, y, z", "rail": "m and rad, y, z, then roll about the foot"}
+    variables: dict[str, Any] = {}
+    if elastic.hubs is not None:
+        text = "motion of the hub relative to the line through the journals"
+        variables["hub_motion"] = (("time", "side", "hub_component"), hubs, means(units["hub"], text))
+    if elastic.rails is not None:
+        text = "motion of the rail on its pads"
+        variables["rail_motion"] = (("time", "side", "rail_component"), rails, means(units["rail"], text))
+    return variables
+
+
+def wheel_variables(
+    force: Array, moment: Array, approach: Array, dimensions: tuple[str, ...] = ("time", "side")
+) -> dict[str, Any]:
+    """Contact forces on the wheels and moments about the centres of the wheelsets, in the track frame.
+
+    Parameters:
+        force, moment: (..., 3) N and N m.
+        approach: (...) m.
+        dimensions: names of the dimensions (...).
+    """
     variables: dict[str, Any] = {}
     for index, (axis, turn) in enumerate(zip(AXES, TURNS, strict=True)):
-        variables[f"{axis}_force"] = (
-            by_side,
-            history.outputs.force[:, :, index],
-            means("N", f"{axis} contact force on the wheel"),
-        )
+        variables[f"{axis}_force"] = (dimensions, force[..., index], means("N", f"{axis} contact force on the wheel"))
         text = f"{turn} moment of the contact force about the centre of the wheelset"
-        variables[f"{turn}_moment"] = (by_side, history.outputs.moment[:, :, index], means("N m", text))
-    variables["approach"] = (
-        by_side,
-        history.outputs.approach,
-        means("m", "largest penetration of the undeformed bodies; negative is a gap"),
-    )
+        variables[f"{turn}_moment"] = (dimensions, moment[..., index], means("N m", text))
+    text = "largest penetration of the undeformed bodies; negative is a gap"
+    variables["approach"] = (dimensions, approach, means("m", text))
     return variables

@@ -66,8 +66,8 @@ VEHICLE: tuple[Row, ...] = (
 )
 
 
-def wheel_table(data: Dataset) -> PageTable:
-    """Extremes of the wheels with their distances, m, left and right."""
+def wheel_table(data: Dataset, caption: str = "Wheels and rails") -> PageTable:
+    """Extremes of the wheels of a wheelset with their distances, m, left and right."""
     sides = [str(side) for side in data["side"].values]
     head = ["quantity", *(text for side in sides for text in (f"{named(side, data)} wheel", "at [m]"))]
     rows = [
@@ -75,7 +75,7 @@ def wheel_table(data: Dataset) -> PageTable:
         for row in WHEELS
         if row[1] in data
     ]
-    return PageTable("Wheels and rails", head, [*rows, *_averages(data, sides)], frozenset(range(1, len(head))))
+    return PageTable(caption, head, [*rows, *_averages(data, sides)], frozenset(range(1, len(head))))
 
 
 def vehicle_table(data: Dataset) -> PageTable:

@@ -44,9 +44,11 @@ def page(folder: Path, *, view: bool = True) -> Page:
         raise SceneError(f"{folder}: {'is a file' if folder.exists() else 'folder does not exist'}; {ALLOWED}")
     if (folder / RUN).exists():
         from wheelrail.scenes.html_report.run_page import run_page
-        from wheelrail.scenes.views.view import read_run
+        from wheelrail.scenes.html_report.vehicle_page import vehicle_page
+        from wheelrail.scenes.views.view import is_of_vehicle, read_run
 
-        return run_page(read_run(folder / RUN), folder / RUN, view=view)
+        data = read_run(folder / RUN)
+        return vehicle_page(data, folder / RUN) if is_of_vehicle(data) else run_page(data, folder / RUN, view=view)
     if (folder / STUDY).exists():
         from wheelrail.scenes.datasets.netcdf import read
         from wheelrail.scenes.html_report.study_page import study_page

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,12 +17,20 @@ if TYPE_CHECKING:
     from xarray import DataArray, Dataset
 
 
-def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:
-    """Save the figures and yield their files; none for fewer than two samples."""
+def draw_figures(
+    data: Dataset, folder: Path, pictures: Mapping[str, Callable[..., Figure]] | None = None
+) -> Iterator[Path]:
+    """Save the figures and yield their files; none for fewer than two samples.
+
+    Parameters:
+        data: Dataset of a run.
+        folder: for the files.
+        pictures: functions that draw, by name; by default those of the plane wagon.
+    """
     if data.sizes["time"] < 2:
         return
     folder.mkdir(parents=True, exist_ok=True)
-    for name, draw in PICTURES.items():
+    for name, draw in (PICTURES if pictures is None else pictures).items():
         with styled():
             save(draw(data), folder / f"{name}.png")
         yield folder / f"{name}.png"

@@ -12,14 +12,15 @@ from __future__ import annotations
 import hashlib
 import struct
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from wheelrail.support.plain_data import NotPlainData, decode, encode
+from wheelrail.vehicle.multibody.runs.history import VehicleRow
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 from wheelrail.vehicle.simulation.history import RunCost
-from wheelrail.vehicle.simulation.recorder import SHAPES, Outputs, Row
+from wheelrail.vehicle.simulation.recorder import is_array
+from wheelrail.vehicle.simulation.row import Row
 
 LENGTH, CHECKSUM_SIZE = struct.Struct(">Q"), hashlib.sha256().digest_size
 PACKAGES = ("wheelrail.contact", "wheelrail.vehicle")  # of the classes in a checkpoint
@@ -70,18 +71,9 @@ def _usable(at: Checkpoint) -> bool:
     shape = np.shape(at.state)
     return (
         all(isinstance(number, float) and np.isfinite(number) for number in numbers)
-        and _is_array(at.state, shape)
+        and is_array(at.state, shape)
         and len(shape) == 1
         and isinstance(at.cost, RunCost)
         and isinstance(at.rows, list)
-        and all(isinstance(row, Row) and _is_array(row.state, shape) and _is_outputs(row.outputs) for row in at.rows)
+        and all(isinstance(row, Row | VehicleRow) and row.is_valid(shape) for row in at.rows)
     )
-
-
-def _is_outputs(outputs: Any) -> bool:
-    return isinstance(outputs, Outputs) and all(map(_is_array, outputs, SHAPES))
-
-
-def _is_array(value: Any, shape: Any) -> bool:
-    """Whether a value is an array (for shape (), also a number) of double precision."""
-    return isinstance(value, np.ndarray | np.float64) and value.dtype == np.float64 and value.shape == shape

@@ -24,15 +24,20 @@ PACKAGES = ("support", "meshes", "forms", "contact", "vehicle", "scenes")
 FREE = ("output.figures", "solver.workers")  # keys that may differ: they do not change the results
 
 
-def header(scene: RunScene) -> dict[str, Any]:
-    """Header of a run's checkpoint file: the scene, and the versions that compute it."""
+def header(scene: RunScene, vehicle: Path | None = None) -> dict[str, Any]:
+    """Header of a run's checkpoint file: the scene, and the versions that compute it; vehicle: its file."""
     from wheelrail.support.version import versions
 
-    return {"versions": versions() | {"sources": sources()}, "scene": inputs(scene)}
+    return {"versions": versions() | {"sources": sources()}, "scene": inputs(scene, vehicle)}
 
 
-def inputs(scene: RunScene) -> dict[str, Any]:
-    """The keys that a run uses, with files replaced by the hash of their content."""
+def inputs(scene: RunScene, vehicle: Path | None = None) -> dict[str, Any]:
+    """The keys that a run uses, with files replaced by the hash of their content.
+
+    Parameters:
+        scene: of the run.
+        vehicle: file of the vehicle in three dimensions that runs in place of the wagon of the scene.
+    """
 
     def plain(value: Any) -> Any:
         if isinstance(value, str) and present(Path(value)) and Path(value).is_file():
@@ -42,6 +47,8 @@ def inputs(scene: RunScene) -> dict[str, Any]:
         return value
 
     data: dict[str, Any] = plain(used_keys(scene))
+    if vehicle is not None:
+        data["vehicle"] = {"speed": data["vehicle"]["speed"], "file": plain(str(vehicle))}
     return data
 
 
@@ -60,8 +67,14 @@ def differences(old_table: Mapping[str, Any], new_table: Mapping[str, Any], pref
             yield f"{name}: {json.dumps(old)} before, {json.dumps(new)} now"
 
 
-def ended(scene: RunScene, folder: Path) -> bool:
-    """Whether a folder contains the results of the completed run; raises SceneError for those of another scene."""
+def ended(scene: RunScene, folder: Path, vehicle: Path | None = None) -> bool:
+    """Whether a folder contains the results of the completed run; raises SceneError for those of another scene.
+
+    Parameters:
+        scene: of the run.
+        folder: of the results.
+        vehicle: its file, if any.
+    """
     from xarray import open_dataset
 
     file = folder / RESULTS
@@ -74,7 +87,7 @@ def ended(scene: RunScene, folder: Path) -> bool:
         return False
     if status != "completed":
         return False
-    require_same(stored_inputs, inputs(scene), file)
+    require_same(stored_inputs, inputs(scene, vehicle), file)
     return True
 
 

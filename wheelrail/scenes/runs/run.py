@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, wagon
-from wheelrail.scenes.builders.wheelset import wheelset_contact
+from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
+    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
     from wheelrail.vehicle.simulation.checkpoint import Checkpoint
     from wheelrail.vehicle.simulation.history import History
 
@@ -37,7 +39,7 @@ class RunOutcome:
         resumable: whether the run was interrupted after a checkpoint.
     """
 
-    history: History
+    history: History | VehicleHistory
     files: tuple[Path, ...]
     resumable: bool = False
 
@@ -62,6 +64,7 @@ def run_scene(
     *,
     resume: bool = False,
     checkpoints: Path | None = None,
+    vehicle: Path | None = None,
 ) -> RunOutcome:
     """Simulate a scene and write its results.
 
@@ -72,6 +75,7 @@ def run_scene(
         console: for progress.
         resume: whether to continue from the last checkpoint.
         checkpoints: checkpoint file; one in the folder by default.
+        vehicle: file of a vehicle in three dimensions that runs in place of the wagon of the scene.
 
     Results of an interrupted or failed run are written up to its end; the checkpoint file remains unless the run is
     complete. Raises OSError if the folder cannot be written, SceneError for checkpoints of another scene.
@@ -81,42 +85,59 @@ def run_scene(
 
     folder.mkdir(parents=True, exist_ok=True)
     report = partial(console.print, highlight=False, markup=False, soft_wrap=True)
-    checkpoint_file = CheckpointFile(checkpoints or folder / CHECKPOINTS, header(scene), report)
+    checkpoint_file = CheckpointFile(checkpoints or folder / CHECKPOINTS, header(scene, vehicle), report)
     if not resume and read_header(checkpoint_file.path):
         console.print(
             f"{folder} contains an interrupted run; this run starts from the beginning, --resume continues it"
         )
     start = latest(checkpoint_file, checkpoint_file.report) if resume else None
-    history = _simulated(scene, console, checkpoint_file, start)
+    history = _simulated(scene, console, vehicle, checkpoint_file, start)
     if not len(history):
         return RunOutcome(history, ())
     with console.status("results and figures"):
-        files = tuple(write_results(history, text, folder, scene))
+        files = tuple(write_results(history, text, folder, scene, vehicle))
     if history.status == "completed":
         checkpoint_file.remove()
     resumable = history.status == "interrupted" and checkpoint_file.path.exists()
     return RunOutcome(history, files, resumable)
 
 
-def simulate_scene(scene: RunScene, text: str, console: Console) -> tuple[History, Dataset | None]:
+def simulate_scene(
+    scene: RunScene, text: str, console: Console, vehicle: Path | None = None
+) -> tuple[History | VehicleHistory, Dataset | None]:
     """Simulate a scene without writing files: its history and its Dataset; None for a run without a step."""
-    history = _simulated(scene, console)
-    return history, run_dataset(history, text, scene) if len(history) else None
+    history = _simulated(scene, console, vehicle)
+    return history, run_dataset(history, text, scene, vehicle) if len(history) else None
 
 
 def _simulated(
     scene: RunScene,
     console: Console,
+    file: Path | None = None,
     checkpoint_file: CheckpointFile | None = None,
     start: Checkpoint | None = None,
-) -> History:
-    """History of a scene; checkpoints are appended to a file, the run continues from start."""
+) -> History | VehicleHistory:
+    """History of a scene; checkpoints are appended to a file, the run continues from start.
+
+    Parameters:
+        scene: to simulate.
+        console: for progress.
+        file: of a vehicle in place of the wagon.
+        checkpoint_file: to which checkpoints are appended.
+        start: checkpoint from which the run continues.
+    """
+    from wheelrail.scenes.runs.vehicle_run import simulate_on_track, vehicle_for_run
+
+    if file is None and scene.kick:
+        raise SceneError("kick: allowed only with a vehicle file (--vehicle)")
+    vehicle = None if file is None else vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
-        contact = wheelset_contact(scene)
+        contact, structure = run_contact(scene)
     from wheelrail.vehicle.dynamics.equations import Dynamics
     from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
-    from wheelrail.vehicle.simulation.simulate import Recording, simulate
+    from wheelrail.vehicle.simulation.simulate import simulate
+    from wheelrail.vehicle.simulation.time_run import Recording
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
     checkpoints = None
@@ -129,48 +150,59 @@ def _simulated(
         _workers(contact, scene.solver.workers) as parallel,
         progress_bar(console, length, start_distance) as progress,
     ):
+        recording = Recording(scene.output.interval or None, checkpoints)
+        if vehicle is not None:
+            return simulate_on_track(scene, vehicle, parallel, end, recording, progress)
         return simulate(
-            Dynamics(wagon(scene), track(scene), parallel, speed),
+            Dynamics(wagon(scene), track(scene), parallel, speed, structure),
             (0.0, end),
             steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
-            recording=Recording(scene.output.interval or None, checkpoints),
+            recording=recording,
             progress=progress,
         )
 
 
-def write_results(history: History, text: str, folder: Path, scene: RunScene) -> Iterator[Path]:
+def write_results(
+    history: History | VehicleHistory, text: str, folder: Path, scene: RunScene, vehicle: Path | None
+) -> Iterator[Path]:
     """Write results, then figures; yields the files."""
     from wheelrail.scenes.datasets.netcdf import write
 
     with ignored_interrupts():
-        data = run_dataset(history, text, scene)
+        data = run_dataset(history, text, scene, vehicle)
         write(data, folder / RESULTS)
     yield folder / RESULTS
     if scene.output.figures:
-        from wheelrail.scenes.plots.runs import draw_figures
+        from wheelrail.scenes.plots import runs, vehicle_runs
 
+        pictures = runs.PICTURES if vehicle is None else vehicle_runs.PICTURES
         try:
-            yield from draw_figures(data, folder)
+            yield from runs.draw_figures(data, folder, pictures)
         except KeyboardInterrupt:  # the results are already written
             return
 
 
-def run_dataset(history: History, text: str, scene: RunScene) -> Dataset:
-    """Dataset of a run with wear and energy balance.
+def run_dataset(history: History | VehicleHistory, text: str, scene: RunScene, file: Path | None = None) -> Dataset:
+    """Dataset of a run with wear; of the plane wagon with the energy balance.
 
     Parameters:
         history: of the run.
         text: of the scene file.
         scene: the same, validated.
+        file: of the vehicle, if any.
     """
     from wheelrail.scenes.datasets.run import dataset
     from wheelrail.scenes.datasets.run_derived import wear, with_energy
     from wheelrail.scenes.runs.resume import inputs
+    from wheelrail.scenes.runs.vehicle_run import vehicle_run_dataset
+    from wheelrail.vehicle.simulation.history import History
 
+    facts = {"inputs": json.dumps(inputs(scene, file)), "sampling": _sampling(scene.output.interval)}
+    if not isinstance(history, History):
+        assert file is not None
+        return vehicle_run_dataset(history, text, scene, file).assign_attrs(facts)
     data = dataset(history, scene=text)
-    data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(
-        inputs=json.dumps(inputs(scene)), sampling=_sampling(scene.output.interval)
-    )
+    data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(facts)
     if scene.output.interval:  # the work between samples is unknown
         return data
     return with_energy(data, history, wagon(scene), track(scene))

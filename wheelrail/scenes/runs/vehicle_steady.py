@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.builders.vehicle_file import load_vehicle
+from wheelrail.scenes.builders.vehicle import vehicle_on
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.runs.steady import curve_of, failures_as_run_failed
-from wheelrail.scenes.schema.errors import RunFailed, SceneError
+from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 
 if TYPE_CHECKING:
@@ -40,11 +40,7 @@ def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynami
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
     from wheelrail.vehicle.track.track import Track
 
-    vehicle = load_vehicle(file)
-    if vehicle.radius != scene.wheelset.radius:
-        text = f"must be {scene.wheelset.radius:g} m, wheelset.radius of the scene"
-        raise SceneError(f"{file}: bodies.{vehicle.wheelsets[0]}.height = {vehicle.radius:g}: {text}")
-    return VehicleDynamics(vehicle, Track(), wheelset_contact(scene), speed)
+    return VehicleDynamics(vehicle_on(scene, file), Track(), wheelset_contact(scene), speed)
 
 
 def vehicle_modes_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[list[Mode]]:

@@ -182,6 +182,8 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
     if not results.is_file():
         raise SceneError(f"{results}: file does not exist; must be run.nc of wheelrail run, or its folder")
     data = read_run(results)
+    if is_of_vehicle(data):
+        raise SceneError(f"{results}: must contain a run of the plane wagon; a vehicle file has no animation")
     bodies = bodies_of_run(data, results)
     from wheelrail.scenes.views.animation import animate_run
 
@@ -191,9 +193,15 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
 def read_run(file: Path) -> Dataset:
     """Dataset of a run; raises SceneError for a file without results of a run."""
     data = read(file)
-    if not isinstance(data.attrs.get("scene"), str) or not data.sizes.get("time") or "wheelset_y" not in data:
+    moving = "wheelset_y" in data or is_of_vehicle(data)
+    if not isinstance(data.attrs.get("scene"), str) or not data.sizes.get("time") or not moving:
         raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
     return data
+
+
+def is_of_vehicle(data: Dataset) -> bool:
+    """Whether the results are those of a vehicle in three dimensions, with a dimension of wheelsets."""
+    return "wheelset" in data.dims
 
 
 def bodies_of_run(data: Dataset, file: Path) -> RunBodies:

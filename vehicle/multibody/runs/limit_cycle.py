@@ -1,0 +1,190 @@
+"""Limit cycles of a vehicle on straight track: hunting after a disturbance, over descending speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.coordinates import Coordinates, Y
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
+from wheelrail.vehicle.multibody.runs.history import VehicleHistory
+from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
+
+SAMPLE = 1e-3  # s, of the interpolated displacements: 150 samples a period at 6 Hz
+
+
+@dataclass(frozen=True)
+class CycleSearch:
+    """When a motion counts as a limit cycle.
+
+    Parameters:
+        window: s, over which an amplitude is the largest displacement; several periods.
+        tolerance: of the amplitudes of two windows one after another, relative.
+        smallest: m, amplitude below which the motion has died out.
+        longest: s, after which the search ends.
+        rtol, atol: tolerances of the steps, see `simulate_vehicle`.
+    """
+
+    window: float = 1.0
+    tolerance: float = 0.02
+    smallest: float = 2e-5
+    longest: float = 20.0
+    rtol: float = 3e-3
+    atol: float = 3e-5
+
+
+@dataclass(frozen=True)
+class LimitCycle:
+    """Motion of w wheelsets in the last window of a search.
+
+    Parameters:
+        speed: m/s.
+        status: "limit cycle", "dies out", "not settled", or "failed: ..." with the reason.
+        amplitude: (w,) m, half the difference of the extreme lateral displacements.
+        frequency: Hz, of the wheelset with the largest amplitude; NaN if it died out.
+        track_shifting: (w,) N, largest sum of Y, unfiltered.
+        frictional_power: W, mean of all wheels.
+        duration: s of the motion.
+        state: (2 c + m,) at the end.
+    """
+
+    speed: float
+    status: str
+    amplitude: Array
+    frequency: float
+    track_shifting: Array
+    frictional_power: float
+    duration: float
+    state: Array
+
+
+def kicked(coordinates: Coordinates, state: Array, velocities: Mapping[str, float]) -> Array:
+    """The state with lateral velocities added.
+
+    Parameters:
+        coordinates: of the vehicle.
+        state: (2 c + m,).
+        velocities: m/s to the left, by body.
+
+    Raises ValueError for an unknown body.
+    """
+    result = state.copy()
+    for body, velocity in velocities.items():
+        if body not in coordinates.vehicle.names:
+            raise ValueError(f'no body "{body}"; must be one of {", ".join(coordinates.vehicle.names)}')
+        result[coordinates.count + coordinates.index(body, Y)] += velocity
+    return result
+
+
+def limit_cycles(
+    dynamics: VehicleDynamics, speeds: Sequence[float], kick: Mapping[str, float], search: CycleSearch | None = None
+) -> Iterator[LimitCycle]:
+    """Motions at one speed after another; the first one starts from a kick, each other one where the last one ended.
+
+    Parameters:
+        dynamics: equations of motion on straight track; its speed is not used.
+        speeds: m/s; descending ones follow the branch of stable cycles down to the nonlinear critical speed.
+        kick: lateral velocities m/s to the left, by body, added to the equilibrium at the first speed.
+        search: when a motion counts as a limit cycle.
+
+    A motion that fails is the last one. Raises EquilibriumError, ValueError for an unknown body.
+    """
+    state: Array | None = None
+    for speed in speeds:
+        at = replace(dynamics, speed=speed)
+        if state is None:
+            state = kicked(at.coordinates, vehicle_equilibrium(at).state, kick)
+        cycle = limit_cycle(at, state, search)
+        yield cycle
+        if cycle.status.startswith("failed"):
+            return
+        state = cycle.state
+
+
+def limit_cycle(dynamics: VehicleDynamics, initial: Array, search: CycleSearch | None = None) -> LimitCycle:
+    """Motion from an initial state until its amplitude is constant or has died out.
+
+    Parameters:
+        dynamics: equations of motion on straight track at constant speed.
+        initial: (2 c + m,).
+        search: when it ends.
+    """
+    search = search or CycleSearch()
+    state, before, duration = initial, np.inf, 0.0
+    while True:
+        span = (0.0, search.window)
+        history = simulate_vehicle(dynamics, span, initial=state, rtol=search.rtol, atol=search.atol)
+        if history.status != "completed":
+            return _cycle(history, history.status, duration)
+        state, duration = history.state[-1], duration + search.window
+        largest = float(_amplitudes(history).max())
+        if largest < search.smallest:
+            return _cycle(history, "dies out", duration)
+        if abs(largest - before) <= search.tolerance * largest:
+            return _cycle(history, "limit cycle", duration)
+        if duration >= search.longest:
+            return _cycle(history, "not settled", duration)
+        before = largest
+
+
+def _cycle(history: VehicleHistory, status: str, duration: float) -> LimitCycle:
+    """Figures of the last window."""
+    amplitude = _amplitudes(history)
+    time, displacement = _displacements(history)
+    alive = status in ("limit cycle", "not settled")
+    return LimitCycle(
+        history.dynamics.speed_profile(0.0).speed,
+        status,
+        amplitude,
+        frequency_of(time, displacement[:, np.argmax(amplitude)]) if alive else np.nan,
+        np.abs(history.force[..., 1].sum(axis=2)).max(axis=0),
+        _mean(history.time, history.frictional_power.sum(axis=(1, 2))),
+        duration,
+        history.state[-1],
+    )
+
+
+def _mean(time: Array, values: Array) -> float:
+    """Mean over time; NaN for a single row."""
+    from scipy.integrate import trapezoid
+
+    return float(trapezoid(values, time) / (time[-1] - time[0])) if len(time) > 1 else float("nan")
+
+
+def _amplitudes(history: VehicleHistory) -> Array:
+    """(w,) m."""
+    _, displacement = _displacements(history)
+    return np.asarray(0.5 * np.ptp(displacement, axis=0))
+
+
+def _displacements(history: VehicleHistory) -> tuple[Array, Array]:
+    """Times (n,) s and lateral displacements (n, w) m of the wheelsets, interpolated with their velocities."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    position, rate, _ = history.dynamics.coordinates.split(history.state)
+    wheelsets = history.dynamics.coordinates.wheelset_bodies
+    y, y_rate = position[:, wheelsets, Y], rate[:, wheelsets, Y]
+    if len(history) < 2:
+        return history.time, np.asarray(y)
+    time = np.arange(history.time[0], history.time[-1], SAMPLE)
+    return time, np.asarray(CubicHermiteSpline(history.time, y, y_rate)(time))
+
+
+def frequency_of(time: Array, values: Array) -> float:
+    """Frequency Hz by the upward crossings of the mean; NaN for fewer than two.
+
+    Parameters:
+        time: (n,) s.
+        values: (n,).
+    """
+    centred = values - 0.5 * (values.max() + values.min())
+    before = np.flatnonzero((centred[:-1] < 0.0) & (centred[1:] >= 0.0))
+    if len(before) < 2:
+        return float("nan")
+    rise = centred[before + 1] - centred[before]
+    crossings = time[before] - centred[before] / rise * (time[before + 1] - time[before])
+    return float((len(crossings) - 1) / (crossings[-1] - crossings[0]))

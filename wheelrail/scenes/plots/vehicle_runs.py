@@ -1,0 +1,175 @@
+"""Figures of a run of a vehicle: attitude of the wheelsets, forces of all wheels, motion of the bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.plots.runs import along_track, named
+from wheelrail.scenes.plots.style import SERIES, SIDES
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from xarray import DataArray, Dataset
+
+LARGEST_OFFSET, LONGEST_ARROW = 0.3, 1.0  # m in the plan view: displacement of a wheel, force
+
+
+def attitude(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Plan view of the wheelsets and the forces on their wheels at the largest sum of guiding forces."""
+    from matplotlib.figure import Figure
+
+    figure = Figure() if figure is None else figure
+    figure.set_size_inches(7.2, 3.4)
+    figure.set_layout_engine("constrained")
+    ax = figure.subplots()
+    at = data.isel(time=sample_of_largest_forces(data))
+    wheelsets = at.sel(body=at["wheelset"].values)
+    x = wheelsets["nominal_x"].values
+    y, yaw, half = wheelsets["body_y"].values, wheelsets["body_yaw"].values, float(data.attrs["wheel_y"])
+    factor = round_down(LARGEST_OFFSET / max(float(np.max(np.abs(y) + half * np.abs(yaw))), 1e-6))
+    sides = np.array([1.0, -1.0])
+    centres = np.stack([x[:, None] - half * sides * factor * yaw[:, None], factor * y[:, None] + half * sides], axis=-1)
+    for rail in (half, -half):
+        ax.axhline(rail, color="0.75", linewidth=3.0, zorder=1)
+    _draw_wheelsets(ax, centres, factor * yaw, float(data.attrs["nominal_radius"]))
+    force = np.stack([at["longitudinal_force"].values, at["lateral_force"].values], axis=-1)
+    largest = round_down(float(np.nanmax(np.linalg.norm(force, axis=-1)))) or 1.0
+    _draw_forces(ax, centres, force, largest)
+    place = f"{float(at['distance']):.0f} m along the track"
+    ax.set_title(f"Attitude of the wheelsets at {place}: displacements and yaw times {factor:g}, track straightened")
+    ax.set_xlabel("along the vehicle, forward [m]")
+    ax.set_ylabel("to the left [m]")
+    ax.set_ylim(-half - LARGEST_OFFSET - LONGEST_ARROW, half + LARGEST_OFFSET + LONGEST_ARROW)
+    ax.grid(visible=False)
+    return figure
+
+
+def _draw_wheelsets(ax: Axes, centres: Array, yaw: Array, radius: float) -> None:
+    """Axles and wheels in plan view; centres: (w, 2, 2) m of the wheels, yaw: (w,) rad."""
+    for pair, angle in zip(centres, yaw, strict=True):
+        ax.plot(*pair.T, color="0.15", linewidth=1.5, zorder=2)
+        for x, y in pair:
+            along = radius * np.array([1.0, angle])
+            ax.plot([x - along[0], x + along[0]], [y - along[1], y + along[1]], color="0.15", linewidth=4.0, zorder=3)
+
+
+def _draw_forces(ax: Axes, centres: Array, force: Array, largest: float) -> None:
+    """Arrows of the horizontal forces (w, 2, 2) N on the wheels; largest: N, of the key."""
+    arrows = ax.quiver(
+        *np.moveaxis(centres, -1, 0),
+        *np.moveaxis(np.nan_to_num(force), -1, 0),
+        color=SIDES["right"]["color"],
+        angles="xy",
+        scale_units="xy",
+        scale=largest / LONGEST_ARROW,
+        width=0.004,
+        zorder=4,
+    )
+    ax.quiverkey(arrows, 0.45, 0.06, largest, f"{1e-3 * largest:g} kN on the wheel", labelpos="E", coordinates="axes")
+    ax.margins(x=0.12)
+
+
+def sample_of_largest_forces(data: Dataset) -> int:
+    """Index of the sample with the largest sum of the guiding forces' magnitudes."""
+    total = abs(data["guiding_force"]).sum(["wheelset", "side"])
+    return int(np.argmax(total.values))
+
+
+def round_down(value: float) -> float:
+    """Largest of 1, 2, 5 times a power of ten that does not exceed a positive value; 0 for 0."""
+    if not value > 0.0:
+        return 0.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * max(digit for digit in (1.0, 2.0, 5.0) if digit <= value / power * (1 + 1e-12)))
+
+
+def guiding_forces(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Guiding forces Y of all wheels."""
+    return _by_wheel(data, data["guiding_force"], 1e-3, "Guiding force Y", "Y, outwards [kN]", figure)
+
+
+def wheel_loads(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Wheel loads Q of all wheels."""
+    return _by_wheel(data, data["vertical_force"], 1e-3, "Wheel load Q", "Q [kN]", figure)
+
+
+def derailment_quotients(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Derailment quotients Y/Q of all wheels."""
+    return _by_wheel(data, data["derailment_quotient"], 1.0, "Derailment quotient Y/Q", "Y/Q [1]", figure)
+
+
+def wear_numbers(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Frictional energy per metre of track of all wheels."""
+    return _by_wheel(data, data["t_gamma"], 1.0, "T-gamma", "T-gamma [N]", figure)
+
+
+def track_shifting_forces(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Sums of Y of all wheelsets."""
+    figure, (ax,) = along_track(data, 1, figure=figure)
+    figure.set_size_inches(7.2, 3.6)
+    _lines(ax, data, 1e-3 * data["track_shifting_force"], "wheelset")
+    ax.set_title("Lateral force on the track, sum of Y of every wheelset")
+    ax.set_ylabel("sum of Y, positive to the right [kN]")
+    return figure
+
+
+def wheelset_motion(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Lateral displacement and yaw of all wheelsets."""
+    return _motion(data.sel(body=data["wheelset"].values), "wheelsets", figure)
+
+
+def body_motion(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Lateral displacement and yaw of all other bodies."""
+    bodies = [name for name in data["body"].values if name not in data["wheelset"].values]
+    return _motion(data.sel(body=bodies), "bodies above the wheelsets", figure)
+
+
+PICTURES: dict[str, Callable[..., Figure]] = {
+    "attitude": attitude,
+    "guiding_force": guiding_forces,
+    "wheel_load": wheel_loads,
+    "derailment_quotient": derailment_quotients,
+    "track_shifting_force": track_shifting_forces,
+    "t_gamma": wear_numbers,
+    "wheelset_motion": wheelset_motion,
+    "body_motion": body_motion,
+}
+
+
+def _motion(data: Dataset, title: str, figure: Figure | None) -> Figure:
+    figure, (top, bottom) = along_track(data, 2, figure=figure)
+    _lines(top, data, 1e3 * data["body_y"], "body")
+    top.set_title(f"Lateral displacement of the {title}")
+    top.set_ylabel("y, positive to the left [mm]")
+    _lines(bottom, data, 1e3 * data["body_yaw"], "body")
+    bottom.set_title(f"Yaw of the {title}")
+    bottom.set_ylabel("yaw, positive to the left [mrad]")
+    return figure
+
+
+def _lines(ax: Axes, data: Dataset, values: DataArray, dimension: str) -> None:
+    """One line for each name of a dimension."""
+    for name, style in zip(values[dimension].values, cycle(SERIES), strict=False):
+        line: dict[str, Any] = {key: style[key] for key in ("color", "linestyle")}
+        ax.plot(data["distance"], values.sel({dimension: name}), label=str(name), **line)
+    ax.legend(loc="best", ncols=2)
+
+
+def _by_wheel(data: Dataset, values: DataArray, scale: float, title: str, label: str, figure: Figure | None) -> Figure:
+    """One panel for each wheelset with both wheels."""
+    names = data["wheelset"].values
+    figure, axes = along_track(data, len(names), sharey=True, figure=figure)
+    for ax, name in zip(axes, names, strict=True):
+        for side, style in SIDES.items():
+            wheel = values.sel(wheelset=name, side=side)
+            ax.plot(data["distance"], scale * wheel, label=named(side, data), **style)
+        ax.set_title(f"{title}, {name}")
+        ax.set_ylabel(label)
+    axes[0].legend(loc="best", ncols=2)
+    return figure

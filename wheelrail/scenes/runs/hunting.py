@@ -1,0 +1,88 @@
+"""Limit cycles of a vehicle over speed: table and bifurcation diagram."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wheelrail.scenes.datasets.number_text import fixed
+from wheelrail.scenes.plots.style import SERIES, save, styled
+from wheelrail.scenes.runs.steady import failures_as_run_failed
+from wheelrail.scenes.runs.vehicle_run import vehicle_for_run
+from wheelrail.scenes.runs.vehicle_steady import vehicle_dynamics
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from rich.table import Table
+
+    from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch, LimitCycle
+
+
+def hunting_of(scene: RunScene, file: Path, speeds: Sequence[float], search: CycleSearch) -> Iterator[LimitCycle]:
+    """Limit cycles on straight track at one speed after another, from the kick of a scene.
+
+    Parameters:
+        scene: of a run with a kick; its wagon and track are not used.
+        file: vehicle file.
+        speeds: m/s.
+        search: when a motion counts as a limit cycle.
+
+    Raises SceneError for a scene without a kick, RunFailed without an equilibrium.
+    """
+    from wheelrail.vehicle.multibody.runs.limit_cycle import limit_cycles
+
+    if not scene.kick:
+        raise SceneError("kick: missing: must give lateral velocities of bodies, m/s")
+    vehicle_for_run(scene, file)
+    with failures_as_run_failed():
+        yield from limit_cycles(vehicle_dynamics(scene, file, speeds[0]), speeds, scene.kick, search)
+
+
+def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Table:
+    """Table with one row per speed."""
+    from rich.table import Table
+
+    title = "Motion on straight track after a kick, each speed from the motion at the one before"
+    table = Table(title=title, title_justify="left")
+    for name in ("speed [m/s]", "status", *(f"{name} y [mm]" for name in wheelsets)):
+        table.add_column(name, justify="left" if name == "status" else "right")
+    for name in ("frequency [Hz]", "sum of Y [kN]", "frictional power [kW]", "duration [s]"):
+        table.add_column(name, justify="right")
+    for cycle in cycles:
+        table.add_row(
+            f"{cycle.speed:g}",
+            cycle.status,
+            *(fixed(1e3 * value, 3) for value in cycle.amplitude),
+            fixed(cycle.frequency, 3) if np.isfinite(cycle.frequency) else "-",
+            fixed(1e-3 * float(cycle.track_shifting.max()), 2),
+            fixed(1e-3 * cycle.frictional_power, 3),
+            fixed(cycle.duration, 1),
+        )
+    return table
+
+
+def draw_bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str], file: Path) -> None:
+    """Save the bifurcation diagram: amplitude of every wheelset over speed."""
+    with styled():
+        save(_bifurcation(cycles, wheelsets), file)
+
+
+def _bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Figure:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.2, 3.6), layout="constrained")
+    ax = figure.subplots()
+    speeds = [cycle.speed for cycle in cycles]
+    for i, name in enumerate(wheelsets):
+        ax.plot(speeds, [1e3 * c.amplitude[i] for c in cycles], label=name, **SERIES[i % len(SERIES)])
+    ax.set_title("Amplitude of the lateral motion over speed")
+    ax.set_xlabel("speed [m/s]")
+    ax.set_ylabel("amplitude of y [mm]")
+    ax.set_ylim(bottom=0.0)
+    ax.legend()
+    return figure

@@ -1,0 +1,84 @@
+"""Run of a vehicle in three dimensions: equations of motion of a scene and a vehicle file, and its Dataset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wheelrail.scenes.builders.vehicle import track, vehicle_on
+from wheelrail.scenes.runs.steady import failures_as_run_failed
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
+    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
+    from wheelrail.vehicle.multibody.vehicle import Vehicle
+    from wheelrail.vehicle.simulation.time_run import Progress, Recording
+
+
+def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
+    """Vehicle of a file, for a run of a scene. Raises SceneError, also for an explicit method or a kick of no body."""
+    if scene.solver.method != "rosenbrock":
+        text = f'solver.method = "{scene.solver.method}": must be "rosenbrock" with a vehicle file'
+        raise SceneError(f"{text}: the spin of its wheelsets on the creep forces is stiff")
+    vehicle = vehicle_on(scene, file)
+    for body in scene.kick or {}:
+        if body not in vehicle.names:
+            raise SceneError(f"kick.{body}: must be one of {', '.join(vehicle.names)}, the bodies of {file}")
+    return vehicle
+
+
+def simulate_on_track(
+    scene: RunScene, vehicle: Vehicle, contact: VehicleContact, end: float, recording: Recording, progress: Progress
+) -> VehicleHistory:
+    """Motion of a vehicle along the track of a scene.
+
+    Parameters:
+        scene: of the run.
+        vehicle: from `vehicle_for_run`.
+        contact: of its wheels.
+        end: s.
+        recording: rows and checkpoints.
+        progress: called at each accepted step.
+
+    Raises RunFailed when a kicked vehicle has no equilibrium to start from.
+    """
+    from wheelrail.vehicle.multibody.equations import VehicleDynamics
+    from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
+    from wheelrail.vehicle.multibody.runs.limit_cycle import kicked
+    from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
+
+    dynamics, initial = VehicleDynamics(vehicle, track(scene), contact, scene.vehicle.speed_profile), None
+    resumed = recording.checkpoints is not None and recording.checkpoints.latest is not None
+    if scene.kick and not resumed:
+        with failures_as_run_failed():
+            at_start = replace(dynamics, speed=scene.vehicle.first_speed)
+            initial = kicked(dynamics.coordinates, vehicle_equilibrium(at_start).state, scene.kick)
+    return simulate_vehicle(
+        dynamics,
+        (0.0, end),
+        initial=initial,
+        rtol=scene.solver.rtol,
+        atol=scene.solver.atol,
+        recording=recording,
+        progress=progress,
+    )
+
+
+def vehicle_run_dataset(history: VehicleHistory, text: str, scene: RunScene, file: Path) -> Dataset:
+    """Dataset of a run with wear and forces of running safety.
+
+    Parameters:
+        history: of the run.
+        text: of the scene file.
+        scene: the same, validated.
+        file: of the vehicle.
+    """
+    from wheelrail.scenes.datasets.vehicle_run import vehicle_dataset
+    from wheelrail.scenes.schema.toml import read_text
+
+    return vehicle_dataset(history, scene=text, vehicle=read_text(file), shear_yield=scene.output.shear_yield)
