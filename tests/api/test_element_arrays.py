@@ -130,6 +130,14 @@ def test_wild_input_is_a_status(values: dict[str, float], says: str) -> None:
         element.solve_array(np.zeros(3), outputs)
 
 
+def test_motions_of_own_bodies_are_no_array() -> None:
+    wheelset = wr.Wheelset("S1002", "UIC60-benchmark", bodies="half-space", strips=8, cells=8)
+    element = wheelset.element(host=["axle"])
+    for call in (element.start_array, lambda: element.solve_array(np.zeros(17), np.zeros(14)), element.tangent_array):
+        with pytest.raises(wr.SceneError, match=r"_array: not allowed with element\(host="):
+            call()
+
+
 def test_the_interface_costs_microseconds() -> None:
     """Beyond `solve_state`: 10 to 14 us measured on a loaded machine."""
     element, outputs = standard().element(), np.zeros(len(OUTPUTS))

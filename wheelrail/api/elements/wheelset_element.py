@@ -132,7 +132,11 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
         return {side: self.contact.motions(results[side], side) for side in SIDES}
 
     def start_array(self) -> Array:
-        """Inputs (17,) of the state that `solve()` without arguments solves, in the order of `variables.INPUTS`."""
+        """Inputs (17,) of the state that `solve()` without arguments solves, in the order of `variables.INPUTS`.
+
+        Raises SceneError as `solve_array`.
+        """
+        self._check_arrays("start_array")
         return inputs_of(self._default)
 
     def solve_array(self, inputs: Array, outputs: Array) -> str:
@@ -143,8 +147,10 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
             outputs: (14,), filled in the order of `variables.OUTPUTS`; forces of a side that failed are NaN.
 
         Returns the status of `ElementSolution`. Inputs that are not finite or out of range fail, without an exception:
-        trial states of an integrator may be wild. Raises ValueError for arrays of another size.
+        trial states of an integrator may be wild. Raises ValueError for arrays of another size, SceneError for an
+        element whose program gives motions of wheels or rails, which only `solve` takes.
         """
+        self._check_arrays("solve_array")
         if inputs.shape != (len(INPUTS),) or outputs.shape != (len(OUTPUTS),):
             sizes = f"({len(INPUTS)},) and ({len(OUTPUTS)},), got {inputs.shape} and {outputs.shape}"
             raise ValueError(f"solve_array: inputs and outputs must be arrays {sizes}")
@@ -165,8 +171,10 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
 
         Those by the nine coordinates and by the displacements of the rails are those of `tangent` (for the rails
         without the velocity that the frame's rotation gives to the displaced rail, a part of 1e-5); those by the
-        motion of the track frame are central differences, two solves each. Raises ValueError as `tangent`.
+        motion of the track frame are central differences, two solves each. Raises ValueError as `tangent`, and
+        SceneError as `solve_array`.
         """
+        self._check_arrays("tangent_array")
         by_coordinates = self.tangent().values
         derivatives = np.zeros((len(FORCES), len(INPUTS)))
         derivatives[:, :COORDINATES] = by_coordinates.reshape(len(FORCES), COORDINATES)
@@ -179,6 +187,11 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
             ahead, behind = self._forces(inputs + step), self._forces(inputs - step)
             derivatives[:, number] = (ahead - behind) / (2 * size)
         return derivatives[:, columns]
+
+    def _check_arrays(self, caller: str) -> None:
+        """Raises SceneError for states with more than position and velocity of the wheelset."""
+        if type(self._default) is not WheelsetState:
+            raise SceneError(f"{caller}: not allowed with element(host=...), whose motions are arguments of solve")
 
     def _forces(self, inputs: Array) -> Array:
         """Forces and moments (12,) from the accepted state, which is not changed."""
