@@ -24,12 +24,14 @@ def check_surface(body: str, along: int, across: int, how: Discretisation) -> No
 
     Raises TooLarge for more than the machine has.
     """
+    reserved = 0.0
     if how.bodies == "solid":
-        gigabytes = factor_memory(3 * LAYERS * along * across * how.degree**2)
+        nodes = float(along * across * how.degree**2)
+        gigabytes, reserved = factor_memory(3 * LAYERS * nodes), 8e-9 * (3 * nodes) ** 2  # `SurfaceCompliance`
     else:  # 3 x 3 compliances of pairs of lines, at all wavenumbers twice
         pairs = 0.5 * float(across) ** 2
         gigabytes = 1e-9 * 72 * pairs * (2 * SAMPLES if how.bodies == "waveguide" else 2)
     size = f"surface_size: {along} x {across} nodes on the surface of {body}"
-    check_memory(size, gigabytes)
+    check_memory(size, max(gigabytes, reserved))
     if gigabytes > LARGE:
         log.info("%s: about %.2g GB of memory or more", size, gigabytes)

@@ -287,6 +287,8 @@ def run_scenes(t: Table) -> None:
     far = IRREGULAR.replace("length = 20.0", "length = 1e5").replace("[3.0,", "[0.1,")
     says = ("scene.toml: ", "track.segments", "100000 m")
     t.add("run: segments to the moon", says, {"scene.toml": far.replace("length = 40.0", "length = 1e5")}, RUN)
+    many = CURVE.replace("[track]", "[track]\nsegments = [" + 2000 * '{kind = "tangent", length = 1.0}, ' + "]")
+    t.add("run: segments without end", ("track.segments", "2000 values", "at most 1000"), {"scene.toml": many}, RUN)
     fine = IRREGULAR.replace("length = 60.0", "length = 99000").replace("[3.0,", "[0.1,")
     says = ("scene.toml: ", "track.irregularities.wavelengths", "waves")
     t.add("run: waves beyond memory", says, {"scene.toml": fine}, RUN)
