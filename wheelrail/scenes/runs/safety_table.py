@@ -35,13 +35,14 @@ def safety_of(results: Path, start: float, end: float, alpha: float) -> dict[str
     if section.sizes["time"] < 2 or not np.ptp(section["distance"].values) > 2.0:
         raise SceneError(f"{file}: must have results of more than 2 m between {start:g} and {end:g} m")
     time, distance = section["time"].values, section["distance"].values
-    sides = {"side": ["left", "right"]}
+    forces = section[["guiding_force", "vertical_force"]].sel(side=["left", "right"]).fillna(0.0)
+    forces = forces.transpose("time", "wheelset", "side")
     return {
         str(name): wheelset_safety(
             time,
             distance,
-            np.nan_to_num(section["guiding_force"].sel(wheelset=name, **sides).transpose("time", "side").values),
-            np.nan_to_num(section["vertical_force"].sel(wheelset=name, **sides).transpose("time", "side").values),
+            forces["guiding_force"].sel(wheelset=name).values,
+            forces["vertical_force"].sel(wheelset=name).values,
             float(data.attrs["mean_wheel_load"]),
             alpha,
         )
