@@ -96,6 +96,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.multibody.energy",
         "wheelrail.vehicle.multibody.accelerometer",
         "wheelrail.vehicle.evaluation.comfort",
+        "wheelrail.vehicle.evaluation.running_safety",
     ),
     "Vehicle: simulation": (
         "wheelrail.vehicle.simulation.simulate",

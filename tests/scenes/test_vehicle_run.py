@@ -171,3 +171,12 @@ def test_hunting_command(tmp_path: Path) -> None:
     assert (refused.exit_code, "kick.bogie: must be one of car_body, " in refused.stderr) == (2, True)
     refused = CliRunner().invoke(app, ["run", str(HUNTING), "--out", str(tmp_path / "plane")])
     assert (refused.exit_code, "kick: allowed only with a vehicle file" in refused.stderr) == (2, True)
+
+
+def test_evaluate_command(whole: Path, tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["evaluate", str(whole), "--from", "5"])
+    assert done.exit_code == 0, done.stderr
+    row = next(line for line in done.stdout.splitlines() if line.strip().startswith("sum of Y"))
+    assert row.split()[-1] == "46.36"  # 10 kN and a third of the axle load of 109.1 kN
+    refused = CliRunner().invoke(app, ["evaluate", str(whole), "--from", "21"])
+    assert (refused.exit_code, "must have results of more than 2 m" in refused.stderr) == (2, True)

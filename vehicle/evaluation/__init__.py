@@ -1,1 +1,1 @@
-"""Evaluation of measured or computed signals by standards: ride comfort (EN 12299, Sperling). NumPy only."""
+"""Evaluation of signals by standards: ride comfort (EN 12299, Sperling), running safety (EN 14363)."""

@@ -55,7 +55,7 @@ SPERLING_FACTORS = {"vertical": 0.588, "lateral": 0.737}
 
 
 def _quadratic(s: NDArray[np.complex128], w: float, quality: float) -> NDArray[np.complex128]:
-    return s**2 + w / quality * s + w**2
+    return np.asarray(s**2 + w / quality * s + w**2, dtype=np.complex128)
 
 
 def weighted(signal: Array, response: NDArray[np.complex128]) -> Array:
@@ -124,4 +124,4 @@ def sperling_comfort(acceleration: Array, interval: float, direction: Literal["v
     """
     response = sperling_weight(frequencies(len(acceleration), interval), direction).astype(complex)
     rms = float(np.sqrt(np.mean(weighted(acceleration, response) ** 2)))
-    return 4.42 * rms**0.3
+    return float(4.42 * rms**0.3)

@@ -1,0 +1,140 @@
+"""Running safety and track loading of a run after EN 14363: filters, sliding means, percentiles, limits.
+
+The text of the standard was not available. The sliding mean over 2 m with the percentiles 0.15 and 99.85 %, the limit
+of the sum of Y and that of Y/Q stand in two public texts (GENSYS, railwaynews.net), the filter of 20 Hz in one; the
+order of the filter and the limits of Q and of instability are from memory.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+
+INTERVAL = 2e-3  # s, of the samples that are filtered
+CUTOFF, ORDER = 20.0, 4  # Hz, and order of the Butterworth low-pass filter
+WINDOW, STEP = 2.0, 0.5  # m, of the sliding mean
+PERCENTILES = (0.15, 99.85)
+QUOTIENT_LIMIT = 0.8  # of Y/Q
+INSTABILITY_WINDOW, INSTABILITY_STEP, HALF_BAND = 100.0, 10.0, 2.0  # m, m, Hz
+
+
+@dataclass(frozen=True)
+class WheelsetSafety:
+    """Assessed quantities of a wheelset over a section of track.
+
+    Parameters:
+        track_shifting: N, sum of Y: the percentile of its 2 m mean that is largest in magnitude.
+        track_shifting_limit: N, alpha (10 kN + P0 / 3) with the static axle load P0.
+        quotient: Y/Q of the left and right wheel, 99.85th percentiles of the 2 m means.
+        load: N, Q of the left and right wheel, 99.85th percentiles.
+        load_limit: N, the smaller of 90 kN + Q0 and 200 kN down to 160 kN by speed.
+        instability: N, largest rms of the sum of Y over 100 m within 2 Hz of its main frequency; NaN for a section
+            that is shorter.
+    """
+
+    track_shifting: float
+    track_shifting_limit: float
+    quotient: tuple[float, float]
+    load: tuple[float, float]
+    load_limit: float
+    instability: float
+
+    @property
+    def instability_limit(self) -> float:
+        """Half the limit of the sum of Y, N."""
+        return 0.5 * self.track_shifting_limit
+
+
+def wheelset_safety(
+    time: Array, distance: Array, guiding: Array, load: Array, static_wheel_load: float, alpha: float = 1.0
+) -> WheelsetSafety:
+    """Assessment of one wheelset.
+
+    Parameters:
+        time: (n,) s, increasing; values between are interpolated.
+        distance: (n,) m along the track.
+        guiding: (n, 2) N, Y of the left and right wheel, positive outwards.
+        load: (n, 2) N, Q.
+        static_wheel_load: Q0, N.
+        alpha: 1 for locomotives and passenger vehicles, 0.85 for freight wagons.
+
+    Raises ValueError for less than 2 m of track.
+    """
+    samples = np.arange(time[0], time[-1], INTERVAL)
+    y, q = (
+        np.stack([low_pass(np.interp(samples, time, column)) for column in wheels.T], 1) for wheels in (guiding, load)
+    )
+    places, shifting = np.interp(samples, time, distance), y[:, 1] - y[:, 0]
+    low, high = np.percentile(sliding_mean(places, shifting), PERCENTILES).tolist()
+    ratios = [y[:, side] / np.maximum(q[:, side], 1.0) for side in (0, 1)]
+    left, right = (float(np.percentile(sliding_mean(places, ratio), PERCENTILES[1])) for ratio in ratios)
+    speed = float((distance[-1] - distance[0]) / (time[-1] - time[0]))
+    left_load, right_load = np.percentile(q, PERCENTILES[1], axis=0).tolist()
+    return WheelsetSafety(
+        track_shifting=max(low, high, key=abs),
+        track_shifting_limit=alpha * (10e3 + 2.0 * static_wheel_load / 3.0),
+        quotient=(left, right),
+        load=(left_load, right_load),
+        load_limit=min(90e3 + static_wheel_load, largest_wheel_load(speed)),
+        instability=instability(places, shifting),
+    )
+
+
+def largest_wheel_load(speed: float) -> float:
+    """Upper limit of Q, N, by the speed m/s."""
+    bounds = ((160.0, 200e3), (200.0, 190e3), (250.0, 180e3), (300.0, 170e3))  # km/h, N
+    return next((limit for bound, limit in bounds if 3.6 * speed <= bound), 160e3)
+
+
+def low_pass(signal: Array) -> Array:
+    """Signal (n,), sampled every 2 ms, after the low-pass filter; it starts at the steady state of the first value."""
+    from scipy.signal import butter, sosfilt, sosfilt_zi
+
+    sections = butter(ORDER, CUTOFF, fs=1.0 / INTERVAL, output="sos")
+    filtered, _ = sosfilt(sections, signal, zi=sosfilt_zi(sections) * signal[0])
+    return np.asarray(filtered)
+
+
+def sliding_mean(distance: Array, signal: Array, window: float = WINDOW, step: float = STEP) -> Array:
+    """Means over windows that begin every `step`, of the linear interpolation of a signal.
+
+    Parameters:
+        distance: (n,) m, increasing.
+        signal: (n,).
+        window, step: m.
+
+    Raises ValueError for a signal shorter than the window.
+    """
+    if distance[-1] - distance[0] < window:
+        raise ValueError(f"{distance[-1] - distance[0]:.3g} m of track: must be {window:g} m at least")
+    starts = np.arange(distance[0], distance[-1] - window * (1 - 1e-12), step)
+    return np.asarray((_integral(distance, signal, starts + window) - _integral(distance, signal, starts)) / window)
+
+
+def _integral(distance: Array, signal: Array, ends: Array) -> Array:
+    """Integrals (m,) of a piecewise linear signal from the first distance to ends (m,)."""
+    lengths = np.diff(distance)
+    areas = np.append(0.0, np.cumsum(0.5 * lengths * (signal[1:] + signal[:-1])))
+    piece = np.clip(np.searchsorted(distance, ends, side="right") - 1, 0, len(lengths) - 1)
+    x = ends - distance[piece]
+    return np.asarray(areas[piece] + x * (signal[piece] + 0.5 * x * np.diff(signal)[piece] / lengths[piece]))
+
+
+def instability(distance: Array, shifting: Array) -> float:
+    """Largest rms, N, over 100 m of the sum of Y within 2 Hz of its main frequency; NaN for less than 100 m.
+
+    Parameters:
+        distance: (n,) m, at equal times of 2 ms.
+        shifting: (n,) N.
+    """
+    if distance[-1] - distance[0] < INSTABILITY_WINDOW:
+        return float("nan")
+    spectrum = np.fft.rfft(shifting - shifting.mean())
+    frequency = np.fft.rfftfreq(len(shifting), INTERVAL)
+    main = frequency[np.argmax(np.abs(spectrum))]
+    near = np.fft.irfft(np.where(np.abs(frequency - main) <= HALF_BAND, spectrum, 0.0), len(shifting))
+    squares = sliding_mean(distance, near**2, INSTABILITY_WINDOW, INSTABILITY_STEP)
+    return float(np.sqrt(squares.max()))
