@@ -102,7 +102,8 @@ for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {"scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
-MAY_IMPORT["api.elements"] = {"contact.element", "contact.kinematics", "contact.models", "scenes.schema"}
+_OF_CONTACT = {f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")}
+MAY_IMPORT["api.elements"] = _OF_CONTACT | {"scenes.schema", "support"}
 MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}
 
 ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"}
