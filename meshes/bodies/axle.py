@@ -86,13 +86,16 @@ class AxleShape:
         return np.array(corners)[distinct]
 
 
-def wheelset_section(outline: Outline, axle: AxleShape, wheel_y: float) -> tuple[SectionMesh, Mask]:
+def wheelset_section(
+    outline: Outline, axle: AxleShape, wheel_y: float, grading: Grading = GRADING
+) -> tuple[SectionMesh, Mask]:
     """Half section of a wheelset in (y, r), wheel and axle joined along the seat, and which cells are the wheel's.
 
     Parameters:
         outline: of the wheel, y from its running circle.
         axle: its seat must cover the hub.
         wheel_y: y of the running circle, m.
+        grading: of the mesh.
 
     The running surface has a node every 4 mm; the bore of the wheel is marked as clamped. Raises ValueError for an axle
     whose seat does not fit the hub.
@@ -107,7 +110,7 @@ def wheelset_section(outline: Outline, axle: AxleShape, wheel_y: float) -> tuple
             f"the axle must have the bore's diameter of {2 * radius:g} m from {seat[0]:g} to {seat[1]:g} m, "
             f"the ends of the hub; its steps are {axle.steps}"
         )
-    mesh, part = triangulate_parts((wheel, axle.polygon(seat)), len(arc), size=SPACING, grading=GRADING)
+    mesh, part = triangulate_parts((wheel, axle.polygon(seat)), len(arc), size=SPACING, grading=grading)
     y, r = mesh.points.T
     on_bore = (np.abs(r - radius) < SNAP) & (y > seat[0] - SNAP) & (y < seat[1] + SNAP)
     return SectionMesh(mesh.points, mesh.cells, mesh.surface, on_bore), part == 0

@@ -24,6 +24,14 @@ def test_the_papers_curve() -> None:
         assert found == pytest.approx(expected, rel=0.01)
 
 
+def test_what_bends() -> None:
+    names = executed("09_what_bends.py", PLACES=(5.0,), RESOLUTION={"strips": 8, "cells": 8})
+    ((place, _),) = names["patches"](names["solutions"]["axle"][0])
+    assert place == pytest.approx(-21.75, abs=0.2)  # on the tread alone
+    assert len(names["patches"](names["solutions"]["clamped"][0])) == 2
+    assert float(names["stress"][0]) == pytest.approx(names["closed_form"], rel=0.1)
+
+
 def test_your_own_measured_profile() -> None:
     names = executed("07_your_own_measured_profile.py", PLACES=25, SURFACE_SIZE=3e-3, STRIPS=6, CELLS=8)
     assert names["conicity"]["new"] == pytest.approx(0.177, abs=0.01)

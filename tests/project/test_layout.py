@@ -106,9 +106,8 @@ for _index, _name in enumerate(_SCENES[1:], 1):
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["export"] = {"api", "api.elements", "contact.element", "contact.kinematics", "scenes.schema", "support"}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
-MAY_IMPORT["api.elements"] = {"scenes.schema", "support"} | {
-    f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")
-}
+_OF_CONTACT = {f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")}
+MAY_IMPORT["api.elements"] = _OF_CONTACT | {"scenes.schema", "support"}
 MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}
 
 ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"}
