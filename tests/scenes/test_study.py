@@ -26,8 +26,8 @@ from xarray.testing import assert_identical
 
 from wheelrail.cli.main import app
 from wheelrail.contact.analytical.hertz import hertz, modulus
+from wheelrail.scenes.builders import wheelset as builders
 from wheelrail.scenes.plots.fits import slope
-from wheelrail.scenes.runs import run as scene_run
 from wheelrail.scenes.schema.edits import changed
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import checked
@@ -612,8 +612,13 @@ def numbers(data: Dataset) -> Dataset:
 
 
 def test_killed_run_resumes_from_its_checkpoint(tmp_path: Path, here: Here, monkeypatch: pytest.MonkeyPatch) -> None:
-    solved, made = list[Counted](), scene_run.wheelset_contact
-    monkeypatch.setattr(scene_run, "wheelset_contact", lambda scene: solved.append(Counted(made(scene))) or solved[-1])
+    solved, made = list[Counted](), builders.wheelset_contact
+
+    def counted(*given: Any) -> Counted:
+        solved.append(Counted(made(*given)))
+        return solved[-1]
+
+    monkeypatch.setattr(builders, "wheelset_contact", counted)
     file = tmp_path / "curve.toml"
     file.write_text(CURVE)
     undisturbed = run_study(file, tmp_path / "whole", pictures=False)
