@@ -51,6 +51,16 @@ def space(mesh: Any, degree: int, dim: int = 3) -> Any:
     return fem.functionspace(mesh, ("Lagrange", degree) if dim == 1 else ("Lagrange", degree, (dim,)))
 
 
+def nodal_space(mesh: Any, shape: tuple[int, ...]) -> Any:
+    """Linear Lagrange space with values of a shape: () scalars, (3,) vectors, (3, 3) tensors."""
+    if OLD:
+        if not shape:
+            return fem.FunctionSpace(mesh, ("Lagrange", 1))
+        kind = fem.VectorFunctionSpace if len(shape) == 1 else fem.TensorFunctionSpace
+        return kind(mesh, ("Lagrange", 1))
+    return fem.functionspace(mesh, ("Lagrange", 1, shape) if shape else ("Lagrange", 1))
+
+
 def assemble_matrix(form: Any, bc: Any, diagonal: float) -> Any:
     """Assembled matrix; rows and columns of constrained unknowns are zero except for a diagonal value."""
     matrix = fem.petsc.assemble_matrix(form, bcs=[bc], **{"diag" if RECENT else "diagonal": diagonal})

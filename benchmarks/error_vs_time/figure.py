@@ -1,4 +1,4 @@
-"""Figure of error over time: normal contact, and rolling."""
+"""Figure of error over time: normal contact, rolling, and times of one wheel on its rail."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from benchmarks.common.measurement import Row
 from benchmarks.common.measurement_tables import grouped
+from benchmarks.error_vs_time.wheel_on_rail import TASK as WHEEL
 
 # Okabe and Ito's colours, distinct for all colour vision; markers in addition
 STYLES: dict[str, tuple[str, str]] = {
@@ -55,8 +56,9 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
     import matplotlib.pyplot as plt
     from matplotlib.lines import Line2D
 
-    figure, axes = plt.subplots(1, 2, figsize=(14, 7.4), layout="constrained")
-    for axis, (task, title, label, errors) in zip(axes, PANELS, strict=True):
+    figure, axes = plt.subplots(1, 3, figsize=(18, 7.4), layout="constrained", width_ratios=(1.0, 1.0, 0.6))
+    wheel_panel(axes[2], [row for row in rows if row["task"] == WHEEL])
+    for axis, (task, title, label, errors) in zip(axes[:2], PANELS, strict=True):
         families = grouped([row for row in rows if row["task"] == task], "family")
         for name, family_rows in families.items():
             colour, marker = STYLES[name]
@@ -84,6 +86,24 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
     ]
     figure.legend(handles=handles, fontsize=8.5, loc="outside lower center", ncols=4)
     figure.savefig(path, dpi=110)
+
+
+def wheel_panel(axis: Any, rows: Sequence[Row]) -> None:
+    """Times of one wheel under its load, by load and number of patches."""
+    cases = list(dict.fromkeys((row["load"], row["patches"]) for row in rows))
+    for row in rows:
+        colour, marker = STYLES[row["family"]]
+        place = cases.index((row["load"], row["patches"]))
+        axis.plot(1e3 * row["median"], place, color=colour, marker=marker, ms=10, ls="none")
+        above = 9 if row["family"] == "CONTACT" else -17  # points
+        at = 1e3 * row["median"], place
+        axis.annotate(row["division"], at, (0, above), textcoords="offset points", fontsize=8, ha="center")
+    names = [f"{load:g} kN\n{count} patch{'es' * (count > 1)}" for load, count in cases]
+    axis.set(xscale="log", xlabel="time of all solves, median, ms", title="One wheel under its load, from cold")
+    axis.set_yticks(range(len(cases)), names)
+    axis.set_ylim(len(cases) - 0.5, -0.5)
+    axis.margins(x=0.15)
+    axis.grid(True, which="both", axis="x", lw=0.3, color="0.85")
 
 
 def lines(axis: Any, rows: Sequence[Row], error: str, stroke: str, **style: Any) -> None:

@@ -22,12 +22,18 @@ from benchmarks.error_vs_time.cases import creep_cases, timing_case
 from benchmarks.error_vs_time.plan import measured
 from benchmarks.error_vs_time.reference import WARM_GAIN, contact_rows, extrapolated, long_cell_rows
 from benchmarks.error_vs_time.sampled import sampled_cases
+from benchmarks.error_vs_time.wheel_on_rail import LATERAL, strip_rows
+from benchmarks.error_vs_time.wheel_on_rail import contact_rows as wheel_contact_rows
 from benchmarks.scaling.report import progress
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
 FINEST, QUICK_FINEST = LatticeResolution(32, 20), LatticeResolution(24, 16)
 SAMPLED, QUICK_SAMPLED = 40, 4  # random ellipses
-TITLES = {"normal": "Normal contact alone", "rolling": "Rolling with xi, eta and spin"}
+TITLES = {
+    "normal": "Normal contact alone",
+    "rolling": "Rolling with xi, eta and spin",
+    "wheel": "One wheel under its load, from cold",
+}
 EVERY, QUICK_EVERY = 6, 15  # of the 132 cases, one in so many
 
 
@@ -53,6 +59,14 @@ ROLLING: list[Column] = [
     *COMMON,
     ("Newton", lambda row: row.get("newton")),
     *[_percent(name, "% of mu F_n", "") for name in (*CREEP_ERRORS, "sampled RMS", "sampled worst")],
+]
+
+WHEEL: list[Column] = [
+    *COMMON[:2],
+    ("load, kN", lambda row: row["load"]),
+    ("patches", lambda row: row["patches"]),
+    ("solves", lambda row: row.get("solves")),
+    *COMMON[4:],
 ]
 
 
@@ -94,7 +108,10 @@ sampled: over {SAMPLED} random ellipses (a/b 0.2 to 5, friction 0.1 to 0.6, 5 to
 - CONTACT: times of another machine and date, first-order slip; its load is prescribed, so its force error is that of \
 its approach times 1.5; its area is that of its elements. On square elements; "long cells": nx along x by ny across \
 over the ellipse, which is more accurate at equal times, errors over 40 other random ellipses in the same ranges \
-against its own extrapolation; warm: its warm starts are 1.6 to 2 times quicker, shown at {WARM_GAIN:g}."""
+against its own extrapolation; warm: its warm starts are 1.6 to 2 times quicker, shown at {WARM_GAIN:g}.
+- One wheel: S1002 on UIC60, half-spaces, all solves of the search for the height under the load. CONTACT's file has \
+loads and numbers of patches, not the position: ours is y = {1e3 * LATERAL[1]:g} mm with one patch and \
+{1e3 * LATERAL[2]:g} mm with two."""
 
 
 def main() -> None:
@@ -122,10 +139,12 @@ def main() -> None:
         *measured(arguments.quick, against, progress, strips=arguments.strips),
         *contact_rows(against.of(timing_case())),
         *long_cell_rows(),
+        *strip_rows(),
+        *wheel_contact_rows(),
     ]
     progress("")
     print(f"\n{against.description()}")
-    for task, columns in (("normal", NORMAL), ("rolling", ROLLING)):
+    for task, columns in (("normal", NORMAL), ("rolling", ROLLING), ("wheel", WHEEL)):
         print(table(TITLES[task], columns, [row for row in rows if row["task"] == task]), flush=True)
     print(f"{notes()}{full_against_condensed(rows)}\n\n{perf_counter() - began:.0f} s in all")
     if arguments.json:

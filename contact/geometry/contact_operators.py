@@ -32,20 +32,23 @@ class ContactOperators:
 UPSTREAM = {1: (1.0, -1.0), 2: (1.5, -2.0, 0.5)}
 
 
-def contact_operators(points: GridPoints, interpolation: Interpolation, axes: Array, order: int) -> ContactOperators:
+def contact_operators(
+    points: GridPoints, interpolation: Interpolation, axes: Array, order: int, *, tangential: bool = False
+) -> ContactOperators:
     """Contact interpolation operators of one body, eqs. (1) and (5).
 
     Parameters:
         points: n contact points.
         interpolation: from the body's nodes to the points, row by row of points.upstream.
         axes: (n, 3, 3), local axes in the body's own frame.
-        order: of the upstream differences, 1 or 2; 0 omits the tangential components.
+        order: of the upstream differences, 1 or 2; 0 omits the slip.
+        tangential: whether to include the tangential components without slip, too.
     """
     n, k = len(points.node), interpolation.nodes.shape[1]
     used, column = np.unique(interpolation.nodes, return_inverse=True)
     column = column.reshape(-1, n, k)  # (steps, n, k)
     weight = interpolation.weights.reshape(-1, n, k)
-    components = (2,) if order == 0 else (0, 1, 2)
+    components = (0, 1, 2) if order > 0 or tangential else (2,)
     directions = np.flatnonzero(np.abs(axes[:, components]).max(axis=(0, 1)) > 0)
     d = len(directions)
     axes = axes[:, :, directions]
@@ -70,11 +73,13 @@ def contact_operators(points: GridPoints, interpolation: Interpolation, axes: Ar
     )
 
 
-def pair_operators(points: GridPoints, order: int) -> tuple[ContactOperators, ContactOperators]:
+def pair_operators(
+    points: GridPoints, order: int, *, tangential: bool = False
+) -> tuple[ContactOperators, ContactOperators]:
     """Operators of wheel and rail at the same points: the relative displacement is B_w U_w - B_r U_r.
 
     Parameters as for `contact_operators`.
     """
     identity = Interpolation(points.upstream.reshape(-1, 1), np.ones((points.upstream.size, 1)))
-    wheel = contact_operators(points, identity, points.axes @ points.wheel_rotation, order)
-    return wheel, contact_operators(points, points.rail, points.axes, order)
+    wheel = contact_operators(points, identity, points.axes @ points.wheel_rotation, order, tangential=tangential)
+    return wheel, contact_operators(points, points.rail, points.axes, order, tangential=tangential)

@@ -30,6 +30,8 @@ WIDTHS = HALF * _WEIGHTS
 MIN_PENETRATION = 1e-15  # m: smallest penetration of a strip, for a length above zero
 MIN_SLOPE_COSINE = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
 
+INSIDE = 1e-3  # m under the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
+
 
 class PenetrationRegions(NamedTuple):
     """Contacts (k,) and strips (n,) across them, contact by contact.
@@ -174,7 +176,7 @@ def profile_regions(
         lines: of the wheel's profile on which the penetration is sampled.
         merge: m, maxima closer than that are one contact.
 
-    Raises ValueError for a penetration beyond the lines.
+    Raises ValueError for a penetration beyond the lines, and for a wheel inside the rail.
     """
     approach, beyond, contacts, contact, strips = wheel_regions(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
@@ -182,10 +184,21 @@ def profile_regions(
     if beyond:
         raise ValueError("the wheel overlaps the rail beyond the part of its surface that can contact rails")
     if not len(contacts):
+        if _inside(rail, radius, pose, lines):
+            raise ValueError("the wheel lies inside the rail, too deep for a contact")
         return None, approach
     peak, peak_x, depth, weight = contacts.T
     s, x, width, penetration, radii = strips.T
     return PenetrationRegions(peak, peak_x, depth, weight, contact, s, x, width, penetration, radii), approach
+
+
+def _inside(rail: Profile, radius: float, pose: Pose, lines: Lines) -> bool:
+    """Whether a part of the wheel below its axle lies under the rail's surface, parameters as for `profile_regions`."""
+    points, r = lines.point, lines.point.imag + radius
+    y, z = (pose.origin[k] + pose.rotation[k, 1] * points.real - pose.rotation[k, 2] * r for k in (1, 2))
+    surface = rail.shape.sampled[np.argsort(rail.shape.sampled.real)]
+    over = (y > surface.real[0]) & (y < surface.real[-1])
+    return bool((z[over] < np.interp(y[over], surface.real, surface.imag) - INSIDE).any())
 
 
 def quadric_regions(

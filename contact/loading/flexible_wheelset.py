@@ -15,13 +15,15 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.loading.flexible_state import FlexibleState
 from wheelrail.contact.loading.load_search import LoadError
-from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, SLOPES, MovedPair
+from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPair
 from wheelrail.contact.models.wheelset import STATE_MIRRORED, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
-from wheelrail.contact.structure.hubs import HubCompliance
+from wheelrail.contact.structure.hubs import HubCompliance, about_hubs_line
 from wheelrail.contact.structure.pads import RailCompliance
+from wheelrail.contact.structure.rim import RimCompliance
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
 
@@ -31,7 +33,9 @@ PLACE = 1e-9  # m and rad: largest error of a motion
 STALLED_FORCE, STALLED_PLACE = 1e-5, 1e-8  # accepted where halved steps gain nothing: the contact's own tolerance
 MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are compared with those of loads
 SHORTEST = 2.0**-12  # of a Newton step
+COLUMNS = COORDINATES + 18  # of derivatives: the wheelset's coordinates, then the motions of hubs and rails
 MIRRORED_HUB = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # factors of a hub's motion in the mirror y = 0
+MIRRORED_RAIL = np.array([-1.0, 1.0, -1.0])  # the same of a rail's
 
 
 @dataclass(frozen=True)
@@ -39,11 +43,11 @@ class Flexibility:
     """What lets the wheels move against the wheelset, and the rails against the track.
 
     Parameters:
-        hubs: compliance of the hubs; None: a rigid axle.
+        hubs: compliance of the hubs, or of the rims that a host moves; None: a rigid axle.
         rails: compliance of the left and of the right rail, as left-hand ones; None: clamped feet.
     """
 
-    hubs: HubCompliance | None = None
+    hubs: HubCompliance | RimCompliance | None = None
     rails: tuple[RailCompliance, RailCompliance] | None = None
 
     @property
@@ -115,8 +119,10 @@ class FlexibleEquilibrium:
             `HubCompliance.bending_stress`; empty for a rigid axle.
         solves: number of contact solves.
         errors: by Newton step, of forces over the load and of motions over 1 mm or 1 mrad, the largest.
-        tangent: (2, 6, 9), derivative of both sides' force and moment about the wheelset's centre by
-            `WheelsetState.coordinates`, hubs and rails moving with the loads.
+        tangent: (2, 6, 27), derivative of both sides' force and moment about the wheelset's centre by
+            `FlexibleState.coordinates`, hubs and rails moving with the loads.
+        motions: (18,) of both hubs relative to the line through the journals, then of both rails; those of the right
+            side mirrored.
     """
 
     state: WheelsetState
@@ -129,6 +135,7 @@ class FlexibleEquilibrium:
     solves: int
     errors: tuple[float, ...]
     tangent: Array
+    motions: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +146,7 @@ class Trial:
         state: of the wheelset.
         motions: (18,) of hubs and rails.
         pairs: of both sides.
-        results: of their contacts in the frames of the moved rails.
+        results: of their contacts in the track's axes, as left-hand ones, see `MovedPair.in_track`.
     """
 
     state: WheelsetState
@@ -147,36 +154,52 @@ class Trial:
     pairs: tuple[MovedPair, ...]
     results: tuple[ContactResult, ...]
 
-    @property
-    def usable(self) -> bool:
-        """Whether both contacts are solved and carry."""
-        return all(result.status == "converged" for result in self.results)
+    def usable(self, loads: Loads) -> bool:
+        """Whether both contacts are solved and, under given loads, carry."""
+        return all(r.status == "converged" or (r.ok and not loads.free) for r in self.results)
+
+    @cached_property
+    def wrenches(self) -> Array:
+        """Force and moment (2, 6) about the wheelset's centre, by side."""
+        return np.stack([np.concatenate([result.force, result.moment]) for result in self.results])
 
     @cached_property
     def loads(self) -> Array:
-        """Loads (2, 12) by side, see `MovedPair.loads`."""
-        return np.stack([pair.loads(result) for pair, result in zip(self.pairs, self.results, strict=True)])
-
-    @cached_property
-    def structural(self) -> Array:
         """Loads (18,) on both hubs, then on both rails."""
-        return np.concatenate([self.loads[:, :6].ravel(), self.loads[:, 6:9].ravel()])
+        return structural(
+            np.stack([pair.load_matrix @ wrench for pair, wrench in zip(self.pairs, self.wrenches, strict=True)])
+        )
 
     @cached_property
     def slopes(self) -> tuple[Array, Array]:
-        """Derivatives (2, 12, 9) of the loads by the coordinates of the state, and (2, 12, 18) by the motions."""
-        by_state, by_motion = np.zeros((2, 12, COORDINATES)), np.zeros((2, 12, 18))
-        for index, (pair, result) in enumerate(zip(self.pairs, self.results, strict=True)):
-            slope = pair.load_slopes(result)
-            by_state[index] = slope[:, :COORDINATES] * (STATE_MIRRORED if index else 1.0)
-            by_motion[index, :, 6 * index : 6 * index + 6] = slope[:, HUB]
-            by_motion[index, :, 12 + 3 * index : 15 + 3 * index] = slope[:, RAIL]
-        return by_state, by_motion
+        """Derivatives (2, 6, 27) of the wrenches and (18, 27) of the loads by the coordinates of the state, then by the
+        motions in its frame.
+        """
+        wrenches, loads = np.zeros((2, 6, COLUMNS)), np.zeros((2, 9, COLUMNS))
+        for index, (pair, wrench, result) in enumerate(zip(self.pairs, self.wrenches, self.results, strict=True)):
+            wrenches[index] = by_unknowns(pair.wrench_slopes(result), index)
+            loads[index] = pair.load_matrix @ wrenches[index] + by_unknowns(pair.load_change(wrench), index)
+        return wrenches, structural(loads)
 
 
-def _structural(loads: Array) -> Array:
-    """Rows (18, n) of the loads (2, 12, n) on hubs and rails."""
-    return np.concatenate([loads[0, :6], loads[1, :6], loads[0, 6:9], loads[1, 6:9]])
+def structural(loads: Array) -> Array:
+    """Rows (18, ...) on both hubs, then on both rails, of the loads (2, 9, ...) by side."""
+    return np.concatenate([loads[0, :6], loads[1, :6], loads[0, 6:], loads[1, 6:]])
+
+
+def by_unknowns(slopes: Array, index: int) -> Array:
+    """Derivatives (n, 27) by the coordinates of the wheelset's state and the motions of both hubs and both rails.
+
+    Parameters:
+        slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.slopes`.
+        index: of the side.
+    """
+    out = np.zeros((len(slopes), COLUMNS))
+    out[:, :COORDINATES] = slopes[:, :COORDINATES] * (STATE_MIRRORED if index else 1.0)
+    for first, size, own in ((0, 6, HUB), (12, 3, RAIL)):
+        start = COORDINATES + first + size * index
+        out[:, start : start + size] = slopes[:, own]
+    return out
 
 
 @dataclass(frozen=True)
@@ -186,26 +209,34 @@ class FlexibleWheelset:
     Parameters:
         contact: of both sides.
         flexibility: of axle and rails.
+        on_hubs: whether the frame of the wheelset is that of the line through its hubs instead of its journals.
     """
 
     contact: WheelsetContact
     flexibility: Flexibility
+    on_hubs: bool = False
 
     def equilibrium(
-        self, state: WheelsetState, loads: Loads, guess: dict[Side, ContactResult] | None = None
+        self,
+        state: WheelsetState,
+        loads: Loads,
+        guess: dict[Side, ContactResult] | None = None,
+        motions: Array | None = None,
     ) -> FlexibleEquilibrium:
         """Equilibrium under given vertical loads, from a state near that of the rigid wheelset.
 
         Parameters:
-            state: first height and roll, and the other coordinates and velocities.
+            state: first height and roll, and the other coordinates and velocities; motions of a `FlexibleState` are
+                given ones, to which those under the loads are added.
             loads: condition on the wheels' vertical forces.
             guess: results to start from.
+            motions: (18,) of hubs and rails to start from, see `FlexibleEquilibrium.motions`; None: zero.
 
         Raises LoadError.
         """
         guesses = tuple((guess or {}).get(side) for side in SIDES)
-        trial, solves = self._trial(state, np.zeros(18), guesses), 2
-        if not trial.usable:
+        trial, solves = self._trial(state, np.zeros(18) if motions is None else motions, guesses), 2
+        if not trial.usable(loads):
             raise LoadError(f"no contact to start from: {', '.join(result.status for result in trial.results)}")
         errors: list[float] = []
         for _ in range(MAX_STEPS):
@@ -225,32 +256,43 @@ class FlexibleWheelset:
             trial = following
         raise LoadError(f"hubs and rails do not settle in {MAX_STEPS} Newton steps")
 
+    @cached_property
+    def _frame(self) -> Array:
+        """Motions (18, 18) in the frame of the wheelset by those relative to the line through the journals."""
+        frame = np.eye(18)
+        if self.on_hubs:
+            frame[:12, :12] = about_hubs_line(self.contact.mounting.wheel_y)
+        return frame
+
     def _trial(self, state: WheelsetState, motions: Array, guesses: tuple[ContactResult | None, ...]) -> Trial:
-        pairs, results = [], []
+        pairs, results, placed = [], [], self._frame @ motions
+        if isinstance(state, FlexibleState):
+            placed = placed + state.motions
         for index, (side, guess) in enumerate(zip(SIDES, guesses, strict=True)):
             own = self.contact.of(side)
             pair = MovedPair(
                 own.mounting,
                 state.mirrored() if index else state,
-                motions[6 * index : 6 * index + 6],
-                motions[12 + 3 * index : 15 + 3 * index],
+                placed[6 * index : 6 * index + 6],
+                placed[12 + 3 * index : 15 + 3 * index],
                 self.flexibility.foot(index),
             )
             pairs.append(pair)
-            results.append(own.model(pair.pose, pair.motion, guess))
+            results.append(pair.in_track(own.model(pair.pose, pair.motion, guess)))
         return Trial(state, motions, tuple(pairs), tuple(results))
 
     def _residual(self, trial: Trial, loads: Loads) -> Array:
-        vertical = loads.forces @ trial.loads[:, 11] - loads.values
-        elastic = self.flexibility.unloaded + self.flexibility.matrix @ trial.structural
+        vertical = loads.forces @ trial.wrenches[:, 2] - loads.values
+        elastic = self.flexibility.unloaded + self.flexibility.matrix @ trial.loads
         return np.concatenate([vertical, trial.motions - elastic])
 
     def _jacobian(self, trial: Trial, loads: Loads) -> Array:
-        by_state, by_motion = trial.slopes
+        wrenches, structural_loads = trial.slopes
         free = [WheelsetState.coordinates.index(name) for name in loads.free]
-        by_unknown = np.concatenate([by_state[:, :, free], by_motion], axis=2)
-        vertical = loads.forces @ by_unknown[:, 11]
-        elastic = -self.flexibility.matrix @ _structural(by_unknown)
+        frame = np.zeros((COLUMNS, len(free) + 18))
+        frame[free, range(len(free))], frame[COORDINATES:, len(free) :] = 1.0, self._frame
+        vertical = loads.forces @ wrenches[:, 2] @ frame
+        elastic = -self.flexibility.matrix @ structural_loads @ frame
         elastic[:, len(free) :] += np.eye(18)
         return np.concatenate([vertical, elastic])
 
@@ -265,7 +307,7 @@ class FlexibleWheelset:
                 replace(trial.state, **change), trial.motions + fraction * step[count:], trial.results
             )
             solves += 2
-            if following.usable:
+            if following.usable(loads):
                 force, place = _sizes(self._residual(following, loads), loads)
                 if max(force, place / MOTION) < (1 - 0.1 * fraction) * size:
                     return following, solves
@@ -273,44 +315,39 @@ class FlexibleWheelset:
         return None, solves
 
     def _outcome(self, trial: Trial, solves: int, errors: list[float]) -> FlexibleEquilibrium:
-        results = [pair.in_track(result) for pair, result in zip(trial.pairs, trial.results, strict=True)]
+        results, hub_loads = trial.results, trial.loads[:12].reshape(2, 6)
         hubs, rails = trial.motions[:12].reshape(2, 6), trial.motions[12:].reshape(2, 3)
         return FlexibleEquilibrium(
             trial.state,
             {"left": results[0], "right": results[1].mirrored()},
             dict(zip(SIDES, trial.pairs, strict=True)),
             {"left": hubs[0], "right": MIRRORED_HUB * hubs[1]},
-            {"left": rails[0], "right": rails[1] * (-1.0, 1.0, -1.0)},
-            dict(zip(SIDES, trial.loads[:, :6], strict=True)),
-            self._stress(trial),
+            {"left": rails[0], "right": MIRRORED_RAIL * rails[1]},
+            dict(zip(SIDES, hub_loads, strict=True)),
+            self._stress(hub_loads),
             solves,
             tuple(errors),
             self._condensed(trial),
+            trial.motions,
         )
 
-    def _stress(self, trial: Trial) -> dict[Side, tuple[Array, Array]]:
+    def _stress(self, hub_loads: Array) -> dict[Side, tuple[Array, Array]]:
         hubs = self.flexibility.hubs
-        if hubs is None:
+        if not isinstance(hubs, HubCompliance):
             return {}
-        stresses = hubs.bending_stress(*trial.loads[:, :6])
+        stresses = hubs.bending_stress(*hub_loads)
         return {side: (hubs.places, stress) for side, stress in zip(SIDES, stresses, strict=True)}
 
     def _condensed(self, trial: Trial) -> Array:
-        """Derivative (2, 6, 9) of force and moment by the state, with motions that follow the loads:
-        dw = W_q dq + W_x dx, dx = A dw.
+        """Derivative (2, 6, 27) of force and moment by the state and given motions, with motions x that follow the
+        loads: dw = W_q dq + W_g (dg + P dx), dx = A dw.
         """
-        by_state, by_motion = trial.slopes
-        system = np.eye(18) - self.flexibility.matrix @ _structural(by_motion)
-        motion = np.linalg.solve(system, self.flexibility.matrix @ _structural(by_state))  # (18, 9)
-        out = np.zeros((2, 6, COORDINATES))
-        for index, (pair, loads) in enumerate(zip(trial.pairs, trial.loads, strict=True)):
-            slope = by_state[index] + by_motion[index] @ motion
-            own = np.zeros((SLOPES, COORDINATES))
-            own[:COORDINATES] = np.diag(STATE_MIRRORED) if index else np.eye(COORDINATES)
-            own[HUB], own[RAIL] = motion[6 * index : 6 * index + 6], motion[12 + 3 * index : 15 + 3 * index]
-            total = pair.wheelset_slopes(loads, slope, own)
-            out[index] = MIRRORED[:, None] * total if index else total
-        return out
+        wrenches, loads = trial.slopes
+        moved = self.flexibility.matrix @ loads
+        motion = np.linalg.solve(np.eye(18) - moved[:, COORDINATES:] @ self._frame, moved)  # (18, 27)
+        out = wrenches + wrenches[:, :, COORDINATES:] @ self._frame @ motion
+        out[1] *= MIRRORED[:, None]
+        return np.asarray(out)
 
 
 def _sizes(residual: Array, loads: Loads) -> tuple[float, float]:

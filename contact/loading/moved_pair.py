@@ -17,6 +17,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.sensitivity import skew
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.loading.rotated_tangent import RotatedTangent
 from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 
@@ -119,68 +120,65 @@ class MovedPair:
         )
         return np.asarray(out)
 
-    def loads(self, result: ContactResult) -> Array:
-        """Loads (12,) of a result in the frame of the moved rail, its moment about that frame's origin: force N and
-        moment N m on the hub, in the wheelset's axes about the hub's centre (6); y and z force and roll moment on the
-        rail about the foot (3); force on the wheel in the track's axes (3).
-        """
-        force, moment = self._about_hub(result)
-        rail = self.rail_axes @ (result.moment - np.cross(self._pivot, result.force))
-        rigid = self.state.rotation.T
-        return np.concatenate([rigid @ force, rigid @ moment, -force[1:], -rail[:1], force])
-
-    def load_slopes(self, result: ContactResult) -> Array:
-        """Derivative (12, 18) of `loads`, columns as of `slopes`."""
-        slopes, axes, turn = self.slopes, self.rail_axes, self._turn
-        by_pair = result.tangent() @ slopes
-        force, moment = self._about_hub(result)
-        rail = axes @ (result.moment - np.cross(self._pivot, result.force))
-        force_change = axes @ by_pair[:3]
-        moment_change = axes @ (by_pair[3:] + skew(result.force) @ slopes[:3] - skew(self.pose.origin) @ by_pair[:3])
-        rail_change = axes @ (by_pair[3:] - skew(self._pivot) @ by_pair[:3])
-        for change, vector in ((force_change, force), (moment_change, moment), (rail_change, rail)):
-            change[:, RAIL.stop - 1] += np.cross(X, vector)
-        rigid = self.state.rotation.T
-        return np.concatenate(
-            [
-                rigid @ (force_change + skew(force) @ turn),
-                rigid @ (moment_change + skew(moment) @ turn),
-                -force_change[1:],
-                -rail_change[:1],
-                force_change,
-            ]
-        )
-
-    def wheelset_slopes(self, loads: Array, slope: Array, change: Array) -> Array:
-        """Derivative (6, n) of force and moment about the wheelset's centre, in the track's axes.
-
-        Parameters:
-            loads: (12,), see `loads`.
-            slope: (12, n), their derivative.
-            change: (18, n), derivative of the coordinates of `slopes`.
-        """
-        force, moment = loads[9:], self.state.rotation @ loads[3:6]
-        about_hub = self.state.rotation @ slope[3:6] - skew(moment) @ self._turn @ change
-        about_centre = about_hub + skew(self.arm) @ slope[9:] - skew(force) @ self._arm_change @ change
-        return np.concatenate([slope[9:], about_centre])
-
     def in_track(self, result: ContactResult) -> ContactResult:
         """The result in the track's axes, with the moment about the wheelset's centre and patches as seen on the track;
-        fields stay those of the moved rail. It has no tangent.
+        fields stay those of the moved rail.
+
+        Parameters:
+            result: in the frame of the moved rail, its moment about that frame's origin.
         """
-        force, moment = self._about_hub(result)
+        axes, about_centre = self.rail_axes, result.about(self.pose.origin - self.rail_axes.T @ self.arm)
+        tangent = about_centre.force_tangent
         return replace(
-            result,
-            force=force,
-            moment=moment + np.cross(self.arm, force),
-            patches=LazyPatches(partial(_turned, result.patches, self.rail_axes, float(self.rail[2]))),
-            force_tangent=None,
+            about_centre,
+            force=axes @ about_centre.force,
+            moment=axes @ about_centre.moment,
+            patches=LazyPatches(partial(_turned, result.patches, axes, float(self.rail[2]))),
+            force_tangent=None if tangent is None else RotatedTangent(tangent, axes),
         )
 
-    def _about_hub(self, result: ContactResult) -> tuple[Array, Array]:
-        """Force and moment about the hub's centre (3,), in the track's axes."""
-        axes = self.rail_axes
-        return axes @ result.force, axes @ (result.moment - np.cross(self.pose.origin, result.force))
+    def wrench_slopes(self, result: ContactResult) -> Array:
+        """Derivative (6, 18) of force and moment about the wheelset's centre in the track's axes, columns as of
+        `slopes`.
+
+        Parameters:
+            result: from `in_track`.
+        """
+        slopes = np.kron(np.eye(4), self.rail_axes) @ self.slopes
+        out: Array = result.tangent() @ slopes
+        out[3:] += skew(result.force) @ (slopes[:3] - self._arm_change)
+        turned = np.cross(X, result.force)
+        about_hub = result.moment - np.cross(self.arm, result.force)
+        out[:, RAIL.stop - 1] += np.concatenate([turned, np.cross(X, about_hub) + np.cross(self.arm, turned)])
+        return out
+
+    @cached_property
+    def load_matrix(self) -> Array:
+        """Loads (9, 6) on the structure by force N and moment N m on the wheel about the wheelset's centre, in the
+        track's axes: force and moment on the hub, in the wheelset's axes about the hub's centre (6); y and z force and
+        roll moment on the rail about the foot (3).
+        """
+        axes, out = self.state.rotation.T, np.zeros((9, 6))
+        out[:3, :3], out[3:6, :3], out[3:6, 3:] = axes, -axes @ skew(self.arm), axes
+        out[6, 1] = out[7, 2] = out[8, 3] = -1.0
+        out[8, :3] = -skew(self._above_foot)[0]
+        return out
+
+    def load_change(self, wrench: Array) -> Array:
+        """Derivative (9, 18) of the loads by a constant wrench, columns as of `slopes`.
+
+        Parameters:
+            wrench: (6,) force N and moment N m as for `load_matrix`.
+        """
+        (force, moment), axes, turn = np.split(wrench, 2), self.state.rotation.T, self._turn
+        about_hub = moment - np.cross(self.arm, force)
+        out = np.zeros((9, SLOPES))
+        out[:3] = axes @ skew(force) @ turn
+        out[3:6] = axes @ (skew(force) @ self._arm_change + skew(about_hub) @ turn)
+        lever = np.zeros((3, SLOPES))
+        lever[1:, :2], lever[1:, RAIL.start : RAIL.start + 2] = np.eye(2), -np.eye(2)
+        out[8] = (skew(force) @ lever)[0]
+        return out
 
     @cached_property
     def _rigid(self) -> RigidMotion:
@@ -208,6 +206,11 @@ class MovedPair:
     @property
     def _pivot(self) -> Array:
         return np.array([0.0, *self.foot])
+
+    @property
+    def _above_foot(self) -> Array:
+        """Vector (3,) m from the foot of the moved rail to the wheelset's centre, in the track's axes."""
+        return np.asarray(self._rigid.wheel.reference - self._pivot - np.array([0.0, *self.rail[:2]]))
 
     def _seen(self, point: Array) -> Array:
         """A point (3,) m of the unmoved rail's frame in that of the moved rail."""

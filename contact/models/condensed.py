@@ -16,8 +16,10 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.grid_displacement import body_displacements
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
+from wheelrail.contact.results.touching_material import of_material, symmetric
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions, solve_tractions
@@ -188,6 +190,10 @@ class CondensedContact:
             approach=approach,
             statistics=statistics,
         )
+        if not symmetric(points, q):
+            forces = np.column_stack([q, -p]) * points.area[:, None]
+            bodies = self.wheel, self.rail
+            result = of_material(result, points.wheel_place[:, 0], lambda: body_displacements(points, forces, bodies))
         return replace(result, force_tangent=tangent_of(solution), warm_start=NodalTractions(points.node, p, q))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.elasticity.solid_compliance import distributed_body, solid_compliance
-from wheelrail.contact.elasticity.waveguide.bodies import rail_waveguide, wheel_waveguide
+from wheelrail.contact.elasticity.waveguide.bodies import HALF_GRID, rail_waveguide, wheel_waveguide
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.profile_pair import ProfilePair
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
@@ -17,9 +17,10 @@ from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
+from wheelrail.contact.models.surface_memory import check_surface
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.outlines import rail_outline, rim_outline, wheel_outline
-from wheelrail.meshes.bodies.solids import Strip, rail, rail_contact_range, wheel, wheel_contact_range
+from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, rail, rail_contact_range, wheel, wheel_contact_range
 from wheelrail.meshes.profiles.profile import Profile
 
 if TYPE_CHECKING:
@@ -43,6 +44,16 @@ class ProfileBodies:
     @property
     def _strips(self) -> ProfileStrips:
         return ProfileStrips(*self.profiles, self.radius)
+
+    def _check_surfaces(self, how: Discretisation, half_length: float) -> None:
+        """Log the memory for compliances of surfaces of a half length [m] if it is large; raises TooLarge."""
+        wheel_profile, rail_profile = self.profiles
+        for body, outline, ends in (
+            ("the wheel", wheel_outline(wheel_profile, self.radius), wheel_contact_range(wheel_profile)),
+            ("the rail", rail_outline(rail_profile), rail_contact_range(rail_profile)),
+        ):
+            strip = Strip.over(outline, ends, half_length=half_length, size=how.surface_size)
+            check_surface(body, 2 * strip.half_cells + 1, strip.cells + 1, how)
 
     def half_space_strips(self, how: Discretisation) -> StripOperators:
         return StripOperators(self._strips, *self._half_spaces(how.surface_size))
@@ -71,7 +82,8 @@ class ProfileBodies:
         return surfaces, above, below
 
     def _waveguides(self, how: Discretisation) -> Iterator[tuple[Any, Any]]:
-        """Outline of each body, with its compliance, grid and strip."""
+        """Outline of each body, with its compliance, grid and strip. Raises TooLarge."""
+        self._check_surfaces(how, HALF_GRID)
         sections = wheel_outline(self.profiles[0], self.radius), rail_outline(self.profiles[1])
         for section, build, material in zip(sections, (wheel_waveguide, rail_waveguide), self.materials, strict=True):
             yield section, build(section, material, size=how.surface_size, degree=how.degree)
@@ -97,7 +109,8 @@ class ProfileBodies:
     def _solids(
         self, how: Discretisation, run: Callable[[Callable[[], Any]], Any]
     ) -> tuple[ProfilePair, list[tuple[Solid, str]]]:
-        """Surfaces, and both solids with their keys in the cache; run calls the mesh generation."""
+        """Surfaces, and both solids with their keys in the cache; run calls the mesh generation. Raises TooLarge."""
+        self._check_surfaces(how, HALF_PATCH)
         size, cell, degree = how.surface_size, how.cell, how.degree
         rim = rim_outline(self.profiles[0], self.radius)
         wheel_solid, wheel_strip, wheel_key = run(partial(wheel, rim, size=size, cell=cell))

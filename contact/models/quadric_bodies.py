@@ -22,16 +22,15 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
+from wheelrail.contact.models.surface_memory import check_surface
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.solids import FINE, RATIO, block
 from wheelrail.meshes.bodies.triangulation import Grading
-from wheelrail.support.memory import check_memory, factor_memory
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
 ROOM = 1.25  # times the expected approach: largest approach on the meshed surface
-LAYERS = 3  # of nodes below the surface of a solid, at least
 WIDTH = 40.0  # least half width of a block over the longer semi-axis of the patch
 
 
@@ -104,7 +103,7 @@ class QuadricBodies:
             depth, _ = self._expected
             half = [int(np.ceil(np.sqrt(depth / c) / how.surface_size)) + 1 for c in self._curvatures]
             half[0] += how.slip_order if self.laws.frictional else 0
-        _check_size(2 * half[0] + 1, 2 * half[1] + 1, how)
+        check_surface("each body", 2 * half[0] + 1, 2 * half[1] + 1, how)
         return half[0], half[1]
 
     @cached_property
@@ -177,17 +176,3 @@ class QuadricBodies:
         size = how.surface_size
         scaled = ContactGrid(grid.position * size, grid.weight * size**2, grid.stride)
         return QuadricPair(scaled, *self.radii), solid, key
-
-
-def _check_size(along: int, across: int, how: Discretisation) -> None:
-    """Raises TooLarge for surfaces whose compliance cannot be computed, before they are meshed.
-
-    Parameters:
-        along, across: nodes of the surface.
-        how: the discretisation.
-    """
-    if how.bodies == "solid":
-        gigabytes = factor_memory(3 * LAYERS * along * across)
-    else:
-        gigabytes = 1e-9 * 9 * 8 * float(across) ** 2  # influence of every line on every line
-    check_memory(f"surface_size: {along} x {across} nodes on the surface of each body", gigabytes)

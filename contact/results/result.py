@@ -25,10 +25,11 @@ class Patch:
         force: (3,) N, resultant in the track's axes.
         tangential_force: N, longitudinal and lateral in the contact plane.
         semi_axes: m, along x and across, of the ellipse with the same second moments of pressure (exact for Hertz).
-        contact_angle: rad, rotation of the contact plane about x. On strips that of the deformed surfaces, while forces
-            are split by the undeformed wheel's normals.
+        contact_angle: rad, rotation of the contact plane about x, that of the deformed surfaces; forces are split by
+            the undeformed wheel's normals.
         wheel_s, rail_s: m, arc length of the resultant on the profiles from the rolling circle and from the top of the
-            rail, positive to the field side. On strips that of the material that touches.
+            rail, positive to the field side; of the material that touches, see
+            `wheelrail.contact.results.touching_material`.
         wheel_y, rail_y: m, lateral position of the resultant on the profiles.
         wheel_band, rail_band: m, lateral extent (smallest, largest) on the profiles.
         x: m, longitudinal position of the resultant.

@@ -13,6 +13,7 @@ from wheelrail.support.arrays import Array, Nodes
 
 Shape = Literal["triangle", "quadrilateral", "wedge", "tetrahedron", "hexahedron"]
 CORNERS: dict[Shape, int] = {"triangle": 3, "quadrilateral": 4, "wedge": 6, "tetrahedron": 4, "hexahedron": 8}
+CIRCULAR_ORDER = [0, 1, 3, 2, 4, 5, 7, 6]  # corners of a hexahedron: from the order of dolfinx, and back
 
 
 @dataclass(frozen=True)

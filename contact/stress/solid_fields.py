@@ -16,7 +16,7 @@ from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, QuadricPair
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.stress.fields import BodyFields
+from wheelrail.contact.stress.fields import CIRCULAR_ORDER, BodyFields
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.stress import cauchy
 from wheelrail.meshes.bodies.extrusion import Solid
@@ -25,8 +25,6 @@ from wheelrail.support.arrays import Array
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
     from wheelrail.contact.models.full.model import FullContact
-
-CIRCULAR_ORDER = [0, 1, 3, 2, 4, 5, 7, 6]  # corners of a hexahedron: order of `BodyFields` from that of dolfinx
 
 
 def solid_fields(

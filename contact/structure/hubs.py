@@ -85,6 +85,21 @@ class HubCompliance:
         return symmetric + self.stress[1] @ odd, symmetric - self.stress[1] @ odd
 
 
+def about_hubs_line(wheel_y: float) -> Array:
+    """Motions (12, 12) of both hubs relative to the line through them by those relative to any other line.
+
+    What is taken out are x, z, roll and yaw of the line and the mean of y. Parameters: wheel_y: m, y of the left hub.
+    """
+    x, y, z, roll, _, yaw = range(6)
+    out = np.eye(12)
+    for own, other in ((0, 6), (6, 0)):
+        out[own + x] = out[own + z] = 0.0
+        out[own + y, other + y] = out[own + y, own + y] = 0.5  # the other one is mirrored
+        out[own + roll, [own + z, other + z]] = np.array([-0.5, 0.5]) / wheel_y
+        out[own + yaw, [own + x, other + x]] = np.array([0.5, -0.5]) / wheel_y
+    return out
+
+
 def hub_compliance(
     outline: Outline, axle: AxleShape, steel: Material, *, wheel_y: float, weight: bool = True
 ) -> HubCompliance:

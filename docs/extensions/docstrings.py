@@ -1,4 +1,8 @@
-"""Docstrings are plain text, in which *, | and _ mean themselves: nothing in them can break the build."""
+"""Docstrings are plain text, in which *, | and _ mean themselves: nothing in them can break the build.
+
+Their lists of parameters become tables. numpydoc does not apply: to it all text up to the next heading is parameters,
+here paragraphs on results and exceptions follow, and types stand in the signature alone.
+"""
 
 from __future__ import annotations
 

@@ -13,6 +13,7 @@ from sphinx.application import Sphinx
 
 from extensions.benchmark_list import benchmark_list
 from extensions.commands import commands
+from extensions.element_variables import element_variables
 from extensions.public_names import public_names
 from extensions.run_variables import run_variables
 from extensions.scene_keys import scene_keys, study_keys
@@ -21,6 +22,7 @@ from extensions.wagon_values import wagon_values
 PARTS: dict[str, Callable[[], str]] = {
     "benchmark-list": benchmark_list,
     "commands": commands,
+    "element-variables": element_variables,
     "public-names": public_names,
     "run-variables": run_variables,
     "scene-keys": scene_keys,

@@ -16,6 +16,7 @@ import pytest
 import wheelrail as wr
 from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.contact.element.element_solution import ElementSolution
+from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
 from wheelrail.contact.models.hertz import HertzContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.support.arrays import Array
@@ -244,3 +245,134 @@ def test_unknown_arguments_and_tangential_displacements() -> None:
         wr.Hertz().element()
     with pytest.raises(wr.SceneError, match="shift: an element rolls"):
         wr.Hertz(shift=(1e-6, 0.0)).element(load=1e4)
+
+
+@cache
+def flexible() -> wr.Wheelset:
+    return wr.Wheelset(
+        "S1002", "UIC60-benchmark", friction=0.3, bodies="half-space", strips=6, cells=8, axle=True, pads=True
+    )
+
+
+LOADED = {"y": 2e-3, "z": -6e-4, "roll": 1e-4, "yaw": 1e-3, "speed": 20.0}
+
+
+def test_an_element_with_axle_and_pads_is_the_wheelset_under_the_same_loads() -> None:
+    element = flexible().element()
+    solution = element.solve(**LOADED)
+    assert solution.ok
+    hubs = {side: hub for side, (hub, _) in element.motions().items()}
+    left, right = hubs["left"], hubs["right"]
+    # The line through the journals, by the motions of both hubs against it, to first order.
+    on_journals = {
+        "y": LOADED["y"] - 0.5 * (left[1] + right[1]),
+        "z": LOADED["z"] - 0.5 * (left[2] + right[2]),
+        "roll": LOADED["roll"] - (left[2] - right[2]) / 1.5,
+        "yaw": LOADED["yaw"] + (left[0] - right[0]) / 1.5,
+        "speed": 20.0,
+    }
+    expected = flexible().solve(**on_journals)
+    for side in SIDES:
+        force = expected.results[side].force
+        np.testing.assert_allclose(solution.force[side], force, atol=2e-4 * force[2])
+        np.testing.assert_allclose(hubs[side], expected.data["hub_motion"].sel(side=side), atol=1e-7)
+        rail = element.motions()[side][1]
+        np.testing.assert_allclose(rail, expected.data["rail_motion"].sel(side=side), atol=1e-7)
+
+
+def test_the_tangent_of_an_element_has_hubs_and_rails_follow() -> None:
+    element = flexible().element()
+    element.solve(**LOADED)
+    element.accept()
+    slopes = element.tangent().values
+    for name in ("z", "roll"):
+        column, h, ends = element.solve(**LOADED).state.coordinates.index(name), 2e-6, []
+        for sign in (1, -1):
+            ends.append(wrench(element.solve(**{**LOADED, name: LOADED[name] + sign * h})))
+        change = (ends[0] - ends[1]) / (2 * h)
+        np.testing.assert_allclose(slopes[:, :, column], change, atol=0.01 * np.abs(change).max())
+    assert -slopes[0, 2, 1] < 2.5e8  # N/m: pads, not the contact's 1e9
+
+
+def test_a_restored_element_with_axle_and_pads_repeats_its_solves() -> None:
+    element, other = flexible().element(), flexible().element()
+    element.solve(**LOADED)
+    element.accept()
+    other.restore(pickle.loads(pickle.dumps(element.state())))
+    moved = {**LOADED, "y": 2.2e-3}
+    np.testing.assert_array_equal(wrench(element.solve(**moved)), wrench(other.solve(**moved)))
+
+
+def test_an_element_with_axle_and_pads_may_leave_the_rails() -> None:
+    element = flexible().element()
+    solution = element.solve(**{**LOADED, "z": 5e-3})
+    assert solution.ok
+    assert not wrench(solution).any()
+    element.accept()
+    assert element.solve(**LOADED).ok  # and land again
+    rigid = wheelset().element()
+    rigid.solve(**PLACE)
+    with pytest.raises(ValueError, match="rigid"):
+        rigid.motions()
+
+
+@cache
+def waveguides() -> wr.Wheelset:
+    return wr.Wheelset("S1002", "UIC60-benchmark", friction=0.3, strips=8, cells=8)
+
+
+def test_a_host_that_moves_rims_and_rails_as_clamped_bodies_would_finds_the_same_forces() -> None:
+    """What is taken out of the contact comes back as the motion that the host gives, by loads in closed form."""
+    plain, hosted = waveguides().element(), waveguides().element(host=["wheels", "rails"])
+    place = {"y": 2e-3, "z": -3e-4, "speed": 20.0}
+    solution, contact = plain.solve(**place), hosted.contact
+    assert isinstance(contact, QuasiStaticContact)
+    wheels, rails = [], []
+    for index, (side, sign) in enumerate((("left", 1.0), ("right", -1.0))):
+        force, moment = solution.force[side], solution.moment[side]
+        about_wheel = moment - np.cross([0.0, sign * 0.75, 0.0], force)
+        rim = -contact.flexibility.matrix[6 * index : 6 * index + 6, 6 * index : 6 * index + 6]
+        mirror = np.array([1, -1, 1, -1, 1, -1]) if index else np.ones(6)
+        wheels.append(mirror * (rim @ (mirror * np.concatenate([force, about_wheel]))))
+        mounting, at = waveguides().mounting, 12 + 3 * index
+        foot_y, foot_z = contact.flexibility.foot(index)
+        centre = np.array([0.0, place["y"], mounting.radius + place["z"]])
+        foot = np.array([0.0, sign * (mounting.rail_y + foot_y), foot_z])
+        about_foot = moment + np.cross(centre - foot, force)
+        mirror = np.array([-1, 1, -1]) if index else np.ones(3)
+        loads = -np.array([force[1], force[2], about_foot[0]])
+        rails.append(mirror * (-contact.flexibility.matrix[at : at + 3, at : at + 3] @ (mirror * loads)))
+    again = hosted.solve(**place, wheel_motion=wheels, rail_motion=rails)
+    still = hosted.solve(**place)  # rims and rails that do not give way
+    for side in ("left", "right"):
+        load = solution.force[side][2]
+        np.testing.assert_allclose(again.force[side], solution.force[side], atol=2e-6 * load)
+    assert still.force["left"][2] > 1.2 * solution.force["left"][2]
+
+
+def test_tangent_by_given_motions() -> None:
+    element = flexible_host().element(host=["axle", "rails"])
+    place = {"y": 2e-3, "z": -3e-4, "speed": 20.0}
+    element.solve(**place)
+    element.accept()
+    tangent = element.tangent()
+    assert tangent.values.shape == (2, 6, 27)
+    column, h = element.solve(**place).state.coordinates.index("right_rail_z"), 1e-6
+    ends = [wrench(element.solve(**place, rail_motion=((0.0, 0.0, 0.0), (0.0, sign * h, 0.0)))) for sign in (1.0, -1.0)]
+    change = (ends[0] - ends[1]) / (2 * h)
+    np.testing.assert_allclose(tangent.values[:, :, column], change, atol=0.01 * np.abs(change).max())
+
+
+def flexible_host() -> wr.Wheelset:
+    return wr.Wheelset("S1002", "UIC60-benchmark", friction=0.3, bodies="half-space", strips=6, cells=8)
+
+
+def test_hosts_are_refused_where_bodies_would_count_twice() -> None:
+    with pytest.raises(wr.SceneError, match="not allowed with axle or pads"):
+        flexible().element(host=["rails"])
+    with pytest.raises(wr.SceneError, match="axle, wheels or rails"):
+        flexible_host().element(host=["bogie"])  # type: ignore[list-item]
+    with pytest.raises(wr.SceneError, match="rail_motion"):
+        flexible_host().element().solve(y=0.0, z=-3e-4, speed=20.0, rail_motion=((0, 0, 0), (0, 0, 0)))
+    with pytest.raises(wr.SceneError, match=r"wheel_motion\[0\]"):
+        flexible_host().element(host=["wheels"]).solve(z=-3e-4, speed=20.0, wheel_motion=((1e-3,), (1e-3,)))

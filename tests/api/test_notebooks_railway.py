@@ -19,7 +19,7 @@ def test_manchester_contact_benchmark() -> None:
 def test_the_papers_curve() -> None:
     changes = {"strips": 6, "cells": 6, "surface_size": 3e-3, "track.tangent": 10.0, "track.curve": 60.0}
     changes |= {"solver.rtol": 1e-2, "solver.atol": 1e-5}
-    names = executed("06_the_papers_curve.py", CHANGES=changes, SIZES={"exact laws": 3e-3, "paper's laws": 3e-3})
+    names = executed("06_the_papers_curve.py", CHANGES=changes, SIZES={"exact laws": 3e-3, "paper's laws": 2e-3})
     for expected, found in names["by_hand"].values():  # 0.4 % at most with the last bits of this coarse run disturbed
         assert found == pytest.approx(expected, rel=0.01)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -115,7 +116,7 @@ def test_signs_of_creepage_and_spin() -> None:
 
 @cache
 def compared(
-    series: str, y: float, side: Side, bodies: str = "waveguide", **resolution: int
+    series: str, y: float, side: Side, bodies: str = "waveguide", **choices: Any
 ) -> tuple[ContactResult, FrameDifference]:
     data = reference("wheelset")
     given = data["input"]
@@ -123,7 +124,7 @@ def compared(
     (case,) = (case for case in data["series"][series] if case["y"] == y)
     at = state(case, speed=given["speed"], pitch_rate=given["pitch_rate"])
     friction = 0.0 if normal else given["mu"]
-    result = loaded_wheel(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies, **resolution)
+    result = loaded_wheel(track_of(given), friction, at, side, given["load"], COARSE, bodies=bodies, **choices)
     return result, difference(result, case[side], side)
 
 
@@ -159,20 +160,23 @@ def test_wheelset_of_finite_bodies(series: str, y: float, side: Side) -> None:
         assert across < 1e-2 * HOLDS["force"]
 
 
-def test_material_that_touches_and_common_surface_of_finite_bodies() -> None:
+@pytest.mark.parametrize("points", ["lattice", "grid"])
+def test_material_that_touches_and_common_surface_of_finite_bodies(points: str) -> None:
     """By an independent finite-element code (quadratic tetrahedra, its own gap and near field; positions within 0.02
     mm): 5.524 and 5.530 mm between the places on wheel and rail, wheel_y -17.811 and -28.369 mm, angles 127 and 292 to
-    295 mrad. Undeformed, they were 5.378 and 5.402 mm, -17.956 and -28.471 mm, 130.0 and 296.4 mrad.
+    295 mrad. Undeformed, they were 5.378 and 5.402 mm, -17.956 and -28.471 mm, 130.0 and 296.4 mrad. A grid of 1 mm
+    has one line in the patch on the flange, and its patch on the tread is 0.08 mm off.
     """
-    result, _ = compared("normal_only", 5.0, "right")
+    result, _ = compared("normal_only", 5.0, "right", points=points)
     tread, flange = result.patches
     assert [1e3 * (patch.wheel_y - patch.rail_y) for patch in (tread, flange)] == pytest.approx(
         [5.524, 5.530], abs=0.02
     )
-    assert 1e3 * tread.wheel_y == pytest.approx(-17.811, abs=0.04)
-    assert 1e3 * flange.wheel_y == pytest.approx(-28.369, abs=0.07)
+    assert 1e3 * tread.wheel_y == pytest.approx(-17.811, abs=0.04 if points == "lattice" else 0.1)
     assert -1e3 * tread.contact_angle == pytest.approx(127.0, abs=1.5)
-    assert 290.5 < -1e3 * flange.contact_angle < 295.5
+    if points == "lattice":
+        assert 1e3 * flange.wheel_y == pytest.approx(-28.369, abs=0.07)
+        assert 290.5 < -1e3 * flange.contact_angle < 295.5
 
 
 def test_two_patches_at_the_gauge_corner() -> None:

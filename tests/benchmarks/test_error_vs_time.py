@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from benchmarks.error_vs_time import plan as error_plan
 from benchmarks.error_vs_time import report as error_vs_time
+from benchmarks.error_vs_time import wheel_on_rail
 from benchmarks.error_vs_time.cases import ModelVariant, TimedCase, creep_cases, timing_case
-from benchmarks.error_vs_time.figure import STYLES
+from benchmarks.error_vs_time.figure import STYLES, wheel_panel
 from benchmarks.error_vs_time.measure import normal_row, rolling_row
 from benchmarks.error_vs_time.plan import rows
 from benchmarks.error_vs_time.reference import Reference, contact_rows, extrapolated, long_cell_rows
@@ -71,6 +73,21 @@ def test_long_cells_are_contacts_fair_settings() -> None:
     assert fair["median"] == pytest.approx(0.18)  # s
     assert fair["median"] < square["median"] / 50  # the square grid of equal error: 0.15 %
     assert warm["100 x 20"]["median"] == pytest.approx(0.09)
+
+
+def test_one_wheel_with_one_and_two_patches_stands_beside_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wheel_on_rail, "REPEATS", 1)
+    strips, contact = list(wheel_on_rail.strip_rows()), list(wheel_on_rail.contact_rows())
+    assert [(row["load"], row["patches"]) for row in strips] == [(80, 1), (70, 2), (25, 2)]
+    assert [row["median"] for row in contact] == [0.201, 3.49, 0.044, 0.328, 0.02, 0.12]
+    assert all(row["solves"] > 2 and 0 < row["least"] <= row["median"] for row in strips)
+    axis = Figure().subplots()
+    wheel_panel(axis, [*strips, *contact])
+    places = [(line.get_xdata()[0], line.get_ydata()[0]) for line in axis.lines]
+    assert places[:3] == [(1e3 * row["median"], k) for k, row in enumerate(strips)]
+    assert [place for _, place in places[3:]] == [0, 0, 1, 1, 2, 2]
+    names = [label.get_text() for label in axis.get_yticklabels()]
+    assert names == ["80 kN\n1 patch", "70 kN\n2 patches", "25 kN\n2 patches"]
 
 
 def test_sampled_ellipses_cover_their_ranges() -> None:
@@ -148,6 +165,7 @@ def test_report_and_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     monkeypatch.setattr(error_plan, "BODIES", ("half-space",))
     monkeypatch.setattr(error_plan, "grids", lambda _: iter(()))
     monkeypatch.setattr(error_plan, "laws", lambda _: iter(()))
+    monkeypatch.setattr(error_vs_time, "strip_rows", lambda: iter(()))
     picture, data = tmp_path / "error.png", tmp_path / "error.json"
     monkeypatch.setattr("sys.argv", ["error_vs_time", "--quick", "--picture", str(picture), "--json", str(data)])
     error_vs_time.main()
@@ -155,5 +173,6 @@ def test_report_and_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     assert "| lattice, half-space, warm | 4 x 6 | exact | 24 |" in told
     assert "| CONTACT | dx 1 mm |" in told
     found = json.loads(data.read_text())["rows"]
-    assert len(found) == 4 + 10 + 10
+    assert len(found) == 4 + 10 + 10 + 6
+    assert "| CONTACT | dx 0.2 mm | 70 | 2 |" in told
     assert picture.stat().st_size > 10_000

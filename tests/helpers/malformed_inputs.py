@@ -574,6 +574,9 @@ def options(t: Table) -> None:
     t.option("mesh beyond memory", CONTACT, says, **{"scene.toml": solid})
     wide = changed(HERTZ, "surface_size = 0.5e-3", "surface_size = 5e-5\nhalf_strip = 50.0")
     t.option("lines beyond memory", CONTACT, ("2000003 nodes", "GB of memory or more"), **{"scene.toml": wide})
+    fine = changed(WHEELSET, "surface_size = 1e-3", 'surface_size = 5e-5\nbodies = "solid"')
+    says = ("scene.toml: surface_size: 801 x 1", "nodes on the surface of the wheel: about ", "GB of memory or more")
+    t.option("mesh of a wheel beyond memory", CONTACT, says, **{"scene.toml": fine})
     t.option("contact of a run", ("contact", "run.toml"), ('kind = "run"', "wheelrail run"), **{"run.toml": CURVE})
     t.option("run of a contact", ("run", "pair.toml"), ('kind = "hertz"', "wheelrail contact"), **{"pair.toml": HERTZ})
 

@@ -101,6 +101,17 @@ def test_the_element_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert names["element"].solve(z=names["z"], speed=20.0).ok
 
 
+def test_weave_of_a_free_wheelset_in_exudyn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The wavelength is that of Klingel for cones."""
+    pytest.importorskip("exudyn")
+    monkeypatch.chdir(tmp_path)
+    (code,) = blocks("export", "python")
+    names: dict[str, Any] = {}
+    exec(compile(code, "export.md", "exec"), names)
+    assert names["wavelength"] == pytest.approx(names["klingel"], rel=0.01)
+    assert pytest.approx(names["conicity"], abs=1e-4) == 0.0526
+
+
 def noisy_file(file: Path, profile: Any, start: float, stop: float, shift: float, sign: float) -> None:
     """MiniProf file of points 0.2 mm apart with 5 µm of noise, rounded to 0.1 µm."""
     points = profile.point(np.arange(start, stop, 2e-4))

@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SCIENCE = ("contact", "forms", "meshes", "vehicle")
 SOURCES = ["pyproject.toml", "README.md", "LICENSE", "scenes", "wheelrail", *SCIENCE]
-CARRIED = {".py", ".pyi", ".toml", ".html", ".css", ".js"}
+CARRIED = {".py", ".pyi", ".toml", ".html", ".css", ".js", ".c", ".f90", ".in"}
 
 
 @pytest.fixture(scope="module")

@@ -156,13 +156,13 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both runs, figures, table; completed runs are not repeated, those of another scene are."""
     models: list[str] = []
 
-    def contact(scene: RunScene) -> WheelsetContact:
+    def contact(scene: RunScene, profiles: object) -> WheelsetContact:
         models.append(scene.model)
         return (
             CONTACT if scene.model == "standard" else replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
         )
 
-    monkeypatch.setattr("wheelrail.scenes.runs.run.wheelset_contact", contact)
+    monkeypatch.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", contact)
     file, out = short_scene(tmp_path), tmp_path / "out"
     first = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
     assert first.exit_code == 0, first.output

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from concurrent.futures import Executor, ThreadPoolExecutor
+from itertools import count
 from pathlib import Path
+from time import sleep
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 from scipy.stats import linregress
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
+from wheelrail.scenes.contacts import solve as solve_module
 from wheelrail.scenes.plots.fits import line_fit
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import checked
@@ -184,6 +187,22 @@ def test_warm_times_are_measured_in_convergence_studies_only(here: Here) -> None
     assert (timed["warm_seconds"] > 0.0).all()
     assert float(timed["warm_seconds"].min()) < float(timed["seconds"].max())
     assert timed["warm_seconds"].attrs["units"] == "s"
+
+
+def test_warm_times_are_without_what_a_first_solve_computes(here: Here, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model whose first call takes 0.3 s, as compilation and compliances do."""
+    model = solve_module.built_model(checked(CLOSED))
+    calls = count()
+
+    def cold_at_first(*arguments: Any) -> Any:
+        if next(calls) == 0:
+            sleep(0.3)
+        return model(*arguments)  # type: ignore[operator]
+
+    monkeypatch.setattr(solve_module, "built_model", lambda _: cold_at_first)
+    data = run_study({"scene": CLOSED, "grid": {"load": [1e4, 2e4]}, "convergence": {"reference": "hertz"}})
+    assert next(calls) > 2
+    assert float(data["warm_seconds"].max()) < 0.1
 
 
 def test_every_series_has_its_line_and_its_order(here: Here) -> None:

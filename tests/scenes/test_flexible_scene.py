@@ -56,11 +56,6 @@ def test_refuses_an_axle_that_does_not_fit_the_wheel() -> None:
         wr.Wheelset(**BODIES, axle=drawing).solve()
 
 
-def test_refuses_an_element_with_its_own_axle() -> None:
-    with pytest.raises(SceneError, match="axle or pads"):
-        wr.Wheelset(**BODIES, pads=True).element()
-
-
 def test_a_wheelset_that_does_not_ask_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def forbidden(*_: object) -> None:
         raise AssertionError("flexibility of a rigid wheelset")

@@ -81,6 +81,7 @@ def drawn() -> str:
     view = contact_scene(result(), bodies, title="a <contact>", off_screen=True)
     picture = np.asarray(view.screenshot(None))
     PICTURES.append(picture)
+    AXES.extend((pane.cube_axes_actor.x_labels, pane.cube_axes_actor.y_labels) for pane in view.renderers)
     RANGES.update({title: bar.GetLookupTable().GetRange() for title, bar in view.scalar_bars.items()})
     page = view_html(view)
     view.close()
@@ -88,8 +89,19 @@ def drawn() -> str:
 
 
 NAMES = ("wheel", "rail")
+SOLIDS = """
+kind = "hertz"
+model = "full"
+laws = "paper"
+friction = 0.0
+approach = 15e-6
+surface_size = 4e-3
+upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
+lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
+"""
 PICTURES: list[np.ndarray] = []
 RANGES: dict[str, tuple[float, float]] = {}
+AXES: list[tuple[list[str], list[str]]] = []
 
 
 def test_a_contact_scene() -> None:
@@ -102,6 +114,16 @@ def test_a_contact_scene() -> None:
         assert len(np.unique(pane.reshape(-1, 3), axis=0)) > 200
     assert RANGES[DISPLACEMENT] == pytest.approx((0.0, 20.0))
     assert RANGES[MISES] == pytest.approx((0.0, 800.0))
+
+
+def test_one_label_at_the_common_corner_of_two_axes() -> None:
+    """In the picture, where x ends and y begins."""
+    drawn()
+    assert len(AXES) == 2
+    for x, y in AXES:
+        assert all(x)
+        assert y[0] == ""
+        assert all(y[1:])
 
 
 @pytest.mark.parametrize("size", [(800, 450), (1280, 720), (1600, 900)])
@@ -309,6 +331,20 @@ def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) ->
     shown = [output["data"] for output in cell.outputs if "data" in output]
     assert any("application/vnd.jupyter.widget-view+json" in data for data in shown)
     assert any("<iframe" in data.get("text/plain", "") for data in shown)
+
+
+def test_export_of_solids_for_paraview(tmp_path: Path) -> None:
+    """The meshes of the full model itself, and the deepest point under the load."""
+    (tmp_path / "scene.toml").write_text(SOLIDS)
+    outcome = CliRunner().invoke(app, ["export", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "fields")])
+    assert outcome.exit_code == 0, outcome.stderr
+    solids = [Path(line) for line in outcome.stdout.splitlines() if Path(line).suffix == ".xdmf"]
+    assert [file.stem for file in solids] == ["contact_upper_solid", "contact_lower_solid"]
+    for file, up in zip(solids, (1, -1), strict=True):
+        moved = pyvista().get_reader(file).read()["displacement"]
+        k = int(np.argmax(up * moved["displacement"][:, 2]))
+        assert up * moved["displacement"][k, 2] > 4e-3  # mm, of an approach of 15 um
+        assert np.linalg.norm(moved.points[k]) < 4.1  # mm, a cell from the middle of the patch
 
 
 def test_export_for_paraview(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,13 +14,16 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.state import COUNT, split
+from wheelrail.vehicle.dynamics.state import COUNT, Split, split
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import Wagon
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 Contacts = dict[Side, ContactResult]
 
@@ -44,12 +47,17 @@ class Wrench:
         return cls(force, moment)
 
 
+def wrenches(contacts: Contacts) -> Array:
+    """Force and moment (2, 6) of the left and the right wheel, N and N m."""
+    return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])
+
+
 @dataclass(frozen=True)
 class Evaluation:
     """Result of one evaluation of the equations of motion.
 
     Parameters:
-        rate: (20 + m,) time derivative of the state.
+        rate: (20 + m + k,) time derivative of the state.
         contacts: contact results by side.
         yaw_reaction: N m, constraint moment about the wheelset's vertical axis (yaw is not a degree of freedom).
         guess: contact results from which the contact solves started.
@@ -83,6 +91,7 @@ class Dynamics:
         track: alignment and irregularities.
         contact: model of the wheel-rail contacts.
         speed: constant, m/s, or a `SpeedProfile`.
+        structure: axle and rails that move with the contact's loads; the contact then is that of a `FlexibleState`.
 
     Raises ValueError for a speed that is not positive and finite.
     """
@@ -91,6 +100,7 @@ class Dynamics:
     track: Track
     contact: VehicleContact
     speed: float | SpeedProfile
+    structure: QuasiStaticStructure | None = None
 
     def __post_init__(self) -> None:
         _ = self.speed_profile  # validates the speed
@@ -121,8 +131,17 @@ class Dynamics:
 
     @property
     def size(self) -> int:
-        """Length of a state: 20, plus one for the spring of each Maxwell element."""
-        return 2 * COUNT + self.suspension.laws.states
+        """Length of a state: 20, plus one for the spring of each Maxwell element, plus the motions of the structure."""
+        return 2 * COUNT + self.suspension.laws.states + self.motions
+
+    @property
+    def motions(self) -> int:
+        """Number of motions of axle and rails in the state."""
+        return 0 if self.structure is None else self.structure.size
+
+    def split(self, state: Array) -> Split:
+        """Parts of states (..., 20 + m + k)."""
+        return split(state, self.motions)
 
     def frame(self, time: float) -> Frame:
         """The track frame at the vehicle's position at a time s."""
@@ -139,7 +158,7 @@ class Dynamics:
 
         Parameters:
             time: s.
-            state: (20 + m,), see `wheelrail.vehicle.dynamics.state`.
+            state: (20 + m + k,), see `wheelrail.vehicle.dynamics.state`.
             previous: evaluation whose contact results are the initial guess of the contact solves.
             guess: contact results in place of those of a previous evaluation.
 
@@ -148,14 +167,17 @@ class Dynamics:
         frame, guess = self.frame(time), previous.contacts if previous else guess
         contacts = self.solve_contacts(frame, state, guess)
         accelerations, yaw_reaction = self.accelerations(frame, state, Wrench.of(contacts))
-        rate = np.concatenate([state[COUNT : 2 * COUNT], accelerations])
+        rate = np.concatenate(
+            [state[COUNT : 2 * COUNT], accelerations, self.structure_rates(frame, state, wrenches(contacts))]
+        )
         return Evaluation(rate, contacts, float(np.asarray(yaw_reaction).item()), guess)
 
     def wheelset_state(self, frame: Frame, state: Array) -> WheelsetState:
-        position, rate, _, pitch_rate, _ = split(state)
+        """Position and velocity of the wheelset, with the motions of hubs and rails where they are elastic."""
+        position, rate, _, pitch_rate, _, motions = self.split(state)
         y, z, roll = position[2].tolist()
         vy, vz, spin = rate[2].tolist()
-        return WheelsetState(
+        wheelset = WheelsetState(
             y=y,
             z=z,
             roll=roll,
@@ -167,6 +189,20 @@ class Dynamics:
             frame_rate=frame.rate,
             rail_shift=frame.rails,
         )
+        return wheelset if self.structure is None else self.structure.moved(wheelset, motions)
+
+    def structure_rates(self, frame: Frame, state: Array, wrenches: Array) -> Array:
+        """Rates (k,) of the motions of axle and rails.
+
+        Parameters:
+            frame: the track frame.
+            state: (20 + m + k,).
+            wrenches: (2, 6) of the contacts.
+        """
+        if self.structure is None:
+            return np.zeros(0)
+        wheelset = self.wheelset_state(frame, state)
+        return self.structure.rates(self.split(state).motions, self.structure.loads(wheelset, wrenches))
 
     def solve_contacts(self, frame: Frame, state: Array, guess: Contacts | None) -> Contacts:
         """Both contacts; raises StepFailure for a result that failed or is not finite."""
@@ -188,20 +224,20 @@ class Dynamics:
 
         Parameters:
             frame: the track frame.
-            state: (..., 20 + m).
+            state: (..., 20 + m + k).
             contact: resultant of the contacts.
 
         Returns accelerations of the coordinates, then the m rates of the springs of Maxwell elements, (..., 10 + m);
         yaw reactions (...) N m.
         """
-        position, rate, _, _, series = split(state)
+        position, rate, _, _, series, _ = self.split(state)
         loads, _, _, series_rate = self.suspension.forces(position, rate, series)
         inertial = self.inertial_forces(frame, state)
         loads += inertial.on_bodies
         loads[..., :2] += self.weight(frame)
         loads[..., 2, :] += contact.force[1], contact.force[2], contact.moment[0]
 
-        result = np.empty((*state.shape[:-1], state.shape[-1] - COUNT))
+        result = np.empty((*state.shape[:-1], COUNT + series.shape[-1]))
         result[..., :9] = (loads / self.inertia).reshape(*state.shape[:-1], 9)
         result[..., COUNT:] = series_rate
         # Moments about the axle and the vertical axis of the wheelset: axes that roll but do not spin with it.
@@ -223,8 +259,8 @@ class Dynamics:
         return np.asarray(self.plane.gravity * np.outer(self.constants[0], frame.down[1:]))
 
     def inertial_forces(self, frame: Frame, state: Array) -> InertialForces:
-        """Inertial forces of the moving frame on states (..., 20 + m), gyroscopic moments included."""
-        position, rate, _, pitch_rate, _ = split(state)
+        """Inertial forces of the moving frame on states (..., 20 + m + k), gyroscopic moments included."""
+        position, rate, _, pitch_rate, _, _ = self.split(state)
         mass, ixx, iyy, izz, height = self.constants
         roll = np.ascontiguousarray(position[..., 2])
         lateral, vertical = frame.acceleration_of(

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences, renewed
-from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench
+from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Evaluation, Wrench, wrenches
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
@@ -26,11 +25,12 @@ ODD = ("y", "roll", "y_rate", "roll_rate")  # antisymmetric: central differences
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3)
 STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
 TIME_STEP = 1e-5  # s, forward difference in time
+NO_TANGENT = "the contact has no tangent, which elastic axles and rails on pads need"
 
 
 @dataclass(frozen=True)
 class Linearised:
-    """Derivatives of the rate (n,), n = 20 + m.
+    """Derivatives of the rate (n,), n = 20 + m + k.
 
     Parameters:
         by_state: (n, n).
@@ -82,15 +82,24 @@ class Jacobian:
         steps = STEP * np.eye(len(state))
         accelerations, _ = d.accelerations(frame, np.vstack([state + steps, state - steps, state]), wrench)
         plus, minus, (centre,) = np.split(accelerations, [len(state), 2 * len(state)])
-        by_state[COUNT:] = (plus - minus).T / (2 * STEP)
+        bodies = slice(COUNT, len(state) - d.motions)
+        by_state[bodies] = (plus - minus).T / (2 * STEP)
         by_wrench, tangents = self.by_wrench(state), self.tangents(frame, state, at.contacts)
-        by_state[COUNT : 2 * COUNT, INDICES] += by_wrench @ tangents.sum(axis=0)[:, COLUMNS]
+        indices, columns = _indices(len(state), d.motions)
+        by_state[COUNT : 2 * COUNT, indices] += by_wrench @ tangents.sum(axis=0)[:, columns]
+        if d.structure is not None:
+            wheelset = d.wheelset_state(frame, state)
+            slopes = d.structure.rate_slopes(wheelset, wrenches(at.contacts), tangents)
+            by_state[bodies.stop :, indices] = slopes.sum(axis=0)[:, columns]
+            by_state[bodies.stop :, bodies.stop :] -= np.eye(d.motions) / d.structure.time_constant
         by_time = np.zeros(len(state))
-        by_time[COUNT:] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
+        by_time[bodies] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
         if frame.rails is not None and later.rails is not None:
             rates = (np.array(later.rails) - np.array(frame.rails)) / TIME_STEP
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
             by_time[COUNT : 2 * COUNT] -= by_wrench @ np.einsum("sij,sj->i", tangents[:, :, :2], rates)
+            if d.structure is not None:
+                by_time[bodies.stop :] -= np.einsum("sij,sj->i", slopes[:, :, :2], rates)
         return Linearised(by_state, by_time)
 
     def by_wrench(self, state: Array) -> Array:
@@ -104,15 +113,18 @@ class Jacobian:
         return result
 
     def tangents(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
-        """Derivatives (2, 6, 9) of force and moment of the left and the right wheel with respect to the wheelset's
-        position and rates.
+        """Derivatives (2, 6, 9 + k) of force and moment of the left and the right wheel with respect to the wheelset's
+        position and rates, and to the motions of axle and rails. Raises StepFailure where these move and the contact
+        has no tangent.
         """
         wheelset = self.dynamics.wheelset_state(frame, state)
         tangents = self.analytical_tangents(wheelset, contacts)
+        if tangents is None and self.dynamics.structure is not None:
+            raise StepFailure(NO_TANGENT)
         return self._differences(wheelset, contacts) if tangents is None else tangents
 
     def analytical_tangents(self, wheelset: WheelsetState, contacts: Contacts) -> Array | None:
-        """The tangents (2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
+        """The tangents (2, 6, 9 + k) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
             tangents = self.dynamics.element.side_tangents(wheelset, contacts)
         except ValueError:  # some models and results have no tangent
@@ -126,7 +138,7 @@ class Jacobian:
         return self.differences.tangents
 
     def _differentiated(self, wheelset: WheelsetState, contacts: Contacts) -> Array:
-        result, centre = np.zeros((2, 6, len(WheelsetState.coordinates))), _wrenches(contacts)
+        result, centre = np.zeros((2, 6, len(WheelsetState.coordinates))), wrenches(contacts)
         for column, name, step in zip(COLUMNS, FIELDS, DIFFERENCE_STEPS, strict=True):
             plus = self._perturbed(wheelset, contacts, name, step)
             central = self.central or name in ODD
@@ -137,9 +149,11 @@ class Jacobian:
     def _perturbed(self, wheelset: WheelsetState, contacts: Contacts, name: str, step: float) -> Array:
         self.counts.differences += 1
         perturbed = replace(wheelset, **{name: getattr(wheelset, name) + step})
-        return _wrenches(self.dynamics.solve_wheelset(perturbed, contacts))
+        return wrenches(self.dynamics.solve_wheelset(perturbed, contacts))
 
 
-def _wrenches(contacts: Contacts) -> Array:
-    """Force and moment of the left and the right wheel (2, 6)."""
-    return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])
+def _indices(size: int, motions: int) -> tuple[Array, Array]:
+    """Indices in a state on which contact forces depend, and their columns in the tangents."""
+    first = len(WheelsetState.coordinates)
+    moving = np.arange(size - motions, size)
+    return np.concatenate([INDICES, moving]), np.concatenate([COLUMNS, np.arange(first, first + motions)])

@@ -1,4 +1,6 @@
-"""State vector of the plane wagon: ten coordinates, their rates, spring deflections of Maxwell elements."""
+"""State vector of the plane wagon: ten coordinates, their rates, spring deflections of Maxwell elements, and motions of
+axle and rails where these are elastic.
+"""
 
 from __future__ import annotations
 
@@ -40,6 +42,7 @@ class Split(NamedTuple):
         position, rate: (..., 3, 3) y m, z m, roll rad of the three bodies, and their rates.
         pitch, pitch_rate: (...) rad and rad/s of the wheelset.
         series: (..., m) m, spring deflections of Maxwell elements, outwards, left side first.
+        motions: (..., k) m and rad, of axle and rails, see `wheelrail.contact.loading.quasi_static_structure`.
     """
 
     position: Array
@@ -47,16 +50,22 @@ class Split(NamedTuple):
     pitch: Array
     pitch_rate: Array
     series: Array
+    motions: Array
 
 
-def split(state: Array) -> Split:
-    """Parts of states (..., 20 + m): y, z in m (z from the nominal height), angles in rad, rates per second.
+def split(state: Array, motions: int = 0) -> Split:
+    """Parts of states (..., 20 + m + k): y, z in m (z from the nominal height), angles in rad, rates per second.
 
     The pitch is measured from nominal rolling, s(t) / r: tolerances then apply to the creepage and not to the speed.
+
+    Parameters:
+        state: of the wagon.
+        motions: their number k.
     """
+    end = state.shape[-1] - motions
     shape = (*state.shape[:-1], 3, 3)
     position, rate = state[..., :9].reshape(shape), state[..., 10:19].reshape(shape)
-    return Split(position, rate, state[..., 9], state[..., 19], state[..., 2 * COUNT :])
+    return Split(position, rate, state[..., 9], state[..., 19], state[..., 2 * COUNT : end], state[..., end:])
 
 
 RATE_SCALE = 100.0  # 1/s

@@ -7,10 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Wrench
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
+from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics, Wrench, wrenches
+from wheelrail.vehicle.dynamics.jacobian import NO_TANGENT, Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, PITCH, ROLL, Y, Z
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
@@ -23,6 +24,7 @@ MOST_ROLL = 5e-3  # rad: 7 mm difference of the wheels' radii
 UNEVEN = 0.8  # difference of the wheels' loads over the axle load, above which the wheelset is rolled
 CONTACT_UNKNOWNS = [Y, Z, ROLL, PITCH]
 TANGENT_COLUMNS = [WheelsetState.coordinates.index(name) for name in ("y", "z", "roll", "pitch_rate")]
+MOTION = 1e-3  # m and rad, of axle and rails: as much in the residual as the axle load, and largest in a Newton step
 
 
 def size_of(vector: Array) -> float:
@@ -31,18 +33,23 @@ def size_of(vector: Array) -> float:
 
 @dataclass(frozen=True)
 class StaticResidual:
-    """Unbalanced forces over the axle load; unknowns (10,): positions, then relative excess of spin over nominal spin.
+    """Unbalanced forces over the axle load; unknowns (10 + k,): positions, then relative excess of spin over nominal
+    spin, then motions of axle and rails, whose errors are over 1 mm and 1 mrad.
 
     Parameters:
         dynamics: the equations of motion.
         frame: steady track frame.
 
-    Springs of Maxwell elements are unloaded. Contacts are solved without an initial guess, so that the residual is a
-    function of the unknowns alone.
+    Springs of Maxwell elements are unloaded.
     """
 
     dynamics: Dynamics
     frame: Frame
+
+    @cached_property
+    def large(self) -> Array:
+        """(10 + k,) largest changes of the unknowns in a Newton step."""
+        return np.concatenate([LARGE, np.full(self.dynamics.motions, MOTION)])
 
     @cached_property
     def weights(self) -> Array:
@@ -55,42 +62,60 @@ class StaticResidual:
     def state(self, unknown: Array) -> Array:
         state = np.zeros(self.dynamics.size)
         state[:9], state[COUNT + PITCH] = unknown[:9], unknown[9] * self.dynamics.rolling_rate(self.frame)
+        state[len(state) - self.dynamics.motions :] = unknown[COUNT:]
         return state
 
     def unknown(self, state: Array) -> Array:
-        return np.append(state[:9], state[COUNT + PITCH] / self.dynamics.rolling_rate(self.frame))
+        spin = state[COUNT + PITCH] / self.dynamics.rolling_rate(self.frame)
+        return np.concatenate([state[:9], [spin], self.dynamics.split(state).motions])
 
-    def contacts(self, unknown: Array) -> Contacts:
-        return self.dynamics.solve_contacts(self.frame, self.state(unknown), None)
+    def contacts(self, unknown: Array, guess: Contacts | None) -> Contacts:
+        return self.dynamics.solve_contacts(self.frame, self.state(unknown), guess)
 
     def residual(self, unknown: Array, contacts: Contacts) -> Array:
+        unbalanced, structure = self._unbalanced(unknown, contacts), self.dynamics.structure
+        if structure is None:
+            return unbalanced
+        rates = self.dynamics.structure_rates(self.frame, self.state(unknown), wrenches(contacts))
+        return np.concatenate([unbalanced, structure.time_constant / MOTION * rates])
+
+    def _unbalanced(self, unknown: Array, contacts: Contacts) -> Array:
+        """Rows (10,) of the residual that belong to the bodies."""
         accelerations, _ = self.dynamics.accelerations(self.frame, self.state(unknown), Wrench.of(contacts))
-        return self.weights * accelerations[:COUNT]
+        return np.asarray(self.weights * accelerations[:COUNT])
 
     def jacobian(self, unknown: Array, contacts: Contacts, residual: Array) -> Array:
-        """Jacobian (10, 10) of the residual, by the contact's tangent or by four differences of the contact."""
-        state, linear = self.state(unknown), Jacobian(self.dynamics, StepStatistics())
-        tangents = linear.analytical_tangents(self.dynamics.wheelset_state(self.frame, state), contacts)
-        columns = []
+        """Jacobian (10 + k, 10 + k) of the residual, by the contact's tangent or by four differences of the contact.
+
+        Raises StepFailure where axle and rails move and the contact has no tangent.
+        """
+        d, state = self.dynamics, self.state(unknown)
+        linear, wheelset = Jacobian(d, StepStatistics()), d.wheelset_state(self.frame, state)
+        tangents, by_wrench = linear.analytical_tangents(wheelset, contacts), linear.by_wrench(state)
+        result = np.zeros((len(unknown), len(unknown)))
         for i, step in enumerate(DIFFERENCE_STEPS):
             perturbed = unknown.copy()
             perturbed[i] += step
             solve = tangents is None and i in CONTACT_UNKNOWNS
-            results = self.contacts(perturbed) if solve else contacts
-            columns.append((self.residual(perturbed, results) - residual) / step)
-        result: Array = np.stack(columns, axis=1)
+            results = self.contacts(perturbed, contacts) if solve else contacts
+            result[:COUNT, i] = (self._unbalanced(perturbed, results) - residual[:COUNT]) / step
+        spin = np.array([1.0, 1.0, 1.0, d.rolling_rate(self.frame)])
         if tangents is not None:
-            by_unknowns = tangents.sum(axis=0)[:, TANGENT_COLUMNS] * [
-                1.0,
-                1.0,
-                1.0,
-                self.dynamics.rolling_rate(self.frame),
-            ]
-            result[:, CONTACT_UNKNOWNS] += self.weights[:, None] * linear.by_wrench(state) @ by_unknowns
+            by_unknowns = tangents.sum(axis=0)[:, TANGENT_COLUMNS] * spin
+            result[:COUNT, CONTACT_UNKNOWNS] += self.weights[:, None] * by_wrench @ by_unknowns
+        if d.structure is not None:
+            if tangents is None:
+                raise StepFailure(NO_TANGENT)
+            own, factor = len(WheelsetState.coordinates), d.structure.time_constant / MOTION
+            slopes = factor * d.structure.rate_slopes(wheelset, wrenches(contacts), tangents).sum(axis=0)
+            result[:COUNT, COUNT:] = self.weights[:, None] * by_wrench @ tangents.sum(axis=0)[:, own:]
+            result[COUNT:, CONTACT_UNKNOWNS] = slopes[:, TANGENT_COLUMNS] * spin
+            result[COUNT:, COUNT:] = slopes[:, own:] - np.eye(d.motions) / MOTION
         return result
 
     def static(self) -> Array:
-        """Unknowns (10,) of upright bodies at the height where the contacts carry the axle load within 2 %.
+        """Unknowns (10 + k,) of upright bodies, axle and rails at rest, at the height where the contacts carry the axle
+        load within 2 %.
 
         Where one wheel then carries nearly all, as with wheels of different radii, at the roll of the wheelset at which
         both carry the same load within 5 %. Raises StepFailure.
@@ -105,19 +130,18 @@ class StaticResidual:
         return unknown
 
     def _at_roll(self, roll: float) -> tuple[Array, float]:
-        """Unknowns (10,) at the height for the axle load, and load of the left minus the right wheel over the axle's.
+        """Unknowns (10 + k,) at the height for the axle load, and left minus right wheel load over the axle load.
 
         roll: of the wheelset, rad.
         """
-        unknown = np.zeros(COUNT)
+        unknown = np.zeros(COUNT + self.dynamics.motions)
         unknown[ROLL] = roll
-        loads: dict[str, float] = {}
+        contacts: Contacts = {}
         heights = [1, 4, Z]
 
         def load_fraction(z: float) -> float:
             unknown[heights] = z
-            contacts = self.contacts(unknown)
-            loads.update((side, float(result.force[2])) for side, result in contacts.items())
+            contacts.update(self.contacts(unknown, contacts))
             load = Wrench.of(contacts).force[2]
             # A Hertzian force grows as depth^(3/2): its power 2/3 is nearly straight.
             return float(np.cbrt(max(load, 0.0) / self.dynamics.wagon.axle_load) ** 2)
@@ -147,4 +171,5 @@ class StaticResidual:
                 z, fraction = middle, value
             else:
                 other, other_fraction = middle, value
-        return unknown, (loads["left"] - loads["right"]) / self.dynamics.wagon.axle_load
+        left, right = (float(contacts[side].force[2]) for side in SIDES)
+        return unknown, (left - right) / self.dynamics.wagon.axle_load

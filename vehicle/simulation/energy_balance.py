@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +14,12 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import split
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 POWERS = ("contact", "dampers", "gravity", "inertial")
 
@@ -32,7 +35,8 @@ class EnergyBalance:
 
     Spin is measured from nominal rolling, whose half a megajoule would hide the other contributions. Contact forces do
     work on the wheelset, gravity and the inertial forces of the frame on all bodies. The constraint that moves the
-    wagon along the track does no work in this frame.
+    wagon along the track does no work in this frame. With an elastic axle or pads their energy is part of the energy,
+    and the loads on hubs and rails do work on their motions, which is part of that of the contact.
     """
 
     time: Array
@@ -69,8 +73,9 @@ def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalanc
         history: rows at all accepted steps.
         wagon, track: of the run.
     """
-    dynamics = Dynamics(wagon, track, _RecordedContact(), history.speed)
-    position, rate, _, pitch_rate, series = split(history.state)
+    structure = history.structure
+    dynamics = Dynamics(wagon, track, _RecordedContact(), history.speed, structure)
+    position, rate, _, pitch_rate, series, _ = dynamics.split(history.state)
     suspension, n = dynamics.suspension, len(history)
     frames = [dynamics.frame(t) for t in history.time.tolist()]
     spin, spin_change = pitch_rate, np.array([frame.acceleration for frame in frames]) / dynamics.wagon.radius
@@ -88,7 +93,32 @@ def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalanc
         power[i, 3] = (inertial.on_bodies * rate[i]).sum() + (
             inertial.about_axle.item() - axle_inertia * spin_change[i]
         ) * spin[i]
-    return EnergyBalance(history.time, kinetic + suspension.stored_energy(position, series), power)
+    energy = kinetic + suspension.stored_energy(position, series)
+    if structure is not None:
+        energy = energy + structure.energy(history.structure_motion)
+        supplied, dissipated = _structure_power(history, dynamics, structure)
+        power[:, 0] += supplied
+        power[:, 1] -= dissipated
+    return EnergyBalance(history.time, energy, power)
+
+
+def _structure_power(history: History, dynamics: Dynamics, structure: QuasiStaticStructure) -> tuple[Array, Array]:
+    """Power (n,) W that the contact supplies to axle and rails, and that their dampers dissipate.
+
+    Rates are those of a cubic spline through the samples: in those of the equations of motion, a small difference over
+    a short time constant, the errors of the motions are a hundred times larger.
+    """
+    from scipy.interpolate import CubicSpline
+
+    if len(history) < 2:
+        return np.zeros(len(history)), np.zeros(len(history))
+    wrenches = np.concatenate([history.outputs.force, history.outputs.moment], axis=2)
+    loads = np.empty((len(history), structure.size))
+    for i, (time, state) in enumerate(zip(history.time.tolist(), history.state, strict=True)):
+        wheelset = dynamics.wheelset_state(dynamics.frame(time), state)
+        loads[i] = structure.loads(wheelset, wrenches[i])
+    rates = CubicSpline(history.time, history.structure_motion)(history.time, 1)
+    return (loads * rates).sum(axis=1), structure.dissipated_power(rates)
 
 
 class _RecordedContact(VehicleContact):

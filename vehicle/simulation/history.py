@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COUNT
+from wheelrail.vehicle.dynamics.state import COUNT, split
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.row import Outputs, PatchPair, Row
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 
 @dataclass
@@ -41,7 +45,7 @@ class History:
         speed: constant, m/s, or a `SpeedProfile`.
         radius: nominal rolling radius, m.
         time: (n,) s.
-        state: (n, 20 + m), see `wheelrail.vehicle.dynamics.state`.
+        state: (n, 20 + m + k), see `wheelrail.vehicle.dynamics.state`.
         outputs: force (n, 2, 3) N on the left and right wheel, moment (n, 2, 3) N m about the wheelset's centre, both
             in the track's axes; approach (n, 2) m; yaw_reaction (n,) N m; secondary_deflection (n,) m, lateral, of the
             car body relative to the bogie at the secondary springs; bumpstop_deflection (n,) m; bumpstop_force (n,) N
@@ -51,6 +55,7 @@ class History:
         patches, contact_status: n pairs (left, right).
         cost: of the run.
         irregularities: (n, 4) m as in `wheelrail.vehicle.track.irregularity`; None on smooth rails.
+        structure: axle and rails with k motions; None: both are rigid.
     """
 
     status: str
@@ -65,6 +70,7 @@ class History:
     contact_status: list[tuple[str, str]]
     cost: RunCost
     irregularities: Array | None = None
+    structure: QuasiStaticStructure | None = None
 
     @classmethod
     def of(cls, dynamics: Dynamics, rows: list[Row], cost: RunCost, status: str) -> History:
@@ -83,6 +89,7 @@ class History:
             contact_status=[row.contact_status for row in rows],
             cost=cost,
             irregularities=irregularities.at(np.array(distances)) if irregularities else None,
+            structure=dynamics.structure,
         )
 
     def __len__(self) -> int:
@@ -136,7 +143,16 @@ class History:
     @property
     def series_deflection(self) -> Array:
         """Spring deflections (n, m) of Maxwell elements, m, outwards: left side, then right side."""
-        return self.state[:, 2 * COUNT :]
+        return split(self.state, self._motions).series
+
+    @property
+    def structure_motion(self) -> Array:
+        """Motions (n, k) of axle and rails, see `wheelrail.contact.loading.flexible_contact.MOTIONS`."""
+        return split(self.state, self._motions).motions
+
+    @property
+    def _motions(self) -> int:
+        return 0 if self.structure is None else self.structure.size
 
 
 def _with_rolling(excess: Array, nominal: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import Step
-from wheelrail.vehicle.integration.problem import E, RightHandSide, StepFailure
+from wheelrail.vehicle.integration.problem import E, StepFailure
 
 
 class RunRow(Protocol):
@@ -34,16 +34,16 @@ class Recorder(Generic[E, R]):
     """Rows at accepted steps or at equal intervals.
 
     Parameters:
-        rhs: the equations of motion.
+        between: state and its evaluation at a time s within a step, from the step, the time and the state of its dense
+            output, `Step.at`. Raises StepFailure.
         row_of: row of a time s, a state and its evaluation.
         without_contacts: the evaluation with NaN in place of contact forces, for a reason.
-        every: interval s; None: at accepted steps. Within a step the state is that of its dense output, `Step.at`, and
-            the contacts are solved at this state; a contact that fails there has NaN forces and no patch.
+        every: interval s; None: at accepted steps. A contact that fails within a step has NaN forces and no patch.
         rows: recorded so far.
         latest: row at the last accepted step, if any.
     """
 
-    rhs: RightHandSide[E]
+    between: Callable[[Step[E], float, Array], tuple[Array, E]]
     row_of: Callable[[float, Array, E], R]
     without_contacts: Callable[[E, str], E]
     every: float | None
@@ -72,7 +72,7 @@ class Recorder(Generic[E, R]):
         """Row at a time s before the end of a step."""
         state = step.at(time)
         try:
-            evaluation = self.rhs(time, state, step.end)
+            state, evaluation = self.between(step, time, state)
         except StepFailure as failure:
             evaluation = self.without_contacts(step.end, str(failure))
         return self.row_of(time, state, evaluation)

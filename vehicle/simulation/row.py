@@ -11,7 +11,6 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.results.result import Patch
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
-from wheelrail.vehicle.dynamics.state import split
 from wheelrail.vehicle.simulation.recorder import is_array, missing_contact
 
 PatchPair = tuple[tuple[Patch, ...], tuple[Patch, ...]]
@@ -30,7 +29,7 @@ class Outputs(NamedTuple):
 
     @classmethod
     def of(cls, dynamics: Dynamics, state: Array, at: Evaluation) -> Outputs:
-        position, rate, _, _, series = split(state)
+        position, rate, _, _, series, _ = dynamics.split(state)
         contacts = [at.contacts[side] for side in SIDES]
         forces = dynamics.suspension.forces(position, rate, series)
         return cls(

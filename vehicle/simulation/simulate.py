@@ -12,7 +12,8 @@ from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences
 from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.dynamics.state import COUNT, graded
-from wheelrail.vehicle.integration.integrate import METHODS, StepSettings
+from wheelrail.vehicle.dynamics.structure_motions import with_motions_at_rates
+from wheelrail.vehicle.integration.integrate import METHODS, Step, StepSettings
 from wheelrail.vehicle.integration.rosenbrock import RosenbrockCoefficients
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, WarmStarts
 from wheelrail.vehicle.simulation.history import History
@@ -38,7 +39,7 @@ def simulate(
     Parameters:
         dynamics: equations of motion.
         span: start and end, s.
-        initial: (20 + m,) state (see `wheelrail.vehicle.dynamics.state`); None: the equilibrium at the start.
+        initial: (20 + m + k,) state (see `wheelrail.vehicle.dynamics.state`); None: the equilibrium at the start.
         steps: "ode23" and "ode45" are explicit and resolve the contact's 150 Hz; "rosenbrock" is linearly implicit and
             uses the contact's tangent if it has one; atol: see `tolerances`.
         recording: rows and checkpoints. With a latest checkpoint the run resumes from it; all other arguments must
@@ -78,7 +79,7 @@ class _WagonRun(TimeRun[Dynamics, Evaluation]):
         def row_of(time: float, state: Array, at: Evaluation) -> Row:
             return Row.of(self.dynamics, time, state, at)
 
-        return Recorder(self.right_hand_side, row_of, without_contacts, interval)
+        return Recorder(self.between, row_of, without_contacts, interval)
 
     def equilibrium(self, time: float) -> Array:
         return equilibrium(self.dynamics, time=time).state
@@ -89,6 +90,13 @@ class _WagonRun(TimeRun[Dynamics, Evaluation]):
 
     def right_hand_side(self, time: float, state: Array, previous: Evaluation | None) -> Evaluation:
         return self.dynamics(time, state, previous)
+
+    def between(self, step: Step[Evaluation], time: float, state: Array) -> tuple[Array, Evaluation]:
+        """As for any run; motions of axle and rails are those with their mean rates over the step."""
+        if self.dynamics.structure is None:
+            return super().between(step, time, state)
+        rates = self.dynamics.split(step.x - step.x0).motions / (step.t - step.t0)
+        return with_motions_at_rates(self.dynamics, time, state, rates, step.end)
 
     def linearisation(self, differences: ContactDifferences | None) -> Jacobian:
         return Jacobian(self.dynamics, self.cost.steps, differences=differences)

@@ -128,6 +128,10 @@ class TimeRun(ABC, Generic[D, E]):
     def right_hand_side(self, time: float, state: Array, previous: E | None) -> E:
         """Evaluation of the equations of motion. Raises StepFailure."""
 
+    def between(self, step: Step[E], time: float, state: Array) -> tuple[Array, E]:
+        """State and evaluation at a time s within a step, from the state of its dense output. Raises StepFailure."""
+        return state, self.right_hand_side(time, state, step.end)
+
     @abstractmethod
     def linearisation(self, differences: ContactDifferences | None) -> Linearisation[E]:
         """Jacobian that starts from contact differences."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, 
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wagon.suspension import SuspensionForces
 from wheelrail.vehicle.wagon.wagon import Wagon
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
 OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
@@ -103,7 +107,12 @@ class SteadyCurving:
 
 
 def curving(
-    wagon: Wagon, contact: VehicleContact, curve: ConstantCurve, *, before: SteadyCurving | None = None
+    wagon: Wagon,
+    contact: VehicleContact,
+    curve: ConstantCurve,
+    structure: QuasiStaticStructure | None = None,
+    *,
+    before: SteadyCurving | None = None,
 ) -> SteadyCurving:
     """Steady-state solution in a curve.
 
@@ -111,29 +120,36 @@ def curving(
         wagon: masses and suspension.
         contact: model of the wheel-rail contacts.
         curve: curve and speed.
+        structure: axle and rails that move with the contact's loads.
         before: solution of a similar curve, used as initial guess.
 
     Raises EquilibriumError.
     """
-    dynamics = Dynamics(wagon, curve.track, contact, curve.speed)
+    dynamics = Dynamics(wagon, curve.track, contact, curve.speed, structure)
     guess = None if before is None else _scaled_guess(before, curve)
     return SteadyCurving.of(dynamics, curve, equilibrium(dynamics, guess=guess))
 
 
-def curving_over(wagon: Wagon, contact: VehicleContact, curves: Iterable[ConstantCurve]) -> list[SteadyCurving]:
+def curving_over(
+    wagon: Wagon,
+    contact: VehicleContact,
+    curves: Iterable[ConstantCurve],
+    structure: QuasiStaticStructure | None = None,
+) -> list[SteadyCurving]:
     """Steady-state solutions of a series of curves, each the initial guess of the next one.
 
     Parameters:
         wagon: masses and suspension.
         contact: model of the wheel-rail contacts.
         curves: in order of speed, radius or cant.
+        structure: axle and rails that move with the contact's loads.
 
     Raises EquilibriumError naming the curve.
     """
     solutions: list[SteadyCurving] = []
     for curve in curves:
         try:
-            solutions.append(curving(wagon, contact, curve, before=solutions[-1] if solutions else None))
+            solutions.append(curving(wagon, contact, curve, structure, before=solutions[-1] if solutions else None))
         except EquilibriumError as error:
             raise EquilibriumError(f"{curve}: {error}") from error
     return solutions

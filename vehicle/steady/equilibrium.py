@@ -10,7 +10,7 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics
-from wheelrail.vehicle.dynamics.static_residual import LARGE, StaticResidual, size_of
+from wheelrail.vehicle.dynamics.static_residual import StaticResidual, size_of
 from wheelrail.vehicle.integration.integrate import StepTooSmall
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.steady.continuation import is_curved, transient_into_curve
@@ -26,7 +26,7 @@ class Equilibrium:
     """Equilibrium of the wagon.
 
     Parameters:
-        state: (20 + m,) as in `wheelrail.vehicle.dynamics.state`.
+        state: (20 + m + k,) as in `wheelrail.vehicle.dynamics.state`.
         contacts: results by side.
         iterations: Newton steps.
         residual: largest unbalanced force over the axle load.
@@ -52,7 +52,7 @@ def equilibrium(
     Parameters:
         dynamics: equations of motion.
         time: s, at which speed, curvature, cant and gradient are taken.
-        guess: (20 + m,) initial state; None: upright bodies at the static height.
+        guess: (20 + m + k,) initial state; None: upright bodies at the static height.
         tolerance: of the residual.
         acceptable: residual that is accepted when the iteration stalls, limited by the accuracy of the contact.
         max_iterations: Newton steps.
@@ -82,7 +82,7 @@ def _newton(
     equations: StaticResidual, unknown: Array, tolerance: float, acceptable: float, max_iterations: int
 ) -> Equilibrium:
     """Newton's method from one start. Raises EquilibriumError, or StepFailure when no step reduces the residual."""
-    contacts = equations.contacts(unknown)
+    contacts = equations.contacts(unknown, None)
     residual = equations.residual(unknown, contacts)
     damping, best = 0.0, Equilibrium(equations.state(unknown), contacts, 0, size_of(residual))
     for iteration in range(1, max_iterations + 1):
@@ -110,9 +110,9 @@ def _step(
     jacobian, size = equations.jacobian(unknown, contacts, residual), size_of(residual)
     while damping < 1e6:
         try:
-            change = np.linalg.solve(damping * np.diag(1.0 / LARGE) - jacobian, residual)
-            change /= max(1.0, size_of(change / LARGE))
-            new_contacts = equations.contacts(unknown + change)
+            change = np.linalg.solve(damping * np.diag(1.0 / equations.large) - jacobian, residual)
+            change /= max(1.0, size_of(change / equations.large))
+            new_contacts = equations.contacts(unknown + change, contacts)
             new = equations.residual(unknown + change, new_contacts)
             if size_of(new) < 3.0 * size:
                 return unknown + change, new_contacts, new, damping

@@ -21,6 +21,8 @@ from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
+AT_REST = 5e-2  # of the motions of axle and rails in a mode: largest motion of the bodies that is not a mode of theirs
+
 
 @dataclass(frozen=True)
 class Mode:
@@ -72,7 +74,8 @@ def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.
         time: s, at which speed and track are taken.
 
     The contact is linearised by its tangent, creep forces included, or by differences. The zero mode of the rolling
-    angle is left out. Raises EquilibriumError, and StepFailure where a contact solve fails.
+    angle is left out, and so is the decay of motions of axle and rails that hardly moves the bodies. Raises
+    EquilibriumError, and StepFailure where a contact solve fails.
     """
     solution = at or equilibrium(dynamics, time=time)
     return _modes_of(dynamics, _matrix(dynamics, time, solution), fixed=())
@@ -108,8 +111,11 @@ def _modes_of(dynamics: Dynamics, matrix: Array, *, fixed: Iterable[int]) -> lis
     values, vectors = np.linalg.eig(matrix[np.ix_(free, free)])
     shapes = np.zeros((len(matrix), len(values)), dtype=complex)
     shapes[free] = vectors
+    first = len(matrix) - dynamics.motions
     all_modes = [
-        _mode(dynamics, complex(values[i]), shapes[:COUNT, i]) for i in np.argsort(np.abs(values), kind="stable")
+        _mode(dynamics, complex(values[i]), shapes[:COUNT, i])
+        for i in np.argsort(np.abs(values), kind="stable")
+        if np.abs(shapes[:COUNT, i]).max() > AT_REST * np.abs(shapes[first:, i]).max(initial=0.0)
     ]
     return [
         m

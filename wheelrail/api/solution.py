@@ -112,10 +112,11 @@ class Solution(StoredDataset):
         return plotter
 
     def export(self, folder: str | Path) -> list[Path]:
-        """Write displacement, stress, pressure and traction of all sides in contact as VTK files, for ParaView.
+        """Write displacement, stress, pressure and traction of all sides in contact, for ParaView.
 
         Parameters:
-            folder: for the files, which are returned: a body and its cuts as .vtu, the patches as .vtp; lengths in mm.
+            folder: for the files, which are returned: a body and its cuts as .vtu, the patches as .vtp, meshed solids
+                as .xdmf; lengths in mm.
 
         Computing takes seconds. Raises ValueError for a solution from a file and for one without contact, SceneError
         for the standard model, OSError.

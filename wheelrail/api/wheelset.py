@@ -10,9 +10,15 @@ from typing import TYPE_CHECKING, Any, Literal
 from wheelrail.api.arguments import check_keys, keys_of, replaced, scene_of, with_names
 from wheelrail.api.solution import Solution, solved
 from wheelrail.meshes.profiles.profile import Profile
-from wheelrail.scenes.builders.wheelset import SideProfiles, mounted, side_profiles, wheelset_contact, wheelset_state
+from wheelrail.scenes.builders.wheelset import (
+    SideProfiles,
+    element_contact,
+    mounted,
+    side_profiles,
+    wheelset_contact,
+    wheelset_state,
+)
 from wheelrail.scenes.contacts.solve import solve_sides
-from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import ProfilesTable
 from wheelrail.scenes.schema.scene import WheelsetScene
 from wheelrail.scenes.schema.tables import TrackTable
@@ -169,20 +175,31 @@ class Wheelset:
         sides_solved = dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles))
         return solved(scene, sides_solved, self.side_profiles, replaced(self.arguments, arguments, GROUPS))
 
-    def element(self) -> WheelsetElement:
+    def element(self, *, host: Sequence[Literal["axle", "wheels", "rails"]] = ()) -> WheelsetElement:
         """Contact element for a time integration; bodies and tables are shared with this wheelset.
 
         Arguments of `WheelsetElement.solve` that are not given are those of this wheelset; y, z, roll and yaw are 0 m
-        and 0 rad unless given here. Raises SceneError with axle or pads.
+        and 0 rad unless given here.
+
+        Parameters:
+            host: bodies whose motions the program knows and gives to `solve`: "axle", rigid wheels on its own axle, by
+                the motion of their hubs; "wheels", its own flexible wheels, by the motion of their rims, which is taken
+                out of the compliance of the contact; "rails", its own track, by the mean motion of the rail's section,
+                which is taken out likewise.
+
+        Raises SceneError for other names, for bodies that are also this wheelset's own, and with bodies = "solid".
         """
         from wheelrail.api.elements.wheelset_element import WheelsetElement
 
         position = {key: self.arguments.get(key) for key in PLACED}
         placed = {key: value if isinstance(value, float | int) else 0.0 for key, value in position.items()}
         scene = self._scene(placed)
-        if scene.is_flexible:
-            raise SceneError("element: not allowed with axle or pads, whose motions are known to the time integration")
-        return WheelsetElement(self._contact, wheelset_state(scene), scene.track.curvature)
+        contact, state = element_contact(scene, self._contact, self.side_profiles, host), wheelset_state(scene)
+        if host:
+            from wheelrail.contact.loading.flexible_state import FlexibleState
+
+            state = FlexibleState(**vars(state))
+        return WheelsetElement(contact, self._contact.mounting.radius, state, scene.track.curvature)
 
     @cached_property
     def profiles(self) -> tuple[Profile, Profile]:

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_ending, error_lines, load, rejected, results_folder
-from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
+from wheelrail.cli.arguments import SceneFile, check_ending, error_lines, load, rejected
+from wheelrail.support.terminal import progress_console, stdout_for_results
 
 
 @app.command()
@@ -38,25 +38,6 @@ def view(
             checked, title=scene.stem, body=body, side=side, scale=scale, report_progress=status.update
         )
         save_view(plotter, out)
-
-
-@app.command()
-def export(
-    scene: SceneFile,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the VTK files (.vtu, .vtp).")],
-) -> None:
-    """Write displacement, stress, pressure and traction of all contacts of a scene for ParaView."""
-    checked = load(scene)
-    if checked.kind == "run":
-        raise rejected(f'{scene}: kind = "run": must be "hertz" or "wheelset"')
-    folder = results_folder(out, out)
-    from wheelrail.scenes.contacts.solve import solve_sides
-    from wheelrail.scenes.views.export import export_side
-
-    with error_lines(f"{scene}: ", f"{folder}: "), stdout_for_results(), progress_console().status("fields"):
-        solved = dict(solve_sides(checked))
-        files = [file for side, solution in solved.items() for file in export_side(checked, side, solution, folder)]
-    print_results(*map(str, files))
 
 
 @app.command()

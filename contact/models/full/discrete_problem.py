@@ -13,6 +13,7 @@ from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_
 from wheelrail.contact.geometry.grid_points import GridPoints
 from wheelrail.contact.models.full.primal_dual import primal_dual_tangent
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
+from wheelrail.contact.results.touching_material import BodyDisplacements
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.mpi import Ranks
 
@@ -30,6 +31,18 @@ def extended(operators: ContactOperators, body: ElasticBody) -> tuple[sp.csr_arr
         return sp.csr_array((operator.data[entries], columns[operator.indices[entries]], pointer), shape=shape)
 
     return extend(operators.displacement), None if operators.slip is None else extend(operators.slip)
+
+
+def body_displacements(points: GridPoints, u: Array, bodies: tuple[ElasticBody, ElasticBody]) -> BodyDisplacements:
+    """Displacements of wheel and rail at contact points, from those of all unknowns m, wheel before rail."""
+    split = 3 * bodies[0].owned
+    wheel, rail = (
+        bodies[0].ranks.all_reduce(extended(operators, body)[0] @ own).reshape(3, -1)
+        for operators, body, own in zip(
+            pair_operators(points, 0, tangential=True), bodies, (u[:split], u[split:]), strict=True
+        )
+    )
+    return BodyDisplacements(wheel[1], rail[1], wheel[2])
 
 
 @dataclass(frozen=True)

@@ -24,12 +24,13 @@ from wheelrail.contact.kinematics.creepage import NotRolling, creepage
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.augmented_lagrangian import LOOPS, offset, softened
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
+from wheelrail.contact.models.full.discrete_problem import DiscreteProblem, body_displacements
 from wheelrail.contact.models.full.newton import FullIterationCount, FullOptions, Newton
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.contact.models.full.two_body_stiffness import two_body_stiffness, with_rigid_motions
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
+from wheelrail.contact.results.touching_material import of_material, symmetric
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array, Nodes
@@ -141,6 +142,9 @@ class FullContact:
                 seconds={"points": ready - began, "solve": solved - ready},
             ),
         )
+        if not symmetric(points, tangential):
+            bodies = body_displacements(points, u, (self.wheel, self.rail))
+            result = of_material(result, points.wheel_place[:, 0], lambda: bodies)
         tangent = None
         if problem.compliance is not None:
             tractions = Tractions(-traction[:, 0], tangential, z[:, 1:] if order else tangential, traction[:, 0] < 0)

@@ -9,7 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from wheelrail.contact.geometry.strip_layout import StripLayout, connected
-from wheelrail.contact.models.lattice.body_displacement import body_displacements, with_material
+from wheelrail.contact.models.lattice.body_displacement import body_displacements
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import resultants, strip_grid
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
@@ -17,6 +17,7 @@ from wheelrail.contact.models.lattice.tangent import LatticeTangent
 from wheelrail.contact.results.patch_moments import sharpened
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result
+from wheelrail.contact.results.touching_material import with_material
 from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.support.arrays import Array, Nodes
 

@@ -148,7 +148,7 @@ def test_nothing_flexible_is_the_rigid_wheelset() -> None:
         np.testing.assert_allclose(result.force, expected.force, atol=1e-6 * LOAD)
         np.testing.assert_allclose(result.moment, expected.moment, atol=1e-6 * LOAD)
         tangent = contact().tangent(rigid.state, side, expected)
-        mine = equilibrium.tangent[SIDES.index(side)]
+        mine = equilibrium.tangent[SIDES.index(side), :, :9]
         np.testing.assert_allclose(mine, tangent, atol=1e-5 * np.abs(tangent).max())
 
 

@@ -5,9 +5,12 @@ and the same on solids.
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
+from scipy.spatial import cKDTree
 from small_pairs import AT_REST, BRICKS, CREEP, STEEL, TETRAHEDRA, Block, condensed, full, hertzian
 
 from wheelrail.contact.analytical.hertz import Hertz, axis_stress, worst
@@ -21,6 +24,7 @@ from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.contact.stress.solid_fields import solid_fields
 from wheelrail.contact.stress.subsurface import LoadedBody
 from wheelrail.contact.stress.waveguide_fields import InternalFields, internal_fields
+from wheelrail.contact.stress.xdmf_file import write_xdmf
 from wheelrail.support.arrays import Array
 
 BALL, FORCE = (0.3, 0.3), 10e3
@@ -142,6 +146,31 @@ def test_solids_deform_alike_in_both_models() -> None:
         wheel, rail = pairs[0]
         touching = [np.linalg.norm(body.points, axis=1).argmin() for body in (wheel, rail)]
         assert wheel.displacement[touching[0], 2] > 0 > rail.displacement[touching[1], 2]
+
+
+@pytest.mark.parametrize("mesh", [TETRAHEDRA, BRICKS], ids=["tetrahedra", "hexahedra"])
+def test_fields_of_solids_are_read_again_from_xdmf(mesh: Block, tmp_path: Path) -> None:
+    """Values at every point of the mesh, in mm and MPa, and cells that fill the body."""
+    size, pose = 1e-3, hertz_pose((3.2e-3) ** 2 / (2 * 0.3))
+    model = condensed(mesh, BALL, size=size, laws=ContactLaws.penalty())
+    fields = solid_fields(model, pose, model(pose, CREEP, None))[1]
+    file, values = write_xdmf(fields, tmp_path / "rail.xdmf")
+    assert {file, values} == set(tmp_path.iterdir())
+    blocks = pv.get_reader(file).read()
+    for name, expected in (
+        ("displacement", 1e3 * fields.displacement),
+        ("stress", 1e-6 * fields.stress.reshape(-1, 9)),
+        ("von Mises stress", 1e-6 * fields.von_mises),
+    ):
+        block = blocks[name]
+        distance, point = cKDTree(block.points).query(1e3 * fields.points)
+        assert distance.max() < 1e-4  # mm; the reader has single precision
+        np.testing.assert_allclose(block[name][point], expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
+    volume = np.abs(blocks["mesh"].compute_cell_sizes()["Volume"]).sum()
+    assert volume == pytest.approx(1e9 * np.prod(np.ptp(fields.points, axis=0)), rel=1e-5)
+    (tmp_path / "wheel.h5").mkdir()
+    with pytest.raises(OSError, match="cannot be written"):
+        write_xdmf(fields, tmp_path / "wheel.xdmf")
 
 
 def test_stress_in_solids_is_that_of_hertz() -> None:

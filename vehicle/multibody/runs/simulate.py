@@ -60,7 +60,7 @@ class _VehicleRun(TimeRun[VehicleDynamics, VehicleEvaluation]):
     """A run of a vehicle."""
 
     def recorder_of(self, interval: float | None) -> Recorder[VehicleEvaluation, VehicleRow]:
-        return Recorder(self.right_hand_side, VehicleRow.of, without_contacts, interval)
+        return Recorder(self.between, VehicleRow.of, without_contacts, interval)
 
     def equilibrium(self, time: float) -> Array:
         return vehicle_equilibrium(replace(self.dynamics, speed=self.dynamics.speed_profile(time).speed)).state

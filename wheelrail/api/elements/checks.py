@@ -47,6 +47,17 @@ def checked_shifts(name: str, values: object) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(_checked(f"{name}[{i}]", value, OFFSET) for value in row) for i, row in enumerate(rows))
 
 
+def checked_motions(name: str, values: object, lengths: int, angles: int) -> tuple[tuple[float, ...], ...]:
+    """Motions of a body of the left and of the right side: lengths m, then angles rad. Raises SceneError."""
+    count = lengths + angles
+    sides = _items(name, values, 2, f"{count} numbers in m and rad for the left and for the right side")
+    limits, rows = [OFFSET] * lengths + [ANGLE] * angles, []
+    for i, side in enumerate(sides):
+        numbers = _items(f"{name}[{i}]", side, count, f"{count} numbers in m and rad")
+        rows.append(tuple(_checked(f"{name}[{i}]", *item) for item in zip(numbers, limits, strict=True)))
+    return tuple(rows)
+
+
 def _items(name: str, values: object, count: int, allowed: str) -> tuple[object, ...]:
     """The items of a list, tuple or array. Raises SceneError for another number of them."""
     if isinstance(values, list | tuple | np.ndarray) and len(values) == count:

@@ -32,8 +32,10 @@ def vehicle_on(scene: RunScene, file: Path) -> Vehicle:
         scene: of a run; its wagon is not used.
         file: vehicle file.
 
-    Raises SceneError, also for wheels of another radius than those of the scene.
+    Raises SceneError, also for wheels of another radius than those of the scene, and for elastic axles or pads.
     """
+    if scene.is_flexible:
+        raise SceneError("wheelset.axle, track.pads: not allowed with a vehicle file, whose axles and track are rigid")
     vehicle = load_vehicle(file)
     if vehicle.radius != scene.wheelset.radius:
         text = f"must be {scene.wheelset.radius:g} m, wheelset.radius of the scene"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
     from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.contact.structure.hubs import HubCompliance
     from wheelrail.meshes.profiles.profile import Profile
 
@@ -58,6 +60,68 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
     return WheelsetContact(model, mounting)
 
 
+def run_contact(scene: RunScene) -> tuple[VehicleContact, QuasiStaticStructure | None]:
+    """Contact of a run, and its axle and rails where they are elastic; errors as for `wheelset_contact`."""
+    profiles = side_profiles(scene)
+    contact = wheelset_contact(scene, profiles)
+    if not scene.is_flexible:
+        return contact, None
+    from wheelrail.contact.loading.flexible_contact import FlexibleContact
+    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+
+    moving = FlexibleContact(contact, flexibility(scene, profiles))
+    return moving, QuasiStaticStructure(moving.pairs)
+
+
+def element_contact(
+    scene: WheelsetScene, contact: WheelsetContact, profiles: SideProfiles, host: Sequence[str]
+) -> VehicleContact:
+    """Contact of an element, with axle and rails that follow the loads and those that a host moves.
+
+    Parameters:
+        scene: of a wheelset.
+        contact: of both sides.
+        profiles: of wheel and inclined rail by side.
+        host: bodies whose motions are given, of "axle", "wheels" and "rails".
+
+    Raises SceneError.
+    """
+    if not scene.is_flexible and not host:
+        return contact
+    own = {"axle": scene.wheelset.axle, "wheels": scene.wheelset.axle, "rails": scene.track.pads}
+    for name in host:
+        if name not in own:
+            raise SceneError(f"element: host: {name!r}: must be axle, wheels or rails")
+        if own[name] is not None:
+            raise SceneError(f"element: host: {name!r}: not allowed with axle or pads of the wheelset itself")
+    if scene.model == "standard" or scene.discretisation.bodies == "solid":
+        raise SceneError('element: host: allowed only with bodies = "waveguide" or "half-space"')
+    from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
+
+    moving = _with_host(scene, flexibility(scene, profiles), profiles, host)
+    return QuasiStaticContact(contact, moving, on_hubs=scene.wheelset.axle is not None)
+
+
+def _with_host(scene: WheelsetScene, own: Flexibility, profiles: SideProfiles, host: Sequence[str]) -> Flexibility:
+    """Flexibility less what clamped elastic bodies and the host would both count."""
+    from wheelrail.contact.structure.pads import RailPads
+    from wheelrail.contact.structure.rim import rim_compliance
+    from wheelrail.contact.structure.section_motion import section_motion
+    from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
+
+    steel, clamped = material(scene), scene.discretisation.bodies == "waveguide"
+    if "wheels" in host and clamped:
+        own = replace(own, hubs=rim_compliance(wheel_outline(profiles["left"][0], scene.wheelset.radius), steel))
+    if "rails" in host:
+        factor = 1.0 if clamped else 0.0  # half-spaces have no motion as a whole
+        left, right = (
+            section_motion(rail_outline(profiles[side][1]), steel, RailPads()).removed for side in ("left", "right")
+        )
+        rails = replace(left, matrix=factor * left.matrix), replace(right, matrix=factor * right.matrix)
+        own = replace(own, rails=rails)
+    return own
+
+
 def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | None = None) -> RigidWheelset:
     """Rigid surfaces of both sides and their mounting; parameters and errors as for `wheelset_contact`."""
     from wheelrail.contact.geometry.first_contact import RigidWheelset
@@ -73,7 +137,7 @@ def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | Non
     return on("left") if scene.sides_alike else replace(on("left"), right=on("right"))
 
 
-def flexibility(scene: WheelsetScene, profiles: SideProfiles) -> Flexibility:
+def flexibility(scene: WheelsetScene | RunScene, profiles: SideProfiles) -> Flexibility:
     """Compliance of the axle and of the rails on their pads; where the wheels differ, that of two left-hand ones.
 
     Raises SceneError for an axle that does not fit the wheels.
@@ -91,7 +155,7 @@ def flexibility(scene: WheelsetScene, profiles: SideProfiles) -> Flexibility:
     return Flexibility(None if scene.wheelset.axle is None else _hubs(scene, profiles["left"]), rails)
 
 
-def _hubs(scene: WheelsetScene, pair: tuple[Profile, Profile]) -> HubCompliance:
+def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> HubCompliance:
     """Compliance of the hubs of the scene's axle."""
     from wheelrail.contact.structure.hubs import hub_compliance
     from wheelrail.meshes.bodies.axle import AxleShape

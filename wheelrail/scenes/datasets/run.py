@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_RAIL
 from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.datasets.patches import means, patch_variables
 from wheelrail.support.arrays import Array
@@ -131,6 +132,7 @@ def _motion(history: History) -> dict[str, Any]:
     if history.series_deflection.size:
         text = "outward deflection of the series springs of the Maxwell elements, left side, then right side"
         variables["series_deflection"] = (("time", "series"), history.series_deflection, means("m", text))
+    variables |= _structure_motion(history)
     variables["speed"] = ("time", history.speeds, means("m/s", "speed along the track"))
     variables |= irregularity_variables(history.irregularities)
     for source, name, units, text in (
@@ -147,6 +149,24 @@ def _motion(history: History) -> dict[str, Any]:
         (history.outputs, "bumpstop_force", "N", "force of the bumpstop on the car body, positive to the left"),
     ):
         variables[name] = ("time", getattr(source, name), means(units, text))
+    return variables
+
+
+def _structure_motion(history: History) -> dict[str, Any]:
+    """Motions of hubs and rails, where they are elastic."""
+    if history.structure is None:
+        return {}
+    elastic, motion = history.structure.pairs.flexibility, history.structure_motion
+    hubs = motion[:, :12].reshape(-1, 2, 6) * [np.ones(6), MIRRORED_HUB]
+    rails = motion[:, 12:].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
+    units = {"hub": "m and rad, x, y, z, then about x, y, z", "rail": "m and rad, y, z, then roll about the foot"}
+    variables: dict[str, Any] = {}
+    if elastic.hubs is not None:
+        text = "motion of the hub relative to the line through the journals"
+        variables["hub_motion"] = (("time", "side", "hub_component"), hubs, means(units["hub"], text))
+    if elastic.rails is not None:
+        text = "motion of the rail on its pads"
+        variables["rail_motion"] = (("time", "side", "rail_component"), rails, means(units["rail"], text))
     return variables
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, wagon
-from wheelrail.scenes.builders.wheelset import wheelset_contact
+from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
 from wheelrail.scenes.schema.errors import SceneError
@@ -132,7 +132,7 @@ def _simulated(
         raise SceneError("kick: allowed only with a vehicle file (--vehicle)")
     vehicle = None if file is None else vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
-        contact = wheelset_contact(scene)
+        contact, structure = run_contact(scene)
     from wheelrail.vehicle.dynamics.equations import Dynamics
     from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
@@ -154,7 +154,7 @@ def _simulated(
         if vehicle is not None:
             return simulate_on_track(scene, vehicle, parallel, end, recording, progress)
         return simulate(
-            Dynamics(wagon(scene), track(scene), parallel, speed),
+            Dynamics(wagon(scene), track(scene), parallel, speed, structure),
             (0.0, end),
             steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
             recording=recording,

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, wagon
-from wheelrail.scenes.builders.wheelset import wheelset_contact
+from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
@@ -33,9 +33,9 @@ def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
     from wheelrail.vehicle.steady.modes import modes
     from wheelrail.vehicle.track.track import Track
 
-    vehicle, contact = wagon(scene), wheelset_contact(scene)
+    vehicle, (contact, structure) = wagon(scene), run_contact(scene)
     with failures_as_run_failed():
-        return [modes(Dynamics(vehicle, Track(), contact, speed)) for speed in speeds]
+        return [modes(Dynamics(vehicle, Track(), contact, speed, structure)) for speed in speeds]
 
 
 def curve_of(scene: RunScene) -> ConstantCurve:
@@ -57,9 +57,9 @@ def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[SteadyCurving]:
     """
     from wheelrail.vehicle.steady.curving import curving_over
 
-    curve, contact = curve_of(scene), wheelset_contact(scene)
+    curve, (contact, structure) = curve_of(scene), run_contact(scene)
     with failures_as_run_failed():
-        return curving_over(wagon(scene), contact, [replace(curve, speed=speed) for speed in speeds])
+        return curving_over(wagon(scene), contact, [replace(curve, speed=speed) for speed in speeds], structure)
 
 
 @contextmanager

@@ -27,6 +27,7 @@ from wheelrail.scenes.schema.tables import (
     BodyTable,
     FallingTable,
     OutputTable,
+    RailsTable,
     SceneTable,
     Sides,
     SolverTable,
@@ -165,6 +166,7 @@ class OnRails(Contact):
     nu: q.Poisson
     profiles: ProfilesTable
     wheelset: AxleTable
+    track: RailsTable
 
     def side(self, name: Side) -> SideTable:
         """Profiles, radius and friction of one side."""
@@ -181,6 +183,21 @@ class OnRails(Contact):
     def frictional(self) -> bool:
         """Whether there is a tangential problem on a side."""
         return any(_frictional(self.side(name).friction or 0.0) for name in SIDES)
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether the axle bends or the rails move on pads."""
+        return self.wheelset.axle is not None or self.track.pads is not None
+
+    @model_validator(mode="after")
+    def _elastic_bodies(self) -> OnRails:
+        if self.is_flexible and self.model == "standard":
+            raise q.reject('allowed only with model = "condensed" or "full"', self._flexible_key)
+        return self
+
+    @property
+    def _flexible_key(self) -> str:
+        return "track.pads" if self.wheelset.axle is None else "wheelset.axle"
 
     @model_validator(mode="after")
     def _no_falling_law(self) -> OnRails:
@@ -311,18 +328,10 @@ class WheelsetScene(OnRails, Solve):
         _tabulated(self, {"nu": self.nu})
         return self
 
-    @property
-    def is_flexible(self) -> bool:
-        """Whether the axle bends or the rails move on pads."""
-        return self.wheelset.axle is not None or self.track.pads is not None
-
     def _flexible(self) -> None:
         """Raises a validation error where an elastic axle or pads do not fit."""
         if not self.is_flexible:
             return
-        key = "wheelset.axle" if self.wheelset.axle is not None else "track.pads"
-        if self.model == "standard":
-            raise q.reject('allowed only with model = "condensed" or "full"', key)
         if len(self.sides) == 1:
             raise q.reject('must be ["left", "right"] with wheelset.axle or track.pads', "sides")
         if self.wheelset.wheel_load is not None and self.wheelset.roll != "solve":
@@ -355,6 +364,13 @@ class RunScene(OnRails):
                 raise q.reject(
                     f"must be 0, or at least {shortest:.2g} s, for at most {MOST_SAMPLES} samples", "output.interval"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _flexible(self) -> RunScene:
+        if self.is_flexible and (self.model == "full" or self.discretisation.points != "lattice"):
+            allowed = 'allowed in a run only with points = "lattice", that is laws = "exact" and model = "condensed"'
+            raise q.reject(allowed, self._flexible_key)
         return self
 
     @model_validator(mode="after")

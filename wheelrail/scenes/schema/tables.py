@@ -70,13 +70,6 @@ class BlockStressTable(SceneTable):
         return ("upper", "lower") if self.body == "both" else (self.body,)
 
 
-class RailsTable(SceneTable):
-    """Position of the rails."""
-
-    gauge: q.Gauge
-    gauge_height: q.GaugeHeight
-
-
 class PadsTable(SceneTable):
     """Stiffness of one pad with its fastening, N/m: vertical, lateral and along the rail, by default as lateral; and
     the spacing of the sleepers, m. Pads are linear, spread along the rail, and do not lift.
@@ -121,25 +114,31 @@ def _switched(value: Any) -> Any:
     return {} if value is True else None if value is False else value
 
 
-class TrackTable(RailsTable):
-    """Position of the rails, curvature of the track, and pads, without which the rails are clamped at their feet."""
+class RailsTable(SceneTable):
+    """Position of the rails, and their pads, without which they are clamped at their feet."""
 
-    curvature: q.Curvature
+    gauge: q.Gauge
+    gauge_height: q.GaugeHeight
     pads: Annotated[PadsTable | None, BeforeValidator(_switched)] = None
 
 
+class TrackTable(RailsTable):
+    """Position of the rails, and curvature of the track."""
+
+    curvature: q.Curvature
+
+
 class AxleTable(SceneTable):
-    """Positions of the wheels on the axle, m."""
+    """Positions of the wheels on the axle, m, and the axle, rigid unless given."""
 
     flange_back_distance: q.FlangeBackDistance
     flange_back: q.FlangeBack
     radius: q.WheelRadius
+    axle: Annotated[ElasticAxleTable | None, BeforeValidator(_switched)] = None
 
 
 class WheelsetTable(AxleTable):
-    """Position and motion of a wheelset, and exactly one of wheel_load, N, axle_load, N, and z, m; and its axle, rigid
-    unless given.
-    """
+    """Position and motion of a wheelset, and exactly one of wheel_load, N, axle_load, N, and z, m."""
 
     y: q.Offset
     roll: q.Angle | Literal["solve"]
@@ -153,7 +152,6 @@ class WheelsetTable(AxleTable):
     wheel_load: q.WheelLoad | None = None
     axle_load: q.AxleLoad | None = None
     z: q.Offset | None = None
-    axle: Annotated[ElasticAxleTable | None, BeforeValidator(_switched)] = None
 
     @model_validator(mode="after")
     def _single_load_condition(self) -> WheelsetTable:

@@ -32,6 +32,9 @@ UPPER_HEIGHT = 110.0  # mm above the patch, upper end of the upper body there
 CUT_SEPARATION = 0.8  # half patch lengths, distance of the cuts in the right pane
 REACH = 2.6  # half patch lengths, extent of the cuts
 ANGLE = 30.0  # degrees, view angle of the camera
+# Half the height of a view, and how far its middle lies below that of the bodies, over the diagonal of all that is
+# drawn. Labels have sizes in pixels: in views 800 pixels wide those of the axes stay above the colour bar.
+DISTANCE, BELOW = 0.86, 0.15
 
 
 @dataclass(frozen=True)
@@ -143,7 +146,8 @@ def _right(view: Any, bodies: tuple[DrawnBody, ...], patch: Any, drawing: tuple[
 def _frame(view: Any, direction: Array) -> None:
     """Axes in mm, and a camera position that shows everything above the colour bars."""
     view.add_axes(color="black", line_width=3, viewport=(0.0, 0.13, 0.16, 0.29))
-    view.show_bounds(
+    axes = view.show_bounds(
+        bounds=view.bounds,  # fixed ones, with which labels do not change
         xtitle="x, forward [mm]",
         ytitle="y, left [mm]",
         ztitle="z, up [mm]",
@@ -155,9 +159,10 @@ def _frame(view: Any, direction: Array) -> None:
         n_zlabels=4,
         fmt="%.0f",
     )
+    axes.GetAxisLabels(1).SetValue(0, "")  # of y, at the corner where the last label of x is
     bounds = np.array(view.bounds).reshape(3, 2)
     centre, size = bounds.mean(axis=1), float(np.linalg.norm(np.ptp(bounds, axis=1)))
-    distance = 0.7 * size / np.tan(np.radians(0.5 * ANGLE))
+    distance = DISTANCE * size / np.tan(np.radians(0.5 * ANGLE))
     view.camera.view_angle = ANGLE
-    focus = centre - [0.0, 0.0, 0.06 * size]
+    focus = centre - [0.0, 0.0, BELOW * size]
     view.camera_position = [focus + distance * direction / np.linalg.norm(direction), focus, (0, 0, 1)]

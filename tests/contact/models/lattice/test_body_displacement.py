@@ -11,7 +11,6 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.lattice.body_displacement import BodyDisplacements, with_material
 from wheelrail.contact.models.lattice.influence.body_correction import START
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, COMPONENTS, DEGREE, NN, ROLL, TN, TT
 from wheelrail.contact.models.lattice.influence.pair_samples import (
@@ -23,6 +22,7 @@ from wheelrail.contact.models.lattice.influence.pair_samples import (
     start_of,
 )
 from wheelrail.contact.results.result import Patch
+from wheelrail.contact.results.touching_material import BodyDisplacements, with_material
 from wheelrail.support.arrays import Array
 
 ANGLE, RADIUS, YIELDING = -0.3, 0.46, 1e-9  # rad of a flange; m; m/N along the axle

@@ -1,0 +1,96 @@
+"""Contact of a wheelset whose hubs and rails have moved, for time integrations that know these motions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.loading.flexible_state import FlexibleState
+from wheelrail.contact.loading.flexible_wheelset import Flexibility, by_unknowns
+from wheelrail.contact.loading.moved_pair import COORDINATES, MovedPair
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.contact.solvers.tangent import MIRRORED
+from wheelrail.contact.structure.hubs import about_hubs_line
+from wheelrail.support.arrays import Array
+
+HUBS = slice(COORDINATES, COORDINATES + 12)  # columns of derivatives by the coordinates of a `FlexibleState`
+
+
+@dataclass(frozen=True)
+class FlexiblePairs:
+    """Pairs of both sides of a wheelset whose hubs and rails move.
+
+    The hubs' motions are relative to the line through the journals; the frame of the wheelset is that of the line
+    through its hubs, which carry nearly all of its mass.
+    Parameters:
+        mountings: of the left and the right side.
+        flexibility: of axle and rails.
+    """
+
+    mountings: tuple[Mounting, Mounting]
+    flexibility: Flexibility
+
+    def pair(self, state: WheelsetState, side: Side) -> MovedPair:
+        """Pair of one side as a left-hand one; hubs and rails of a state without motions are at rest."""
+        index = int(side == "right")
+        mounting = self.mountings[index]
+        motions = np.array(state.motions) if isinstance(state, FlexibleState) else np.zeros(18)
+        hubs = about_hubs_line(mounting.wheel_y) @ motions[:12]
+        return MovedPair(
+            mounting,
+            state.mirrored() if index else state,
+            hubs[6 * index : 6 * index + 6],
+            motions[12 + 3 * index : 15 + 3 * index],
+            self.flexibility.foot(index),
+        )
+
+    def by_coordinates(self, slopes: Array, side: Side) -> Array:
+        """Derivatives (n, 27) by `FlexibleState.coordinates`.
+
+        Parameters:
+            slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.slopes`.
+            side: its name.
+        """
+        index = int(side == "right")
+        out = by_unknowns(slopes, index)
+        out[:, HUBS] = out[:, HUBS] @ about_hubs_line(self.mountings[index].wheel_y)
+        return out
+
+
+@dataclass(frozen=True)
+class FlexibleContact(VehicleContact):
+    """Contact of one side of a wheelset at given motions of its hub and rail.
+
+    Parameters:
+        contact: of both sides.
+        flexibility: of axle and rails.
+    """
+
+    contact: WheelsetContact
+    flexibility: Flexibility
+
+    @cached_property
+    def pairs(self) -> FlexiblePairs:
+        """Pairs of both sides."""
+        left, right = (self.contact.of(side).mounting for side in SIDES)
+        return FlexiblePairs((left, right), self.flexibility)
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        pair = self.pairs.pair(state, side)
+        result = pair.in_track(self.contact.of(side).model(pair.pose, pair.motion, guess))
+        return result if side == "left" else result.mirrored()
+
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
+        """Derivatives (6, 27) of force N and moment N m by `FlexibleState.coordinates`.
+
+        Parameters and errors as for `WheelsetContact.tangent`.
+        """
+        own = result if side == "left" else result.mirrored()
+        slopes = self.pairs.by_coordinates(self.pairs.pair(state, side).wrench_slopes(own), side)
+        return slopes if side == "left" else MIRRORED[:, None] * slopes

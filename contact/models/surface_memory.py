@@ -1,0 +1,35 @@
+"""Estimate of the memory for the compliance of a surface, before anything is meshed."""
+
+from __future__ import annotations
+
+import logging
+
+from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.support.memory import check_memory, factor_memory
+
+log = logging.getLogger(__name__)
+
+LAYERS = 3  # of nodes below the surface of a solid, at least
+SAMPLES = 40  # wavenumbers of a waveguide's spectrum: 27 to 55 for blocks, rails and wheels at 0.2 to 4 mm
+LARGE = 1.0  # GB, told before
+
+
+def check_surface(body: str, along: int, across: int, how: Discretisation) -> None:
+    """Log the memory for the compliance of a surface if it is large.
+
+    Parameters:
+        body: its name.
+        along, across: corners of the cells on the surface.
+        how: discretisation, all choices made.
+
+    Raises TooLarge for more than the machine has.
+    """
+    if how.bodies == "solid":
+        gigabytes = factor_memory(3 * LAYERS * along * across * how.degree**2)
+    else:  # 3 x 3 compliances of pairs of lines, at all wavenumbers twice
+        pairs = 0.5 * float(across) ** 2
+        gigabytes = 1e-9 * 72 * pairs * (2 * SAMPLES if how.bodies == "waveguide" else 2)
+    size = f"surface_size: {along} x {across} nodes on the surface of {body}"
+    check_memory(size, gigabytes)
+    if gigabytes > LARGE:
+        log.info("%s: about %.2g GB of memory or more", size, gigabytes)

@@ -1,0 +1,85 @@
+"""Command `export`: fields for ParaView, and the contact as a C library or a functional mock-up unit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wheelrail.cli.app import app
+from wheelrail.cli.arguments import check_ending, error_lines, load, rejected, results_folder
+from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
+
+Scene = Annotated[
+    Path | None,
+    typer.Argument(metavar="SCENE", help="Scene file (TOML); not with --c.", show_default=False),
+]
+
+
+@app.command()
+def export(
+    scene: Scene = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for fields as VTK files (.vtu, .vtp) and XDMF.")
+    ] = None,
+    fmu: Annotated[
+        Path | None,
+        typer.Option("--fmu", metavar="FILE", help="Functional mock-up unit (FMI 2.0, .fmu) of a wheelset."),
+    ] = None,
+    c: Annotated[
+        Path | None,
+        typer.Option("--c", metavar="DIR", help="Folder for a C library with header, Fortran module and examples."),
+    ] = None,
+) -> None:
+    """Write the fields of all contacts of a scene for ParaView, or a contact element for multibody programs."""
+    if sum(target is not None for target in (out, fmu, c)) != 1:
+        raise rejected("export: exactly one of --out DIR, --fmu FILE and --c DIR is required")
+    if c is not None:
+        if scene is not None:
+            raise rejected(f"export: {scene}: not allowed with --c; programs open scenes themselves")
+        _library(c)
+    elif scene is None:
+        raise rejected("export: SCENE is required")
+    elif fmu is not None:
+        _unit(scene, fmu)
+    elif out is not None:
+        _fields(scene, out)
+
+
+def _library(folder: Path) -> None:
+    from wheelrail.export.library import export_library
+
+    results_folder(folder, folder)
+    with error_lines("", f"{folder}: "):
+        print_results(str(export_library(folder)))
+
+
+def _unit(scene: Path, file: Path) -> None:
+    checked = load(scene)
+    check_ending("--fmu", file, (".fmu",))
+    if checked.kind != "wheelset":
+        raise rejected(f'{scene}: kind = "{checked.kind}": must be "wheelset"')
+    from wheelrail.export.unit import export_unit
+
+    with error_lines(f"{scene}: ", f"{file}: "):
+        export_unit(scene, file)
+    print_results(str(file))
+
+
+def _fields(scene: Path, out: Path) -> None:
+    checked = load(scene)
+    if checked.kind == "run":
+        raise rejected(f'{scene}: kind = "run": must be "hertz" or "wheelset"')
+    folder = results_folder(out, out)
+    from wheelrail.scenes.contacts.solve import built_model, solve_sides
+    from wheelrail.scenes.views.export import export_side
+
+    with error_lines(f"{scene}: ", f"{folder}: "), stdout_for_results(), progress_console().status("fields"):
+        model = built_model(checked)
+        files = [
+            file
+            for side, solution in dict(solve_sides(checked, model=model)).items()
+            for file in export_side(checked, side, solution, folder, model)
+        ]
+    print_results(*map(str, files))

@@ -1,0 +1,100 @@
+"""The shared library: C functions that start Python and call this package, by cffi's embedding."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from contextlib import redirect_stdout
+from importlib.resources import files
+from io import StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from wheelrail.export.header import FUNCTIONS, c_header, fortran_module
+
+EXAMPLES = ("example.c", "example.f90")
+SETTINGS = ("WHEELRAIL_CACHE", "NUMBA_CACHE_DIR")  # of the environment, that hosts may set anew
+KEEP = "-Wl,-z,nodelete"  # Python keeps pointers into the library, also after a program has closed it
+_INIT = """
+import os, sys
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+for name, value in {settings!r}.items():
+    os.environ.setdefault(name, value)
+path = os.environ.get("WHEELRAIL_PYTHONPATH")
+sys.path[:0] = path.split(os.pathsep) if path else {path!r}
+from {module} import ffi
+from wheelrail.export.embedded import define
+define(ffi)
+"""
+
+
+def export_library(folder: Path) -> Path:
+    """Write wheelrail.h, the shared library, a Fortran module and examples into a folder; returns the library's path.
+
+    Parameters:
+        folder: is created.
+
+    Raises OSError for a folder that cannot be written, without cffi, a C compiler or Python's headers.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "wheelrail.h").write_text(c_header(), encoding="utf-8")
+    (folder / "wheelrail.f90").write_text(fortran_module(), encoding="utf-8")
+    for name in EXAMPLES:
+        (folder / name).write_text(_text(name), encoding="utf-8")
+    library = folder / "libwheelrail.so"
+    compile_library(library, "wheelrail_c", "")
+    return library
+
+
+def compile_library(library: Path, module: str, source: str) -> None:
+    """Compile the library.
+
+    Parameters:
+        library: file to write.
+        module: name of the Python module inside, unique among the libraries of a process.
+        source: further C code that uses the functions of the header.
+
+    The library finds Python's packages where this process does; the environment variable WHEELRAIL_PYTHONPATH names
+    other folders. Raises OSError.
+    """
+    if sys.platform != "linux":
+        raise OSError(f"libraries for other programs are made on Linux only so far, not on {sys.platform}")
+    try:
+        from cffi import FFI
+    except ImportError:
+        raise OSError("cffi is not installed; install wheelrail[export]") from None
+    ffi = FFI()
+    ffi.embedding_api(FUNCTIONS.replace("int wheelrail_version(void);", "").replace("_open(", "_python_open("))
+    libpython = f'#define LIBPYTHON "{sysconfig.get_config_var("INSTSONAME")}"'
+    ffi.set_source(module, "\n".join((libpython, c_header(), _text("python.c"), source)))
+    settings = {name: str(Path(os.environ[name]).absolute()) for name in SETTINGS if os.environ.get(name)}
+    path = [str(Path(entry).absolute()) for entry in sys.path if entry and Path(entry).exists()]
+    root = str(Path(__file__).parents[2])
+    ffi.embedding_init_code(_INIT.format(module=module, settings=settings, path=[root, *path]))
+    with TemporaryDirectory() as work:
+        code = Path(work, "library.c")
+        with redirect_stdout(StringIO()):  # cffi prints the name of the file
+            ffi.emit_c_code(str(code))
+        _compile(code, library)
+
+
+def _text(name: str) -> str:
+    return files("wheelrail.export").joinpath(name).read_text(encoding="utf-8")
+
+
+def _compile(code: Path, library: Path) -> None:
+    """Compile a C file into a shared library linked with Python's. Raises OSError with the compiler's first error."""
+    compiler = os.environ.get("CC", "cc")
+    if shutil.which(compiler) is None:
+        raise OSError(f"C compiler {compiler!r}: not found; install one, or name it by the environment variable CC")
+    place, version = sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("LDVERSION")
+    command = [compiler, "-O2", "-shared", "-fPIC", f"-I{sysconfig.get_path('include')}", str(code), "-o", str(library)]
+    command += [f"-L{place}", f"-Wl,-rpath,{place}", f"-lpython{version}", "-ldl", "-lpthread", KEEP]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        error = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip())
+        raise OSError(f"{compiler}: {error}")
