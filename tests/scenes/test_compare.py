@@ -156,13 +156,12 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both runs, figures, table; completed runs are not repeated, those of another scene are."""
     models: list[str] = []
 
-    def contact(scene: RunScene, profiles: object) -> WheelsetContact:
+    def contact(scene: RunScene) -> tuple[WheelsetContact, None]:
         models.append(scene.model)
-        return (
-            CONTACT if scene.model == "standard" else replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
-        )
+        elsewhere = replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
+        return CONTACT if scene.model == "standard" else elsewhere, None
 
-    monkeypatch.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", contact)
+    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", contact)
     file, out = short_scene(tmp_path), tmp_path / "out"
     first = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
     assert first.exit_code == 0, first.output

@@ -55,7 +55,7 @@ def quick(folder: Path, *changes: tuple[str, str]) -> Path:
 
 @pytest.fixture(autouse=True)
 def smooth(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", lambda *given: SMOOTH)
+    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (SMOOTH, None))
 
 
 def stopped(folder: Path, code: str, *line: str) -> tuple[int, str]:
@@ -103,7 +103,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("undisturbed")
     quick(folder)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", lambda *given: SMOOTH)
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (SMOOTH, None))
         resumed(folder)
     return folder
 
@@ -239,7 +239,7 @@ PHASES = {
     "builtins.__import__ = at",
     "scene": "import wheelrail.scenes.schema.scene as m; m.read_text = stop",
     "header": "import wheelrail.scenes.runs.resume as m; m.header = stop",
-    "contact": "import wheelrail.scenes.builders.wheelset as m; m.wheelset_contact = stop",
+    "contact": "import wheelrail.scenes.runs.run as m; m.run_contact = stop",
     "equilibrium": "import wheelrail.vehicle.simulation.simulate as m; m.equilibrium = stop",
     "steps": "import wheelrail.vehicle.simulation.simulate as m; m.Recorder.add = after(m.Recorder.add, 25)",
     "first checkpoint": "import os; os.replace = after(os.replace, 1)",

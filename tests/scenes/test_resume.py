@@ -335,7 +335,7 @@ def command(folder: Path, *options: str, contact: Stopping | None = None, **chan
     scene.write_text(text.replace("[output]", "[output]\ncheckpoint = 30\nfigures = false"))
     model = WheelsetContact(contact or Stopping(), CONTACT.mounting)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", lambda *given: model)
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (model, None))
         return CliRunner().invoke(app, ["run", str(scene), "--out", str(folder), *options])
 
 

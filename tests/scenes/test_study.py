@@ -26,11 +26,11 @@ from xarray.testing import assert_identical
 
 from wheelrail.cli.main import app
 from wheelrail.contact.analytical.hertz import hertz, modulus
-from wheelrail.scenes.builders import wheelset as builders
 from wheelrail.scenes.plots.fits import slope
+from wheelrail.scenes.runs import run as scene_run
 from wheelrail.scenes.schema.edits import changed
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
-from wheelrail.scenes.schema.scene import checked
+from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.studies import plan as plan_module
 from wheelrail.scenes.studies import run as run_module
 from wheelrail.scenes.studies.job import Job
@@ -612,13 +612,14 @@ def numbers(data: Dataset) -> Dataset:
 
 
 def test_killed_run_resumes_from_its_checkpoint(tmp_path: Path, here: Here, monkeypatch: pytest.MonkeyPatch) -> None:
-    solved, made = list[Counted](), builders.wheelset_contact
+    solved, made = list[Counted](), scene_run.run_contact
 
-    def counted(*given: Any) -> Counted:
-        solved.append(Counted(made(*given)))
-        return solved[-1]
+    def counted(scene: RunScene) -> tuple[Any, Any]:
+        contact, structure = made(scene)
+        solved.append(Counted(contact))
+        return solved[-1], structure
 
-    monkeypatch.setattr(builders, "wheelset_contact", counted)
+    monkeypatch.setattr(scene_run, "run_contact", counted)
     file = tmp_path / "curve.toml"
     file.write_text(CURVE)
     undisturbed = run_study(file, tmp_path / "whole", pictures=False)

@@ -57,7 +57,7 @@ def command(
     scene = folder / "scene.toml"
     scene.write_text(f"{text}\n[output]\ncheckpoint = 5\nfigures = false\n")
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.builders.wheelset.wheelset_contact", lambda *given: contact or Stopping())
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (contact or Stopping(), None))
         return CliRunner().invoke(app, ["run", str(scene), "--vehicle", str(vehicle), "--out", str(folder), *options])
 
 

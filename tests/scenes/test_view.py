@@ -122,7 +122,7 @@ def test_one_label_at_the_common_corner_of_two_axes() -> None:
     assert len(AXES) == 2
     for x, y in AXES:
         assert all(x)
-        assert y[0] == ""
+        assert y[0] == " "
         assert all(y[1:])
 
 

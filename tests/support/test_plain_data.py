@@ -76,7 +76,7 @@ def test_nested_objects_of_the_package() -> None:
         LazyPatches(lambda: (patch,)),
         fields,
         statistics=Statistics(newton=3),
-        warm_start=Split(*5 * (shape,)),
+        warm_start=Split(*6 * (shape,)),
     )
     copy = again(result)
     assert isinstance(copy, ContactResult)

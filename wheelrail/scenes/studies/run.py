@@ -16,6 +16,7 @@ from wheelrail.scenes.studies.plan import Plan, plan
 from wheelrail.scenes.studies.schema import StudyTable, check_study, load_study
 from wheelrail.scenes.studies.solve import CaseResult
 from wheelrail.scenes.studies.workers import SchedulerGone, case_results, check_address, cluster, processes
+from wheelrail.support.interrupts import deferred_interrupts
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -198,11 +199,12 @@ class StudyRun:
         started = _executor(self.planned, scheduler, len(missing))
         with started as executor, case_bar(console, len(missing)) as done:
             for job, result in case_results(executor, missing):
-                self.results[job.key], self.computed = result, self.computed + 1
-                if not result.lost:  # a case whose worker was lost has no result and is computed again next time
-                    self._store(job.key, result)
-                    if job.folder:
-                        self.store.prune_run_data(self.results)
+                with deferred_interrupts():  # a result that is in the Dataset is in the store, too
+                    self.results[job.key], self.computed = result, self.computed + 1
+                    if not result.lost:  # a case whose worker was lost has no result and is computed again next time
+                        self._store(job.key, result)
+                        if job.folder:
+                            self.store.prune_run_data(self.results)
                 done(result.ok)
 
     def write(self, folder: Path) -> tuple[Dataset, list[Path]]:

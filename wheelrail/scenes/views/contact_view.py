@@ -159,7 +159,7 @@ def _frame(view: Any, direction: Array) -> None:
         n_zlabels=4,
         fmt="%.0f",
     )
-    axes.GetAxisLabels(1).SetValue(0, "")  # of y, at the corner where the last label of x is
+    axes.GetAxisLabels(1).SetValue(0, " ")  # of y, at the corner where the last label of x is
     bounds = np.array(view.bounds).reshape(3, 2)
     centre, size = bounds.mean(axis=1), float(np.linalg.norm(np.ptp(bounds, axis=1)))
     distance = DISTANCE * size / np.tan(np.radians(0.5 * ANGLE))
