@@ -21,10 +21,10 @@ from wheelrail.contact.models.lattice.influence.strip_operators import StripOper
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.chords import chords
-from wheelrail.contact.models.lattice.solver.cold_start import cold_start, with_tractions
+from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import entering
 from wheelrail.contact.models.lattice.solver.factors import back_substitution
-from wheelrail.contact.models.lattice.solver.newton import ITERATIONS, LatticeNewton, LatticeSolution
+from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -37,11 +37,11 @@ log = logging.getLogger(__name__)
 
 FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
 WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearly always
-START_TOLERANCE = 1e-3  # of the solution without friction that is a start
 MATRICES = 3  # of the size of the Jacobian: operator, Jacobian, factors
 SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
-FIRST_ITERATIONS = 25  # with friction from the first cells: 99.9 % of random poses need at most 21
+START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
+ITERATIONS = 25  # from such a start: 99.9 % of random poses need at most 21
 
 
 @dataclass(frozen=True)
@@ -116,8 +116,6 @@ class LatticeContact:
             if not len(problem.candidates):
                 return ContactResult.separated(approach)
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
-            if solution is None:
-                return ContactResult.separated(approach)
             statistics = Statistics(
                 newton=count.newton,
                 linear=count.linear,
@@ -162,7 +160,7 @@ class LatticeContact:
                     state = state.joined(new)
                 elif not steps.size < FARTHEST:
                     return None
-            return LatticeNewton(problem, self.tolerance, count).solve(state, FARTHEST, WARM_ITERATIONS)
+            return LatticeNewton(problem, self.tolerance, count).solve(state, WARM_ITERATIONS, FARTHEST)
         except (NotConverged, OutsideSurface) as error:
             log.debug("from the earlier result: %s", error)
             return None
@@ -182,30 +180,17 @@ class LatticeContact:
         if seconds > LONG:
             log.info("%s: %.2g GB, about %.2g s per Newton step", name, gigabytes, seconds)
 
-    def _from_none(self, problem: LatticeProblem, count: IterationCount) -> LatticeSolution | None:
-        """Solution without an earlier result; None without contact. With friction from all of it at once, and where
-        that does not converge, from the solution without friction. Raises TooLarge.
+    def _from_none(self, problem: LatticeProblem, count: IterationCount) -> LatticeSolution:
+        """Solution without an earlier result, from cells that are refined until Newton's method converges: strips with
+        little load need more of them. Raises TooLarge, NotConverged, OutsideSurface.
         """
         self._check_size(len(problem.candidates))
-        try:
-            state = cold_start(problem, self.laws, IterationCount())
-            iterations = FIRST_ITERATIONS if problem.rolls else ITERATIONS
-            newton = LatticeNewton(problem, self.tolerance, count)
-            return None if state is None else newton.solve(state, iterations=iterations)
-        except (NotConverged, OutsideSurface, np.linalg.LinAlgError) as error:
-            if not problem.rolls:
-                raise
-            log.debug("from all at once: %s", error)
-        state = frictionless_start(problem, self.laws, count)
-        return None if state is None else LatticeNewton(problem, self.tolerance, count).solve(state)
-
-
-def frictionless_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount) -> LatticeState | None:
-    """Strips, ends and pressure without friction, and the tractions of friction at this pressure; None without contact.
-
-    Raises NotConverged, OutsideSurface.
-    """
-    normal = replace(problem, basis=strip_basis(problem.cells, "none"), law=None)
-    state = cold_start(normal, laws, IterationCount())
-    solution = None if state is None else LatticeNewton(normal, START_TOLERANCE, count).solve(state)
-    return None if solution is None else with_tractions(problem, laws, solution.state)
+        failure: Exception = NotConverged("no start")
+        for cells in START_CELLS:
+            try:
+                state = cold_start(problem, self.laws, cells, IterationCount())
+                return LatticeNewton(problem, self.tolerance, count).solve(state, iterations=ITERATIONS)
+            except (NotConverged, OutsideSurface, np.linalg.LinAlgError) as error:
+                log.debug("from %d cells: %s", cells, error)
+                failure = error
+        raise failure

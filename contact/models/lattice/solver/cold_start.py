@@ -8,47 +8,43 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.lattice.influence.basis import MODES, equal_cells
+from wheelrail.contact.models.lattice.influence.basis import MODES, StripBasis, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.system.equations import linearise
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.lattice.system.surface import GAUSS, frames, rigid_shift
-from wheelrail.contact.solvers.active_set import PrescribedPressure
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
-from wheelrail.contact.solvers.semismooth_newton import tangential_contact
-from wheelrail.contact.solvers.tangential import FrictionProblem
 from wheelrail.contact.solvers.tractions import Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
 
-CELLS = 8
 WIDENINGS = 4  # of the cells until no pressure is left at their ends
 OPTIONS = NewtonOptions(tolerance=1e-3)  # of a start
 
 
-def cold_start(problem: LatticeProblem, laws: ContactLaws, count: IterationCount) -> LatticeState | None:
-    """First strips and ends; None without contact. Raises OutsideSurface, NotConverged."""
+def cold_start(problem: LatticeProblem, laws: ContactLaws, cells: int, count: IterationCount) -> LatticeState:
+    """First strips and ends, from cells along every strip. Raises OutsideSurface, NotConverged."""
     strips = problem.candidates
-    if not len(strips):
-        return None
     ends = first_ends(problem, strips)
+    basis = equal_cells(cells, problem.tangential)
     for _ in range(WIDENINGS):
-        pressure, tractions = _solved(problem, strips, ends, laws, count)
+        pressure, tractions = _solved(problem, basis, strips, ends, laws, count)
         state = state_of_cells(problem, strips, ends, pressure, tractions)
         cut = pressure[:, [0, -1]] > 0
         if not cut.any():
             break
         ends = ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0]
+    if state is None:
+        raise NotConverged("the cells of the first strips carry no pressure")
     return state
 
 
 def _solved(
-    problem: LatticeProblem, strips: Nodes, ends: Array, laws: ContactLaws, count: IterationCount
+    problem: LatticeProblem, basis: StripBasis, strips: Nodes, ends: Array, laws: ContactLaws, count: IterationCount
 ) -> tuple[Array, Array]:
-    """Pressure (S, CELLS) and tractions (2, S, CELLS) Pa of equal cells between ends (S, 2) m."""
-    basis = equal_cells(CELLS, problem.tangential)
+    """Pressure (S, N) and tractions (2, S, N) Pa of the N equal cells of a basis between ends (S, 2) m."""
+    N = len(basis.marks) - 1
     stretch = problem.tables.stretch[strips]
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
@@ -57,18 +53,18 @@ def _solved(
     if not inside:
         raise OutsideSurface(TOO_LONG)
     place = (ends[:, :1] + length * 0.5 * (basis.marks[1:] + basis.marks[:-1])).ravel()
-    middle, width = np.repeat(problem.middle[strips], CELLS), np.repeat(problem.width[strips], CELLS)
+    middle, width = np.repeat(problem.middle[strips], N), np.repeat(problem.width[strips], N)
     depth = 0.5 * sum(problem.penetration(middle + k * width, place).depth for k in (-GAUSS, GAUSS))
     depth = np.where(np.isfinite(depth), depth, -problem.approach)
     rigid = None
     if problem.rolls:
-        level = np.repeat(problem.places(strips).level, CELLS, axis=0)
+        level = np.repeat(problem.places(strips).level, N, axis=0)
         motion = problem.data
         at = frames(problem.surface, motion.origin, motion.rotation, middle, place)
         shift = rigid_shift(at, level, motion)[0]
         rigid = shift.T.ravel() / problem.speed
     tractions = _tractions(matrix, depth, rigid, laws, problem.speed, count)
-    shape = len(strips), CELLS
+    shape = len(strips), N
     return tractions.pressure.reshape(shape), tractions.tangential.T.reshape(2, *shape)
 
 
@@ -150,19 +146,3 @@ def _beyond(outer: float, inner: float) -> float:
     """Distance from the middle of the outer cell to the end, in cells, 0 to 1."""
     rise = inner**2 - outer**2
     return float(np.clip(outer**2 / rise, 0.0, 1.0)) if rise > 0 else 1.0
-
-
-def with_tractions(problem: LatticeProblem, laws: ContactLaws, normal: LatticeState) -> LatticeState:
-    """A state without tractions with those of friction at its pressure. Raises NotConverged."""
-    S, M = len(normal.strips), problem.cells
-    values = np.hstack([np.zeros((S, 2 * M)), normal.values])
-    evaluation, operator, _ = linearise(values, problem.of(normal.strips))
-    cells = np.arange(values.size).reshape(values.shape)[:, : 2 * M].reshape(S, 2, M)
-    rows = cells.transpose(1, 0, 2).ravel()
-    rigid = evaluation.slip.transpose(1, 0, 2).ravel()  # with the part of the pressure
-    pressure = PrescribedPressure(np.maximum(evaluation.pressure, 0.0).ravel())
-    friction = FrictionProblem(operator[np.ix_(rows, rows)], rigid, None, pressure, laws, problem.speed)
-    loaded = evaluation.pressure.ravel() > 0
-    tractions = tangential_contact(friction, np.zeros((2, S * M)), loaded, OPTIONS, IterationCount()).q
-    values[:, : 2 * M] = tractions.reshape(2, S, M).transpose(1, 0, 2).reshape(S, 2 * M)
-    return LatticeState(normal.strips, values)

@@ -14,19 +14,15 @@ from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.solver.factors import Factors
 from wheelrail.contact.models.lattice.system.equations import Evaluation
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.state import LatticeState, leaving, longest, relative_parts, relative_size
+from wheelrail.contact.models.lattice.system.state import LatticeState, leaving, longest, relative_size
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
-from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
 
 log = logging.getLogger(__name__)
 
-ITERATIONS = 60
 HALVINGS = 6  # of a step in the line search
 NEAR = 0.1  # step below which strips may enter
-NEARER = 1e-3  # the same after strips have been set aside
-STALLED = 3  # shortened steps, one after the other, after which strips are set aside; then twice as many, and so on
-SMALL = 0.3  # load per width over the largest one, of strips that may be set aside
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
 RELEASES = 2  # times that such strips may enter again
 
@@ -54,16 +50,9 @@ class LatticeNewton:
         self.problem, self.tolerance, self.count = problem, tolerance, count
         self._left: dict[int, int] = {}
         self._releases = 0
-        self._near, self._patience = NEAR, STALLED
-        self._shortened = 0  # steps, one after the other
 
-    def solve(
-        self, state: LatticeState, farthest: float = np.inf, iterations: int = ITERATIONS
-    ) -> LatticeSolution | None:
-        """Solution from a state; None if the first step exceeds farthest or no strip remains loaded.
-
-        Raises NotConverged, OutsideSurface.
-        """
+    def solve(self, state: LatticeState, iterations: int, farthest: float = np.inf) -> LatticeSolution:
+        """Solution from a state. Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface."""
         checked = False  # for strips that enter, since the last change of the set
         for iteration in range(iterations):
             check_interrupt()
@@ -75,23 +64,19 @@ class LatticeNewton:
             if not np.isfinite(size):
                 raise NotConverged("the step of the contact is not finite")
             if iteration == 0 and size > farthest:
-                return None
+                raise NotConverged(f"the first step, {size:.1e}, is too long")
             log.debug("iteration %d: step %.1e, %d strips", iteration, size, len(state.strips))
             remains = ~leaving(state.values, step, size)
             if not remains.all():
                 if not remains.any():
-                    return None
+                    raise NotConverged("no strip remains loaded")
                 for strip in state.strips[~remains]:
                     self._left[int(strip)] = self._left.get(int(strip), 0) + 1
                 log.debug("strips %s leave", state.strips[~remains])
                 state, checked = state.at(remains), False
                 continue
-            aside = self._aside(state, step)
-            if aside.any():
-                state, checked = state.at(~aside), False
-                continue
             state, size, evaluation = self._moved(state, step, rho, factors, evaluation)
-            if size < self.tolerance or (size < self._near and not checked):
+            if size < self.tolerance or (size < NEAR and not checked):
                 grown = self._entered(state)
                 if grown is not None:
                     state, checked = grown, False
@@ -109,7 +94,7 @@ class LatticeNewton:
         self, state: LatticeState, step: Array, rho: Array, factors: Factors, evaluation: Evaluation
     ) -> tuple[LatticeState, float, Evaluation]:
         """State after a step and further ones with the same factors while they contract; size of the next one, and the
-        evaluation.
+        evaluation. Raises OutsideSurface.
 
         Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
         """
@@ -117,7 +102,6 @@ class LatticeNewton:
             _, before = relative_size(state.values, step)
             factor = longest(state.values, step)
             best: tuple[float, LatticeState, Array, Evaluation] | None = None
-            self._shortened += 1
             for _ in range(HALVINGS):
                 trial = state.moved(step, factor)
                 self.count.linear += 1
@@ -131,8 +115,6 @@ class LatticeNewton:
                 if best is None or after < best[0]:
                     best = after, trial, following, evaluation
                 if after <= (1 - 0.25 * factor) * before:
-                    if factor > 0.5:
-                        self._shortened = 0
                     break
                 factor *= 0.5
             if best is None:
@@ -144,20 +126,6 @@ class LatticeNewton:
             if leaving(state.values, step, size).any():
                 break
         return state, size, evaluation
-
-    def _aside(self, state: LatticeState, step: Array) -> Mask:
-        """Strips (S,) that are set aside, to enter again from the solution without them: those that hinder a stalled
-        iteration, the ones with the largest relative step.
-        """
-        none = np.zeros(len(state.strips), dtype=bool)
-        if self._shortened < self._patience or len(none) == 1:
-            return none
-        self._shortened, self._near, self._patience = 0, NEARER, 2 * self._patience
-        parts = relative_parts(state.values, step)
-        load = state.modes[:, 0] * state.half
-        aside: Mask = (parts > 0.5 * parts.max()) & (load < SMALL * load.max())
-        log.debug("strips %s are set aside", state.strips[aside])
-        return aside
 
     def _released(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter although they had left too often; None without any.

@@ -103,19 +103,11 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
     return largest if np.isfinite(total) else np.inf, np.sqrt(total)
 
 
-def relative_parts(values: Array, step: Array) -> Array:
-    """Largest entry (S,) of a step (S, block) in each strip over the largest amplitude of the pressure, or half
-    length.
-    """
-    pressure = max(float(np.abs(values[:, -2 - MODES]).max()), LEAST_PRESSURE)
-    half = 0.5 * float((values[:, -1] - values[:, -2]).max())
-    return np.asarray(np.maximum(np.abs(step[:, :-2]).max(axis=1) / pressure, np.abs(step[:, -2:]).max(axis=1) / half))
-
-
 @compiled
 def leaving(values: Array, step: Array, size: float) -> Mask:
-    """Strips (S,) that leave by a step of a relative size: those with negative load after a full step that have nearly
-    vanished, or are in tension already and the step is a moderate one: a step from a poor start overshoots.
+    """Strips (S,) that leave by a step of a relative size: those that have nearly vanished, with negative load or
+    squared half length after a full step; and those in tension with negative load after a full step if the step is a
+    moderate one: a step from a poor start overshoots.
     """
     S, last = len(values), values.shape[1] - 1
     largest = 0.0
@@ -126,7 +118,10 @@ def leaving(values: Array, step: Array, size: float) -> Mask:
         half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
         amplitude = values[i, last - 1 - MODES]
         load = amplitude * half + step[i, last - 1 - MODES] * half + amplitude * change
-        leaves[i] = load <= 0.0 and (half < VANISHED * largest or (amplitude < 0.0 and size < LARGE))
+        if half < VANISHED * largest:
+            leaves[i] = load <= 0.0 or half + 2.0 * change <= 0.0
+        else:
+            leaves[i] = load <= 0.0 and amplitude < 0.0 and size < LARGE
     return leaves
 
 
