@@ -5,12 +5,13 @@ With the compliance C, the motions e_0 without load and the loads w of the conta
     tau e' = e_0 + C w - e.
 
 Dampers are proportional to the springs. Below 1 / (2 pi tau) the motions are those of static equilibrium; there are no
-resonances of axle and rails, the lowest of which is that of a wheel turning on its axle, near 100 Hz.
+resonances of axle and rails, the lowest of which is that of a wheel turning on its axle, near 100 Hz. On discrete
+sleepers C changes along the track.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +43,18 @@ class QuasiStaticStructure:
     def size(self) -> int:
         """Number of motions."""
         return len(MOTIONS)
+
+    @property
+    def period(self) -> float:
+        """Distance m along the track after which the compliance is the same again; infinite where it is constant."""
+        return min((rail.spacing for rail in self.pairs.flexibility.rails or ()), default=np.inf)
+
+    def at(self, distance: float) -> QuasiStaticStructure:
+        """The structure at a distance m along the track."""
+        flexibility = self.pairs.flexibility
+        if not flexibility.varies:
+            return self
+        return replace(self, pairs=replace(self.pairs, flexibility=flexibility.moved(distance)))
 
     def moved(self, state: WheelsetState, motions: Array) -> FlexibleState:
         """State of the wheelset with motions (18,) m and rad."""
@@ -80,6 +93,15 @@ class QuasiStaticStructure:
             slopes[index, index] = by_wrench + self.pairs.by_coordinates(pair.load_change(wrench), side)
         loads = np.stack([structural(own) for own in slopes])
         return np.asarray(self.pairs.flexibility.matrix @ loads / self.time_constant)
+
+    def rates_by_distance(self, loads: Array) -> Array:
+        """Derivative (18,) of the rates by the distance along the track at constant motions, for loads (18,)."""
+        return np.asarray(self.pairs.flexibility.matrix_slope @ loads / self.time_constant)
+
+    def energy_by_distance(self, motions: Array) -> float:
+        """Derivative J/m of the elastic energy of motions (18,) by the distance: force along the track."""
+        load = self._stiffness @ (motions - self.pairs.flexibility.unloaded)
+        return float(-0.5 * load @ self.pairs.flexibility.matrix_slope @ load)
 
     def energy(self, motions: Array) -> Array:
         """Elastic energy (...) J of motions (..., 18), without that of the wheelset's own weight."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 import ufl
 from dolfinx import fem
 from dolfinx import mesh as dmesh
+from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
@@ -51,20 +53,36 @@ class PaddedSection(WaveguideSection):
     def matrices(self) -> tuple[Nodes, Nodes, tuple[Array, Array, Array]]:
         U, V = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         A0, A1, A2 = wavenumber_forms(U, V, *lame(self.steel.E, self.steel.nu), degree=self.degree)
-        first, last = self.foot
-        width = float(np.hypot(*(last - first)))
-        t = np.array([0.0, *(last - first) / width])
-        axes = np.array([[1.0, 0.0, 0.0], t, [0.0, -t[2], t[1]]])
-        per_area = axes.T @ np.diag(self.stiffness_per_length) @ axes / width
-        K = fem.Constant(self.mesh, per_area)
-        A0 += ufl.inner(K * U, V) * self._support(1)
+        A0 += self._support_form(U, V)
         (pointer, columns, values), (_, _, slope), (_, _, curvature) = (
             compat.assemble_csr(fem.form(form)) for form in (A0, A1, A2)
         )
         return pointer.astype(np.int64), columns.astype(np.int64), (values, slope, curvature)
 
     @property
-    def _support(self) -> ufl.Measure:
+    def support(self) -> sp.csr_array:
+        """Stiffness (3 n, 3 n) N/m2 of the support alone."""
+        form = self._support_form(ufl.TrialFunction(self.space), ufl.TestFunction(self.space))
+        pointer, columns, values = compat.assemble_csr(fem.form(form))
+        return sp.csr_array((values, columns, pointer), shape=(3 * len(self.points),) * 2)
+
+    def solve(self, k: float, loads: Array) -> Array:
+        """Displacement amplitudes (3 n, m) by nodal loads (3 n, m) at a wavenumber 1/m."""
+        pointer, columns, _ = self.matrices
+        stiffness = sp.csr_array((self.stiffness(k), columns, pointer), shape=(len(loads), len(loads)))
+        factors = splu(sp.csc_matrix(stiffness), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        return np.asarray(factors.solve(loads))
+
+    def _support_form(self, U: ufl.Argument, V: ufl.Argument) -> ufl.Form:
+        first, last = self.foot
+        width = float(np.hypot(*(last - first)))
+        t = np.array([0.0, *(last - first) / width])
+        axes = np.array([[1.0, 0.0, 0.0], t, [0.0, -t[2], t[1]]])
+        per_area = axes.T @ np.diag(self.stiffness_per_length) @ axes / width
+        return ufl.inner(fem.Constant(self.mesh, per_area) * U, V) * self._supported(1)
+
+    @property
+    def _supported(self) -> ufl.Measure:
         """Measure of the supported edges, which have the index 1."""
         corners, clamped = cKDTree(self.section.points), self.section.clamped
         facets = dmesh.locate_entities_boundary(self.mesh, 1, lambda x: clamped[corners.query(x[:2].T)[1]])

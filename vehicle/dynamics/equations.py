@@ -201,8 +201,8 @@ class Dynamics:
         """
         if self.structure is None:
             return np.zeros(0)
-        wheelset = self.wheelset_state(frame, state)
-        return self.structure.rates(self.split(state).motions, self.structure.loads(wheelset, wrenches))
+        structure, wheelset = self.structure.at(frame.distance), self.wheelset_state(frame, state)
+        return structure.rates(self.split(state).motions, structure.loads(wheelset, wrenches))
 
     def solve_contacts(self, frame: Frame, state: Array, guess: Contacts | None) -> Contacts:
         """Both contacts; raises StepFailure for a result that failed or is not finite."""

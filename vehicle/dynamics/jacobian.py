@@ -88,12 +88,15 @@ class Jacobian:
         indices, columns = _indices(len(state), d.motions)
         by_state[COUNT : 2 * COUNT, indices] += by_wrench @ tangents.sum(axis=0)[:, columns]
         if d.structure is not None:
-            wheelset = d.wheelset_state(frame, state)
-            slopes = d.structure.rate_slopes(wheelset, wrenches(at.contacts), tangents)
+            structure, wheelset = d.structure.at(frame.distance), d.wheelset_state(frame, state)
+            slopes = structure.rate_slopes(wheelset, wrenches(at.contacts), tangents)
             by_state[bodies.stop :, indices] = slopes.sum(axis=0)[:, columns]
             by_state[bodies.stop :, bodies.stop :] -= np.eye(d.motions) / d.structure.time_constant
         by_time = np.zeros(len(state))
         by_time[bodies] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
+        if d.structure is not None:
+            loads = structure.loads(wheelset, wrenches(at.contacts))
+            by_time[bodies.stop :] = frame.speed * structure.rates_by_distance(loads)
         if frame.rails is not None and later.rails is not None:
             rates = (np.array(later.rails) - np.array(frame.rails)) / TIME_STEP
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.

@@ -107,7 +107,8 @@ class StaticResidual:
             if tangents is None:
                 raise StepFailure(NO_TANGENT)
             own, factor = len(WheelsetState.coordinates), d.structure.time_constant / MOTION
-            slopes = factor * d.structure.rate_slopes(wheelset, wrenches(contacts), tangents).sum(axis=0)
+            structure = d.structure.at(self.frame.distance)
+            slopes = factor * structure.rate_slopes(wheelset, wrenches(contacts), tangents).sum(axis=0)
             result[:COUNT, COUNT:] = self.weights[:, None] * by_wrench @ tangents.sum(axis=0)[:, own:]
             result[COUNT:, CONTACT_UNKNOWNS] = slopes[:, TANGENT_COLUMNS] * spin
             result[COUNT:, COUNT:] = slopes[:, own:] - np.eye(d.motions) / MOTION

@@ -54,7 +54,8 @@ def simulate(
     if initial is not None and np.shape(initial) != (dynamics.size,):
         raise ValueError(f"initial: shape {np.shape(initial)}: must be ({dynamics.size},), the state of this wagon")
     steps = steps or StepSettings()
-    steps = replace(steps, atol=tolerances(steps.method, steps.atol, dynamics.size))
+    atol, longest = tolerances(steps.method, steps.atol, dynamics.size), longest_step(dynamics)
+    steps = replace(steps, atol=atol, max_step=min(steps.max_step, longest))
     run = _WagonRun(dynamics, span, steps, recording or Recording(), limits, progress)
     status = run.run(None if initial is None else np.array(initial, dtype=float))
     return History.of(run.dynamics, run.recorder.rows, run.cost, status)
@@ -109,6 +110,13 @@ class _WagonRun(TimeRun[Dynamics, Evaluation]):
 
     def describe(self, time: float, state: Array) -> str:
         return describe_position(self.dynamics, time, state)
+
+
+def longest_step(dynamics: Dynamics) -> float:
+    """Longest step s: a third of the time from sleeper to sleeper, where these are discrete."""
+    if dynamics.structure is None:
+        return np.inf
+    return dynamics.structure.period / (3.0 * max(dynamics.speed_profile.speeds.values))
 
 
 def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float | Array:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.contact.structure.hubs import HubCompliance
+    from wheelrail.contact.structure.pads import RailCompliance
     from wheelrail.meshes.profiles.profile import Profile
 
 log = logging.getLogger(__name__)
@@ -88,6 +89,8 @@ def element_contact(
     """
     if not scene.is_flexible and not host:
         return contact
+    if scene.track.sleepers is not None:
+        raise SceneError("track.sleepers: not allowed in an element, which has no place along the track")
     own = {"axle": scene.wheelset.axle, "wheels": scene.wheelset.axle, "rails": scene.track.pads}
     for name in host:
         if name not in own:
@@ -144,15 +147,23 @@ def flexibility(scene: WheelsetScene | RunScene, profiles: SideProfiles) -> Flex
     """
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
     from wheelrail.contact.structure.pads import RailPads, rail_compliance
+    from wheelrail.contact.structure.sleepers import sleeper_compliance
     from wheelrail.meshes.bodies.outlines import rail_outline
 
-    rails, steel, pads = None, material(scene), scene.track.pads
+    rails, steel, pads, sleepers = None, material(scene), scene.track.pads, scene.track.sleepers
     if pads is not None:
         supports = RailPads(pads.vertical, pads.lateral, pads.longitudinal, pads.spacing)
-        left, right = (rail_outline(profiles[side][1]) for side in ("left", "right"))
-        of_left = rail_compliance(left, steel, supports)
-        rails = of_left, of_left if scene.sides_alike else rail_compliance(right, steel, supports)
-    return Flexibility(None if scene.wheelset.axle is None else _hubs(scene, profiles["left"]), rails)
+
+        def on_pads(side: Side) -> RailCompliance:
+            outline = rail_outline(profiles[side][1])
+            if sleepers is None:
+                return rail_compliance(outline, steel, supports)
+            return sleeper_compliance(outline, steel, supports, sleepers.length)
+
+        left = on_pads("left")
+        rails = left, left if scene.sides_alike else on_pads("right")
+    hubs = None if scene.wheelset.axle is None else _hubs(scene, profiles["left"])
+    return Flexibility(hubs, rails, 0.0 if sleepers is None else sleepers.position)
 
 
 def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> HubCompliance:

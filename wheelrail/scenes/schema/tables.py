@@ -72,13 +72,23 @@ class BlockStressTable(SceneTable):
 
 class PadsTable(SceneTable):
     """Stiffness of one pad with its fastening, N/m: vertical, lateral and along the rail, by default as lateral; and
-    the spacing of the sleepers, m. Pads are linear, spread along the rail, and do not lift.
+    the spacing of the sleepers, m. Pads are linear and do not lift; without the table sleepers they are spread along
+    the rail.
     """
 
     vertical: q.PadStiffness = 100e6
     lateral: q.PadStiffness = 40e6
     longitudinal: q.PadStiffness | None = None
     spacing: q.PadSpacing = 0.6
+
+
+class SleepersTable(SceneTable):
+    """Discrete sleepers: length of a pad along the rail, m, and place of the wheelset, in a run at its start, along the
+    track from a sleeper, m.
+    """
+
+    length: q.PadLength = 0.18
+    position: q.SleeperPlace = 0.0
 
 
 class ElasticAxleTable(SceneTable):
@@ -115,11 +125,22 @@ def _switched(value: Any) -> Any:
 
 
 class RailsTable(SceneTable):
-    """Position of the rails, and their pads, without which they are clamped at their feet."""
+    """Position of the rails, their pads, without which they are clamped at their feet, and discrete sleepers."""
 
     gauge: q.Gauge
     gauge_height: q.GaugeHeight
     pads: Annotated[PadsTable | None, BeforeValidator(_switched)] = None
+    sleepers: Annotated[SleepersTable | None, BeforeValidator(_switched)] = None
+
+    @model_validator(mode="after")
+    def _sleepers_under_pads(self) -> RailsTable:
+        if self.sleepers is None:
+            return self
+        if self.pads is None:
+            raise q.reject("allowed only with pads, whose spacing it has", "sleepers")
+        if self.sleepers.length > self.pads.spacing:
+            raise q.reject(f"must be at most the spacing of the pads, {self.pads.spacing:g} m", "sleepers.length")
+        return self
 
 
 class TrackTable(RailsTable):
