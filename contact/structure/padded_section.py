@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.laws.material import Material
+from wheelrail.contact.structure.pads import section_modes
 from wheelrail.forms import compat
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.waveguide import wavenumber_forms
@@ -65,6 +66,38 @@ class PaddedSection(WaveguideSection):
         form = self._support_form(ufl.TrialFunction(self.space), ufl.TestFunction(self.space))
         pointer, columns, values = compat.assemble_csr(fem.form(form))
         return sp.csr_array((values, columns, pointer), shape=(3 * len(self.points),) * 2)
+
+    @cached_property
+    def mass(self) -> sp.csr_array:
+        """Integrals (3 n, 3 n) m2 of products of shape functions over the section."""
+        form = ufl.inner(ufl.TrialFunction(self.space), ufl.TestFunction(self.space)) * ufl.dx
+        pointer, columns, values = compat.assemble_csr(fem.form(form))
+        return sp.csr_array((values, columns, pointer), shape=(3 * len(self.points),) * 2)
+
+    def foot_modes(self, degree: int) -> tuple[Array, Array]:
+        """Motions (3 n, m) of the foot, polynomials over its width along x, across and normal to it; and their sign
+        (m,) when the wavenumber changes its own.
+        """
+        first, last = self.foot
+        width = float(np.hypot(*(last - first)))
+        t = (last - first) / width
+        axes = np.array([[1.0, 0.0, 0.0], [0.0, *t], [0.0, -t[1], t[0]]])
+        place = 2.0 * (self.points - first) @ t / width - 1.0
+        powers = place[:, None] ** np.arange(degree + 1)
+        modes = np.einsum("np,ai->niap", powers, axes).reshape(3 * len(place), -1)
+        return modes, np.repeat([-1.0, 1.0, 1.0], degree + 1)
+
+    def section_fit(self) -> Array:
+        """Rigid motion (3, 2 m), y, z and roll about the middle of the foot, by y and z of m lines of the surface."""
+        surface = self.section.points[self.section.surface]
+        return np.linalg.pinv(section_modes(surface - self.foot.mean(axis=0)).reshape(-1, 3))
+
+    def section_loads(self) -> Array:
+        """Nodal loads (3 n, 3) on the running surface with unit resultants conjugate to `section_fit`."""
+        lines = self.cells[np.arange(self.cells.shape[0]).reshape(-1, 3)[:, 1:].ravel()]
+        loads = np.zeros((3 * len(self.points), 3))
+        loads[(3 * self.surface[:, None] + np.arange(3)).ravel()] = lines.T @ self.section_fit().T
+        return loads
 
     def solve(self, k: float, loads: Array) -> Array:
         """Displacement amplitudes (3 n, m) by nodal loads (3 n, m) at a wavenumber 1/m."""

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
 from wheelrail.contact.laws.material import Material
@@ -102,18 +101,10 @@ def _by_wavenumbers(outline: Outline, strip: Strip, steel: Material, pads: RailP
 
 def mean_motion(body: PaddedSection, origin: Array) -> Array:
     """Weights (3 n, 3) of all displacements in the mean motion (y, z, roll about the origin) of the section."""
-    import ufl
-    from dolfinx import fem
-
-    from wheelrail.forms import compat
-
-    U, V = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-    pointer, columns, values = compat.assemble_csr(fem.form(ufl.inner(U, V) * ufl.dx))
     size = 3 * len(body.points)
-    mass = sp.csr_array((values, columns, pointer), shape=(size, size))
     rigid = np.zeros((len(body.points), 3, 3))
     rigid[:, 1:] = section_modes(body.points - origin)
-    moved = mass @ rigid.reshape(size, 3)
+    moved = body.mass @ rigid.reshape(size, 3)
     return np.asarray(moved @ np.linalg.inv(rigid.reshape(size, 3).T @ moved))
 
 

@@ -13,7 +13,6 @@ and what the spread pads lack is the displacement by the forces -S sum g_(j-l) f
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,16 +26,12 @@ from wheelrail.contact.structure.pads import (
     rail_compliance,
     rail_key,
     rail_strip,
-    section_modes,
     wavenumber_samples,
 )
 from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.solids import section
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached
-
-if TYPE_CHECKING:
-    from wheelrail.contact.structure.padded_section import PaddedSection
 
 PAD_LENGTH = 0.18  # m, along the rail: usual width of a sleeper's rail seat
 DEGREE = 2  # of the foot's motions over its width; 3 changes the compliance by less than 1e-3
@@ -132,35 +127,11 @@ def spread_support(outline: Outline, steel: Material, pads: RailPads) -> SpreadS
     from wheelrail.contact.structure.padded_section import PaddedSection  # imports dolfinx
 
     body = PaddedSection(section(outline, rail_strip(outline), grading=GRADING), steel, pads.per_length)
-    modes, odd = foot_modes(body, DEGREE)
+    modes, odd = body.foot_modes(DEGREE)
     supported = body.support @ modes
     stiffness = modes.T @ supported
     forces = supported @ np.linalg.inv(stiffness)  # on the foot, with unit amplitudes
-    loads = np.concatenate([forces, section_loads(body)], axis=1)
+    loads = np.concatenate([forces, body.section_loads()], axis=1)
     k, count = wavenumber_samples(), len(odd)
     displacements = np.stack([forces.T @ body.solve(float(wavenumber), loads) for wavenumber in k])
     return SpreadSupport(k, stiffness, displacements[:, :, :count], displacements[:, :, count:], odd)
-
-
-def foot_modes(body: PaddedSection, degree: int) -> tuple[Array, Array]:
-    """Motions (3 n, m) of the foot, polynomials over its width along x, along the foot and normal to it; and their sign
-    (m,) when the wavenumber changes its own.
-    """
-    first, last = body.foot
-    width = float(np.hypot(*(last - first)))
-    t = (last - first) / width
-    axes = np.array([[1.0, 0.0, 0.0], [0.0, *t], [0.0, -t[1], t[0]]])
-    place = 2.0 * (body.points - first) @ t / width - 1.0
-    powers = place[:, None] ** np.arange(degree + 1)
-    modes = np.einsum("np,ai->niap", powers, axes).reshape(3 * len(place), -1)
-    return modes, np.repeat([-1.0, 1.0, 1.0], degree + 1)
-
-
-def section_loads(body: PaddedSection) -> Array:
-    """Nodal loads (3 n, 3) on the running surface with unit resultants (y, z, roll about the middle of the foot)."""
-    mesh = body.section
-    rigid = section_modes(mesh.points[mesh.surface] - body.foot.mean(axis=0)).reshape(-1, 3)
-    lines = body.cells[np.arange(body.cells.shape[0]).reshape(-1, 3)[:, 1:].ravel()]
-    loads = np.zeros((3 * len(body.points), 3))
-    loads[(3 * body.surface[:, None] + np.arange(3)).ravel()] = lines.T @ np.linalg.pinv(rigid).T
-    return loads

@@ -23,7 +23,7 @@ from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 if TYPE_CHECKING:
-    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+    from wheelrail.contact.loading.structure import Structure
 
 Contacts = dict[Side, ContactResult]
 
@@ -100,7 +100,7 @@ class Dynamics:
     track: Track
     contact: VehicleContact
     speed: float | SpeedProfile
-    structure: QuasiStaticStructure | None = None
+    structure: Structure | None = None
 
     def __post_init__(self) -> None:
         _ = self.speed_profile  # validates the speed

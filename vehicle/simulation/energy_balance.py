@@ -19,7 +19,7 @@ from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 if TYPE_CHECKING:
-    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+    from wheelrail.contact.loading.structure import Structure
 
 POWERS = ("contact", "dampers", "gravity", "inertial")
 
@@ -103,7 +103,7 @@ def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalanc
     return EnergyBalance(history.time, energy, power)
 
 
-def _structure_balance(history: History, dynamics: Dynamics, structure: QuasiStaticStructure) -> Array:
+def _structure_balance(history: History, dynamics: Dynamics, structure: Structure) -> Array:
     """Elastic energy J of axle and rails, power W that the contact supplies to them, and that their dampers dissipate,
     (3, n).
 
@@ -120,7 +120,7 @@ def _structure_balance(history: History, dynamics: Dynamics, structure: QuasiSta
         frame = dynamics.frame(time)
         here, loads = structure.at(frame.distance), structure.loads(dynamics.wheelset_state(frame, state), wrenches[i])
         along = frame.speed * here.energy_by_distance(motions[i])
-        balance[:, i] = here.energy(motions[i]), loads @ rates[i] + along, here.dissipated_power(rates[i])
+        balance[:, i] = here.energy(motions[i]), loads @ rates[i, : len(loads)] + along, here.dissipated_power(rates[i])
     return balance
 
 

@@ -91,6 +91,19 @@ class SleepersTable(SceneTable):
     position: q.SleeperPlace = 0.0
 
 
+class BallastTable(SceneTable):
+    """Sleepers that move on ballast: mass of half a sleeper, kg, vertical and lateral stiffness of the ballast under
+    it, N/m, and vertical damping of one pad and of the ballast under half a sleeper, N s/m. In a run rails and sleepers
+    have their masses.
+    """
+
+    sleeper_mass: q.SleeperMass = 150.0
+    vertical: q.BallastStiffness = 80e6
+    lateral: q.BallastStiffness = 40e6
+    pad_damping: q.TrackDamping = 30e3
+    damping: q.TrackDamping = 60e3
+
+
 class ElasticAxleTable(SceneTable):
     """An axle that bends: a typical one of a diameter, m, or one by its drawing: steps (end from the middle, diameter),
     ends of the journal from the middle, and bore, m; weight: whether the wheelset's own weight bends it.
@@ -125,19 +138,25 @@ def _switched(value: Any) -> Any:
 
 
 class RailsTable(SceneTable):
-    """Position of the rails, their pads, without which they are clamped at their feet, and discrete sleepers."""
+    """Position of the rails, their pads, without which they are clamped at their feet, and discrete sleepers or ones on
+    ballast.
+    """
 
     gauge: q.Gauge
     gauge_height: q.GaugeHeight
     pads: Annotated[PadsTable | None, BeforeValidator(_switched)] = None
     sleepers: Annotated[SleepersTable | None, BeforeValidator(_switched)] = None
+    ballast: Annotated[BallastTable | None, BeforeValidator(_switched)] = None
 
     @model_validator(mode="after")
     def _sleepers_under_pads(self) -> RailsTable:
-        if self.sleepers is None:
+        for key in ("sleepers", "ballast"):
+            if getattr(self, key) is not None and self.pads is None:
+                raise q.reject("allowed only with pads, whose spacing it has", key)
+        if self.sleepers is None or self.pads is None:
             return self
-        if self.pads is None:
-            raise q.reject("allowed only with pads, whose spacing it has", "sleepers")
+        if self.ballast is not None:
+            raise q.reject("must not be combined with sleepers, whose sleepers are at rest", "ballast")
         if self.sleepers.length > self.pads.spacing:
             raise q.reject(f"must be at most the spacing of the pads, {self.pads.spacing:g} m", "sleepers.length")
         return self
