@@ -123,8 +123,8 @@ class CoRunningTrack:
         """Damping (5, 5)."""
         return self.pad_time * self.pads + self.ballast_time * self.ballast
 
-    def receptance(self, frequency: float) -> NDArray[np.complex128]:
-        """Motion (3, 3) of the rail by harmonic loads on it; frequency: Hz."""
+    def receptance(self, frequency: complex) -> NDArray[np.complex128]:
+        """Motion (3, 3) of the rail by harmonic loads on it, proportional to exp(2 pi i f t); frequency: f, Hz."""
         omega = 2.0 * np.pi * frequency
         dynamic = self.stiffness + 1j * omega * self.damping - omega**2 * self.mass
         return np.asarray(np.linalg.inv(dynamic)[:3, :3])

@@ -107,10 +107,11 @@ def element_contact(
             raise SceneError(f"element: host: {name!r}: not allowed with axle or pads of the wheelset itself")
     if scene.model == "standard" or scene.discretisation.bodies == "solid":
         raise SceneError('element: host: allowed only with bodies = "waveguide" or "half-space"')
+    from wheelrail.contact.loading.flexible_wheelset import FlexibleWheelset
     from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
 
     moving = _with_host(scene, flexibility(scene, profiles), profiles, host)
-    return QuasiStaticContact(contact, moving, on_hubs=scene.wheelset.axle is not None)
+    return QuasiStaticContact(FlexibleWheelset(contact, moving, on_hubs=scene.wheelset.axle is not None))
 
 
 def _with_host(scene: WheelsetScene, own: Flexibility, profiles: SideProfiles, host: Sequence[str]) -> Flexibility:

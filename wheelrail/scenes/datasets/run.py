@@ -169,8 +169,8 @@ def _structure_motion(history: History) -> dict[str, Any]:
         variables["rail_motion"] = (("time", "side", "rail_component"), rails, means(units["rail"], text))
     if history.structure.velocities:
         sleepers = motion[:, 18:22].reshape(-1, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
-        text = means("m", "motion of the sleepers under the wheel, across and normal to the foot of the rail")
-        variables["sleeper_motion"] = (("time", "side", "sleeper_component"), sleepers, text)
+        text = "motion of the sleepers under the wheel, across and normal to the foot of the rail"
+        variables["sleeper_motion"] = (("time", "side", "sleeper_component"), sleepers, means("m", text))
     return variables
 
 
