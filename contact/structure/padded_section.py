@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.structure.pads import section_modes
+from wheelrail.contact.structure.rigid_section import section_modes
 from wheelrail.forms import compat
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.waveguide import wavenumber_forms

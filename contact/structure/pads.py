@@ -9,6 +9,7 @@ import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
 from wheelrail.contact.laws.material import Material
+from wheelrail.contact.structure.rigid_section import section_modes
 from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.solids import Strip, body_key, rail_contact_range, section
 from wheelrail.meshes.bodies.triangulation import Grading
@@ -143,13 +144,6 @@ def _by_wavenumbers(outline: Outline, strip: Strip, steel: Material, pads: RailP
     matrix = inverse @ total @ inverse.T
     misfit = np.abs(total - modes @ matrix @ modes.T).max() / np.abs(total).max()
     return {"matrix": 0.5 * (matrix + matrix.T), "foot": foot, "misfit": np.array(misfit)}
-
-
-def section_modes(points: Array) -> Array:
-    """Displacements (k, 2, 3) in y and z of points (k, 2) m of a section by its motion (y, z, roll) at the origin."""
-    y, z = points.T
-    zero, unit = np.zeros_like(y), np.ones_like(y)
-    return np.stack([np.stack([unit, zero, -z], axis=1), np.stack([zero, unit, y], axis=1)], axis=1)
 
 
 def _plane(H: Array) -> Array:

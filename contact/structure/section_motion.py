@@ -25,9 +25,9 @@ from wheelrail.contact.structure.pads import (
     RailPads,
     rail_key,
     rail_strip,
-    section_modes,
     wavenumber_samples,
 )
+from wheelrail.contact.structure.rigid_section import section_modes
 from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.solids import Strip, section
 from wheelrail.support.arrays import Array
