@@ -66,9 +66,9 @@ def stiffness(dynamics: Dynamics) -> float:
     if dynamics.structure is None:
         return -float(by_z)
     wrenches = np.array([[*rest.contacts[side].force, *rest.contacts[side].moment] for side in ("left", "right")])
-    slopes = dynamics.structure.rate_slopes(wheelset, wrenches, tangents).sum(axis=0)
-    decay = np.eye(dynamics.motions) / dynamics.structure.time_constant
-    return -float(by_z + by_motions @ np.linalg.solve(decay - slopes[:, 9:], slopes[:, 1]))
+    slopes = dynamics.structure.load_slopes(wheelset, wrenches, tangents).sum(axis=0)
+    slopes = dynamics.structure.compliance[: len(by_motions)] @ slopes
+    return -float(by_z + by_motions @ np.linalg.solve(np.eye(len(by_motions)) - slopes[:, 9:], slopes[:, 1]))
 
 
 def table(runs: Mapping[str, FlexibleRun]) -> str:

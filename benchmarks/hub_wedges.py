@@ -2,8 +2,8 @@
 
 `python -m benchmarks.hub_wedges [LAYERS]`: needs the command `ccx` (Debian package calculix-ccx). A quarter of the
 wheelset, x > 0 and y > 0, in quadratic wedges (C3D15): the section turned about the axle in layers, finer below. Loads
-on the wheel stand on the line at the running circle below the axle, journals carry them uniformly, and the mean rigid
-motion of the seat is compared.
+on the wheel stand on the line at the running circle below the axle, journals carry them uniformly. The mean rigid
+motion of the seat is compared with that of the harmonics, and with the motion of the hub that fits the tread.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.structure.hubs import HALVES, hub_compliance
+from wheelrail.contact.structure.half_wheelset import PLACES, Half, HalfWheelset
+from wheelrail.contact.structure.hubs import hub_compliance
 from wheelrail.meshes.bodies.axle import AxleShape, wheelset_section
 from wheelrail.meshes.bodies.outlines import wheel_outline
 from wheelrail.meshes.bodies.triangulation import Grading
@@ -31,6 +32,7 @@ GRADING = Grading(first=1.0, growth=0.4, largest=20e-3)
 LAYERS = 14
 LOADS = {"57 kN upwards": (0.0, 57e3), "10 kN outwards": (10e3, 0.0)}  # y and z, N
 SNAP = 1e-7  # m
+HALVES: tuple[Half, Half] = ("symmetric", "antisymmetric")
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,6 +197,15 @@ def seat_motion(body: QuarterWheelset, u: Array, half: str) -> tuple[float, floa
     return float(motion[0]), float(motion[1])
 
 
+def seat_by_harmonics(wheelset: HalfWheelset, half: Half, lateral: float, vertical: float) -> Array:
+    """Mean height m and roll rad (2,) of the seat by a force N at the running circle, from the harmonic n = 1."""
+    line = 3 * PLACES.index(0.0)
+    load = (
+        lateral * wheelset.loads(wheelset.whole)[:, line + 1] - vertical * wheelset.loads(wheelset.whole)[:, line + 2]
+    )
+    return -wheelset.seat_motion(1, wheelset.solver(1, half)(load[:, None] / np.pi))[:, 0]
+
+
 def main(arguments: list[str]) -> None:
     """Print height and roll of the hub by both, and their differences."""
     body = quarter(int(arguments[0]) if arguments else LAYERS)
@@ -202,7 +213,9 @@ def main(arguments: list[str]) -> None:
     hubs = hub_compliance(
         wheel_outline(named_profile("S1002"), RADIUS), AXLE, Material(), wheel_y=WHEEL_Y, weight=False
     )
-    print("| half | load | wedges: z mm, roll mrad | here | difference of roll |\n|---|---|---|---|---|")
+    harmonics = HalfWheelset(wheel_outline(named_profile("S1002"), RADIUS), AXLE, Material(), WHEEL_Y)
+    print("| half | load | seat, wedges: z mm, roll mrad | seat, harmonics | hub by the tread | roll: seat, hub |")
+    print(f"|{'---|' * 6}")
     for index, half in enumerate(HALVES):
         with TemporaryDirectory() as folder:
             file = Path(folder, "quarter.inp")
@@ -211,9 +224,11 @@ def main(arguments: list[str]) -> None:
             steps = displacements(file.with_suffix(".frd"), len(body.nodes))
         for (name, (lateral, vertical)), u in zip(LOADS.items(), steps, strict=True):
             z, roll = 1e3 * np.array(seat_motion(body, u, half))
-            own_z, own_roll = 1e3 * hubs.bending[index] @ [vertical, lateral * RADIUS]
-            cells = f"{z:.4f}, {roll:.4f} | {own_z:.4f}, {own_roll:.4f} | {100 * (own_roll / roll - 1):.2f} %"
-            print(f"| {half} | {name} | {cells} |", flush=True)
+            seat = 1e3 * seat_by_harmonics(harmonics, half, lateral, vertical)
+            hub = 1e3 * hubs.bending[index] @ [vertical, lateral * RADIUS]
+            motions = " | ".join(f"{own[0]:.4f}, {own[1]:.4f}" for own in ((z, roll), seat, hub))
+            differences = ", ".join(f"{100 * (own[1] / roll - 1):.2f} %" for own in (seat, hub))
+            print(f"| {half} | {name} | {motions} | {differences} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -45,10 +45,12 @@ class Flexibility:
     Parameters:
         hubs: compliance of the hubs, or of the rims that a host moves; None: a rigid axle.
         rails: compliance of the left and of the right rail, as left-hand ones; None: clamped feet.
+        place: distance of the wheels from a sleeper, m, where sleepers are discrete.
     """
 
     hubs: HubCompliance | RimCompliance | None = None
     rails: tuple[RailCompliance, RailCompliance] | None = None
+    place: float = 0.0
 
     @property
     def rigid(self) -> bool:
@@ -63,7 +65,25 @@ class Flexibility:
             out[:12, :12] = self.hubs.matrix
         for index, rail in enumerate(self.rails or ()):
             at = slice(12 + 3 * index, 15 + 3 * index)
-            out[at, at] = rail.matrix
+            out[at, at] = rail.at(self.place)
+        return out
+
+    @property
+    def varies(self) -> bool:
+        """Whether the compliance depends on the place along the track."""
+        return any(len(rail.harmonics) for rail in self.rails or ())
+
+    def moved(self, distance: float) -> Flexibility:
+        """Flexibility at a distance m along the track from here."""
+        return replace(self, place=self.place + distance) if self.varies else self
+
+    @cached_property
+    def matrix_slope(self) -> Array:
+        """Derivative (18, 18) of `matrix` by the place along the track, per m."""
+        out = np.zeros((18, 18))
+        for index, rail in enumerate(self.rails or ()):
+            at = slice(12 + 3 * index, 15 + 3 * index)
+            out[at, at] = rail.slope(self.place)
         return out
 
     @cached_property

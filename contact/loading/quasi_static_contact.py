@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -12,13 +11,11 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.flexible_wheelset import (
     MIRRORED_HUB,
     MIRRORED_RAIL,
-    Flexibility,
     FlexibleEquilibrium,
     FlexibleWheelset,
     Loads,
 )
 from wheelrail.contact.loading.load_search import LoadError
-from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
@@ -43,20 +40,11 @@ class QuasiStaticContact(VehicleContact):
 
     Both sides are solved together; the solution of the first one asked for also serves the other.
     Parameters:
-        contact: of both sides.
-        flexibility: of axle and rails.
-        on_hubs: whether the frame of the wheelset is that of the line through its hubs instead of its journals.
+        wheelset: with its track.
     """
 
-    contact: WheelsetContact
-    flexibility: Flexibility
-    on_hubs: bool = True
+    wheelset: FlexibleWheelset
     _latest: tuple[WheelsetState, object, FlexibleEquilibrium, StructureStart] | None = field(default=None, init=False)
-
-    @cached_property
-    def wheelset(self) -> FlexibleWheelset:
-        """Wheelset and track."""
-        return FlexibleWheelset(self.contact, self.flexibility, self.on_hubs)
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         start = None if guess is None else guess.warm_start
@@ -94,7 +82,7 @@ class QuasiStaticContact(VehicleContact):
         if latest is not None and latest[0] == state and latest[1] is start:
             return latest[2], latest[3]
         self._latest = None
-        motions, guess = self.flexibility.unloaded, None
+        motions, guess = self.wheelset.flexibility.unloaded, None
         if isinstance(start, StructureStart):
             motions = np.array(start.motions)
             warm_starts = zip(SIDES, start.warm_starts, strict=True)

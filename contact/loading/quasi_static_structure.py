@@ -5,96 +5,70 @@ With the compliance C, the motions e_0 without load and the loads w of the conta
     tau e' = e_0 + C w - e.
 
 Dampers are proportional to the springs. Below 1 / (2 pi tau) the motions are those of static equilibrium; there are no
-resonances of axle and rails, the lowest of which is that of a wheel turning on its axle, near 100 Hz.
+resonances of axle and rails, the lowest of which is that of a wheel turning on its axle, near 100 Hz. On discrete
+sleepers C changes along the track.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_contact import FlexiblePairs
-from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
-from wheelrail.contact.loading.flexible_wheelset import COLUMNS, structural
-from wheelrail.contact.solvers.tangent import MIRRORED
+from wheelrail.contact.loading.flexible_state import MOTIONS
+from wheelrail.contact.loading.structure import Structure
 from wheelrail.support.arrays import Array
-
-TIME_CONSTANT = 1e-3  # s
 
 
 @dataclass(frozen=True)
-class QuasiStaticStructure:
-    """Rates of the motions of hubs and rails, in the order of `FlexibleState.motions`.
-
-    Parameters:
-        pairs: of both sides.
-        time_constant: tau, s, damping over stiffness.
-    """
-
-    pairs: FlexiblePairs
-    time_constant: float = TIME_CONSTANT
+class QuasiStaticStructure(Structure):
+    """Rates of the motions of hubs and rails, in the order of `FlexibleState.motions`."""
 
     @property
     def size(self) -> int:
-        """Number of motions."""
         return len(MOTIONS)
 
-    def moved(self, state: WheelsetState, motions: Array) -> FlexibleState:
-        """State of the wheelset with motions (18,) m and rad."""
-        values = {f.name: getattr(state, f.name) for f in fields(WheelsetState)}
-        return FlexibleState(**values, motions=tuple(motions.tolist()))
-
-    def loads(self, state: WheelsetState, wrenches: Array) -> Array:
-        """Loads (18,) N and N m on both hubs, then on both rails, conjugate to the motions.
-
-        Parameters:
-            state: of the wheelset with its motions, from `moved`.
-            wrenches: (2, 6), force N on the left and the right wheel, and moment N m about the wheelset's centre.
-        """
-        mirrored = self._mirrored(wrenches)
-        return structural(
-            np.stack([self.pairs.pair(state, s).load_matrix @ w for s, w in zip(SIDES, mirrored, strict=True)])
-        )
-
-    def rates(self, motions: Array, loads: Array) -> Array:
-        """Rates (18,) m/s and rad/s of motions (18,) under loads (18,)."""
-        elastic = self.pairs.flexibility
-        return np.asarray((elastic.unloaded + elastic.matrix @ loads - motions) / self.time_constant)
-
-    def rate_slopes(self, state: WheelsetState, wrenches: Array, tangents: Array) -> Array:
-        """Derivatives (2, 18, 27) of the rates at constant motions, by `FlexibleState.coordinates`: parts of the left
-        and the right contact.
-
-        Parameters:
-            state, wrenches: as for `loads`.
-            tangents: (2, 6, 27), derivatives of the wrenches.
-        """
-        slopes = np.zeros((2, 2, 9, COLUMNS))  # of both contacts, loads by side
-        for index, (side, wrench) in enumerate(zip(SIDES, self._mirrored(wrenches), strict=True)):
-            pair, tangent = self.pairs.pair(state, side), tangents[index]
-            by_wrench = pair.load_matrix @ (MIRRORED[:, None] * tangent if index else tangent)
-            slopes[index, index] = by_wrench + self.pairs.by_coordinates(pair.load_change(wrench), side)
-        loads = np.stack([structural(own) for own in slopes])
-        return np.asarray(self.pairs.flexibility.matrix @ loads / self.time_constant)
-
-    def energy(self, motions: Array) -> Array:
-        """Elastic energy (...) J of motions (..., 18), without that of the wheelset's own weight."""
-        strain = motions - self.pairs.flexibility.unloaded
-        return np.asarray(0.5 * np.einsum("...i,ij,...j->...", strain, self._stiffness, strain))
-
-    def dissipated_power(self, rates: Array) -> Array:
-        """Power (...) W of the dampers at rates (..., 18)."""
-        return np.asarray(self.time_constant * np.einsum("...i,ij,...j->...", rates, self._stiffness, rates))
+    @cached_property
+    def by_motions(self) -> Array:
+        return -np.eye(len(MOTIONS)) / self.time_constant
 
     @cached_property
-    def _stiffness(self) -> Array:
-        return np.linalg.pinv(self.pairs.flexibility.matrix, rcond=1e-12, hermitian=True)
+    def by_loads(self) -> Array:
+        return self.compliance / self.time_constant
 
-    @staticmethod
-    def _mirrored(wrenches: Array) -> Array:
-        """Wrenches of both wheels as left-hand ones."""
-        return np.stack([wrenches[0], MIRRORED * wrenches[1]])
+    @property
+    def compliance(self) -> Array:
+        return self.pairs.flexibility.matrix
+
+    @property
+    def unloaded(self) -> Array:
+        return self.pairs.flexibility.unloaded
+
+    @cached_property
+    def energy_matrix(self) -> Array:
+        return np.asarray(np.linalg.pinv(self.compliance, rcond=1e-12, hermitian=True))
+
+    @property
+    def damping(self) -> Array:
+        return self.time_constant * self.energy_matrix
+
+    @property
+    def period(self) -> float:
+        return min((rail.spacing for rail in self.pairs.flexibility.rails or ()), default=np.inf)
+
+    def at(self, distance: float) -> QuasiStaticStructure:
+        flexibility = self.pairs.flexibility
+        if not flexibility.varies:
+            return self
+        return replace(self, pairs=replace(self.pairs, flexibility=flexibility.moved(distance)))
+
+    def rates(self, motions: Array, loads: Array) -> Array:
+        return np.asarray((self.unloaded + self.compliance @ loads - motions) / self.time_constant)
+
+    def rates_by_distance(self, loads: Array) -> Array:
+        return np.asarray(self.pairs.flexibility.matrix_slope @ loads / self.time_constant)
+
+    def energy_by_distance(self, motions: Array) -> float:
+        load = self.energy_matrix @ (motions - self.unloaded)
+        return float(-0.5 * load @ self.pairs.flexibility.matrix_slope @ load)

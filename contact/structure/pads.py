@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
 from wheelrail.contact.laws.material import Material
+from wheelrail.contact.structure.rigid_section import section_modes
 from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.solids import Strip, body_key, rail_contact_range, section
 from wheelrail.meshes.bodies.triangulation import Grading
@@ -58,14 +60,33 @@ class RailCompliance:
     It is what the pads add to the compliance of the running surface, by rigid motions of the section: it depends on
     the clamped line, and is not a beam's.
     Parameters:
-        matrix: (3, 3), motion (y m, z m, roll rad) of the section at the foot's middle by a load (N, N, N m) about it.
+        matrix: (3, 3), motion (y m, z m, roll rad) of the section at the foot's middle by a load (N, N, N m) about it;
+            on discrete sleepers its mean over a span.
         foot: (2,) m, y and z of the foot's middle in the frame of the rail.
         misfit: largest part of what the pads add to the compliance that is not a rigid motion, relative to its largest.
+        harmonics: (n, 3, 3), amplitudes of cos(2 pi m x / spacing), m = 1 .. n, with x from a sleeper; none on pads
+            that are spread along the rail.
+        spacing: of discrete sleepers, m.
     """
 
     matrix: Array
     foot: Array
     misfit: float
+    harmonics: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    spacing: float = np.inf
+
+    def at(self, x: float) -> Array:
+        """Compliance (3, 3) under a load at a distance x m from a sleeper."""
+        return np.asarray(self.matrix + np.tensordot(np.cos(self._wavenumbers * x), self.harmonics, 1))
+
+    def slope(self, x: float) -> Array:
+        """Derivative (3, 3) of `at` by the distance, per m."""
+        k = self._wavenumbers
+        return -np.tensordot(k * np.sin(k * x), self.harmonics, 1)
+
+    @property
+    def _wavenumbers(self) -> Array:
+        return 2.0 * np.pi / self.spacing * np.arange(1, len(self.harmonics) + 1)
 
 
 def rail_compliance(outline: Outline, steel: Material, pads: RailPads) -> RailCompliance:
@@ -76,18 +97,33 @@ def rail_compliance(outline: Outline, steel: Material, pads: RailPads) -> RailCo
         steel: material.
         pads: its supports.
     """
-    strip = Strip.over(outline, rail_contact_range(outline.profile), half_length=SIZE, size=SIZE)
-    names = ("matrix", "foot", "misfit")
-    key = digest(
-        kind="rail on pads",
-        section=body_key("rail section", outline, strip, 0.0, "tetrahedron", GRADING),
+    strip, names = rail_strip(outline), ("matrix", "foot", "misfit")
+    key = rail_key("rail on pads", outline, steel, pads)
+    stored = cached(f"pads/{key}", lambda: _by_wavenumbers(outline, strip, steel, pads), names)
+    return RailCompliance(stored["matrix"], stored["foot"], float(stored["misfit"]))
+
+
+def rail_strip(outline: Outline) -> Strip:
+    """Running surface of a rail, over which rigid motions of its section are fitted."""
+    return Strip.over(outline, rail_contact_range(outline.profile), half_length=SIZE, size=SIZE)
+
+
+def rail_key(kind: str, outline: Outline, steel: Material, pads: RailPads, **further: Any) -> str:
+    """Cache key of what is computed by wavenumbers on the section of a rail on pads; further: other inputs by name."""
+    return digest(
+        kind=kind,
+        section=body_key("rail section", outline, rail_strip(outline), 0.0, "tetrahedron", GRADING),
         E=steel.E,
         nu=steel.nu,
         pads=pads.per_length,
         sampling=(LARGEST, SHIFT, SMALLEST, SAMPLES),
+        **further,
     )
-    stored = cached(f"pads/{key}", lambda: _by_wavenumbers(outline, strip, steel, pads), names)
-    return RailCompliance(stored["matrix"], stored["foot"], float(stored["misfit"]))
+
+
+def wavenumber_samples() -> Array:
+    """Wavenumbers (n,) 1/m at which sections on pads are solved."""
+    return np.concatenate([[0.0], np.geomspace(SMALLEST, LARGEST, SAMPLES)])
 
 
 def _by_wavenumbers(outline: Outline, strip: Strip, steel: Material, pads: RailPads) -> dict[str, Array]:
@@ -101,20 +137,13 @@ def _by_wavenumbers(outline: Outline, strip: Strip, steel: Material, pads: RailP
     modes = section_modes(mesh.points[mesh.surface] - foot).reshape(-1, 3)
     inverse = np.linalg.pinv(modes)
 
-    wavenumbers = np.concatenate([[0.0], np.geomspace(SMALLEST, LARGEST, SAMPLES)])
+    wavenumbers = wavenumber_samples()
     added = [_plane(padded.flexibility(k) - clamped.flexibility(k)) for k in wavenumbers]
     k, weight = quadrature(wavenumbers, 0.0)
     total = np.einsum("k,kab->ab", weight / np.pi @ interpolation(wavenumbers, SHIFT, k), np.stack(added))
     matrix = inverse @ total @ inverse.T
     misfit = np.abs(total - modes @ matrix @ modes.T).max() / np.abs(total).max()
     return {"matrix": 0.5 * (matrix + matrix.T), "foot": foot, "misfit": np.array(misfit)}
-
-
-def section_modes(points: Array) -> Array:
-    """Displacements (k, 2, 3) in y and z of points (k, 2) m of a section by its motion (y, z, roll) at the origin."""
-    y, z = points.T
-    zero, unit = np.zeros_like(y), np.ones_like(y)
-    return np.stack([np.stack([unit, zero, -z], axis=1), np.stack([zero, unit, y], axis=1)], axis=1)
 
 
 def _plane(H: Array) -> Array:

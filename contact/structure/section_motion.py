@@ -15,25 +15,23 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.structure.pads import (
     GRADING,
-    LARGEST,
-    SAMPLES,
     SHIFT,
-    SIZE,
-    SMALLEST,
     RailCompliance,
     RailPads,
-    section_modes,
+    rail_key,
+    rail_strip,
+    wavenumber_samples,
 )
+from wheelrail.contact.structure.rigid_section import section_modes
 from wheelrail.meshes.bodies.outlines import Outline
-from wheelrail.meshes.bodies.solids import Strip, body_key, rail_contact_range, section
+from wheelrail.meshes.bodies.solids import Strip, section
 from wheelrail.support.arrays import Array
-from wheelrail.support.cache import cached, digest
+from wheelrail.support.cache import cached
 
 if TYPE_CHECKING:
     from wheelrail.contact.structure.padded_section import PaddedSection
@@ -69,15 +67,7 @@ def section_motion(outline: Outline, steel: Material, pads: RailPads) -> Section
         steel: material.
         pads: its supports, on which the local part hardly depends.
     """
-    strip = Strip.over(outline, rail_contact_range(outline.profile), half_length=SIZE, size=SIZE)
-    key = digest(
-        kind="section of a rail",
-        section=body_key("rail section", outline, strip, 0.0, "tetrahedron", GRADING),
-        E=steel.E,
-        nu=steel.nu,
-        pads=pads.per_length,
-        sampling=(LARGEST, SHIFT, SMALLEST, SAMPLES),
-    )
+    strip, key = rail_strip(outline), rail_key("section of a rail", outline, steel, pads)
     names = ("beam", "own", "foot", "misfit")
     stored = cached(f"sections/{key}", lambda: _by_wavenumbers(outline, strip, steel, pads), names)
     return SectionMotion(stored["beam"], stored["own"], stored["foot"], float(stored["misfit"]))
@@ -94,7 +84,7 @@ def _by_wavenumbers(outline: Outline, strip: Strip, steel: Material, pads: RailP
     surface = mesh.points[mesh.surface]
     modes = section_modes(surface - foot).reshape(-1, 3)
     inverse, spread = np.linalg.pinv(modes), mean_motion(padded, foot)
-    wavenumbers = np.concatenate([[0.0], np.geomspace(SMALLEST, LARGEST, SAMPLES)])
+    wavenumbers = wavenumber_samples()
     beams, removed = [], []
     in_plane = np.arange(3 * len(surface)).reshape(-1, 3)[:, 1:].ravel()
     for k in wavenumbers:
@@ -111,18 +101,10 @@ def _by_wavenumbers(outline: Outline, strip: Strip, steel: Material, pads: RailP
 
 def mean_motion(body: PaddedSection, origin: Array) -> Array:
     """Weights (3 n, 3) of all displacements in the mean motion (y, z, roll about the origin) of the section."""
-    import ufl
-    from dolfinx import fem
-
-    from wheelrail.forms import compat
-
-    U, V = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-    pointer, columns, values = compat.assemble_csr(fem.form(ufl.inner(U, V) * ufl.dx))
     size = 3 * len(body.points)
-    mass = sp.csr_array((values, columns, pointer), shape=(size, size))
     rigid = np.zeros((len(body.points), 3, 3))
     rigid[:, 1:] = section_modes(body.points - origin)
-    moved = mass @ rigid.reshape(size, 3)
+    moved = body.mass @ rigid.reshape(size, 3)
     return np.asarray(moved @ np.linalg.inv(rigid.reshape(size, 3).T @ moved))
 
 
@@ -135,16 +117,11 @@ def local_flexibility(body: PaddedSection, k: float, modes: Array, spread: Array
         modes: (2 n, 3), rigid motions of the surface.
         spread: (3 nodes, 3), see `mean_motion`.
     """
-    from scipy.sparse.linalg import splu
-
-    pointer, columns, _ = body.matrices
     size = 3 * len(body.points)
-    stiffness = sp.csc_matrix(sp.csr_array((body.stiffness(k), columns, pointer), shape=(size, size)))
     lines = body.cells[np.arange(body.cells.shape[0]).reshape(-1, 3)[:, 1:].ravel()]
     nodes = (3 * body.surface[:, None] + np.arange(3)).ravel()
     loads = np.zeros((size, lines.shape[0] + 3))
     loads[nodes, :-3], loads[:, -3:] = lines.toarray().T, spread
-    factors = splu(stiffness, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    flexibility = loads.T @ factors.solve(loads)
+    flexibility = loads.T @ body.solve(k, loads)
     surface, cross, beam = flexibility[:-3, :-3], flexibility[:-3, -3:], flexibility[-3:, -3:]
     return surface - cross @ modes.T - modes @ cross.T + modes @ beam @ modes.T, beam

@@ -331,17 +331,17 @@ def test_a_host_that_moves_rims_and_rails_as_clamped_bodies_would_finds_the_same
     for index, (side, sign) in enumerate((("left", 1.0), ("right", -1.0))):
         force, moment = solution.force[side], solution.moment[side]
         about_wheel = moment - np.cross([0.0, sign * 0.75, 0.0], force)
-        rim = -contact.flexibility.matrix[6 * index : 6 * index + 6, 6 * index : 6 * index + 6]
+        rim = -contact.wheelset.flexibility.matrix[6 * index : 6 * index + 6, 6 * index : 6 * index + 6]
         mirror = np.array([1, -1, 1, -1, 1, -1]) if index else np.ones(6)
         wheels.append(mirror * (rim @ (mirror * np.concatenate([force, about_wheel]))))
         mounting, at = waveguides().mounting, 12 + 3 * index
-        foot_y, foot_z = contact.flexibility.foot(index)
+        foot_y, foot_z = contact.wheelset.flexibility.foot(index)
         centre = np.array([0.0, place["y"], mounting.radius + place["z"]])
         foot = np.array([0.0, sign * (mounting.rail_y + foot_y), foot_z])
         about_foot = moment + np.cross(centre - foot, force)
         mirror = np.array([-1, 1, -1]) if index else np.ones(3)
         loads = -np.array([force[1], force[2], about_foot[0]])
-        rails.append(mirror * (-contact.flexibility.matrix[at : at + 3, at : at + 3] @ (mirror * loads)))
+        rails.append(mirror * (-contact.wheelset.flexibility.matrix[at : at + 3, at : at + 3] @ (mirror * loads)))
     again = hosted.solve(**place, wheel_motion=wheels, rail_motion=rails)
     still = hosted.solve(**place)  # rims and rails that do not give way
     for side in ("left", "right"):

@@ -23,7 +23,7 @@ from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 if TYPE_CHECKING:
-    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+    from wheelrail.contact.loading.structure import Structure
 
 Contacts = dict[Side, ContactResult]
 
@@ -100,7 +100,7 @@ class Dynamics:
     track: Track
     contact: VehicleContact
     speed: float | SpeedProfile
-    structure: QuasiStaticStructure | None = None
+    structure: Structure | None = None
 
     def __post_init__(self) -> None:
         _ = self.speed_profile  # validates the speed
@@ -201,8 +201,8 @@ class Dynamics:
         """
         if self.structure is None:
             return np.zeros(0)
-        wheelset = self.wheelset_state(frame, state)
-        return self.structure.rates(self.split(state).motions, self.structure.loads(wheelset, wrenches))
+        structure, wheelset = self.structure.at(frame.distance), self.wheelset_state(frame, state)
+        return structure.rates(self.split(state).motions, structure.loads(wheelset, wrenches))
 
     def solve_contacts(self, frame: Frame, state: Array, guess: Contacts | None) -> Contacts:
         """Both contacts; raises StepFailure for a result that failed or is not finite."""

@@ -85,15 +85,18 @@ class Jacobian:
         bodies = slice(COUNT, len(state) - d.motions)
         by_state[bodies] = (plus - minus).T / (2 * STEP)
         by_wrench, tangents = self.by_wrench(state), self.tangents(frame, state, at.contacts)
-        indices, columns = _indices(len(state), d.motions)
+        indices, columns = _indices(bodies.stop, tangents.shape[-1])
         by_state[COUNT : 2 * COUNT, indices] += by_wrench @ tangents.sum(axis=0)[:, columns]
         if d.structure is not None:
-            wheelset = d.wheelset_state(frame, state)
-            slopes = d.structure.rate_slopes(wheelset, wrenches(at.contacts), tangents)
+            structure, wheelset = d.structure.at(frame.distance), d.wheelset_state(frame, state)
+            slopes = structure.by_loads @ structure.load_slopes(wheelset, wrenches(at.contacts), tangents)
             by_state[bodies.stop :, indices] = slopes.sum(axis=0)[:, columns]
-            by_state[bodies.stop :, bodies.stop :] -= np.eye(d.motions) / d.structure.time_constant
+            by_state[bodies.stop :, bodies.stop :] += structure.by_motions
         by_time = np.zeros(len(state))
         by_time[bodies] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
+        if d.structure is not None:
+            loads = structure.loads(wheelset, wrenches(at.contacts))
+            by_time[bodies.stop :] = frame.speed * structure.rates_by_distance(loads)
         if frame.rails is not None and later.rails is not None:
             rates = (np.array(later.rails) - np.array(frame.rails)) / TIME_STEP
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
@@ -114,7 +117,7 @@ class Jacobian:
 
     def tangents(self, frame: Frame, state: Array, contacts: Contacts) -> Array:
         """Derivatives (2, 6, 9 + k) of force and moment of the left and the right wheel with respect to the wheelset's
-        position and rates, and to the motions of axle and rails. Raises StepFailure where these move and the contact
+        position and rates, and to the motions of hubs and rails. Raises StepFailure where these move and the contact
         has no tangent.
         """
         wheelset = self.dynamics.wheelset_state(frame, state)
@@ -152,8 +155,13 @@ class Jacobian:
         return wrenches(self.dynamics.solve_wheelset(perturbed, contacts))
 
 
-def _indices(size: int, motions: int) -> tuple[Array, Array]:
-    """Indices in a state on which contact forces depend, and their columns in the tangents."""
-    first = len(WheelsetState.coordinates)
-    moving = np.arange(size - motions, size)
-    return np.concatenate([INDICES, moving]), np.concatenate([COLUMNS, np.arange(first, first + motions)])
+def _indices(bodies: int, columns: int) -> tuple[Array, Array]:
+    """Indices in a state on which contact forces depend, and their columns in the tangents.
+
+    Parameters:
+        bodies: size of a state without motions of axle and track.
+        columns: of the tangents.
+    """
+    own = len(WheelsetState.coordinates)
+    moving = np.arange(columns - own)
+    return np.concatenate([INDICES, bodies + moving]), np.concatenate([COLUMNS, own + moving])

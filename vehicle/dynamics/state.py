@@ -71,7 +71,7 @@ def split(state: Array, motions: int = 0) -> Split:
 RATE_SCALE = 100.0  # 1/s
 
 
-def graded(atol: float, size: int = 2 * COUNT) -> Array:
+def graded(atol: float, size: int = 2 * COUNT, velocities: int = 0) -> Array:
     """Absolute tolerances (size,) of a state for implicit steps: atol in m and rad, 100 atol in m/s and rad/s.
 
     Motions that such steps do not resolve decay within 10 ms: an error of a rate then changes the position by no more
@@ -80,7 +80,9 @@ def graded(atol: float, size: int = 2 * COUNT) -> Array:
     Parameters:
         atol: of positions, m and rad.
         size: of the state.
+        velocities: number of rates at its end, of a track with mass.
     """
     tolerances = np.full(size, float(atol))
     tolerances[COUNT : 2 * COUNT] *= RATE_SCALE
+    tolerances[size - velocities :] *= RATE_SCALE
     return tolerances

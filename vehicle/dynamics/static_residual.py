@@ -76,8 +76,9 @@ class StaticResidual:
         unbalanced, structure = self._unbalanced(unknown, contacts), self.dynamics.structure
         if structure is None:
             return unbalanced
-        rates = self.dynamics.structure_rates(self.frame, self.state(unknown), wrenches(contacts))
-        return np.concatenate([unbalanced, structure.time_constant / MOTION * rates])
+        wheelset = self.dynamics.wheelset_state(self.frame, self.state(unknown))
+        here, loads = structure.at(self.frame.distance), structure.loads(wheelset, wrenches(contacts))
+        return np.concatenate([unbalanced, here.imbalance(unknown[COUNT:], loads) / MOTION])
 
     def _unbalanced(self, unknown: Array, contacts: Contacts) -> Array:
         """Rows (10,) of the residual that belong to the bodies."""
@@ -106,11 +107,14 @@ class StaticResidual:
         if d.structure is not None:
             if tangents is None:
                 raise StepFailure(NO_TANGENT)
-            own, factor = len(WheelsetState.coordinates), d.structure.time_constant / MOTION
-            slopes = factor * d.structure.rate_slopes(wheelset, wrenches(contacts), tangents).sum(axis=0)
-            result[:COUNT, COUNT:] = self.weights[:, None] * by_wrench @ tangents.sum(axis=0)[:, own:]
+            own, structure = len(WheelsetState.coordinates), d.structure.at(self.frame.distance)
+            slopes = structure.load_slopes(wheelset, wrenches(contacts), tangents).sum(axis=0)
+            slopes = structure.compliance @ slopes / MOTION
+            moving = slice(COUNT, COUNT + tangents.shape[-1] - own)
+            result[:COUNT, moving] = self.weights[:, None] * by_wrench @ tangents.sum(axis=0)[:, own:]
             result[COUNT:, CONTACT_UNKNOWNS] = slopes[:, TANGENT_COLUMNS] * spin
-            result[COUNT:, COUNT:] = slopes[:, own:] - np.eye(d.motions) / MOTION
+            result[COUNT:, moving] = slopes[:, own:]
+            result[COUNT:, COUNT:] -= np.eye(d.motions) / MOTION
         return result
 
     def static(self) -> Array:

@@ -10,7 +10,7 @@ from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
 
-TOLERANCE = 1e-8  # m and rad: 10 N on a contact
+TOLERANCE = 1e-8  # m and rad, of motions that follow constant loads: 10 N on a contact
 MAX_STEPS = 8  # Newton steps; 2 suffice from states within a step of the integration
 
 
@@ -35,7 +35,7 @@ def with_motions_at_rates(
     for _ in range(MAX_STEPS):
         evaluation = dynamics(time, state, previous)
         error = evaluation.rate[first:] - rates
-        if np.abs(error).max() * dynamics.structure.time_constant <= TOLERANCE:
+        if np.abs(np.linalg.solve(dynamics.structure.by_motions, error)).max() <= TOLERANCE:
             return state, evaluation
         slopes = jacobian(time, state, evaluation).by_state[first:, first:]
         state[first:] -= np.linalg.solve(slopes, error)

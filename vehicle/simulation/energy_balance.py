@@ -19,7 +19,7 @@ from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 if TYPE_CHECKING:
-    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+    from wheelrail.contact.loading.structure import Structure
 
 POWERS = ("contact", "dampers", "gravity", "inertial")
 
@@ -36,7 +36,8 @@ class EnergyBalance:
     Spin is measured from nominal rolling, whose half a megajoule would hide the other contributions. Contact forces do
     work on the wheelset, gravity and the inertial forces of the frame on all bodies. The constraint that moves the
     wagon along the track does no work in this frame. With an elastic axle or pads their energy is part of the energy,
-    and the loads on hubs and rails do work on their motions, which is part of that of the contact.
+    and the loads on hubs and rails do work on their motions, which is part of that of the contact; so is, on discrete
+    sleepers, the work of moving the loads along rails whose compliance changes.
     """
 
     time: Array
@@ -95,30 +96,32 @@ def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalanc
         ) * spin[i]
     energy = kinetic + suspension.stored_energy(position, series)
     if structure is not None:
-        energy = energy + structure.energy(history.structure_motion)
-        supplied, dissipated = _structure_power(history, dynamics, structure)
+        stored, supplied, dissipated = _structure_balance(history, dynamics, structure)
+        energy = energy + stored
         power[:, 0] += supplied
         power[:, 1] -= dissipated
     return EnergyBalance(history.time, energy, power)
 
 
-def _structure_power(history: History, dynamics: Dynamics, structure: QuasiStaticStructure) -> tuple[Array, Array]:
-    """Power (n,) W that the contact supplies to axle and rails, and that their dampers dissipate.
+def _structure_balance(history: History, dynamics: Dynamics, structure: Structure) -> Array:
+    """Elastic energy J of axle and rails, power W that the contact supplies to them, and that their dampers dissipate,
+    (3, n).
 
     Rates are those of a cubic spline through the samples: in those of the equations of motion, a small difference over
     a short time constant, the errors of the motions are a hundred times larger.
     """
     from scipy.interpolate import CubicSpline
 
-    if len(history) < 2:
-        return np.zeros(len(history)), np.zeros(len(history))
+    motions, n = history.structure_motion, len(history)
+    rates = CubicSpline(history.time, motions)(history.time, 1) if n > 1 else np.zeros_like(motions)
     wrenches = np.concatenate([history.outputs.force, history.outputs.moment], axis=2)
-    loads = np.empty((len(history), structure.size))
+    balance = np.empty((3, n))
     for i, (time, state) in enumerate(zip(history.time.tolist(), history.state, strict=True)):
-        wheelset = dynamics.wheelset_state(dynamics.frame(time), state)
-        loads[i] = structure.loads(wheelset, wrenches[i])
-    rates = CubicSpline(history.time, history.structure_motion)(history.time, 1)
-    return (loads * rates).sum(axis=1), structure.dissipated_power(rates)
+        frame = dynamics.frame(time)
+        here, loads = structure.at(frame.distance), structure.loads(dynamics.wheelset_state(frame, state), wrenches[i])
+        along = frame.speed * here.energy_by_distance(motions[i])
+        balance[:, i] = here.energy(motions[i]), loads @ rates[i, : len(loads)] + along, here.dissipated_power(rates[i])
+    return balance
 
 
 class _RecordedContact(VehicleContact):

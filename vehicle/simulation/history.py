@@ -18,7 +18,7 @@ from wheelrail.vehicle.simulation.row import Outputs, PatchPair, Row
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
 if TYPE_CHECKING:
-    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+    from wheelrail.contact.loading.structure import Structure
 
 
 @dataclass
@@ -70,7 +70,7 @@ class History:
     contact_status: list[tuple[str, str]]
     cost: RunCost
     irregularities: Array | None = None
-    structure: QuasiStaticStructure | None = None
+    structure: Structure | None = None
 
     @classmethod
     def of(cls, dynamics: Dynamics, rows: list[Row], cost: RunCost, status: str) -> History:

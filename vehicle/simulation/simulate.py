@@ -54,7 +54,9 @@ def simulate(
     if initial is not None and np.shape(initial) != (dynamics.size,):
         raise ValueError(f"initial: shape {np.shape(initial)}: must be ({dynamics.size},), the state of this wagon")
     steps = steps or StepSettings()
-    steps = replace(steps, atol=tolerances(steps.method, steps.atol, dynamics.size))
+    velocities = 0 if dynamics.structure is None else dynamics.structure.velocities
+    atol, longest = tolerances(steps.method, steps.atol, dynamics.size, velocities), longest_step(dynamics)
+    steps = replace(steps, atol=atol, max_step=min(steps.max_step, longest))
     run = _WagonRun(dynamics, span, steps, recording or Recording(), limits, progress)
     status = run.run(None if initial is None else np.array(initial, dtype=float))
     return History.of(run.dynamics, run.recorder.rows, run.cost, status)
@@ -111,7 +113,14 @@ class _WagonRun(TimeRun[Dynamics, Evaluation]):
         return describe_position(self.dynamics, time, state)
 
 
-def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float | Array:
+def longest_step(dynamics: Dynamics) -> float:
+    """Longest step s: a third of the time from sleeper to sleeper, where these are discrete."""
+    if dynamics.structure is None:
+        return np.inf
+    return dynamics.structure.period / (3.0 * max(dynamics.speed_profile.speeds.values))
+
+
+def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT, velocities: int = 0) -> float | Array:
     """Absolute tolerance of each component of the state.
 
     Parameters:
@@ -120,7 +129,8 @@ def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT) -> float
             methods, limited by stability, use it for rates, too; for implicit ones see
             `wheelrail.vehicle.dynamics.state.graded`.
         size: of the state.
+        velocities: number of rates at its end.
     """
     if isinstance(atol, float | int) and isinstance(METHODS[method], RosenbrockCoefficients):
-        return graded(atol, size)
+        return graded(atol, size, velocities)
     return atol

@@ -21,7 +21,7 @@ from wheelrail.vehicle.wagon.suspension import SuspensionForces
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 if TYPE_CHECKING:
-    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+    from wheelrail.contact.loading.structure import Structure
 
 OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
@@ -110,7 +110,7 @@ def curving(
     wagon: Wagon,
     contact: VehicleContact,
     curve: ConstantCurve,
-    structure: QuasiStaticStructure | None = None,
+    structure: Structure | None = None,
     *,
     before: SteadyCurving | None = None,
 ) -> SteadyCurving:
@@ -134,7 +134,7 @@ def curving_over(
     wagon: Wagon,
     contact: VehicleContact,
     curves: Iterable[ConstantCurve],
-    structure: QuasiStaticStructure | None = None,
+    structure: Structure | None = None,
 ) -> list[SteadyCurving]:
     """Steady-state solutions of a series of curves, each the initial guess of the next one.
 

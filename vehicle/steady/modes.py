@@ -112,10 +112,11 @@ def _modes_of(dynamics: Dynamics, matrix: Array, *, fixed: Iterable[int]) -> lis
     shapes = np.zeros((len(matrix), len(values)), dtype=complex)
     shapes[free] = vectors
     first = len(matrix) - dynamics.motions
+    last = len(matrix) - (0 if dynamics.structure is None else dynamics.structure.velocities)
     all_modes = [
         _mode(dynamics, complex(values[i]), shapes[:COUNT, i])
         for i in np.argsort(np.abs(values), kind="stable")
-        if np.abs(shapes[:COUNT, i]).max() > AT_REST * np.abs(shapes[first:, i]).max(initial=0.0)
+        if np.abs(shapes[:COUNT, i]).max() > AT_REST * np.abs(shapes[first:last, i]).max(initial=0.0)
     ]
     return [
         m

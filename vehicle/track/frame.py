@@ -23,6 +23,7 @@ class Frame:
         down: (3,) unit vector of gravity.
         rails: displacement of the rails by irregularities, as in
             `wheelrail.contact.kinematics.wheelset_state.WheelsetState`.
+        distance: along the track, m.
     """
 
     speed: float
@@ -31,11 +32,12 @@ class Frame:
     rate_dot: Vector
     down: Vector
     rails: RailShift | None = None
+    distance: float = 0.0
 
     def steady(self) -> Frame:
         """Frame of a smooth infinite curve: constant speed, no roll rate, no angular acceleration."""
         _, wy, wz = self.rate
-        return Frame(self.speed, 0.0, (0.0, wy, wz), (0.0, 0.0, 0.0), self.down)
+        return Frame(self.speed, 0.0, (0.0, wy, wz), (0.0, 0.0, 0.0), self.down, distance=self.distance)
 
     def acceleration_of(self, y: Array, z: Array, y_rate: Array, z_rate: Array) -> tuple[Array, Array]:
         """Absolute acceleration in y and z, m/s2, of points (0, y, z) without relative acceleration.

@@ -162,6 +162,7 @@ class Track:
             ),
             down=(-sa, -ca * sp, -ca * cp),
             rails=self.irregularities.rails(s) if self.irregularities else None,
+            distance=s,
         )
 
     def heading(self, s: float) -> float:

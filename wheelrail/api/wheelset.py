@@ -64,7 +64,9 @@ class Wheelset:
             profiles from files; and defaults for the arguments of `solve`.
             axle: True for an axle of 160 mm that bends, or {"diameter", "steps", "journal", "bore", "weight"}; pads:
             True for rails on pads, or {"vertical", "lateral", "longitudinal", "spacing"}. Without them the wheels do
-            not tilt against each other, and the rails are clamped at their feet.
+            not tilt against each other, and the rails are clamped at their feet. sleepers: True for pads on discrete
+            sleepers, the wheelset over one of them, or {"length", "position"}; ballast: True for sleepers on ballast,
+            or {"sleeper_mass", "vertical", "lateral", "pad_damping", "damping"}.
 
     The compliance of the bodies is computed at the first solve, and cached. Raises SceneError, a ValueError, naming
     the argument, its value and what is allowed.

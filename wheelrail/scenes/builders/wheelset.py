@@ -11,15 +11,18 @@ from wheelrail.scenes.builders.laws import laws, material, standard_contact
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
+from wheelrail.scenes.schema.tables import PadsTable
 
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
-    from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+    from wheelrail.contact.loading.structure import Structure
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.contact.results.vehicle_contact import VehicleContact
+    from wheelrail.contact.structure.ballast import CoRunningTrack
     from wheelrail.contact.structure.hubs import HubCompliance
+    from wheelrail.contact.structure.pads import RailCompliance, RailPads
     from wheelrail.meshes.profiles.profile import Profile
 
 log = logging.getLogger(__name__)
@@ -60,7 +63,7 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
     return WheelsetContact(model, mounting)
 
 
-def run_contact(scene: RunScene) -> tuple[VehicleContact, QuasiStaticStructure | None]:
+def run_contact(scene: RunScene) -> tuple[VehicleContact, Structure | None]:
     """Contact of a run, and its axle and rails where they are elastic; errors as for `wheelset_contact`."""
     profiles = side_profiles(scene)
     contact = wheelset_contact(scene, profiles)
@@ -70,7 +73,13 @@ def run_contact(scene: RunScene) -> tuple[VehicleContact, QuasiStaticStructure |
     from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
     moving = FlexibleContact(contact, flexibility(scene, profiles))
-    return moving, QuasiStaticStructure(moving.pairs)
+    if scene.track.ballast is None:
+        return moving, QuasiStaticStructure(moving.pairs)
+    from wheelrail.contact.loading.co_running_structure import CoRunningStructure
+
+    left = _track_with_mass(scene, profiles["left"])
+    right = left if scene.sides_alike else _track_with_mass(scene, profiles["right"])
+    return moving, CoRunningStructure(moving.pairs, tracks=(left, right))
 
 
 def element_contact(
@@ -88,6 +97,8 @@ def element_contact(
     """
     if not scene.is_flexible and not host:
         return contact
+    if scene.track.sleepers is not None:
+        raise SceneError("track.sleepers: not allowed in an element, which has no place along the track")
     own = {"axle": scene.wheelset.axle, "wheels": scene.wheelset.axle, "rails": scene.track.pads}
     for name in host:
         if name not in own:
@@ -96,10 +107,11 @@ def element_contact(
             raise SceneError(f"element: host: {name!r}: not allowed with axle or pads of the wheelset itself")
     if scene.model == "standard" or scene.discretisation.bodies == "solid":
         raise SceneError('element: host: allowed only with bodies = "waveguide" or "half-space"')
+    from wheelrail.contact.loading.flexible_wheelset import FlexibleWheelset
     from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact
 
     moving = _with_host(scene, flexibility(scene, profiles), profiles, host)
-    return QuasiStaticContact(contact, moving, on_hubs=scene.wheelset.axle is not None)
+    return QuasiStaticContact(FlexibleWheelset(contact, moving, on_hubs=scene.wheelset.axle is not None))
 
 
 def _with_host(scene: WheelsetScene, own: Flexibility, profiles: SideProfiles, host: Sequence[str]) -> Flexibility:
@@ -143,16 +155,45 @@ def flexibility(scene: WheelsetScene | RunScene, profiles: SideProfiles) -> Flex
     Raises SceneError for an axle that does not fit the wheels.
     """
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
-    from wheelrail.contact.structure.pads import RailPads, rail_compliance
+    from wheelrail.contact.structure.pads import rail_compliance
+    from wheelrail.contact.structure.sleepers import sleeper_compliance
     from wheelrail.meshes.bodies.outlines import rail_outline
 
-    rails, steel, pads = None, material(scene), scene.track.pads
+    rails, steel, pads, sleepers = None, material(scene), scene.track.pads, scene.track.sleepers
     if pads is not None:
-        supports = RailPads(pads.vertical, pads.lateral, pads.longitudinal, pads.spacing)
-        left, right = (rail_outline(profiles[side][1]) for side in ("left", "right"))
-        of_left = rail_compliance(left, steel, supports)
-        rails = of_left, of_left if scene.sides_alike else rail_compliance(right, steel, supports)
-    return Flexibility(None if scene.wheelset.axle is None else _hubs(scene, profiles["left"]), rails)
+        supports = _pads(pads)
+
+        def on_pads(side: Side) -> RailCompliance:
+            outline = rail_outline(profiles[side][1])
+            if scene.track.ballast is not None:
+                return _track_with_mass(scene, profiles[side]).rail
+            if sleepers is None:
+                return rail_compliance(outline, steel, supports)
+            return sleeper_compliance(outline, steel, supports, sleepers.length)
+
+        left = on_pads("left")
+        rails = left, left if scene.sides_alike else on_pads("right")
+    hubs = None if scene.wheelset.axle is None else _hubs(scene, profiles["left"])
+    return Flexibility(hubs, rails, 0.0 if sleepers is None else sleepers.position)
+
+
+def _pads(table: PadsTable) -> RailPads:
+    """Pads of a scene."""
+    from wheelrail.contact.structure.pads import RailPads
+
+    return RailPads(table.vertical, table.lateral, table.longitudinal, table.spacing)
+
+
+def _track_with_mass(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> CoRunningTrack:
+    """Track under one wheel, with the masses of rail and sleepers."""
+    from wheelrail.contact.structure.ballast import Ballast, co_running_track
+    from wheelrail.meshes.bodies.outlines import rail_outline
+
+    pads, table = scene.track.pads, scene.track.ballast
+    assert pads is not None
+    assert table is not None
+    ballast = Ballast(table.sleeper_mass, table.vertical, table.lateral, table.pad_damping, table.damping)
+    return co_running_track(rail_outline(pair[1]), material(scene), _pads(pads), ballast)
 
 
 def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> HubCompliance:

@@ -158,7 +158,7 @@ def _structure_motion(history: History) -> dict[str, Any]:
         return {}
     elastic, motion = history.structure.pairs.flexibility, history.structure_motion
     hubs = motion[:, :12].reshape(-1, 2, 6) * [np.ones(6), MIRRORED_HUB]
-    rails = motion[:, 12:].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
+    rails = motion[:, 12:18].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
     units = {"hub": "m and rad, x, y, z, then about x, y, z", "rail": "m and rad, y, z, then roll about the foot"}
     variables: dict[str, Any] = {}
     if elastic.hubs is not None:
@@ -167,6 +167,10 @@ def _structure_motion(history: History) -> dict[str, Any]:
     if elastic.rails is not None:
         text = "motion of the rail on its pads"
         variables["rail_motion"] = (("time", "side", "rail_component"), rails, means(units["rail"], text))
+    if history.structure.velocities:
+        sleepers = motion[:, 18:22].reshape(-1, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
+        text = "motion of the sleepers under the wheel, across and normal to the foot of the rail"
+        variables["sleeper_motion"] = (("time", "side", "sleeper_component"), sleepers, means("m", text))
     return variables
 
 

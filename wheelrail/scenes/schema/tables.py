@@ -72,13 +72,36 @@ class BlockStressTable(SceneTable):
 
 class PadsTable(SceneTable):
     """Stiffness of one pad with its fastening, N/m: vertical, lateral and along the rail, by default as lateral; and
-    the spacing of the sleepers, m. Pads are linear, spread along the rail, and do not lift.
+    the spacing of the sleepers, m. Pads are linear and do not lift; without the table sleepers they are spread along
+    the rail.
     """
 
     vertical: q.PadStiffness = 100e6
     lateral: q.PadStiffness = 40e6
     longitudinal: q.PadStiffness | None = None
     spacing: q.PadSpacing = 0.6
+
+
+class SleepersTable(SceneTable):
+    """Discrete sleepers: length of a pad along the rail, m, and place of the wheelset, in a run at its start, along the
+    track from a sleeper, m.
+    """
+
+    length: q.PadLength = 0.18
+    position: q.SleeperPlace = 0.0
+
+
+class BallastTable(SceneTable):
+    """Sleepers that move on ballast: mass of half a sleeper, kg, vertical and lateral stiffness of the ballast under
+    it, N/m, and vertical damping of one pad and of the ballast under half a sleeper, N s/m. In a run rails and sleepers
+    have their masses.
+    """
+
+    sleeper_mass: q.SleeperMass = 150.0
+    vertical: q.BallastStiffness = 80e6
+    lateral: q.BallastStiffness = 40e6
+    pad_damping: q.TrackDamping = 30e3
+    damping: q.TrackDamping = 60e3
 
 
 class ElasticAxleTable(SceneTable):
@@ -115,11 +138,28 @@ def _switched(value: Any) -> Any:
 
 
 class RailsTable(SceneTable):
-    """Position of the rails, and their pads, without which they are clamped at their feet."""
+    """Position of the rails, their pads, without which they are clamped at their feet, and discrete sleepers or ones on
+    ballast.
+    """
 
     gauge: q.Gauge
     gauge_height: q.GaugeHeight
     pads: Annotated[PadsTable | None, BeforeValidator(_switched)] = None
+    sleepers: Annotated[SleepersTable | None, BeforeValidator(_switched)] = None
+    ballast: Annotated[BallastTable | None, BeforeValidator(_switched)] = None
+
+    @model_validator(mode="after")
+    def _sleepers_under_pads(self) -> RailsTable:
+        for key in ("sleepers", "ballast"):
+            if getattr(self, key) is not None and self.pads is None:
+                raise q.reject("allowed only with pads, whose spacing it has", key)
+        if self.sleepers is None or self.pads is None:
+            return self
+        if self.ballast is not None:
+            raise q.reject("must not be combined with sleepers, whose sleepers are at rest", "ballast")
+        if self.sleepers.length > self.pads.spacing:
+            raise q.reject(f"must be at most the spacing of the pads, {self.pads.spacing:g} m", "sleepers.length")
+        return self
 
 
 class TrackTable(RailsTable):

@@ -1,0 +1,149 @@
+"""Axle and track as a linear system whose motions are states of a time integration.
+
+With the motions x, at rest without load x_0, and the loads w of the contacts on hubs and rails
+
+    x' = A (x - x_0) + B w.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.loading.flexible_contact import FlexiblePairs
+from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
+from wheelrail.contact.loading.flexible_wheelset import COLUMNS, structural
+from wheelrail.contact.solvers.tangent import MIRRORED
+from wheelrail.support.arrays import Array
+
+TIME_CONSTANT = 1e-3  # s
+
+
+@dataclass(frozen=True)
+class Structure(ABC):
+    """Axle and track that move with the loads of the contacts.
+
+    Parameters:
+        pairs: of both sides.
+        time_constant: s, damping over stiffness of massless parts.
+
+    The first 18 of the k motions are those of `FlexibleState.motions`; further motions and rates of motions follow.
+    """
+
+    pairs: FlexiblePairs
+    time_constant: float = TIME_CONSTANT
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """Number k of states."""
+
+    @property
+    def velocities(self) -> int:
+        """Number of rates of motions, the last of the states."""
+        return 0
+
+    @property
+    @abstractmethod
+    def by_motions(self) -> Array:
+        """Matrix A (k, k), 1/s."""
+
+    @property
+    @abstractmethod
+    def by_loads(self) -> Array:
+        """Matrix B (k, 18), of loads (18,) N and N m."""
+
+    @property
+    @abstractmethod
+    def compliance(self) -> Array:
+        """Static motions (k, 18) by unit loads, -A^-1 B."""
+
+    @property
+    @abstractmethod
+    def energy_matrix(self) -> Array:
+        """Matrix (k, k) whose quadratic form in x - x_0 is twice the energy, J."""
+
+    @property
+    @abstractmethod
+    def damping(self) -> Array:
+        """Matrix (k, k) whose quadratic form in the rates is the dissipated power, W."""
+
+    @property
+    def unloaded(self) -> Array:
+        """Motions (k,) without contact, x_0."""
+        return np.concatenate([self.pairs.flexibility.unloaded, np.zeros(self.size - len(MOTIONS))])
+
+    @property
+    def period(self) -> float:
+        """Distance m along the track after which it is the same again; infinite where it is the same everywhere."""
+        return np.inf
+
+    def at(self, distance: float) -> Self:
+        """The structure at a distance m along the track."""
+        return self
+
+    def moved(self, state: WheelsetState, motions: Array) -> FlexibleState:
+        """State of the wheelset with motions (k,)."""
+        values = {f.name: getattr(state, f.name) for f in fields(WheelsetState)}
+        return FlexibleState(**values, motions=tuple(motions[: len(MOTIONS)].tolist()))
+
+    def loads(self, state: WheelsetState, wrenches: Array) -> Array:
+        """Loads (18,) N and N m on both hubs, then on both rails, conjugate to the motions.
+
+        Parameters:
+            state: of the wheelset with its motions, from `moved`.
+            wrenches: (2, 6), force N on the left and the right wheel, and moment N m about the wheelset's centre.
+        """
+        mirrored = self._mirrored(wrenches)
+        return structural(
+            np.stack([self.pairs.pair(state, s).load_matrix @ w for s, w in zip(SIDES, mirrored, strict=True)])
+        )
+
+    def load_slopes(self, state: WheelsetState, wrenches: Array, tangents: Array) -> Array:
+        """Derivatives (2, 18, 27) of the loads by `FlexibleState.coordinates`: parts of the left and the right contact.
+
+        Parameters:
+            state, wrenches: as for `loads`.
+            tangents: (2, 6, 27), derivatives of the wrenches.
+        """
+        slopes = np.zeros((2, 2, 9, COLUMNS))  # of both contacts, loads by side
+        for index, (side, wrench) in enumerate(zip(SIDES, self._mirrored(wrenches), strict=True)):
+            pair, tangent = self.pairs.pair(state, side), tangents[index]
+            by_wrench = pair.load_matrix @ (MIRRORED[:, None] * tangent if index else tangent)
+            slopes[index, index] = by_wrench + self.pairs.by_coordinates(pair.load_change(wrench), side)
+        return np.stack([structural(own) for own in slopes])
+
+    def rates(self, motions: Array, loads: Array) -> Array:
+        """Rates (k,) of motions (k,) under loads (18,)."""
+        return np.asarray(self.by_motions @ (motions - self.unloaded) + self.by_loads @ loads)
+
+    def imbalance(self, motions: Array, loads: Array) -> Array:
+        """Static motions under loads (18,) less motions (k,)."""
+        return np.asarray(self.unloaded + self.compliance @ loads - motions)
+
+    def rates_by_distance(self, loads: Array) -> Array:
+        """Derivative (k,) of the rates by the distance along the track at constant motions, for loads (18,)."""
+        return np.zeros(self.size)
+
+    def energy_by_distance(self, motions: Array) -> float:
+        """Derivative J/m of the energy of motions (k,) by the distance: force along the track."""
+        return 0.0
+
+    def energy(self, motions: Array) -> Array:
+        """Energy (...) J of motions (..., k), without that of the wheelset's own weight."""
+        strain = motions - self.unloaded
+        return np.asarray(0.5 * np.einsum("...i,ij,...j->...", strain, self.energy_matrix, strain))
+
+    def dissipated_power(self, rates: Array) -> Array:
+        """Power (...) W of the dampers at rates (..., k)."""
+        return np.asarray(np.einsum("...i,ij,...j->...", rates, self.damping, rates))
+
+    @staticmethod
+    def _mirrored(wrenches: Array) -> Array:
+        """Wrenches of both wheels as left-hand ones."""
+        return np.stack([wrenches[0], MIRRORED * wrenches[1]])

@@ -1,0 +1,215 @@
+"""Track that moves along with a wheel: masses of rail and sleepers on pads and ballast, by Ritz's method.
+
+Sleepers on ballast are spread along the rail, a second layer under the pads. Shapes of the rail are its displacements
+under unit loads at rest, those of the sleepers their displacements under a lateral and a vertical load. With the
+motions q of the rail's section under the wheel (y, z, roll) and of the sleepers there (across, normal),
+
+    M q'' + D q' + K q = (l, 0)
+
+has the static compliance of the whole track and the mass that its energy at low frequency demands: the receptance is
+exact to the first order in its square. Displacements travel with the wheel as in a track at rest, which holds well
+below the speed of bending waves, some hundred metres per second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.structure.hubs import DENSITY
+from wheelrail.contact.structure.pads import (
+    GRADING,
+    SHIFT,
+    RailCompliance,
+    RailPads,
+    rail_compliance,
+    rail_key,
+    rail_strip,
+    wavenumber_samples,
+)
+from wheelrail.meshes.bodies.outlines import Outline
+from wheelrail.meshes.bodies.solids import section
+from wheelrail.support.arrays import Array
+from wheelrail.support.cache import cached
+
+
+@dataclass(frozen=True)
+class Ballast:
+    """Sleepers on ballast, half a sleeper under each rail, and the dampers of both layers.
+
+    Defaults: a sleeper of concrete on ballast of medium stiffness. Lateral dampers have the ratio of damping to
+    stiffness of the vertical ones; sleepers neither roll nor move along the track.
+    Parameters:
+        sleeper_mass: of half a sleeper, kg.
+        vertical, lateral: stiffness of the ballast under it, N/m.
+        pad_damping: of one pad, vertical, N s/m.
+        damping: of the ballast under half a sleeper, vertical, N s/m.
+
+    Raises ValueError unless all are positive.
+    """
+
+    sleeper_mass: float = 150.0
+    vertical: float = 80e6
+    lateral: float = 40e6
+    pad_damping: float = 30e3
+    damping: float = 60e3
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if not 0.0 < value < np.inf:
+                raise ValueError(f"{name} = {value}: must be positive and finite")
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Rail on two layers under unit loads (y, z, roll) on its section, at wavenumbers.
+
+    Parameters:
+        k: (n,) 1/m, the first zero.
+        pads, ballast: (2,) N/m2, stiffness of the layers across and normal to the foot.
+        sleepers: kg/m, mass of half the sleepers.
+        compliance: (n, 3, 3), motion of the section beyond that of the rail clamped at its foot.
+        inertia: (n, 3, 3), integral of density and squared displacements over the section.
+        strain: (n, 3, 3), integral of the squared displacements of the foot with the stiffness of the pads.
+        foot: (n, 2, 3), mean displacement of the foot, across and normal to it.
+    """
+
+    k: Array
+    pads: Array
+    ballast: Array
+    sleepers: float
+    compliance: Array
+    inertia: Array
+    strain: Array
+    foot: Array
+
+    def along(self, values: Array) -> Array:
+        """Integral (...) of squares along the rail, or value at the load, by amplitudes (n, ...)."""
+        k, weight = quadrature(self.k, 0.0)
+        return np.tensordot(weight / np.pi @ interpolation(self.k, SHIFT, k), values, 1)
+
+
+@dataclass(frozen=True)
+class CoRunningTrack:
+    """Track under one wheel: y m, z m and roll rad of the rail about its foot, then motion m of the sleepers across and
+    normal to the foot.
+
+    Parameters:
+        rail: static compliance of the rail, on pads and ballast.
+        mass: (5, 5) kg, kg m and kg m2.
+        pads, ballast, rest: (5, 5), stiffness of pads, of ballast, and of the rail.
+        pad_time, ballast_time: s, damping over stiffness of both layers.
+    """
+
+    rail: RailCompliance
+    mass: Array
+    pads: Array
+    ballast: Array
+    rest: Array
+    pad_time: float
+    ballast_time: float
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness (5, 5)."""
+        return self.pads + self.ballast + self.rest
+
+    @property
+    def damping(self) -> Array:
+        """Damping (5, 5)."""
+        return self.pad_time * self.pads + self.ballast_time * self.ballast
+
+    def receptance(self, frequency: complex) -> NDArray[np.complex128]:
+        """Motion (3, 3) of the rail by harmonic loads on it, proportional to exp(2 pi i f t); frequency: f, Hz."""
+        omega = 2.0 * np.pi * frequency
+        dynamic = self.stiffness + 1j * omega * self.damping - omega**2 * self.mass
+        return np.asarray(np.linalg.inv(dynamic)[:3, :3])
+
+
+def co_running(layers: Layers, rail: RailCompliance, times: tuple[float, float]) -> CoRunningTrack:
+    """Ritz's reduction of a rail on two layers.
+
+    Parameters:
+        layers: the rail under unit loads.
+        rail: its static compliance.
+        times: s, damping over stiffness of pads and ballast.
+    """
+    loads = np.linalg.inv(rail.matrix)
+    sleepers = np.stack([layers.foot[:, 0, 0], layers.foot[:, 1, 1]], axis=1)
+    sleepers = sleepers * layers.pads / (layers.pads + layers.ballast)
+    shape = sleepers / layers.along(sleepers)
+    square = layers.along(shape**2)
+    coupling = layers.along(np.einsum("nda,nd->nad", layers.foot, layers.pads * shape))
+    mass, pads, ballast, rest = np.zeros((4, 5, 5))
+    mass[:3, :3] = loads @ layers.along(layers.inertia) @ loads
+    mass[3:, 3:] = np.diag(layers.sleepers * square)
+    pads[:3, :3] = loads @ layers.along(layers.strain) @ loads
+    pads[:3, 3:] = -loads @ coupling
+    pads[3:, :3] = pads[:3, 3:].T
+    pads[3:, 3:] = np.diag(layers.pads * square)
+    ballast[3:, 3:] = np.diag(layers.ballast * square)
+    foundation = pads[:3, :3] - pads[:3, 3:] @ np.linalg.solve(pads[3:, 3:] + ballast[3:, 3:], pads[3:, :3])
+    rest[:3, :3] = loads - foundation  # the whole has the static compliance of the rail
+    return CoRunningTrack(rail, mass, pads, ballast, rest, *times)
+
+
+def co_running_track(outline: Outline, steel: Material, pads: RailPads, ballast: Ballast) -> CoRunningTrack:
+    """Track under one wheel, from the cache or by 2.5D finite elements over wavenumbers.
+
+    Parameters:
+        outline: of the rail as laid.
+        steel: material.
+        pads: its supports.
+        ballast: under the sleepers, at the spacing of the pads.
+    """
+    per_length = np.array([ballast.lateral, ballast.vertical]) / pads.spacing
+    names = ("compliance", "inertia", "strain", "foot", "middle")
+    key = rail_key("co-running track", outline, steel, pads, ballast=per_length.tolist(), density=DENSITY)
+    stored = cached(f"track/{key}", lambda: _by_wavenumbers(outline, steel, pads, per_length), names)
+    layers = Layers(
+        wavenumber_samples(),
+        np.array(pads.per_length[1:]),
+        per_length,
+        ballast.sleeper_mass / pads.spacing,
+        *(stored[name] for name in names[:4]),
+    )
+    matrix = layers.along(layers.compliance)
+    rail = RailCompliance(0.5 * (matrix + matrix.T), stored["middle"], rail_compliance(outline, steel, pads).misfit)
+    return co_running(layers, rail, (ballast.pad_damping / pads.vertical, ballast.damping / ballast.vertical))
+
+
+def _by_wavenumbers(outline: Outline, steel: Material, pads: RailPads, ballast: Array) -> dict[str, Array]:
+    """Arrays of `Layers` by wavenumber, and the middle of the foot.
+
+    Sleepers on ballast B reduce the support of the pads, k on the mean motions of the foot, by k^2 / (k + B).
+    """
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
+    from wheelrail.contact.structure.padded_section import PaddedSection
+
+    mesh = section(outline, rail_strip(outline), grading=GRADING)
+    padded, clamped = PaddedSection(mesh, steel, pads.per_length), WaveguideSection(mesh, steel, degree=2)
+    stiffness = np.array(pads.per_length[1:])
+    modes, _ = padded.foot_modes(0)
+    mean = padded.support @ modes[:, 1:] / stiffness
+    loads, fit = padded.section_loads(), padded.section_fit()
+    support, mass = padded.support, DENSITY * padded.mass
+    in_plane = np.arange(3 * fit.shape[1] // 2).reshape(-1, 3)[:, 1:].ravel()
+    out: dict[str, list[Array]] = {"compliance": [], "inertia": [], "strain": [], "foot": []}
+    for k in wavenumber_samples():
+        by_mean, by_load = np.split(padded.solve(float(k), np.concatenate([mean, loads], axis=1)), [2], axis=1)
+        softening = np.diag(stiffness**2 / (stiffness + ballast))
+        reaction = np.linalg.solve(np.eye(2) - softening @ (mean.T @ by_mean), softening @ (mean.T @ by_load))
+        u = by_load + by_mean @ reaction
+        rigid = fit @ clamped.flexibility(float(k))[np.ix_(in_plane, in_plane)] @ fit.T
+        for name, value in (
+            ("compliance", loads.T @ u - rigid),
+            ("inertia", u.T @ (mass @ u)),
+            ("strain", u.T @ (support @ u)),
+            ("foot", mean.T @ u),
+        ):
+            out[name].append(np.asarray(value))
+    return {**{name: np.stack(values) for name, values in out.items()}, "middle": padded.foot.mean(axis=0)}
