@@ -3,8 +3,9 @@
 python -m benchmarks.vehicle [SCENE] [--vehicle FILE] [--seconds T]
 
 Parts are medians of the processor time at the steady state of the scene's sharpest curve, in one process. The run is
-that of the scene, or its first T seconds, in one process as well. In two processes, one for the left and one for the
-right wheels, contacts take half the time.
+that of the scene, or its first T seconds, in one process as well; its errors are differences to a run with a tenth of
+its tolerances, RMS / maximum over all wheelsets and steps. In two processes, one for the left and one for the right
+wheels, contacts take half the time.
 """
 
 from __future__ import annotations
@@ -26,9 +27,11 @@ from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.runs.steady import curve_of
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.coordinates import YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation, wheelset_wrenches
 from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
+from wheelrail.vehicle.multibody.runs.history import VehicleHistory
 from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
@@ -57,13 +60,14 @@ def parts(scene: RunScene, dynamics: VehicleDynamics) -> dict[str, float]:
     jacobian = VehicleJacobian(d, StepStatistics())
     matrix = jacobian(0.0, state, evaluation).by_state
     wrenches, states = wheelset_wrenches(at.contacts), d.wheelset_states(0.0, state)
-    stations = d.kinematics.distances(d.speed_profile(0.0), state)
+    travel = d.speed_profile(0.0)
     return {
         "equations of all bodies": milliseconds(lambda: d.accelerations(0.0, state, wrenches)),
-        "of these, sections of the track": milliseconds(lambda: d.kinematics.sections.at(stations, 0.0)),
+        "of these, sections of the track": milliseconds(lambda: d.bodies.sections(travel, state)),
+        "Jacobian of the bodies": milliseconds(lambda: d.bodies.derivatives(travel, 0.0, state, wrenches)),
         "contacts of all wheels, from their results": milliseconds(lambda: d.solve_contacts(0.0, state, at.contacts)),
         "tangents of all wheels": milliseconds(
-            lambda: VehicleJacobian(d, StepStatistics()).tangents(states, at.contacts)
+            lambda: VehicleJacobian(d, StepStatistics()).tangents(states, at.contacts),
         ),
         "Jacobian; differences of contacts, if any, used again": milliseconds(lambda: jacobian(0.0, state, evaluation)),
         "factors of the matrix of a step": milliseconds(lambda: lu_factor(np.eye(len(matrix)) / 1e-3 - matrix)),
@@ -71,11 +75,12 @@ def parts(scene: RunScene, dynamics: VehicleDynamics) -> dict[str, float]:
 
 
 def run_row(scene: RunScene, dynamics: VehicleDynamics, seconds: float | None) -> list[str]:
-    """Status, steps, contact solves, and processor time of a run per simulated second."""
-    end = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length)
+    """Status, steps, contact solves, and processor time of a run per simulated second; its errors."""
+    end, solver = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length), scene.solver
     start = process_time()
-    history = simulate_vehicle(dynamics, (0.0, end), rtol=scene.solver.rtol, atol=scene.solver.atol)
+    history = simulate_vehicle(dynamics, (0.0, end), rtol=solver.rtol, atol=solver.atol)
     spent, cost = process_time() - start, history.cost
+    tight = simulate_vehicle(dynamics, (0.0, end), rtol=0.1 * solver.rtol, atol=0.1 * solver.atol)
     solves = sum(side.solves for side in cost.contact.values())
     contact = sum(side.seconds for side in cost.contact.values())
     span = float(history.time[-1])
@@ -86,7 +91,21 @@ def run_row(scene: RunScene, dynamics: VehicleDynamics, seconds: float | None) -
         str(solves),
         f"{spent / span:.2f}",
         f"{contact / cost.seconds:.2f}",
+        *(difference(history, tight, coordinate) for coordinate in (Y, YAW)),
+        str(tight.cost.steps.accepted),
     ]
+
+
+def difference(history: VehicleHistory, reference: VehicleHistory, coordinate: int) -> str:
+    """RMS / maximum over the wheelsets and steps of a run, in mm or mrad, to a run with more steps."""
+    values = [
+        run.coordinate(name, coordinate) for name in history.dynamics.vehicle.wheelsets for run in (history, reference)
+    ]
+    errors = [
+        own - np.interp(history.time, reference.time, other)
+        for own, other in zip(values[::2], values[1::2], strict=True)
+    ]
+    return f"{1e3 * np.sqrt(np.mean(np.square(errors))):.3f} / {1e3 * np.abs(errors).max():.3f}"
 
 
 def main() -> None:
@@ -102,6 +121,7 @@ def main() -> None:
     print(machine_description(), "\n")
     print(markdown("part|ms", [[name, f"{value:.2f}"] for name, value in parts(scene, dynamics).items()]), "\n")
     head = "run|simulated s|steps|contact solves|processor s per s|contacts, part of the time"
+    head += "|error of y, mm|error of yaw, mrad|steps of the tight run"
     print(markdown(head, [run_row(scene, dynamics, arguments.seconds)]))
 
 

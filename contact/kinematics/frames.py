@@ -36,6 +36,13 @@ class Pose:
         return Pose(MIRROR * self.origin, self.rotation * np.outer(MIRROR, MIRROR))
 
 
+def cross(a: Array, b: Array) -> Array:
+    """Vector products (..., 3), bit for bit those of `numpy.cross`, which takes twice as long and more."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
 @dataclass(frozen=True)
 class Twist:
     """Rigid velocity field v + w x (X - reference).
@@ -52,7 +59,7 @@ class Twist:
 
     def at(self, points: Array) -> Array:
         """Velocity [m/s] at points (n, 3) [m]."""
-        return np.asarray(self.velocity + np.cross(self.rotation, points - self.reference))
+        return np.asarray(self.velocity + cross(self.rotation, points - self.reference))
 
 
 @dataclass(frozen=True)

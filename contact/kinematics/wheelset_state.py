@@ -78,8 +78,7 @@ class WheelsetState:
     def rotation(self) -> Array:
         """Axes of the wheelset frame as columns (3, 3): yaw about z after roll about x; it does not spin."""
         c, s, cy, sy = np.cos(self.roll), np.sin(self.roll), np.cos(self.yaw), np.sin(self.yaw)
-        yaw = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
-        return np.asarray(yaw @ [[1, 0, 0], [0, c, -s], [0, s, c]])
+        return np.array([[cy, -sy * c, sy * s], [sy, cy * c, -cy * s], [0.0, s, c]])
 
 
 @dataclass(frozen=True)

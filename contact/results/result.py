@@ -9,7 +9,7 @@ from typing import Protocol, overload
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import MIRROR, Pose
+from wheelrail.contact.kinematics.frames import MIRROR, Pose, cross
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.support.arrays import Array, Mask, Nodes
 
@@ -268,7 +268,7 @@ class ContactResult:
     def about(self, centre: Array) -> ContactResult:
         """The result with the moment about another point (3,) m of the frame."""
         tangent = None if self.force_tangent is None else self.force_tangent.about(centre)
-        return replace(self, moment=self.moment - np.cross(centre, self.force), force_tangent=tangent)
+        return replace(self, moment=self.moment - cross(centre, self.force), force_tangent=tangent)
 
     def mirrored(self) -> ContactResult:
         """Force, moment, patches and tangent in the mirror y = 0; the fields stay those of the left-hand pair."""

@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.creepage import shift
-from wheelrail.contact.kinematics.frames import RigidMotion
+from wheelrail.contact.kinematics.frames import RigidMotion, cross
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch, Statistics
 from wheelrail.support.arrays import Array, Mask, Nodes
 
@@ -158,7 +158,7 @@ def patch_resultants(work: FrictionalWork, inside: Mask, *, forces: Array, press
     upward /= np.linalg.norm(upward)
     forward = np.array([1.0, 0.0, 0.0]) - upward[0] * upward
     forward /= np.linalg.norm(forward)
-    left = np.cross(upward, forward)
+    left = cross(upward, forward)
     x, (wheel_s, wheel_y), (rail_s, rail_y) = (
         weight @ points.point[inside, 0] / total,
         weight @ points.wheel_place[inside] / total,

@@ -86,7 +86,8 @@ MAY_IMPORT |= {
     "vehicle.dynamics": _DRIVEN,
     "vehicle.steady": _DRIVEN | {"vehicle.dynamics"},
     "vehicle.simulation": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
-    "vehicle.multibody": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
+    "vehicle.multibody.compiled": {"support", "vehicle.track"},
+    "vehicle.multibody": _DRIVEN | {"vehicle.dynamics", "vehicle.multibody.compiled", "vehicle.steady"},
     "vehicle.multibody.runs": _DRIVEN
     | {"vehicle.dynamics", "vehicle.multibody", "vehicle.simulation", "vehicle.steady"},
 }

@@ -15,6 +15,7 @@ from linear_creep import LinearCreep
 from typer.testing import CliRunner
 from xarray import Dataset, load_dataset
 
+import wheelrail as wr
 from wheelrail.cli.main import app
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
@@ -22,6 +23,7 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER
 from wheelrail.scenes.html_report.write import write_report
+from wheelrail.scenes.plots.vehicle_runs import PICTURES
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.views.view import animate_file
 
@@ -180,3 +182,18 @@ def test_evaluate_command(whole: Path, tmp_path: Path) -> None:
     assert row.split()[-1] == "46.36"  # 10 kN and a third of the axle load of 109.1 kN
     refused = CliRunner().invoke(app, ["evaluate", str(whole), "--from", "21"])
     assert (refused.exit_code, "must have results of more than 2 m" in refused.stderr) == (2, True)
+
+
+def test_a_run_of_a_vehicle_from_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: Path) -> None:
+    """The same as of the command, with figures and table of a vehicle."""
+    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (LinearCreep(), None))
+    done = wr.run(whole / "scene.toml", vehicle=MANCHESTER)
+    assert done.status == "completed"
+    np.testing.assert_array_equal(done.data["vertical_force"].values, results(whole)["vertical_force"].values)
+    assert re.search(r"wheelsets y -?\d+\.\d\d to ", repr(done))
+    assert "Q, positive upwards [kN]" in repr(done)
+    assert set(done.plot()) == set(PICTURES)
+    for draw in (done.plot.displacements, done.view, lambda: done.animate(tmp_path / "run.mp4")):
+        with pytest.raises(SceneError, match="plane wagon"):
+            draw()
+    assert wr.open(done.to_netcdf(tmp_path / "run.nc")).status == "completed"

@@ -6,14 +6,19 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from linear_creep import LinearCreep
 from small_strips import few_strips
 from standard_pair import wheel_on_rail
 from standin_contact import CONTACT
 
 from wheelrail.contact.kinematics.frames import MIRROR
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.state import mirrored
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.track.track import Track
@@ -45,3 +50,18 @@ def test_mirror_image(contact: Callable[[], object], method: str, end: float) ->
     np.testing.assert_array_equal(right.outputs.force, MIRROR * left.outputs.force[:, ::-1])
     np.testing.assert_array_equal(right.outputs.moment, -MIRROR * left.outputs.moment[:, ::-1])
     assert np.abs(left.state[-1, 6]) > 1e-4  # m: effect of the curve
+
+
+@pytest.mark.parametrize("contact", [LinearCreep, wheel_on_rail], ids=["linear", "standard"])
+def test_mirror_image_of_a_vehicle_in_three_dimensions(contact: Callable[[], VehicleContact]) -> None:
+    """Equilibrium on the tangent, then a transition; y, roll and yaw of all bodies change their signs."""
+    sign, histories = np.tile([1.0, -1.0, 1.0, -1.0, 1.0, -1.0], 14), []
+    for curvature in (1 / 600, -1 / 600):
+        track = Track.curve(curvature=curvature, cant=0.06, transition=15.0, length=50.0)
+        dynamics = VehicleDynamics(load_vehicle(), track, contact(), 45.0)
+        histories.append(simulate_vehicle(dynamics, (0.0, 0.1)))
+    left, right = histories
+    assert left.status == right.status == "completed"
+    np.testing.assert_array_equal(right.time, left.time)
+    np.testing.assert_array_equal(right.state, sign * left.state)
+    assert np.abs(left.state[-1, 6 + 1]) > 1e-5  # m: effect of the transition on the front bogie

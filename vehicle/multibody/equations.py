@@ -13,15 +13,15 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import RailShift, WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Complex
 from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.multibody.body_equations import BodyEquations
 from wheelrail.vehicle.multibody.body_motion import BodyKinematics, BodyMotion
-from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Coordinates, X, Y, Z
-from wheelrail.vehicle.multibody.rotations import cross, rotate, rotate_back
+from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, Coordinates, X, Y, Z
 from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
 from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
-from wheelrail.vehicle.track.speed_profile import SpeedProfile
+from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
 from wheelrail.vehicle.track.track import Track
 
 WheelContacts = Mapping[str, Mapping[Side, ContactResult]]  # by wheelset and side
@@ -81,6 +81,11 @@ class VehicleDynamics:
         return SuspensionForces(self.coordinates)
 
     @cached_property
+    def bodies(self) -> BodyEquations:
+        """Equations of motion of the bodies under given contact forces."""
+        return BodyEquations(self.suspension, self.kinematics.sections)
+
+    @cached_property
     def element(self) -> ContactElement[WheelsetState, Side]:
         """Both contacts of a wheelset."""
         return ContactElement(self.contact, SIDES)
@@ -118,24 +123,25 @@ class VehicleDynamics:
         """
         start = previous.contacts if guess is None and previous is not None else guess
         _require_finite(state)
-        motion = self.kinematics(self.speed_profile(time), state)
-        contacts = self._solve_contacts(self._wheelset_states(time, state, motion), start)
-        accelerations = self._accelerations(time, state, wheelset_wrenches(contacts), motion)
+        travel = self.speed_profile(time)
+        sections = self.bodies.sections(travel, state)
+        contacts = self._solve_contacts(self._wheelset_states(travel, state, sections), start)
+        accelerations = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
         c = self.coordinates.count
         return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts, start)
 
     def wheelset_states(self, time: float, state: Array) -> dict[str, WheelsetState]:
         """State of each wheelset in the track frame at its own distance."""
-        return self._wheelset_states(time, state, self.kinematics(self.speed_profile(time), state))
-
-    def _wheelset_states(self, time: float, state: Array, motion: BodyMotion) -> dict[str, WheelsetState]:
         travel = self.speed_profile(time)
-        distances = self.kinematics.distances(travel, state)
+        return self._wheelset_states(travel, state, self.bodies.sections(travel, state))
+
+    def _wheelset_states(self, travel: TrackPosition, state: Array, sections: Complex) -> dict[str, WheelsetState]:
         position, rate, _ = self.coordinates.split(state)
-        states = {}
+        states, rolling = {}, travel.speed / self.vehicle.radius
         for i, name in zip(self.coordinates.wheelset_bodies.tolist(), self.vehicle.wheelsets, strict=True):
             q, v = position[i].tolist(), rate[i].tolist()
-            wx, wy, wz = motion.relative.frame_rate[i].tolist()
+            speed = travel.speed + v[X]
+            wx, wy, wz = (speed * sections[i, 4].real).tolist()
             states[name] = WheelsetState(
                 y=q[Y],
                 z=q[Z],
@@ -145,10 +151,10 @@ class VehicleDynamics:
                 z_rate=v[Z],
                 roll_rate=v[ROLL],
                 yaw_rate=v[YAW],
-                pitch_rate=float(motion.relative.spin[i]),
-                speed=float(motion.relative.speed[i]),
+                pitch_rate=v[PITCH] + rolling,
+                speed=speed,
                 frame_rate=(wx, wy, wz),
-                rail_shift=self._rail_shift(float(distances[i]), q[YAW]),
+                rail_shift=self._rail_shift(travel.distance + self.vehicle.bodies[name].x + q[X], q[YAW]),
             )
         return states
 
@@ -187,30 +193,13 @@ class VehicleDynamics:
 
         Parameters:
             time: s.
-            state: (..., 2 c + m).
-            wrenches: (..., w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
+            state: (2 c + m,).
+            wrenches: (w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
 
-        Returns accelerations of the coordinates, then the rates of the springs of Maxwell elements, (..., c + m).
+        Returns accelerations of the coordinates, then the rates of the springs of Maxwell elements, (c + m,).
         """
-        return self._accelerations(time, state, wrenches, self.kinematics(self.speed_profile(time), state))
-
-    def _accelerations(self, time: float, state: Array, wrenches: Array, motion: BodyMotion) -> Array:
         travel = self.speed_profile(time)
-        _, rate, series = self.coordinates.split(state)
-        suspension = self.suspension(motion, series)
-        force, moment = suspension.force, suspension.moment
-        force[..., 2] -= self.vehicle.gravity * self.mass
-        force += self.hold_force(motion, state)
-        force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
-        force[..., self.coordinates.wheelset_bodies, :] += wrenches[..., :3]
-        moment[..., self.coordinates.wheelset_bodies, :] += wrenches[..., 3:]
-        path, lateral, vertical = self._translation(motion, force)
-        rotation = self._rotation(motion, rate, moment, path)
-        wheelset_angle = travel.acceleration / self.vehicle.radius * self.kinematics.nominal[:, 2]
-        parts = [path - travel.acceleration, lateral, vertical]
-        parts += [rotation[..., 0], rotation[..., 1] - wheelset_angle, rotation[..., 2]]
-        coordinates = np.stack(parts, axis=-1)
-        return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), suspension.series_rate], axis=-1)
+        return self.bodies.accelerations(travel, state, wrenches, self.bodies.sections(travel, state))
 
     def hold_force(self, motion: BodyMotion, state: Array) -> Array:
         """Force (..., n, 3) N in common axes that keeps the speed."""
@@ -221,42 +210,6 @@ class VehicleDynamics:
             size = -hold.stiffness * position[..., i, X] - hold.damping * rate[..., i, X]
             force[..., i, :] = size[..., None] * motion.sections.axes[..., i, :, 0]
         return force
-
-    def _translation(self, motion: BodyMotion, force: Array) -> tuple[Array, Array, Array]:
-        """Accelerations (..., n) m/s2 along the path, in y and in z under forces (..., n, 3) N in the track frames."""
-        frame, (_, _, k, k_slope) = motion.relative, motion.sections
-        rate, tangent = frame.frame_rate, np.array([1.0, 0.0, 0.0])
-        speed = frame.speed[..., None]
-        inertial = speed**2 * cross(k_slope, frame.offset) + cross(rate, cross(rate, frame.offset))
-        inertial += 2.0 * cross(rate, frame.offset_rate) + speed * cross(rate, np.broadcast_to(tangent, rate.shape))
-        acceleration, lever = force / self.mass[:, None] - inertial, cross(k, frame.offset)
-        path = acceleration[..., 0] / (1.0 + lever[..., 0])
-        return path, acceleration[..., 1] - path * lever[..., 1], acceleration[..., 2] - path * lever[..., 2]
-
-    def _rotation(self, motion: BodyMotion, rate: Array, moment: Array, path: Array) -> Array:
-        """Second derivatives (..., n, 3) rad/s2 of roll, pitch and yaw.
-
-        Parameters:
-            motion: of the bodies.
-            rate: (..., n, 6) of the coordinates.
-            moment: (..., n, 3) N m in the track frames.
-            path: (..., n) m/s2 along the path.
-        """
-        frame, (_, _, k, k_slope) = motion.relative, motion.sections
-        yaw_rate = np.zeros_like(moment)
-        yaw_rate[..., 2] = rate[..., YAW]
-        roll_rate, spin = rate[..., ROLL, None] * frame.roll_axis, frame.spin[..., None] * frame.axle
-        before_roll = frame.frame_rate + yaw_rate
-        before_spin = before_roll + roll_rate
-        bias = path[..., None] * k + frame.speed[..., None] ** 2 * k_slope + cross(frame.frame_rate, yaw_rate)
-        bias += cross(before_roll, roll_rate) + cross(before_spin, spin)
-        angular = rotate_back(frame.rotation, before_spin + spin)
-        right = rotate_back(frame.rotation, moment) - cross(angular, self.inertia * angular)
-        x, y, z = np.moveaxis(rotate(frame.rotation, right / self.inertia) - bias, -1, 0)
-        cos_yaw, sin_yaw = frame.roll_axis[..., 0], frame.roll_axis[..., 1]
-        sin_roll = frame.axle[..., 2]
-        pitch = (cos_yaw * y - sin_yaw * x) / np.sqrt(1.0 - sin_roll**2)
-        return np.stack([cos_yaw * x + sin_yaw * y, pitch, z - sin_roll * pitch], axis=-1)
 
 
 def _require_finite(state: Array) -> None:

@@ -27,8 +27,7 @@ from wheelrail.vehicle.multibody.equations import (
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3)
 ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")
 FIRST_RATE = WheelsetState.coordinates.index("y_rate")
-STEP = 1e-7  # m, rad, m/s or rad/s: for suspension and inertial forces, which are smooth
-TIME_STEP = 1e-5  # s, forward difference in time
+TIME_STEP = 1e-5  # s, forward difference in time of irregular rails
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,8 @@ class VehicleJacobian:
         central: central differences of contacts throughout, for uses of the matrix itself such as modes.
         differences: contact tangents (w, 2, 6, 9) by differences at an earlier state; None: none yet.
 
-    Suspension, inertia and kinematics: differences at constant contact forces, all n columns in one vectorised
-    evaluation. Contact forces: the contact's tangent or, without one, differences.
+    Suspension, inertia and kinematics: exact, at constant contact forces. Contact forces: the contact's tangent or,
+    without one, differences.
     """
 
     dynamics: VehicleDynamics
@@ -75,25 +74,23 @@ class VehicleJacobian:
         """
         self.counts.jacobians += 1
         d, c, n = self.dynamics, self.dynamics.coordinates.count, self.dynamics.size
-        wrenches = wheelset_wrenches(at.contacts)
+        travel, (_, _, jerk) = d.speed_profile(time), d.speed_profile.speeds(time)
+        bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
         by_state, by_time = np.zeros((n, n)), np.zeros(n)
         by_state[:c, c : 2 * c] = np.eye(c)
-        steps = STEP * np.eye(n)
-        accelerations = d.accelerations(time, np.vstack([state + steps, state - steps, state]), wrenches)
-        plus, minus, (centre,) = np.split(accelerations, [n, 2 * n])
-        by_state[c:] = (plus - minus).T / (2 * STEP)
-        by_time[c:] = (d.accelerations(time + TIME_STEP, state, wrenches) - centre) / TIME_STEP
-        by_wrench = self.by_wrench(time, state, wrenches, centre)
+        by_state[c:], by_time[c:] = bodies.by_state, bodies.by_time
         states = d.wheelset_states(time, state)
         later = d.wheelset_states(time + TIME_STEP, state) if d.track.irregularities is not None else {}
-        for i, (name, tangents) in enumerate(zip(states, self.tangents(states, at.contacts), strict=True)):
-            columns = self._columns(name)
-            by_state[c : 2 * c, columns] += by_wrench[:, i] @ tangents.sum(axis=0)
+        tangents = self.tangents(states, at.contacts)
+        for i, (body, name) in enumerate(zip(d.coordinates.wheelset_bodies.tolist(), states, strict=True)):
+            own = slice(6 * body, 6 * body + 6)
+            rows, by_wrench = slice(c + own.start, c + own.stop), bodies.by_wrench[:, own].T
+            by_state[rows, self._columns(name)] += by_wrench @ tangents[i].sum(axis=0)
             if later:
                 shift, later_shift = states[name].rail_shift, later[name].rail_shift
                 rates = (np.array(later_shift) - np.array(shift)) / TIME_STEP
                 # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
-                by_time[c : 2 * c] -= by_wrench[:, i] @ np.einsum("sij,sj->i", tangents[:, :, :2], rates)
+                by_time[rows] -= by_wrench @ np.einsum("sij,sj->i", tangents[i][:, :, :2], rates)
         return VehicleLinearisation(by_state, by_time)
 
     def _columns(self, wheelset: str) -> list[int]:
@@ -102,24 +99,6 @@ class VehicleJacobian:
         positions = [coordinates.index(wheelset, k) for k in (Y, Z, ROLL, YAW)]
         rates = [coordinates.index(wheelset, k) + coordinates.count for k in (Y, Z, ROLL, YAW, PITCH, X)]
         return positions + rates
-
-    def by_wrench(self, time: float, state: Array, wrenches: Array, centre: Array) -> Array:
-        """Derivatives (c, w, 6) of the accelerations by force and moment on each wheelset; they are linear in them.
-
-        Parameters:
-            time: s.
-            state: (n,).
-            wrenches: (w, 6) N and N m.
-            centre: (c + m,) accelerations under these wrenches.
-        """
-        d, unit = self.dynamics, 1e3  # N or N m
-        perturbed = wrenches + unit * np.eye(6)[:, None, :]
-        change = (d.accelerations(time, np.tile(state, (6, 1)), perturbed) - centre) / unit
-        result = np.zeros((d.coordinates.count, len(wrenches), 6))
-        for i, body in enumerate(d.coordinates.wheelset_bodies):
-            own = slice(6 * body, 6 * body + 6)
-            result[own, i] = change[:, own].T
-        return result
 
     def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         """Derivatives (w, 2, 6, 10) of force and moment of each wheel by `WheelsetState.coordinates` and the speed.

@@ -65,12 +65,10 @@ def held_wheelset_modes(dynamics: VehicleDynamics) -> list[Mode]:
     coordinates, n = dynamics.coordinates, dynamics.size
     straight = replace(dynamics, track=Track())
     wrenches = np.zeros((len(coordinates.wheelset_bodies), 6))
-    step = 1e-7  # m, rad, m/s or rad/s
-    steps = step * np.eye(n)
-    accelerations = straight.accelerations(0.0, np.vstack([steps, -steps]), wrenches)
     matrix = np.zeros((n, n))
     matrix[: coordinates.count, coordinates.count : 2 * coordinates.count] = np.eye(coordinates.count)
-    matrix[coordinates.count :] = (accelerations[:n] - accelerations[n:]).T / (2 * step)
+    bodies = straight.bodies.derivatives(straight.speed_profile(0.0), 0.0, np.zeros(n), wrenches)
+    matrix[coordinates.count :] = bodies.by_state
     fixed = (6 * coordinates.wheelset_bodies[:, None] + np.arange(6)).ravel()
     return _modes_of(straight, matrix, fixed=fixed.tolist())
 

@@ -34,6 +34,11 @@ def static_loads(vehicle: Vehicle) -> Array:
                 balance[rows[name] : rows[name] + 3, column] = sign, sign * y, -sign * x
     compliance_root = np.sqrt(stiffness)
     loads = compliance_root * np.linalg.lstsq(balance * compliance_root, weights, rcond=1e-12)[0]
+    elements = list(vehicle.elements.values())
+    if all(right >= 0 or elements[left].point[1] == 0.0 for left, right in vehicle.mirror_pairs):
+        for pair in vehicle.mirror_pairs:  # of a symmetric vehicle equal but for round-off
+            if pair[1] >= 0:
+                loads[list(pair)] = loads[list(pair)].mean()
     for name, row in rows.items():
         if np.abs((balance @ loads - weights)[row : row + 3]).max() > UNBALANCED * vehicle.weight:
             raise InvalidVehicle(f"bodies.{name}", "must be carried by vertical springs in its nominal position")

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.vehicle.multibody.body_motion import BodyMotion
 from wheelrail.vehicle.multibody.coordinates import Coordinates
 from wheelrail.vehicle.multibody.rotations import (
@@ -51,14 +51,14 @@ class Ends(NamedTuple):
         incidence: (n, p) 1 where a body is the upper one, -1 where it is the lower one.
     """
 
-    upper: Array
-    lower: Array
+    upper: Nodes
+    lower: Nodes
     incidence: Array
 
     @classmethod
     def of(cls, names: tuple[str, ...], pairs: Sequence[tuple[str, str]]) -> Ends:
         """Parameters: names of the bodies, and of the upper and lower body of each part."""
-        indices = np.array([[names.index(name) for name in pair] for pair in pairs], dtype=int).reshape(-1, 2)
+        indices = np.array([[names.index(name) for name in pair] for pair in pairs], dtype=np.int64).reshape(-1, 2)
         incidence = np.zeros((len(names), len(pairs)))
         incidence[indices[:, 0], np.arange(len(pairs))] = 1.0
         incidence[indices[:, 1], np.arange(len(pairs))] = -1.0

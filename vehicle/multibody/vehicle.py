@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isfinite
 
@@ -157,6 +157,19 @@ class Vehicle:
     def mean_wheel_load(self) -> float:
         """Weight over the number of wheels, N."""
         return self.weight / (2 * len(self.wheelsets))
+
+    @cached_property
+    def mirror_pairs(self) -> tuple[tuple[int, int], ...]:
+        """Indices of elements and of their mirror images in y = 0, -1 for none; every element once."""
+        elements, pairs = list(self.elements.values()), list[tuple[int, int]]()
+        for e, element in enumerate(elements):
+            if any(e in pair for pair in pairs):
+                continue
+            x, y, z = element.point
+            image = replace(element, point=(x, -y, z))
+            images = [i for i, other in enumerate(elements) if i > e and other == image]
+            pairs.append((e, images[0] if images else -1))
+        return tuple(pairs)
 
     def _check_element(self, key: str, element: SuspensionElement) -> None:
         self._check_pair(key, element.upper, element.lower)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 class RunPlots:
     """Figures of one run over distance along the track, m; each method returns its axes.
 
+    The methods but the call itself draw runs of the plane wagon; they raise SceneError for a vehicle.
+
     Parameters:
         data: Dataset of the run.
 
@@ -27,10 +29,18 @@ class RunPlots:
     data: Dataset
 
     def __call__(self) -> dict[str, tuple[Axes, ...]]:
-        """Draw all figures, by name: displacements, mm, forces, kN, contact bands, mm."""
-        from wheelrail.scenes.plots.runs import PICTURES
+        """Draw all figures, by name: displacements, mm, forces, kN, contact bands, mm; of a vehicle the attitude of its
+        wheelsets, forces and motion of its bodies.
+        """
+        from wheelrail.scenes.plots import runs, vehicle_runs
 
-        return {name: self._drawn(draw, None) for name, draw in PICTURES.items()}
+        pictures = vehicle_runs.PICTURES if self._of_vehicle else runs.PICTURES
+        with styled():
+            return {name: panels(draw(self.data, shown(None))) for name, draw in pictures.items()}
+
+    @property
+    def _of_vehicle(self) -> bool:
+        return "wheelset" in self.data.dims
 
     def displacements(self, figure: Figure | None = None) -> tuple[Axes, ...]:
         """Lateral displacement of wheelset and car body, mm.
@@ -76,5 +86,9 @@ class RunPlots:
         return self._drawn(wheel_sections if body == "wheel" else rail_sections, figure)
 
     def _drawn(self, draw: Callable[..., Figure], figure: Figure | None) -> tuple[Axes, ...]:
+        from wheelrail.scenes.schema.errors import SceneError
+
+        if self._of_vehicle:
+            raise SceneError("figure of a run of the plane wagon; plot() draws the figures of a vehicle")
         with styled():
             return panels(draw(self.data, shown(figure)))

@@ -20,7 +20,8 @@ class Run(StoredDataset):
     """Results of a vehicle run.
 
     Parameters:
-        data: Dataset in SI units over time, side (left, right) and patch (padded with NaN).
+        data: Dataset in SI units over time, side (left, right) and patch (padded with NaN); of a vehicle in three
+            dimensions also over body and wheelset.
     """
 
     @property
@@ -30,8 +31,8 @@ class Run(StoredDataset):
 
     @property
     def plot(self) -> RunPlots:
-        """Figures: `plot()`, `plot.displacements()`, `plot.lateral_forces()`, `plot.vertical_forces()`,
-        `plot.bands("wheel")` and `plot.bands("rail")`.
+        """Figures: `plot()`, and of the plane wagon `plot.displacements()`, `plot.lateral_forces()`,
+        `plot.vertical_forces()`, `plot.bands("wheel")` and `plot.bands("rail")`.
         """
         return RunPlots(self.data)
 
@@ -43,9 +44,10 @@ class Run(StoredDataset):
             scale: displacement magnification factor of the wheelset.
             file: image (.png) or interactive 3D view (.html) to save.
 
-        Returns a PyVista plotter, for `.show()`. Raises SceneError for missing profiles and for another file ending,
-        OSError.
+        Returns a PyVista plotter, for `.show()`. Raises SceneError for missing profiles, another file ending and a
+        vehicle in three dimensions, OSError.
         """
+        self._require_wagon("view")
         from wheelrail.scenes.schema.errors import SceneError
         from wheelrail.scenes.views.run_snapshot import largest_force_sample, sample_view
         from wheelrail.scenes.views.view import bodies_of_run
@@ -77,8 +79,10 @@ class Run(StoredDataset):
             scale: displacement magnification factor of the wheelset.
             progress: whether to show progress on standard error.
 
-        A frame takes seconds to draw. Returns the file. Raises OSError, SceneError for another file ending.
+        A frame takes seconds to draw. Returns the file. Raises OSError, SceneError for another file ending and a
+        vehicle in three dimensions.
         """
+        self._require_wagon("animate")
         from wheelrail.scenes.schema.errors import SceneError
         from wheelrail.scenes.views.animation import animate_run
         from wheelrail.scenes.views.view import bodies_of_run
@@ -97,6 +101,13 @@ class Run(StoredDataset):
             animate_run(self.data, Path(file), bodies, frames=frames, fps=fps, scale=scale, progress=report_progress)
         return Path(file)
 
+    def _require_wagon(self, method: str) -> None:
+        """Raises SceneError for a run of a vehicle in three dimensions."""
+        from wheelrail.scenes.schema.errors import SceneError
+
+        if "wheelset" in self.data.dims:
+            raise SceneError(f"{method}: must be a run of the plane wagon; a vehicle file has no 3D view or animation")
+
     def __repr__(self) -> str:
         from wheelrail.api.run_tables import text
 
@@ -112,6 +123,7 @@ def run(
     scene: str | Path,
     out: str | Path | None = None,
     *,
+    vehicle: str | Path | None = None,
     progress: bool = False,
     profiles: Mapping[str, Any] | None = None,
     **changes: Any,
@@ -122,6 +134,7 @@ def run(
         scene: scene file (TOML) of kind "run".
         out: folder for results, figures and checkpoints, as with the command `wheelrail run`; nothing is written by
             default.
+        vehicle: vehicle file (TOML): this vehicle in three dimensions in place of the plane wagon of the scene.
         progress: whether to show a progress bar on standard error.
         profiles: values of keys of [profiles], where wheel and rail may be profiles from `wheelrail.profile`:
             profiles={"wheel": worn, "right": {"wheel": other, "radius": 0.4595}}; other keys of the table remain.
@@ -158,14 +171,15 @@ def run(
         )
     console = progress_console() if progress else Console(quiet=True)
     messages = messages_on(console) if progress else nullcontext()
+    vehicle_file = None if vehicle is None else Path(vehicle)
     if out is None:
         with messages:
-            history, data = simulate_scene(run_scene_data, text, console)
+            history, data = simulate_scene(run_scene_data, text, console, vehicle_file)
         if data is None:
             raise RuntimeError(f"{scene}: {history.status} before the first step")
         return Run(data)
     with messages:
-        outcome = run_scene(run_scene_data, text, Path(out), console)
+        outcome = run_scene(run_scene_data, text, Path(out), console, vehicle=vehicle_file)
     if not outcome.files:
         raise RuntimeError(f"{scene}: {outcome.status} before the first step")
     return Run(read(Path(out) / RESULTS))

@@ -26,7 +26,8 @@ from wheelrail.support.cache_home import writable
 F = TypeVar("F", bound=Callable[..., Any])
 
 HERE = Path(__file__).parent
-SOURCES = tuple(HERE.parent / name for name in ("support", "forms", "meshes", "contact"))  # of compiled functions
+COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled")  # folders of compiled functions
+SOURCES = tuple(HERE.parent / name for name in COMPILED)
 
 CHECKSUMS = "checksums.json"
 

@@ -15,6 +15,7 @@ from wheelrail.contact.geometry.rigid_surfaces import RigidPair
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.laws.pointwise import FrictionFunctions
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.forces import (
     FASTSIM,
@@ -28,7 +29,7 @@ from wheelrail.contact.models.standard.forces import (
 )
 from wheelrail.contact.models.standard.normal import StripPressures, hertzian, virtual_penetration
 from wheelrail.contact.models.standard.patches import StripContacts
-from wheelrail.contact.results.result import ContactResult, LazyPatches, Statistics
+from wheelrail.contact.results.result import ContactResult, LazyFields, LazyPatches, Statistics
 
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
@@ -88,13 +89,17 @@ class StandardContact:
             return NO_FRICTION
         return FASTSIM if self.tangential == "fastsim" else POLACH
 
+    @cached_property
+    def friction_law(self) -> FrictionFunctions:
+        return self.laws.pointwise_friction
+
     def friction(
         self, strips: StripPressures, middles: StripFrames, peaks: StripFrames, velocities: RigidVelocities
     ) -> StripFriction:
         """Friction coefficients at the rigid slip of cells (FASTSIM) or contacts (Polach)."""
         cells, contacts = np.zeros(self.cells * len(strips.s)), np.zeros(len(peaks.point))
         if self.method != NO_FRICTION:
-            law = self.laws.pointwise_friction
+            law = self.friction_law
             if law.depends_on_speed:
                 cells, contacts = slip_velocities(strips, len(contacts), middles, peaks, velocities, self.cells)
             cells, contacts = (law.coefficient(w, np.zeros(len(w))) for w in (cells, contacts))
@@ -138,7 +143,7 @@ class StandardContact:
             force=cells.force,
             moment=cells.moment,
             patches=LazyPatches(contacts.patches),
-            fields=contacts.fields(),
+            fields=LazyFields(contacts.fields),
             approach=approach,
             status="converged",
             statistics=Statistics(points=len(cells.area)),

@@ -1,0 +1,78 @@
+"""Newton's and Euler's equations of the bodies of a vehicle in NumPy, the definition of the compiled ones."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.body_motion import BodyMotion
+from wheelrail.vehicle.multibody.coordinates import ROLL, YAW
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.rotations import cross, rotate, rotate_back
+
+
+def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> Array:
+    """Accelerations of the coordinates, then the rates of the springs of Maxwell elements, (..., c + m).
+
+    Parameters:
+        dynamics: equations of motion.
+        time: s.
+        state: (..., 2 c + m).
+        wrenches: (..., w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
+    """
+    travel, wheelsets = dynamics.speed_profile(time), dynamics.coordinates.wheelset_bodies
+    motion = dynamics.kinematics(travel, state)
+    _, rate, series = dynamics.coordinates.split(state)
+    suspension = dynamics.suspension(motion, series)
+    force, moment = suspension.force, suspension.moment
+    force[..., 2] -= dynamics.vehicle.gravity * dynamics.mass
+    force += dynamics.hold_force(motion, state)
+    force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
+    force[..., wheelsets, :] += wrenches[..., :3]
+    moment[..., wheelsets, :] += wrenches[..., 3:]
+    path, lateral, vertical = _translation(dynamics, motion, force)
+    rotation = _rotation(dynamics, motion, rate, moment, path)
+    wheelset_angle = travel.acceleration / dynamics.vehicle.radius * dynamics.kinematics.nominal[:, 2]
+    parts = [path - travel.acceleration, lateral, vertical]
+    parts += [rotation[..., 0], rotation[..., 1] - wheelset_angle, rotation[..., 2]]
+    coordinates = np.stack(parts, axis=-1)
+    return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), suspension.series_rate], axis=-1)
+
+
+def _translation(dynamics: VehicleDynamics, motion: BodyMotion, force: Array) -> tuple[Array, Array, Array]:
+    """Accelerations (..., n) m/s2 along the path, in y and in z under forces (..., n, 3) N in the track frames."""
+    frame, (_, _, k, k_slope) = motion.relative, motion.sections
+    rate, tangent = frame.frame_rate, np.array([1.0, 0.0, 0.0])
+    speed = frame.speed[..., None]
+    inertial = speed**2 * cross(k_slope, frame.offset) + cross(rate, cross(rate, frame.offset))
+    inertial += 2.0 * cross(rate, frame.offset_rate) + speed * cross(rate, np.broadcast_to(tangent, rate.shape))
+    acceleration, lever = force / dynamics.mass[:, None] - inertial, cross(k, frame.offset)
+    path = acceleration[..., 0] / (1.0 + lever[..., 0])
+    return path, acceleration[..., 1] - path * lever[..., 1], acceleration[..., 2] - path * lever[..., 2]
+
+
+def _rotation(dynamics: VehicleDynamics, motion: BodyMotion, rate: Array, moment: Array, path: Array) -> Array:
+    """Second derivatives (..., n, 3) rad/s2 of roll, pitch and yaw.
+
+    Parameters:
+        dynamics: equations of motion.
+        motion: of the bodies.
+        rate: (..., n, 6) of the coordinates.
+        moment: (..., n, 3) N m in the track frames.
+        path: (..., n) m/s2 along the path.
+    """
+    frame, (_, _, k, k_slope) = motion.relative, motion.sections
+    yaw_rate = np.zeros_like(moment)
+    yaw_rate[..., 2] = rate[..., YAW]
+    roll_rate, spin = rate[..., ROLL, None] * frame.roll_axis, frame.spin[..., None] * frame.axle
+    before_roll = frame.frame_rate + yaw_rate
+    before_spin = before_roll + roll_rate
+    bias = path[..., None] * k + frame.speed[..., None] ** 2 * k_slope + cross(frame.frame_rate, yaw_rate)
+    bias += cross(before_roll, roll_rate) + cross(before_spin, spin)
+    angular = rotate_back(frame.rotation, before_spin + spin)
+    right = rotate_back(frame.rotation, moment) - cross(angular, dynamics.inertia * angular)
+    x, y, z = np.moveaxis(rotate(frame.rotation, right / dynamics.inertia) - bias, -1, 0)
+    cos_yaw, sin_yaw = frame.roll_axis[..., 0], frame.roll_axis[..., 1]
+    sin_roll = frame.axle[..., 2]
+    pitch = (cos_yaw * y - sin_yaw * x) / np.sqrt(1.0 - sin_roll**2)
+    return np.stack([cos_yaw * x + sin_yaw * y, pitch, z - sin_roll * pitch], axis=-1)

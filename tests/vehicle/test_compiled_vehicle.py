@@ -1,0 +1,135 @@
+"""Compiled equations of motion of a vehicle: those in NumPy, and exact derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import inf
+
+import numpy as np
+import pytest
+from linear_creep import LinearCreep
+from newton_euler import accelerations
+
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Y
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.vehicle import SuspensionElement, Vehicle
+from wheelrail.vehicle.track.alignment import Segment
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.force_law import ForceLaw
+
+DAMPER = ForceLaw(((0.0, 0.0), (0.05, 1500.0), (0.3, 4000.0)))  # odd
+BUMPSTOP = ForceLaw(((-0.02, -500.0), (0.0, 0.0), (0.004, 0.0), (0.01, 3000.0)))
+
+
+@cache
+def manchester() -> Vehicle:
+    return load_vehicle()
+
+
+def modified(element: SuspensionElement, kind: str) -> SuspensionElement:
+    if kind == "turned in part":
+        return replace(element, turn=0.3)
+    if kind == "Maxwell elements":
+        series = tuple(6e6 if not isinstance(c, ForceLaw) and c > 0.0 else inf for c in element.damping)
+        return replace(element, series_stiffness=series)
+    if kind == "laws":
+        return replace(
+            element, stiffness=(1e6, BUMPSTOP, element.stiffness[2]), damping=(DAMPER, 1e3, DAMPER),
+            series_stiffness=(inf, inf, 5e6),
+        )  # fmt: skip
+    return element
+
+
+def dynamics_of(kind: str) -> VehicleDynamics:
+    """Through transitions of curvature, cant and gradient while the speed changes."""
+    vehicle = manchester()
+    vehicle = replace(vehicle, elements={name: modified(e, kind) for name, e in vehicle.elements.items()})
+    segments = [Segment("transition", 60.0), Segment("arc", 200.0, 1 / 300, 0.1, gradient=0.01, vertical_radius=2000.0)]
+    speed = SpeedProfile.through((0.0, 2.0), (10.0, 30.0))
+    return VehicleDynamics(vehicle, Track.of([Segment("tangent", 5.0, gradient=0.0), *segments]), LinearCreep(), speed)
+
+
+def samples(dynamics: VehicleDynamics) -> list[tuple[float, Array, Array]]:
+    """Times, random states and contact forces."""
+    random, c, size = np.random.default_rng(5), dynamics.coordinates.count, dynamics.size
+    scale = np.concatenate([np.full(c, 1e-2), np.full(c, 0.1), np.full(size - 2 * c, 1e-3)])
+    wheelsets = len(dynamics.vehicle.wheelsets)
+    return [(t, scale * random.normal(size=size), 1e4 * random.normal(size=(wheelsets, 6))) for t in (0.3, 1.0, 1.8)]
+
+
+KINDS = ("as it is", "turned in part", "Maxwell elements", "laws")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_compiled_equations_are_those_in_numpy(kind: str) -> None:
+    dynamics = dynamics_of(kind)
+    assert (len(dynamics.coordinates.maxwell) > 0) == (kind in KINDS[2:])
+    for time, state, wrenches in samples(dynamics):
+        expected = accelerations(dynamics, time, state, wrenches)
+        actual = dynamics.accelerations(time, state, wrenches)
+        np.testing.assert_allclose(actual, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_derivatives_are_those_of_differences(kind: str) -> None:
+    """Central differences, whose error is some 1e-8 of the largest derivatives."""
+    dynamics, step, unit = dynamics_of(kind), 1e-6, 1e3
+    size, c = dynamics.size, dynamics.coordinates.count
+    for time, state, wrenches in samples(dynamics)[1:2]:
+        travel, (_, _, jerk) = dynamics.speed_profile(time), dynamics.speed_profile.speeds(time)
+        actual = dynamics.bodies.derivatives(travel, jerk, state, wrenches)
+        steps = step * np.eye(size)
+        plus, minus = (accelerations(dynamics, time, state + s, wrenches) for s in (steps, -steps))
+        by_state = (plus - minus).T / (2 * step)
+        np.testing.assert_allclose(actual.by_state, by_state, rtol=0.0, atol=1e-7 * np.abs(by_state).max())
+        plus, minus = (accelerations(dynamics, time + h, state, wrenches) for h in (1e-5, -1e-5))
+        by_time = (plus - minus) / 2e-5
+        np.testing.assert_allclose(actual.by_time, by_time, rtol=0.0, atol=1e-6 * np.abs(by_time).max())
+        loads = unit * np.eye(6)[:, None, :]
+        plus, minus = (accelerations(dynamics, time, np.tile(state, (6, 1)), wrenches + s) for s in (loads, -loads))
+        by_wrench = (plus - minus)[:, :c] / (2 * unit)
+        np.testing.assert_allclose(actual.by_wrench, by_wrench, rtol=0.0, atol=1e-10 * np.abs(by_wrench).max())
+
+
+def test_derivatives_at_rest_have_no_error_of_differences() -> None:
+    """At the nominal position linear springs give the same stiffness between both bogies and the car body."""
+    dynamics = VehicleDynamics(manchester(), Track(), LinearCreep(), 30.0)
+    wrenches, c = np.zeros((4, 6)), dynamics.coordinates.count
+    matrix = dynamics.bodies.derivatives(dynamics.speed_profile(0.0), 0.0, np.zeros(dynamics.size), wrenches).by_state
+    body, front = dynamics.coordinates.index("car_body", 2), dynamics.coordinates.index("front_bogie", 2)
+    stiffness = 2 * 430e3  # N/m, of the secondary springs of a bogie
+    assert matrix[body, body] == pytest.approx(-2 * stiffness / 32000.0, rel=1e-12)
+    assert matrix[front, body] == pytest.approx(stiffness / 2615.0, rel=1e-12)
+    assert matrix[body, c + body] == pytest.approx(-2 * 2 * 20e3 / 32000.0, rel=1e-12)
+
+
+def test_elements_at_both_sides_are_pairs() -> None:
+    pairs = np.array(manchester().mirror_pairs)
+    elements = list(manchester().elements.values())
+    assert sorted(pairs[pairs >= 0].tolist()) == list(range(len(elements)))
+    for left, right in pairs.tolist():
+        x, y, z = elements[left].point
+        assert right < 0 if y == 0.0 else elements[right].point == (x, -y, z)
+
+
+def test_mirrored_motion_has_mirrored_accelerations_bit_for_bit() -> None:
+    """In a curve to the right instead of to the left."""
+    odd = np.isin(np.arange(6), (Y, ROLL, YAW))
+    sign = np.where(np.tile(odd, 14), -1.0, 1.0)
+    left, right = (
+        VehicleDynamics(manchester(), Track.of([Segment("arc", 200.0, k, 0.1)]), LinearCreep(), 30.0)
+        for k in (1 / 600, -1 / 600)
+    )
+    time, state, wrenches = samples(left)[0]
+    mirrored = wrenches * [1.0, -1.0, 1.0, -1.0, 1.0, -1.0]
+    expected = left.accelerations(time, state, wrenches)
+    np.testing.assert_array_equal(right.accelerations(time, sign * state, mirrored), sign[:42] * expected)
+    travel = left.speed_profile(time)
+    there = left.bodies.derivatives(travel, 0.0, state, wrenches)
+    here = right.bodies.derivatives(travel, 0.0, sign * state, mirrored)
+    np.testing.assert_array_equal(here.by_state, sign[:42, None] * there.by_state * sign)
+    np.testing.assert_array_equal(here.by_time, sign[:42] * there.by_time)

@@ -1,0 +1,97 @@
+"""Equations of motion of all bodies of a vehicle under given contact forces, in compiled code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.support.arrays import Array, Complex
+from wheelrail.vehicle.multibody.compiled.bodies import Travel
+from wheelrail.vehicle.multibody.compiled.equations import VehicleArrays, accelerations, derivatives, sections
+from wheelrail.vehicle.multibody.coordinates import Coordinates
+from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
+from wheelrail.vehicle.multibody.vehicle_arrays import vehicle_arrays
+from wheelrail.vehicle.track.section_poses import TrackSections
+from wheelrail.vehicle.track.speed_profile import TrackPosition
+
+
+class BodyDerivatives(NamedTuple):
+    """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the springs of Maxwell elements.
+
+    Parameters:
+        by_state: (c + m, 2 c + m).
+        by_wrench: (6, 6 n), by a component of the contact force or moment on each wheelset.
+        by_time: (c + m,) at constant contact forces.
+    """
+
+    by_state: Array
+    by_wrench: Array
+    by_time: Array
+
+
+@dataclass(frozen=True)
+class BodyEquations:
+    """Accelerations of n bodies, each described in the track frame at its own distance.
+
+    Parameters:
+        suspension: of the vehicle.
+        track: sections of the track.
+
+    The compiled functions take complex numbers only: one set of machine code serves values, in the real parts, and
+    derivatives, in the imaginary parts.
+    """
+
+    suspension: SuspensionForces
+    track: TrackSections
+
+    @property
+    def coordinates(self) -> Coordinates:
+        return self.suspension.coordinates
+
+    @cached_property
+    def arrays(self) -> VehicleArrays:
+        return vehicle_arrays(self.suspension, self.track)
+
+    def sections(self, travel: TrackPosition, state: Array) -> Complex:
+        """Track sections (n, 6, 3) at the bodies: position m, axes, rotation per length rad/m and its derivative.
+
+        Parameters:
+            travel: reference motion along the track.
+            state: (2 c + m,).
+        """
+        distance = complex(travel.distance)
+        return sections(self.arrays, distance, distance, state.astype(np.complex128))
+
+    def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Complex) -> Array:
+        """Accelerations (c,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
+
+        Parameters:
+            travel: reference motion along the track.
+            state: (2 c + m,).
+            wrenches: (w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
+            at: (n, 6, 3), sections of the track at the bodies.
+        """
+        contact = self._contact(wrenches)
+        rates = accelerations(self.arrays, at, _complex(travel), state.astype(np.complex128), contact)
+        return np.ascontiguousarray(rates.real)
+
+    def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
+        """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
+        rates = TrackPosition(travel.speed, travel.acceleration, jerk)
+        contact, size = self._contact(wrenches), self.coordinates.size
+        rows = derivatives(self.arrays, _complex(travel), _complex(rates), state.astype(np.complex128), contact)
+        c = self.coordinates.count
+        return BodyDerivatives(rows[:size].T, rows[size:-1, :c], rows[-1])
+
+    def _contact(self, wrenches: Array) -> Complex:
+        """Contact forces and moments (n, 2, 3) on all bodies."""
+        result = np.zeros((len(self.coordinates.vehicle.names), 2, 3), np.complex128)
+        result[self.coordinates.wheelset_bodies] = wrenches.reshape(-1, 2, 3)
+        return result
+
+
+def _complex(travel: TrackPosition) -> Travel:
+    return Travel(*(complex(value) for value in travel))
