@@ -95,11 +95,15 @@ def outcome(case: RollingEllipse, seed: int, resolution: LatticeResolution, *, f
 
 
 def logged(path: Path) -> Iterator[EllipseOutcome]:
-    """Outcomes of a log; a last line that was not finished does not count."""
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
-            if line.endswith("\n"):
-                yield EllipseOutcome(**json.loads(line))
+    """Outcomes of a log. A last line that was not finished is cut off."""
+    if not path.exists():
+        return
+    text = path.read_text(encoding="utf-8")
+    finished = text[: text.rfind("\n") + 1]
+    if finished != text:
+        path.write_text(finished, encoding="utf-8")
+    for line in finished.splitlines():
+        yield EllipseOutcome(**json.loads(line))
 
 
 def run(numbers: Sequence[int], seed: int, resolution: LatticeResolution, log: Path | None) -> list[EllipseOutcome]:

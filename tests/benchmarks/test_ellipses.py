@@ -46,7 +46,7 @@ def test_a_run_continues_its_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert [o.fine for o in first] == [CONVERGED, "", ""]
     assert 0 < first[0].creep_force < 0.2
     with log.open("a", encoding="utf-8") as stream:
-        stream.write('{"number": 3, "str')  # killed while it wrote
+        stream.write('{"number": 3, "str')  # killed as it wrote
     solved: list[int] = []
     monkeypatch.setattr(ellipses, "outcome", lambda case, *a, **k: solved.append(case.number) or outcome(case, *a, **k))
     assert [o.number for o in run(range(5), SEED, COARSE, log)] == [0, 1, 2, 3, 4]
