@@ -1,8 +1,8 @@
 """Contact interpolation operators B between surface nodes and contact points, with slip by upstream differences.
 
 Differences of the wheel's displacement u as vectors contain u_r / r, for a compressed wheel rolls on a smaller radius.
-Contact points are places in space: at the point s the material is that of s - u_t, whose radius differs from that in the
-rigid slip at s by as much as u_t adds to u_r. The part of u_t is therefore taken out, kappa u_t with the geodesic
+Contact points are places in space: at the point s the material is that of s - u_t, whose radius differs from that in
+the rigid slip at s by as much as u_t adds to u_r. The part of u_t is therefore taken out, kappa u_t with the geodesic
 curvature kappa of the circles.
 """
 
