@@ -9,15 +9,14 @@ PY = $(VENV)/bin/python
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-# Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
-DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
-
-.PHONY: run test lint suite docs test-debian clean
+.PHONY: run test lint machine-code suite docs test-debian clean
 
 run: $(VENV)/ready
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
-test: lint suite
+test: $(VENV)/ready-to-test
+	$(MAKE) -j2 lint machine-code
+	$(MAKE) suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
 lint: $(VENV)/ready-to-test
@@ -25,9 +24,13 @@ lint: $(VENV)/ready-to-test
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
 
+# One core compiles it while the other checks types, else every process of the tests would.
+machine-code: $(VENV)/ready-to-test
+	PYTHONPATH=. $(PY) tests/helpers/machine_code.py
+
+# Files in the order of tests/conftest.py.
 suite: $(VENV)/ready-to-test
-	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN)
-	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN:%=--ignore=%)
+	$(PY) -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --max-worker-restart 0
 
 docs: $(VENV)/ready-to-test
 	DOCS_NOTEBOOKS=cache $(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs

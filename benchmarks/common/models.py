@@ -100,10 +100,10 @@ def wheelset_model(track: PairTrack, laws: ContactLaws, size: float, **choices: 
     )
 
 
-def rolling(xi: float, eta: float = 0.0, phi: float = 0.0) -> RigidMotion:
-    """Both materials move backwards at 1 m/s; the upper one is faster by the creepages xi, eta and phi [rad/m]."""
-    flow, slip, origin = np.array([-1.0, 0.0, 0.0]), np.array([xi, eta, 0.0]), np.zeros(3)
-    spin = np.array([0.0, 0.0, phi])
+def rolling(xi: float, eta: float = 0.0, phi: float = 0.0, *, speed: float = 1.0) -> RigidMotion:
+    """Both materials move backwards at a speed [m/s]; the upper one is faster by creepages xi, eta and phi [rad/m]."""
+    flow, slip, origin = np.array([-speed, 0.0, 0.0]), speed * np.array([xi, eta, 0.0]), np.zeros(3)
+    spin = np.array([0.0, 0.0, speed * phi])
     return RigidMotion(Twist(flow + 0.5 * slip, 0.5 * spin, origin), Twist(flow - 0.5 * slip, -0.5 * spin, origin))
 
 

@@ -1,8 +1,14 @@
-"""Contact interpolation operators B between surface nodes and contact points, with slip by upstream differences."""
+"""Contact interpolation operators B between surface nodes and contact points, with slip by upstream differences.
+
+Differences of the wheel's displacement u as vectors contain u_r / r, for a compressed wheel rolls on a smaller radius.
+Contact points are places in space: at the point s the material is that of s - u_t, whose radius differs from that in
+the rigid slip at s by as much as u_t adds to u_r. The part of u_t is therefore taken out, kappa u_t with the geodesic
+curvature kappa of the circles.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -82,4 +88,8 @@ def pair_operators(
     """
     identity = Interpolation(points.upstream.reshape(-1, 1), np.ones((points.upstream.size, 1)))
     wheel = contact_operators(points, identity, points.axes @ points.wheel_rotation, order, tangential=tangential)
+    if wheel.slip is not None and points.circle_curvature.any():
+        n = len(points.node)
+        lateral = sp.csr_array(wheel.displacement[n : 2 * n].multiply(points.circle_curvature[:, None]))
+        wheel = replace(wheel, slip=wheel.slip - sp.vstack([lateral, sp.csr_array(lateral.shape)], format="csr"))
     return wheel, contact_operators(points, points.rail, points.axes, order, tangential=tangential)

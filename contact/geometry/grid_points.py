@@ -26,11 +26,14 @@ class GridPoints(SurfacePoints):
         node: (n,) on the wheel's grid.
         upstream: (k, n), nodes of the wheel's grid 0, 1, .. steps upstream.
         rail: interpolation on the rail's grid at their projections, row by row of upstream.
+        circle_curvature: (n,) 1/m, geodesic curvature of the wheel's circles: rotation of the longitudinal axis towards
+            the lateral one per length.
     """
 
     node: Nodes
     upstream: Nodes
     rail: Interpolation
+    circle_curvature: Array
 
 
 class SurfacePair(Protocol):

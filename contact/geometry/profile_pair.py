@@ -141,6 +141,7 @@ class ProfilePair:
                 wheel_rotation=pose.rotation,
                 upstream=upstream,
                 rail=Interpolation(interpolation.nodes[inverse], interpolation.weights[inverse]),
+                circle_curvature=self.lines[1][line, 0] / self.lines[0][line, 1],
                 step=self.lines[0][line, 1] * (self.angle[stride] - self.angle[0]),
                 wheel_place=np.stack([self.arc[line], self.lines[0][line, 0]], axis=1),
                 rail_place=np.stack([rail_s, projected[:, 0]], axis=1),

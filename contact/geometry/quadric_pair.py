@@ -64,6 +64,7 @@ class QuadricPair:
                 wheel_rotation=UPSIDE_DOWN,
                 upstream=upstream,
                 rail=Interpolation(upstream.reshape(-1, 1), np.ones((upstream.size, 1))),
+                circle_curvature=np.zeros(n),
                 step=np.full(n, spacing),
                 wheel_place=across,
                 rail_place=across,

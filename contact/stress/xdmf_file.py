@@ -12,8 +12,10 @@ from scipy.spatial import cKDTree
 from wheelrail.contact.stress.fields import CIRCULAR_ORDER, BodyFields
 from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
+from wheelrail.support.atomic_file import check_space
 
 MILLIMETRE, MEGAPASCAL = 1e3, 1e-6
+OVERHEAD = 65_536  # bytes of an HDF5 file besides its arrays
 
 
 def write_xdmf(fields: BodyFields, file: Path) -> tuple[Path, Path]:
@@ -23,7 +25,8 @@ def write_xdmf(fields: BodyFields, file: Path) -> tuple[Path, Path]:
         fields: on tetrahedra or hexahedra.
         file: to write, .xdmf; the values are in an .h5 file of the same name.
 
-    Returns both files. Raises OSError for a file that cannot be written.
+    Returns both files. Raises OSError for a file that cannot be written, before it is begun where the disk is full:
+    HDF5 would print its trace, and may crash at the end of the process.
     """
     from dolfinx.io import XDMFFile
 
@@ -34,6 +37,7 @@ def write_xdmf(fields: BodyFields, file: Path) -> tuple[Path, Path]:
         "stress": MEGAPASCAL * fields.stress,
         "von Mises stress": MEGAPASCAL * fields.von_mises,
     }
+    check_space(file, OVERHEAD + sum(array.nbytes for array in (cells, fields.points, *values.values())))
     try:
         with XDMFFile(MPI.COMM_SELF, str(file), "w") as xdmf:
             xdmf.write_mesh(mesh)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -161,7 +162,14 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         elsewhere = replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
         return CONTACT if scene.model == "standard" else elsewhere, None
 
+    drawn: list[Path] = []
+
+    def drawn_once(*arguments: Any) -> list[Path]:  # nine figures take seconds
+        drawn.extend([] if drawn else draw_comparison(*arguments))
+        return drawn
+
     monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", contact)
+    monkeypatch.setattr("wheelrail.scenes.plots.comparison.draw_comparison", drawn_once)
     file, out = short_scene(tmp_path), tmp_path / "out"
     first = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
     assert first.exit_code == 0, first.output

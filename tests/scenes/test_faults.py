@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from full_disk import files_up_to
 from malformed_inputs import CURVE, WHEELSET, changed, standard
 from standin_contact import CONTACT
 from test_resume import Stopping
@@ -166,32 +167,19 @@ def test_stale_temporaries_are_removed_after_a_day(tmp_path: Path) -> None:
     assert sorted(os.listdir(tmp_path)) == [young.name, "file"]
 
 
-@pytest.fixture
-def small_files() -> object:
-    """No file of this process may get longer than 4 kB: as good as a full disk, and needs no rights."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    signal.signal(signal.SIGXFSZ, handler)
-
-
-def test_full_disk_keeps_the_previous_cache(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
-) -> None:
+def test_full_disk_keeps_the_previous_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
     store("name", {"values": np.arange(3)})
-    request.getfixturevalue("small_files")
-    with pytest.warns(UserWarning, match=r"cannot be written \(.*File too large.*continuing without it"):
+    message = r"cannot be written \(.*File too large.*continuing without it"
+    with files_up_to(4096), pytest.warns(UserWarning, match=message):
         store("name", {"values": np.arange(10_000)})
     assert list(load("name")["values"]) == [0, 1, 2]  # type: ignore[index]
     assert os.listdir(tmp_path) == ["name.npz"]
 
 
-def test_full_disk_keeps_the_previous_results(tmp_path: Path, small_files: object) -> None:
+def test_full_disk_keeps_the_previous_results(tmp_path: Path) -> None:
     (tmp_path / "run.nc").write_text("old")
-    with pytest.raises(OSError, match=r"run\.nc|File too large"):
+    with files_up_to(4096), pytest.raises(OSError, match=r"run\.nc|File too large"):
         write(Dataset({"values": ("n", np.random.default_rng(1).random(10_000))}), tmp_path / "run.nc")
     assert os.listdir(tmp_path) == ["run.nc"]
     assert (tmp_path / "run.nc").read_text() == "old"

@@ -195,3 +195,35 @@ def test_sums_keep_their_order() -> None:
     assert _total(values) == np.cumsum(values)[-1]  # NumPy adds one after the other there
     assert not _total.targetoptions.get("fastmath", False)
     assert not polach.targetoptions.get("fastmath", False)
+
+
+FIRST = """
+import sys
+from numba import config
+from wheelrail.support.compiled import compiled
+from wheelrail.support.terminal import messages_on, progress_console, set_verbosity
+config.CACHE_DIR = sys.argv[1]
+set_verbosity(quiet="-q" in sys.argv)
+@compiled
+def twice(x):
+    return 2.0 * x
+@compiled
+def thrice(x):
+    return 3.0 * x
+with messages_on(progress_console()):
+    twice(3.0)
+    thrice(3.0)
+"""
+
+
+def test_a_first_compilation_is_announced(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(FIRST)
+
+    def messages(folder: str, *options: str) -> str:
+        command = [sys.executable, str(script), str(tmp_path / folder), *options]
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stderr
+
+    assert messages("empty") == "compiling machine code: up to some minutes, only this once\n"
+    assert messages("empty") == ""
+    assert messages("another", "-q") == ""

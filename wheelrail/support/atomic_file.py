@@ -49,6 +49,18 @@ def atomic_file(path: Path) -> Iterator[Path]:
         raise
 
 
+def check_space(path: Path, size: int) -> None:
+    """Raise OSError unless a file of a size, in bytes, can be written in the folder of path: for libraries that neither
+    report a full disk nor end in order after one.
+    """
+    with tempfile.TemporaryFile(dir=path.parent) as file:
+        try:
+            os.posix_fallocate(file.fileno(), 0, size)
+        except OSError as error:
+            if error.errno in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT):
+                raise OSError(error.errno, os.strerror(error.errno), str(path)) from None
+
+
 def remove_leftovers(folder: Path) -> None:
     """Remove temporaries of dead processes in a folder, and those of other machines that are at least a day old."""
     for part in folder.glob(f"{PART}*"):

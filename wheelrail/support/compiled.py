@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import os
 import shutil
 import stat
@@ -30,6 +31,7 @@ COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled
 SOURCES = tuple(HERE.parent / name for name in COMPILED)
 
 CHECKSUMS = "checksums.json"
+log = logging.getLogger(__name__)
 
 
 class TolerantCache(FunctionCache):  # type: ignore[misc]
@@ -37,9 +39,12 @@ class TolerantCache(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
-            return super().load_overload(sig, target_context)
+            overload = super().load_overload(sig, target_context)
         except Exception:  # of a pickle that was cut off: almost any
-            return None
+            overload = None
+        if overload is None:
+            announce_first_compilation()
+        return overload
 
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
@@ -102,6 +107,14 @@ def call(context: Any, at: Any, arguments: Any) -> Any:
         return ctx.get_dummy_value()
 
     return types.void(at, arguments), generate
+
+
+@cache
+def announce_first_compilation() -> None:
+    """Log that machine code is compiled, if there is none of these sources yet: for strips it takes minutes."""
+    place = folder()
+    if place is not None and not any(place.rglob("*.nbi")):
+        log.info("compiling machine code: up to some minutes, only this once")
 
 
 @cache

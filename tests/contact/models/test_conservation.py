@@ -242,6 +242,7 @@ class Flat:
                 wheel_rotation=UPSIDE_DOWN,
                 upstream=node[None],
                 rail=Interpolation(nodes, weights),
+                circle_curvature=np.zeros(n),
                 step=np.ones(n),
                 wheel_place=place[:, 1:],
                 rail_place=place[:, 1:],

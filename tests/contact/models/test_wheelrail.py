@@ -258,11 +258,18 @@ def test_upstream_slip_of_wheel_and_rail() -> None:
     wheel, rail = pair_operators(points, 2)
     assert wheel.slip is not None
     assert rail.slip is not None
-    # rigid motion causes no slip
-    for coupling in (wheel, rail):
+    # rigid motion causes no slip, but brings material of another rolling radius r(s - u_t) to a place s on the wheel
+    s, near = points.wheel_place[:, 0], 1e-6
+    radius = RADIUS + WHEEL.point(s)[:, 1]
+    growth = (WHEEL.point(s + near)[:, 1] - WHEEL.point(s - near)[:, 1]) / (2 * near)
+    lateral_axes = points.axes[:, 1] @ points.wheel_rotation
+    for coupling, slope in ((wheel, growth / radius), (rail, np.zeros(len(s)))):
         for direction in np.eye(3):
             moved = np.tile(direction[list(coupling.directions)], len(coupling.nodes))
-            assert np.abs(coupling.slip @ moved).max() < 1e-9 / SIZE
+            slip = (coupling.slip @ moved).reshape(2, -1)
+            expected = np.stack([slope * (lateral_axes @ direction), np.zeros(len(s))])
+            assert np.abs(slip - expected).max() < 1e-6
+            assert np.abs(slope).max() == 0 or np.abs(slope).max() > 0.02
     # quadratic displacement of the rail along x, at points between its nodes
     shapes = geometry()
     x = shapes.rail_grid.position.reshape(-1, 3)[rail.nodes, 0]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista as pv
+from full_disk import files_up_to
 from scipy.spatial import cKDTree
 from small_pairs import AT_REST, BRICKS, CREEP, STEEL, TETRAHEDRA, Block, condensed, full, hertzian
 
@@ -24,7 +25,7 @@ from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.contact.stress.solid_fields import solid_fields
 from wheelrail.contact.stress.subsurface import LoadedBody
 from wheelrail.contact.stress.waveguide_fields import InternalFields, internal_fields
-from wheelrail.contact.stress.xdmf_file import write_xdmf
+from wheelrail.contact.stress.xdmf_file import OVERHEAD, write_xdmf
 from wheelrail.support.arrays import Array
 
 BALL, FORCE = (0.3, 0.3), 10e3
@@ -171,6 +172,12 @@ def test_fields_of_solids_are_read_again_from_xdmf(mesh: Block, tmp_path: Path) 
     (tmp_path / "wheel.h5").mkdir()
     with pytest.raises(OSError, match="cannot be written"):
         write_xdmf(fields, tmp_path / "wheel.xdmf")
+    size = values.stat().st_size
+    with files_up_to(size // 2), pytest.raises(OSError, match=r"File too large: .*full\.xdmf"):
+        write_xdmf(fields, tmp_path / "full.xdmf")
+    assert not (tmp_path / "full.h5").exists()
+    with files_up_to(size + OVERHEAD):
+        assert write_xdmf(fields, tmp_path / "full.xdmf")[1].stat().st_size == size
 
 
 def test_stress_in_solids_is_that_of_hertz() -> None:
