@@ -62,7 +62,8 @@ class Ends(NamedTuple):
         incidence = np.zeros((len(names), len(pairs)))
         incidence[indices[:, 0], np.arange(len(pairs))] = 1.0
         incidence[indices[:, 1], np.arange(len(pairs))] = -1.0
-        return cls(indices[:, 0], indices[:, 1], incidence)
+        upper, lower = np.ascontiguousarray(indices.T)  # of one type for compiled code, whatever their number
+        return cls(upper, lower, incidence)
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ def element_arrays(suspension: SuspensionForces) -> ElementArrays:
         suspension.ends.upper,
         suspension.ends.lower,
         *suspension.arms,
-        suspension.turn.astype(float).reshape(len(elements)),
+        suspension.turn.astype(float),
         suspension.static_loads,
         suspension.stiffness[0],
         suspension.damping[0],

@@ -1,3 +1,1 @@
-"""Equations of motion of a vehicle in compiled code, for real states and for complex ones, whose imaginary parts are
-derivatives.
-"""
+"""Equations of motion of a vehicle in compiled code, in complex numbers, whose imaginary parts are derivatives."""

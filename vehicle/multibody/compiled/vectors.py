@@ -1,4 +1,4 @@
-"""Vectors of three numbers, real or complex, and rotation matrices as three columns, in compiled code."""
+"""Vectors of three complex numbers, and rotation matrices as three columns, in compiled code."""
 
 from __future__ import annotations
 
