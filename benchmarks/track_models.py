@@ -1,13 +1,11 @@
-"""Track without mass, on discrete sleepers, and with mass: receptance against a beam in closed form, forces and cost.
+"""Track without mass and with mass: receptance against a beam in closed form, and cost of a curve.
 
 `python -m benchmarks.track_models`: pads of 100 and 40 kN/mm every 0.6 m, ballast of 80 and 40 kN/mm under half a
-sleeper of 150 kg. Runs of `scenes/curve.toml` at 45 m/s in one process: its curve, and straight track with ERRI
-irregularities of two ranges of wavelengths, in which the forces on the track without and with mass are compared.
+sleeper of 150 kg. 10 s of `scenes/curve.toml` at 45 m/s in one process.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from time import process_time
@@ -20,22 +18,18 @@ from wheelrail.contact.structure.pads import RailCompliance, RailPads, wavenumbe
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
-from wheelrail.support.arrays import Array
 from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
-from wheelrail.vehicle.track.irregularity_spectrum import ERRI
-from wheelrail.vehicle.track.track import Track
 
 SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
 BENDING, RAIL = 2.1e11 * 3038.3e-8, 7850 * 76.70e-4  # N m2, kg/m: 60E1
 FREQUENCIES = (0.0, 10.0, 20.0, 50.0, 70.0, 100.0, 150.0, 200.0)  # Hz
 STEPS = StepSettings("rosenbrock", 1e-3, 1e-6)
-CURVE_SECONDS, STRAIGHT_SECONDS = 10.0, 1.2
-RANGES = {"3 to 100 m": (3.0, 100.0), "1 to 3 m": (1.0, 3.0)}
-PADS, SLEEPERS, BALLAST = "\n[track.pads]\n", "\n[track.sleepers]\n", "\n[track.ballast]\n"
+SECONDS = 10.0
+PADS, BALLAST = "\n[track.pads]\n", "\n[track.ballast]\n"
 
 
 def per_length() -> tuple[float, float, float]:
@@ -120,7 +114,7 @@ def curve_table() -> str:
     columns = ("track", "steps (rejected)", "contact solves a side", "processor s", "energy balance", "y mm", "Q kN")
     rows = [f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
     for name, dynamics in cases().items():
-        history, seconds = timed(dynamics, CURVE_SECONDS)
+        history, seconds = timed(dynamics, SECONDS)
         cost, error = history.cost, energy_balance(history, dynamics.wagon, dynamics.track).error
         cells = (
             name if history.status == "completed" else f"{name}: {history.status}",
@@ -135,57 +129,9 @@ def curve_table() -> str:
     return "\n".join(rows)
 
 
-def forces(history: History, times: Array) -> Array:
-    """Vertical force N of the left wheel at times s."""
-    return np.interp(times, history.time, history.outputs.force[:, 0, 2])
-
-
-def irregular_table() -> str:
-    """Markdown: dynamic forces on straight irregular track, and what the mass of the track changes."""
-    columns = ("wavelengths", "dynamic force without mass, kN RMS", "with mass", "difference", "steps", "processor s")
-    rows = [f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
-    samples = np.linspace(0.4, STRAIGHT_SECONDS, 2000)
-    for name, wavelengths in RANGES.items():
-        irregularities = ERRI["low"].irregularities(80.0, seed=1, wavelengths=wavelengths, fade=5.0)
-        values, costs = [], []
-        for case in list(cases())[1:]:
-            history, seconds = timed(
-                replace(cases()[case], track=Track(irregularities=irregularities)), STRAIGHT_SECONDS
-            )
-            values.append(forces(history, samples))
-            costs.append((history.cost.steps.accepted, seconds))
-        (massless, with_mass), (steps, seconds_each) = values, zip(*costs, strict=True)
-        kilonewtons = (1e-3 * float(np.std(v)) for v in (massless, with_mass, with_mass - massless))
-        cells = (
-            *(f"{v:.2f}" for v in kilonewtons),
-            ", ".join(map(str, steps)),
-            ", ".join(f"{s:.1f}" for s in seconds_each),
-        )
-        rows.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(rows)
-
-
-def sleeper_table() -> str:
-    """Markdown: force and height at the sleeper passing frequency on smooth straight track, by speed."""
-    rows = ["| m/s | Hz | force, kN | height, um | steps a span |", "|---|---|---|---|---|"]
-    for speed in (5.0, 20.0, 30.0, 45.0, 60.0, 80.0):
-        dynamics = replace(equations(PADS + SLEEPERS), track=Track(), speed=speed)
-        spans, last = max(6, int(0.12 * speed / 0.6) + 4), 4
-        history = simulate(dynamics, (0.0, spans * 0.6 / speed), steps=STEPS)
-        place = spans - last + last * np.arange(256) / 256
-        amplitudes = []
-        for values in (history.outputs.force[:, 0, 2], history.state[:, 7]):
-            sampled = np.interp(place, history.distance / 0.6, values)
-            amplitudes.append(2 * np.abs(np.fft.rfft(sampled))[last] / len(place))
-        steps = len(history) / spans
-        force, height = 1e-3 * amplitudes[0], 1e6 * amplitudes[1]
-        rows.append(f"| {speed:.0f} | {speed / 0.6:.0f} | {force:.2f} | {height:.1f} | {steps:.0f} |")
-    return "\n".join(rows)
-
-
 def main() -> None:
     """Print the tables."""
-    for table in (receptance_table, curve_table, irregular_table, sleeper_table):
+    for table in (receptance_table, curve_table):
         print(table(), end="\n\n", flush=True)
 
 

@@ -72,8 +72,8 @@ def run(rtol: float, massless: bool = False) -> History:
     steps, start = StepSettings("rosenbrock", rtol, 1e-3 * rtol), rest().state
     if massless:
         structure = QuasiStaticStructure(contact().pairs)
-        return simulate(dynamics(structure), (0.0, 0.3), initial=start[: 2 * COUNT + 18 + series()], steps=steps)
-    return simulate(dynamics(with_mass()), (0.0, 0.3), initial=start, steps=steps)
+        return simulate(dynamics(structure), (0.0, 0.15), initial=start[: 2 * COUNT + 18 + series()], steps=steps)
+    return simulate(dynamics(with_mass()), (0.0, 0.15), initial=start, steps=steps)
 
 
 def series() -> int:
