@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from solid_scene import SOLIDS
 from typer.testing import CliRunner
 from xarray import Dataset
 
@@ -89,16 +90,6 @@ def drawn() -> str:
 
 
 NAMES = ("wheel", "rail")
-SOLIDS = """
-kind = "hertz"
-model = "full"
-laws = "paper"
-friction = 0.0
-approach = 15e-6
-surface_size = 4e-3
-upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
-lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
-"""
 PICTURES: list[np.ndarray] = []
 RANGES: dict[str, tuple[float, float]] = {}
 AXES: list[tuple[list[str], list[str]]] = []
