@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -304,6 +305,14 @@ def test_default_scale_is_a_round_number() -> None:
 def test_view_file_endings(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="must end in"):
         save_view(None, tmp_path / "a.jpg")
+
+
+def test_ctrl_c_works_after_an_interactive_page() -> None:
+    view = plotter(size=(300, 200))
+    view.add_mesh(pyvista().Sphere())
+    assert "<script>" in view_html(view)
+    view.close()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) -> None:
