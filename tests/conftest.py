@@ -25,15 +25,6 @@ for _logger in ("", "FFCX", "UFL"):
     logging.getLogger(_logger).addFilter(lambda record: record.levelno >= logging.ERROR)
 
 
-# Tests that draw in three dimensions, in fresh processes: VTK aborted in ones that had run many other tests. Then files
-# of more than half a minute, so that processes end together.
-FIRST = ("test_view", "test_report", "test_faults", "test_study", "test_lattice", "test_notebooks_basics", "test_docs")
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    items.sort(key=lambda item: FIRST.index(item.path.stem) if item.path.stem in FIRST else len(FIRST))
-
-
 def pytest_configure(config: pytest.Config) -> None:
     """Cache that is empty at the start and removed after the session, for all processes of the session.
     $WHEELRAIL_TEST_CACHE names a permanent one instead.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Executor, ThreadPoolExecutor
 from itertools import count
 from pathlib import Path
 from time import sleep
@@ -11,20 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.stats import linregress
+from study_workers import Here
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.scenes.contacts import solve as solve_module
 from wheelrail.scenes.plots.fits import line_fit
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import checked
-from wheelrail.scenes.studies import run as run_module
 from wheelrail.scenes.studies.convergence import increasing, series_of
-from wheelrail.scenes.studies.job import Job
 from wheelrail.scenes.studies.plan import Plan, plan
 from wheelrail.scenes.studies.plots import drawings
 from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study, load_study
-from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.scenes.studies.tables import order_table, series_label
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -34,34 +31,6 @@ CLOSED = {"kind": "hertz", "model": "standard", "normal": "hertz", "load": 1e4, 
 CLOSED |= {"upper": BODY}
 MESHED = {"kind": "hertz", "load": 1e4, "friction": 0.0, "upper": BODY, "lower": FLAT, "half_strip": 4.6e-3}
 STEEL = (210e9, 0.3)
-
-
-class Here(Executor):
-    """Works in a thread of this process."""
-
-    def __init__(self) -> None:
-        self.jobs = list[Job]()
-
-    def submit(self, _: Any, job: Job) -> Any:  # type: ignore[override]
-        return self.pool.submit(self._work, job)
-
-    def _work(self, job: Job) -> CaseResult:
-        self.jobs.append(job)
-        return solve(job)
-
-    def __enter__(self) -> Here:
-        self.pool = ThreadPoolExecutor(1)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.pool.shutdown(cancel_futures=True)
-
-
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> Here:
-    workers = Here()
-    monkeypatch.setattr(run_module, "processes", lambda count: workers)
-    return workers
 
 
 def planned(**what: Any) -> Plan:

@@ -464,7 +464,7 @@ def test_ctrl_c_in_a_comparison(tmp_path: Path) -> None:
 
 STUDY = 'kind = "study"\nscene = "scene.toml"\nworkers = 1\n[grid]\nfriction = [0.1, 0.2, 0.3, 0.4]\n'
 IN_A_THREAD = (
-    "from test_study import Here; import wheelrail.scenes.studies.run as m; m.processes = lambda count: Here()\n"
+    "from study_workers import Here; import wheelrail.scenes.studies.run as m; m.processes = lambda count: Here()\n"
 )
 
 

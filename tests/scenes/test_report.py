@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from study_workers import Here
 from test_figures import history
-from test_study import Here, study
+from test_study import study
 from typer.testing import CliRunner
 from xarray import Dataset
 

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fragile_worker import DEADLY, RAISING, fragile, talkative
+from study_workers import Here
 from typer.testing import CliRunner
 from xarray import Dataset, open_dataset
 from xarray.testing import assert_identical
@@ -61,34 +62,6 @@ def study(**what: Any) -> dict[str, Any]:
 
 def planned(**what: Any) -> Plan:
     return plan(check_study(study(**what)))
-
-
-class Here(Executor):
-    """Works in a thread of this process: quick."""
-
-    def __init__(self, work: Callable[[Job], CaseResult] = solve) -> None:
-        self.work, self.jobs = work, list[Job]()
-
-    def submit(self, _: Any, job: Job) -> Any:  # type: ignore[override]
-        return self.pool.submit(self._work, job)
-
-    def _work(self, job: Job) -> CaseResult:
-        self.jobs.append(job)
-        return self.work(job)
-
-    def __enter__(self) -> Here:
-        self.pool = ThreadPoolExecutor(1)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.pool.shutdown(cancel_futures=True)
-
-
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> Here:
-    workers = Here()
-    monkeypatch.setattr(run_module, "processes", lambda count: workers)
-    return workers
 
 
 def exact(load: float) -> float:

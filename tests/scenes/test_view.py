@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from solid_scene import SOLIDS
 from typer.testing import CliRunner
 from xarray import Dataset
 
@@ -89,16 +91,6 @@ def drawn() -> str:
 
 
 NAMES = ("wheel", "rail")
-SOLIDS = """
-kind = "hertz"
-model = "full"
-laws = "paper"
-friction = 0.0
-approach = 15e-6
-surface_size = 4e-3
-upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
-lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
-"""
 PICTURES: list[np.ndarray] = []
 RANGES: dict[str, tuple[float, float]] = {}
 AXES: list[tuple[list[str], list[str]]] = []
@@ -313,6 +305,14 @@ def test_default_scale_is_a_round_number() -> None:
 def test_view_file_endings(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="must end in"):
         save_view(None, tmp_path / "a.jpg")
+
+
+def test_ctrl_c_works_after_an_interactive_page() -> None:
+    view = plotter(size=(300, 200))
+    view.add_mesh(pyvista().Sphere())
+    assert "<script>" in view_html(view)
+    view.close()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) -> None:

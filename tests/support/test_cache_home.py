@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from solid_scene import SOLIDS
 
 ROOT = Path(__file__).parents[2]
 # few compiled functions: every command here compiles its own anew
@@ -22,16 +23,6 @@ load = 10e3
 upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
 lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
 """
-FULL = """
-kind = "hertz"
-model = "full"
-laws = "paper"
-friction = 0.0
-approach = 15e-6
-surface_size = 4e-3
-upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
-lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
-"""
 WITHOUT_USER = """
 import os, sys
 import pwd
@@ -43,7 +34,7 @@ main()
 """
 
 
-@pytest.mark.parametrize(("home", "text"), [(None, STANDARD), ("/dev/null", FULL)], ids=["standard", "full"])
+@pytest.mark.parametrize(("home", "text"), [(None, STANDARD), ("/dev/null", SOLIDS)], ids=["standard", "full"])
 def test_contact_without_a_home_folder(tmp_path: Path, home: str | None, text: str) -> None:
     (tmp_path / "scene.toml").write_text(text)
     removed = ("HOME", "WHEELRAIL_CACHE", "XDG_CACHE_HOME", "XDG_CONFIG_HOME")

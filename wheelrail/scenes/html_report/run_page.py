@@ -38,7 +38,6 @@ def run_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
         file: results; paths in the scene are relative to its folder.
         view: whether to include an interactive 3D view.
     """
-    text, reached = str(data.attrs["scene"]), float(data["distance"].values[-1])
     sections = [
         PageSection("Key figures", key_tables({"": data})),
         PageSection("Extremes", [wheel_table(data), vehicle_table(data)], SIGNS),
@@ -46,14 +45,28 @@ def run_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     ]
     if view:
         sections.insert(2, PageSection("Interactive 3D view", [largest_force_view(data, file)]))
+    return page_of_run(data, file, "Vehicle run", {}, sections)
+
+
+def page_of_run(data: Dataset, file: Path, what: str, sources: dict[str, str], sections: list[PageSection]) -> Page:
+    """Page of a run with its status, origin and scene.
+
+    Parameters:
+        data: Dataset of the run.
+        file: results.
+        what: kind of run.
+        sources: texts beside that of the scene, by name.
+        sections: of the page.
+    """
+    text, reached = str(data.attrs["scene"]), float(data["distance"].values[-1])
     return Page(
         title=file.parent.resolve().name,
-        what="Vehicle run",
+        what=what,
         status=f"{data.attrs['status']} at {reached:.1f} m",
         well=data.attrs["status"] == "completed",
         lead=opening(text),
         facts={**origin(data.attrs), "computing time": seconds(float(data.attrs["seconds"])), "results": file.name},
-        sources={"Scene": text},
+        sources={"Scene": text, **sources},
         sections=sections,
     )
 

@@ -12,8 +12,8 @@ import numpy as np
 from wheelrail.scenes.html_report.elements import Page, PagePicture, PageSection, PageTable, number
 from wheelrail.scenes.html_report.extremes import wheel_table
 from wheelrail.scenes.html_report.figures import picture
-from wheelrail.scenes.html_report.provenance import opening, origin, pictures, seconds
-from wheelrail.scenes.html_report.run_page import SIGNS, key_tables
+from wheelrail.scenes.html_report.provenance import pictures
+from wheelrail.scenes.html_report.run_page import SIGNS, key_tables, page_of_run
 from wheelrail.scenes.plots.vehicle_runs import PICTURES
 
 if TYPE_CHECKING:
@@ -38,22 +38,14 @@ def vehicle_page(data: Dataset, file: Path) -> Page:
         data: Dataset of the run.
         file: results.
     """
-    text, reached = str(data.attrs["scene"]), float(data["distance"].values[-1])
     tables = [wheel_table(data.sel(wheelset=name), str(name)) for name in data["wheelset"].values]
-    return Page(
-        title=file.parent.resolve().name,
-        what="Vehicle run in three dimensions",
-        status=f"{data.attrs['status']} at {reached:.1f} m",
-        well=data.attrs["status"] == "completed",
-        lead=opening(text),
-        facts={**origin(data.attrs), "computing time": seconds(float(data.attrs["seconds"])), "results": file.name},
-        sources={"Scene": text, "Vehicle": str(data.attrs["vehicle"])},
-        sections=[
-            PageSection("Key figures", key_tables({"": data})),
-            PageSection("Extremes", [wheelset_table(data), *tables, body_table(data)], SIGNS),
-            PageSection("Figures", pictures(list(_figures(data)), "No figures: fewer than two samples.")),
-        ],
-    )
+    sections = [
+        PageSection("Key figures", key_tables({"": data})),
+        PageSection("Extremes", [wheelset_table(data), *tables, body_table(data)], SIGNS),
+        PageSection("Figures", pictures(list(_figures(data)), "No figures: fewer than two samples.")),
+    ]
+    sources = {"Vehicle": str(data.attrs["vehicle"])}
+    return page_of_run(data, file, "Vehicle run in three dimensions", sources, sections)
 
 
 def wheelset_table(data: Dataset) -> PageTable:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 import json
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,7 +28,7 @@ def save_view(plotter: Any, file: Path) -> None:
 def view_html(plotter: Any) -> str:
     """HTML page with viewer, scene and the title of the plotter, as the viewer draws no text."""
     _with_lenses()
-    with _without_downloads():
+    with _without_downloads(), _ctrl_c_kept():
         page: str = plotter.trame.export_html(None).getvalue()
     text = html.escape(plotter.title)
     head, tail = page.split("</title>", 1)
@@ -75,6 +77,17 @@ def _without_downloads() -> Iterator[None]:
         del sys.modules[name]
         if module is not None:
             sys.modules[name] = module
+
+
+@contextmanager
+def _ctrl_c_kept() -> Iterator[None]:
+    """Restore Ctrl-C afterwards: the exporter starts a server whose handler ignores it."""
+    handler = signal.getsignal(signal.SIGINT)
+    try:
+        yield
+    finally:
+        if handler is not None and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGINT, handler)
 
 
 def _literal(text: str) -> str:
