@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.stability import ellipses
-from benchmarks.stability.ellipse_sample import FRICTION, LATERAL_RADII, LOADS, ROLLING_RADII, rolling_ellipse
-from benchmarks.stability.ellipses import CONVERGED, logged, outcome, run, show, solve
+from benchmarks.ellipses import report
+from benchmarks.ellipses.report import CONVERGED, logged, outcome, run, show, solve
+from benchmarks.ellipses.sample import FRICTION, LATERAL_RADII, LOADS, ROLLING_RADII, rolling_ellipse
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
@@ -48,7 +48,7 @@ def test_a_run_continues_its_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     with log.open("a", encoding="utf-8") as stream:
         stream.write('{"number": 3, "str')  # killed as it wrote
     solved: list[int] = []
-    monkeypatch.setattr(ellipses, "outcome", lambda case, *a, **k: solved.append(case.number) or outcome(case, *a, **k))
+    monkeypatch.setattr(report, "outcome", lambda case, *a, **k: solved.append(case.number) or outcome(case, *a, **k))
     assert [o.number for o in run(range(5), SEED, COARSE, log)] == [0, 1, 2, 3, 4]
     assert solved == [3, 4]
     assert sorted(o.number for o in logged(log)) == [0, 1, 2, 3, 4]
@@ -58,7 +58,7 @@ def test_failures_are_shown_with_their_case(monkeypatch: pytest.MonkeyPatch) -> 
     def broken(*_: object, **__: object) -> None:
         raise ValueError("no table")
 
-    monkeypatch.setattr(ellipses, "hertz_model", broken)
+    monkeypatch.setattr(report, "hertz_model", broken)
     text = show(run([4], SEED, COARSE, None))
     assert "1 failed" in text
     assert "1 x failed: ValueError: no table" in text

@@ -1,6 +1,6 @@
 """Random ellipses that roll, on strips of half-spaces: failed solves, and errors against cells twice as fine.
 
-python -m benchmarks.stability.ellipses [--cases N] [--seed S] [--resolution 4x10 ...] [--log FILE] [--only NUMBER ...]
+python -m benchmarks.ellipses [--cases N] [--seed S] [--resolution 4x10 ...] [--log FILE] [--only NUMBER ...]
 
 A log has one line of JSON per case. A run that finds its log there solves only the cases that are missing from it.
 """
@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.common.machine import machine_description
 from benchmarks.common.models import hertz_model, rolling
-from benchmarks.stability.ellipse_sample import RollingEllipse, rolling_ellipse
+from benchmarks.ellipses.sample import RollingEllipse, rolling_ellipse
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.results.result import ContactResult
@@ -155,7 +155,7 @@ def _resolution(text: str) -> LatticeResolution:
 def main() -> None:
     """Measures and prints."""
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.stability.ellipses",
+        prog="python -m benchmarks.ellipses",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -171,7 +171,3 @@ def main() -> None:
     numbers = arguments.only or range(arguments.cases)
     for resolution in arguments.resolution:
         print(show(run(numbers, arguments.seed, resolution, arguments.log)), flush=True)
-
-
-if __name__ == "__main__":
-    main()

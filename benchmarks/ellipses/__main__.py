@@ -1,0 +1,3 @@
+from benchmarks.ellipses.report import main
+
+main()
