@@ -97,3 +97,11 @@ def test_half_spaces_may_be_flexible_too() -> None:
     solution = wheelset.solve(y=0.0)
     assert solution.ok
     assert float(solution.data["rail_motion"].sel(side="left")[1]) < -4e-4
+
+
+def test_sleepers_belong_to_pads_and_to_a_place() -> None:
+    with pytest.raises(SceneError, match=r"sleepers.*only with pads"):
+        scene("[track.sleepers]")
+    assert scene("[track.pads]\n[track.sleepers]\nposition = 0.3").track.sleepers is not None
+    with pytest.raises(SceneError, match=r"track\.sleepers: not allowed in an element"):
+        wr.Wheelset(**BODIES, bodies="half-space", pads=True, sleepers=True).element()
