@@ -55,6 +55,7 @@ class FrictionTable(NamedTuple):
     coefficient: float
 
 
+Plane = tuple[NDArray[np.int64], NDArray[Any]]  # rows around a pair of creepages, and their weights
 ARM = 0.01  # m, of the moments of friction
 SCALE = 2e-3, 1e5  # creepage that about saturates a wheel with friction 0.3, at a load, N
 
@@ -143,7 +144,7 @@ def friction_at(
 
 
 @fast
-def creepage_weights(along_a: Stencil, along_b: Stencil, size_b: int) -> tuple[NDArray[np.int64], NDArray[Any]]:
+def creepage_weights(along_a: Stencil, along_b: Stencil, size_b: int) -> Plane:
     """Numbers (n,) of the rows around a pair of creepages, from that of the first pair of nodes, and weights (n,)."""
     first_a, start_a, stop_a, weights_a = along_a
     first_b, start_b, stop_b, weights_b = along_b
@@ -158,9 +159,7 @@ def creepage_weights(along_a: Stencil, along_b: Stencil, size_b: int) -> tuple[N
 
 
 @fast
-def add_plane(
-    values: Array, first: int, plane: tuple[NDArray[np.int64], NDArray[Any]], factor: complex, total: Array
-) -> None:
+def add_plane(values: Array, first: int, plane: Plane, factor: complex, total: Array) -> None:
     """Add the interpolant over both creepages, times a factor, to a total (6,); sums are kept in registers."""
     rows, weights = plane
     zero = 0.0 * factor

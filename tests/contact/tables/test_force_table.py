@@ -108,7 +108,7 @@ def test_failed_solves_are_interpolated_along_the_lateral_creepage() -> None:
 
 def test_table_agrees_with_its_model_at_fresh_points() -> None:
     """Also with rates of rotation about z, which the table does not have as a variable."""
-    table, errors = built()
+    _, errors = built()
     assert errors.rms < TOLERANCE
     assert errors.worst < 4 * TOLERANCE
     assert np.abs(errors.moment).max() < 5e-4  # m, of the load
