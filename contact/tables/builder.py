@@ -13,7 +13,7 @@ from wheelrail.contact.models.table.force_table import ForceTable
 from wheelrail.contact.models.table.lookup import FrictionTable, NormalTable
 from wheelrail.contact.tables.errors import TableErrors, table_errors
 from wheelrail.contact.tables.nodes import Nodes, Trial
-from wheelrail.contact.tables.samples import SampleError, TableSampler
+from wheelrail.contact.tables.samples import TableSampler
 from wheelrail.contact.tables.table_range import TableRange
 from wheelrail.contact.tables.tasks import ForceTask, NormalTask, Solve
 from wheelrail.support.arrays import Array
@@ -26,6 +26,10 @@ SPACING, SPACING_FRICTION = 5e-4, 1e-3  # m, of nodes over y
 SAMPLES = 200  # fresh points after the tests
 TURN = 5e-3  # 1/m, largest rotation rate about z over speed there: a curve of 200 m, or 0.1 rad/s at 20 m/s
 ROUNDS = 5  # of tests with half the threshold of the round before
+
+
+class NoSolution(RuntimeError):
+    """The contact model fails too often to make a table of it."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class TableBuilder:
     def build(self) -> tuple[ForceTable, TableErrors]:
         """Table, and its errors at fresh random points; the tolerance is not met where ROUNDS are not enough.
 
-        Raises SampleError where the model fails.
+        Raises NoSolution where the model fails too often.
         """
         table = self._without_friction(self._refined_normal())
         if not self.sampler.coefficient > 0.0:
@@ -115,6 +119,7 @@ class TableBuilder:
         for task, solved in zip(tasks, self.solve(tasks, f"without friction, {len(tasks)} positions"), strict=True):
             rows |= {(task.y, task.roll, task.yaw, load): row for load, row in zip(task.loads, solved, strict=True)}
         values = np.array([[rows[*place, value**1.5] for value in level.tolist()] for place in places])
+        values = np.array([completed(rows_of_place, level) for rows_of_place in values])
         touch = values[:, 0].copy()
         touch[:, 0] += (values[:, 0, 0] - values[:, 1, 0]) * level[0] / (level[1] - level[0])
         values = np.concatenate([touch[:, None], values], axis=1).reshape(len(places), -1)
@@ -155,15 +160,11 @@ class TableBuilder:
         places = product(y.tolist(), roll.tolist(), yaw.tolist(), level.tolist())
         tasks = [ForceTask(self.sampler.at_level(normal, *place), creepages) for place in places]
         results = self.solve(tasks, f"with friction, {_times(nodes.shape)} points")
-        rows = [
-            self.sampler.friction_row(task.at, force)
-            for task, forces in zip(tasks, results, strict=True)
-            for force in completed(forces, len(lateral))
-        ]
-        if np.isnan(rows).any():
-            raise SampleError(
-                "with friction: no solution at any lateral creepage of one position and longitudinal creepage"
-            )
+        rows = []
+        for task, forces in zip(tasks, results, strict=True):
+            lines = forces.reshape(len(longitudinal), len(lateral), -1)
+            for force in np.concatenate([completed(line, lateral) for line in lines]):
+                rows.append(self.sampler.friction_row(task.at, force))
         return FrictionTable(y, roll, yaw, level, longitudinal, lateral, np.array(rows), self.sampler.coefficient)
 
     def _errors_of_trials(self, table: ForceTable, trials: Sequence[Trial]) -> Array:
@@ -182,18 +183,25 @@ class TableBuilder:
         return ForceTask(at, ((float(np.sinh(point["longitudinal"])), float(np.sinh(point["lateral"]))),))
 
 
-def completed(forces: Array, width: int) -> Array:
-    """Forces (n, 6), rows of `width` lateral creepages, with failed solves interpolated along each row.
+def completed(rows: Array, nodes: Array) -> Array:
+    """Rows (n, m) with those that are NaN, where the model failed, interpolated between their neighbours.
 
-    A row of failures only remains NaN.
+    Parameters:
+        rows: values at n nodes.
+        nodes: (n,), increasing; beyond the last rows with values the line through the nearest two continues.
+
+    Raises NoSolution for less than two rows with values.
     """
-    rows, at = forces.reshape(-1, width, 6).copy(), np.arange(width)
-    for row in rows:
-        failed = np.isnan(row[:, 0])
-        if failed.any() and not failed.all():
-            for column in row.T:
-                column[failed] = np.interp(at[failed], at[~failed], column[~failed])
-    return rows.reshape(-1, 6)
+    solved = ~np.isnan(rows).any(axis=1)
+    if solved.all():
+        return rows
+    if solved.sum() < 2:
+        raise NoSolution(f"the model has solutions at {solved.sum()} of {len(rows)} values of a variable")
+    known, values = nodes[solved], rows[solved]
+    place = np.clip(np.searchsorted(known, nodes) - 1, 0, len(known) - 2)
+    fraction = ((nodes - known[place]) / (known[place + 1] - known[place]))[:, None]
+    between = (1.0 - fraction) * values[place] + fraction * values[place + 1]
+    return np.where(solved[:, None], rows, between)
 
 
 def _spaced(ends: tuple[float, float], spacing: float) -> Array:

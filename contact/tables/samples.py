@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -32,10 +33,9 @@ from wheelrail.support.arrays import Array
 SPEED = 10.0  # m/s; with a constant coefficient of friction forces do not depend on it
 LOAD_TOLERANCE = 1e-6  # of the vertical load
 EXPECTED, DEEPEST = 1e-4, 0.05  # m, approach under a load, and limit of the search
+STARTS = np.arange(0.0, 0.01, 1e-4).tolist()  # m, depths from which one is taken at which the distance is known
 
-
-class SampleError(RuntimeError):
-    """The contact model failed at a point of a table."""
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -89,30 +89,29 @@ class TableSampler:
         return replace(self.model, laws=ContactLaws(laws.normal, 0.0, laws.regularisation))
 
     def normal_rows(self, y: float, roll: float, yaw: float, loads: Sequence[float]) -> Array:
-        """Values (loads, 9) of a `NormalTable` at one position.
+        """Values (loads, 9) of a `NormalTable` at one position; NaN for loads that are not found.
 
         Parameters:
             y, roll, yaw: of the tread.
             loads: vertical, increasing, N.
-
-        Raises SampleError.
         """
 
         def lowered(depth: float, earlier: Results | None) -> Results:
             pose = self.frame.pose(y, -depth, roll, yaw)
             return (self.frictionless(pose, self.rolling(pose), earlier[0] if earlier else None),)
 
-        rows, depth, guess = np.zeros((len(loads), COLUMNS)), 0.0, None
-        for k, load in enumerate(loads):
+        rows, guess = np.full((len(loads), COLUMNS), np.nan), None
+        depth = next((depth for depth in STARTS if np.isfinite(lowered(depth, None)[0].approach)), 0.0)
+        for row, load in zip(rows, loads, strict=True):
             try:
                 solution = find_depth_for_load(
                     lowered, load, expected=EXPECTED, start=depth, rtol=LOAD_TOLERANCE, deepest=DEEPEST, guess=guess
                 )
             except LoadError as error:
-                place = f"y = {1e3 * y:.4g} mm, roll = {1e3 * roll:.4g} mrad, yaw = {1e3 * yaw:.4g} mrad"
-                raise SampleError(f"{1e-3 * load:.4g} kN at {place}: {error}") from None
+                log.debug("%g N at y = %g m, roll = %g rad, yaw = %g rad: %s", load, y, roll, yaw, error)
+                continue
             depth, guess = solution.depth, solution.results
-            rows[k] = self._normal_row(self.frame.pose(y, -depth, roll, yaw), guess[0], -depth)
+            row[:] = self._normal_row(self.frame.pose(y, -depth, roll, yaw), guess[0], -depth)
         return rows
 
     def _normal_row(self, pose: Pose, result: ContactResult, height: float) -> Array:

@@ -24,7 +24,7 @@ class TableRange:
     y: tuple[float, float] = (-7e-3, 7e-3)
     roll: tuple[float, float] = (-2e-3, 2e-3)
     yaw: tuple[float, float] = (-5e-3, 5e-3)
-    load: tuple[float, float] = (5e3, 200e3)
+    load: tuple[float, float] = (10e3, 200e3)
 
     def __post_init__(self) -> None:
         for name, (low, high) in asdict(self).items():

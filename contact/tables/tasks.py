@@ -26,7 +26,7 @@ class NormalTask:
     loads: tuple[float, ...]
 
     def rows(self, sampler: TableSampler) -> Array:
-        """Raises SampleError."""
+        """NaN for loads that are not found."""
         return sampler.normal_rows(self.y, self.roll, self.yaw, self.loads)
 
 

@@ -58,8 +58,8 @@ class Wheelset:
         flange_back: lateral position of the flange back on the wheel profile, from the rolling circle, m.
         radius: of the rolling circle, m.
         curvature: of the track, 1/m, positive to the left.
-        more: further keys of a wheelset scene: model ("condensed", "full", "standard", "table"), table,
-            laws ("exact", "paper"), bodies, points, strips, cells, falling, merge_distance, ...; left and right, {"wheel", "rail", "radius",
+        more: further keys of a wheelset scene: model ("condensed", "full", "standard", "table"), table, laws ("exact",
+            "paper"), bodies, points, strips, cells, falling, ...; left and right, {"wheel", "rail", "radius",
             "friction", ...} of one side where it differs; noise, rolling_circle, wheel_section and rail_section of
             profiles from files; and defaults for the arguments of `solve`.
             axle: True for an axle of 160 mm that bends, or {"diameter", "steps", "journal", "bore", "weight"}; pads:

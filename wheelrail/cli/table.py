@@ -37,7 +37,7 @@ def table(
     yaw: Annotated[Range, typer.Option("--yaw", metavar="LOW HIGH", help="Yaw, rad.")] = (-5e-3, 5e-3),
     wheel_load: Annotated[
         Range, typer.Option("--load", metavar="LOW HIGH", help="Vertical load of a wheel without friction, N.")
-    ] = (5e3, 200e3),
+    ] = (10e3, 200e3),
     workers: Annotated[int, typer.Option("--workers", min=1, help="Number of processes.")] = 2,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Save a figure of the table (.png, .svg, .pdf).")

@@ -11,14 +11,15 @@ import pytest
 from standard_pair import MOUNTING, wheel_on_rail
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.table.force_table import ForceTable, TreadFrame
 from wheelrail.contact.models.table.interpolation import stencil
 from wheelrail.contact.models.table.model import TableContact
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.contact.tables.builder import TableBuilder, completed
+from wheelrail.contact.tables.builder import NoSolution, TableBuilder, completed
 from wheelrail.contact.tables.errors import TableErrors
 from wheelrail.contact.tables.nodes import Nodes
-from wheelrail.contact.tables.samples import SampleError, TableSampler
+from wheelrail.contact.tables.samples import TableSampler
 from wheelrail.contact.tables.table_range import TableRange
 from wheelrail.contact.tables.tasks import Task
 from wheelrail.support.arrays import Array
@@ -27,7 +28,8 @@ FRAME = TreadFrame(MOUNTING.radius, MOUNTING.wheel_y - MOUNTING.rail_y)
 RANGES = TableRange(y=(-1e-3, 1e-3), roll=(-5e-4, 5e-4), yaw=(-2e-3, 2e-3), load=(30e3, 90e3))
 TOLERANCE = 0.02
 V = 20.0
-STATE = WheelsetState(y=-4e-4, z=-2.5e-4, yaw=1e-3, y_rate=0.01, roll_rate=1e-3, pitch_rate=1.001 * V / 0.46, speed=V)
+LOWERED = WheelsetState(y=-1e-4, yaw=1e-3, y_rate=0.01, roll_rate=1e-3, pitch_rate=1.001 * V / 0.46, speed=V)
+STATE = wheel_under_load(wheel_on_rail(), LOWERED, "left", 60e3, expected=1e-4).state
 
 
 def in_this_process(sampler: TableSampler) -> Callable[[Sequence[Task], str], list[Array]]:
@@ -98,12 +100,18 @@ def test_an_axis_of_one_node_gets_its_ends() -> None:
     assert nodes.axes["roll"].tolist() == [-1.0, 0.0, 1.0]
 
 
-def test_failed_solves_are_interpolated_along_the_lateral_creepage() -> None:
-    forces = np.arange(30.0).reshape(5, 6)
-    expected = forces.copy()
-    forces[[1, 2]] = np.nan
-    np.testing.assert_allclose(completed(forces, 5), expected, rtol=1e-15)
-    assert np.isnan(completed(np.full((5, 6), np.nan), 5)).all()
+@pytest.mark.parametrize("failed", [[], [0], [1, 2], [0, 3, 4]])
+def test_failed_solves_are_interpolated_between_their_neighbours(failed: list[int]) -> None:
+    nodes = np.array([0.0, 1.0, 3.0, 4.0, 7.0])
+    expected = nodes[:, None] * [1.0, -2.0] + [5.0, 0.5]
+    rows = expected.copy()
+    rows[failed] = np.nan
+    np.testing.assert_allclose(completed(rows, nodes), expected, rtol=1e-14)
+
+
+def test_too_many_failed_solves_are_an_error() -> None:
+    with pytest.raises(NoSolution, match="solutions at 1 of 3 values"):
+        completed(np.array([[np.nan], [1.0], [np.nan]]), np.arange(3.0))
 
 
 def test_table_agrees_with_its_model_at_fresh_points() -> None:
@@ -176,10 +184,17 @@ def test_separated_wheel_and_light_load() -> None:
     assert own(replace(STATE, z=5e-3), "left").status == "separated"
 
 
-def test_a_model_that_fails_is_an_error_with_load_and_place() -> None:
+def test_a_load_without_solution_is_nan() -> None:
     sampler = TableSampler(wheel_on_rail().model, FRAME, 0.3)
-    with pytest.raises(SampleError, match=r"5e\+06 kN at y = 1 mm, roll = 0 mrad, yaw = 0 mrad: "):
-        sampler.normal_rows(1e-3, 0.0, 0.0, [5e9])
+    rows = sampler.normal_rows(1e-3, 0.0, 0.0, [6e4, 5e9])
+    assert np.isfinite(rows[0]).all()
+    assert np.isnan(rows[1]).all()
+
+
+def test_wheels_far_above_the_rail_are_lowered_to_it() -> None:
+    """At 2 mrad of roll and 7 mm the penetrations that the model samples begin below the nominal height."""
+    sampler = TableSampler(wheel_on_rail().model, FRAME, 0.3)
+    assert np.isfinite(sampler.normal_rows(-7e-3, 2e-3, -5e-3, [1e4])).all()
 
 
 @pytest.mark.parametrize("load", [(0.0, 1e5), (1e5, 1e4)])

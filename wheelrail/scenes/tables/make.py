@@ -88,7 +88,7 @@ class TableWork:
     solved: int = field(init=False, default=0)
 
     def __call__(self, tasks: Sequence[Task], purpose: str) -> list[Array]:
-        """Rows of tasks in their order. Raises RunFailed for a task without solution."""
+        """Rows of tasks in their order."""
         keys = [task_key(self.side, task) for task in tasks]
         missing = {key: task for key, task in zip(keys, tasks, strict=True) if self.store.get(key) is None}
         if missing:
@@ -102,10 +102,7 @@ class TableWork:
         }
         progress = ProgressTimer(log, purpose)
         for count, future in enumerate(as_completed(running), 1):
-            rows = future.result()
-            if isinstance(rows, str):
-                raise RunFailed(f"{self.side}: {rows}; a narrower range may help")
-            self.store.save(running[future], rows)
+            self.store.save(running[future], future.result())
             self.solved += 1
             progress(count, len(running))
 
@@ -119,7 +116,7 @@ def make_table(order: TableOrder, out: Path) -> Dataset:
 
     Progress is logged. Raises SceneError, RunFailed, OSError.
     """
-    from wheelrail.contact.tables.builder import TableBuilder
+    from wheelrail.contact.tables.builder import NoSolution, TableBuilder
     from wheelrail.scenes.datasets.force_table import table_dataset
     from wheelrail.scenes.datasets.netcdf import machine, write
     from wheelrail.support.version import commit, versions
@@ -141,7 +138,10 @@ def make_table(order: TableOrder, out: Path) -> Dataset:
         for side in order.sides:
             work = TableWork(order, side, store, executor)
             builder = TableBuilder(sampler(order.scene, side), order.ranges, order.tolerance, work)
-            tables[side], errors[side] = builder.build()
+            try:
+                tables[side], errors[side] = builder.build()
+            except NoSolution as error:
+                raise RunFailed(f"{side}: {error}; a narrower range may help") from None
             solved += work.solved
     attributes = {
         "title": "Table of wheel-rail contact forces",

@@ -37,12 +37,7 @@ def _sampler_of_file(file: Path, side: Side) -> TableSampler:
     return sampler(scene, side)
 
 
-def task_rows(file: Path, side: Side, task: Task) -> Rows | str:
-    """Rows of a task of one side of a scene file, or why there are none."""
-    from wheelrail.contact.tables.samples import SampleError
-
-    try:
-        rows: Rows = task.rows(_sampler_of_file(file, side)).tolist()
-        return rows
-    except SampleError as error:
-        return str(error)
+def task_rows(file: Path, side: Side, task: Task) -> Rows:
+    """Rows of a task of one side of a scene file."""
+    rows: Rows = task.rows(_sampler_of_file(file, side)).tolist()
+    return rows
