@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +29,20 @@ RANGES = ["--y", "-1e-3", "1e-3", "--roll", "-5e-4", "5e-4", "--yaw", "-2e-3", "
 PAIR = {"wheel": "S1002", "rail": "UIC60-benchmark"}
 
 
+@pytest.fixture
+def threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Solves in a thread of this process: another one takes seconds to start."""
+    monkeypatch.setattr(make, "processes", ThreadPoolExecutor)
+
+
 def made(folder: Path, *options: str) -> Any:
     scene = folder / "scene.toml"
     scene.write_text(SCENE)
     return CliRunner().invoke(app, ["table", str(scene), "--out", str(folder / "t.nc"), *RANGES, *options])
+
+
+def _forces(data: xr.Dataset) -> np.ndarray:
+    return np.array([data[f"{axis}_force"].values for axis in ("longitudinal", "lateral", "vertical")])
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +71,7 @@ def test_a_table_in_place_of_its_model(table: Path) -> None:
     states = [{"y": -5e-4, "yaw": 1e-3, "speed": 20.0}, {"y": 4e-4, "y_rate": 0.02, "speed": 30.0}]
     own, model = wr.Wheelset(**PAIR, model="table", table=table), wr.Wheelset(**PAIR, model="standard")
     for state in states:
-        forces = [wheelset.solve(wheel_load=60e3, **state).data["force"].values for wheelset in (own, model)]
+        forces = [_forces(wheelset.solve(wheel_load=60e3, **state).data) for wheelset in (own, model)]
         np.testing.assert_allclose(*forces, atol=0.05 * 60e3)
         assert not np.array_equal(*forces)
 
@@ -80,25 +92,21 @@ def test_element_with_a_table_has_arrays_tangent_and_patches(table: Path) -> Non
 
 def test_a_run_with_a_table_follows_that_with_its_model(table: Path, tmp_path: Path) -> None:
     scene = Path(wr.__file__).parents[1] / "scenes" / "curve.toml"
-    lines = [
-        line
-        for line in scene.read_text().splitlines()
-        if line.partition(" ")[0] not in ("laws", "surface_size", "strips", "cells")
-    ]
-    text = (
-        "\n".join(lines)
-        .replace('rail = "60E1"', 'rail = "UIC60-benchmark"')
-        .replace("laying_angle = 0.025", "laying_angle = 0.0")
-    )
-    text = text.replace("workers = 2", "workers = 1").replace("curvature = 8.333333333333333e-4", "curvature = 1e-5")
-    text = text.replace("tangent = 50.0", "tangent = 5.0").replace(
-        "transition_length = 100.0", "transition_length = 5.0"
-    )
-    text = text.replace("curve = 300.0", "curve = 20.0").replace("cant = 0.06", "cant = 0.0")
+    text = scene.read_text()
+    for key in ("laws", "surface_size", "strips", "cells"):
+        text = re.sub(rf"(?m)^{key} .*\n", "", text)
+    short_and_straight = {
+        *(("rail = .*", 'rail = "UIC60-benchmark"'), ("laying_angle = .*", "laying_angle = 0.0")),
+        *(("curvature = .*", "curvature = 1e-5"), ("cant = .*", "cant = 0.0"), ("curve = .*", "curve = 20.0")),
+        *(("tangent = .*", "tangent = 5.0"), ("transition_length = .*", "transition_length = 5.0")),
+        ("workers = 2", "workers = 1"),
+    }
+    for old, new in short_and_straight:
+        text = re.sub(f"(?m)^{old}", new, text)
     for model, keys in (("table", f'model = "table"\ntable = "{table}"'), ("standard", 'model = "standard"')):
         (tmp_path / f"{model}.toml").write_text(text.replace('model = "condensed"', keys))
     results = {model: wr.run(tmp_path / f"{model}.toml").data for model in ("table", "standard")}
-    Q = {model: data["force"].sel(component="z").isel(time=-1).values for model, data in results.items()}
+    Q = {model: data["vertical_force"].isel(time=-1).values for model, data in results.items()}
     np.testing.assert_allclose(Q["table"], Q["standard"], rtol=0.02)
 
 
@@ -126,6 +134,7 @@ def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
         wr.Wheelset(**PAIR, model="table", table=tmp_path / "other.nc").element()
 
 
+@pytest.mark.usefixtures("threads")
 def test_a_table_continues_after_a_kill(table: Path, tmp_path: Path) -> None:
     """Half of the solves are stored, the last line is cut off: the others are solved, and the table is the same."""
     lines = table.with_name("t.nc.solves").read_bytes().splitlines(keepends=True)
@@ -169,6 +178,7 @@ def test_tables_of_what_is_no_function_of_the_pose_are_refused(tmp_path: Path) -
     assert "elastic axle and pads are not allowed" in result.output
 
 
+@pytest.mark.usefixtures("threads")
 def test_a_model_that_has_no_solution_is_one_line(tmp_path: Path) -> None:
     result = made(tmp_path, "--load", "5e9", "6e9", "--workers", "1")
     assert result.exit_code == 1
