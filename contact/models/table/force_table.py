@@ -44,7 +44,7 @@ class TreadFrame:
     def position(self, pose: Pose) -> dict[str, float]:
         """Values of y, z, roll and yaw of a pose, see `pose`."""
         values = tread_position(pose.origin, pose.rotation, self.radius, self.lateral)
-        return dict(zip(("y", "z", "roll", "yaw"), map(float, values), strict=True))
+        return {name: value.real for name, value in zip(("y", "z", "roll", "yaw"), values, strict=True)}
 
 
 @dataclass(frozen=True)
