@@ -20,11 +20,11 @@ from wheelrail.contact.models.table.lookup import (
     COLUMNS,
     COUPLE,
     DIRECTION,
-    HEIGHT,
     POINT,
     NormalTable,
     contact_at,
-    normal_levels,
+    heights_at,
+    position_weights,
     scale_of_creepage,
 )
 from wheelrail.contact.results.result import ContactResult
@@ -132,7 +132,7 @@ class TableSampler:
 
     def at_level(self, table: NormalTable, y: float, roll: float, yaw: float, level: float) -> TableContactPoint:
         """Contact without friction where the table has a level of the load."""
-        heights = normal_levels(table, y, roll, yaw)[:, HEIGHT]
+        heights = heights_at(table, position_weights(table, y, roll, yaw))
         k = int(np.argmin(np.abs(table.level - level)))
         z = float(heights[k])
         if table.level[k] != level:

@@ -58,21 +58,3 @@ def stencil(nodes: Array, x: complex) -> Stencil:
         after / step_after,
     )
     return i - 1, 1 if i == 0 else 0, 3 if i == n - 2 else 4, weights
-
-
-@fast
-def add_rows(rows: Array, row: int, along: Stencil, factor: complex, total: Array) -> None:
-    """Add the interpolant along an axis, times a factor, to a total.
-
-    Parameters:
-        rows: (r, m), values.
-        row: number of the row of the axis's first node.
-        along: stencil of the axis.
-        factor: weight.
-        total: (m,).
-    """
-    first, start, stop, weights = along
-    for k in range(start, stop):
-        weight = factor * weights[k]
-        for j in range(total.shape[0]):
-            total[j] += weight * rows[row + first + k, j]

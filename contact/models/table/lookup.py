@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.contact.models.table.interpolation import Stencil, add_rows, fast, stencil
+from wheelrail.contact.models.table.interpolation import Stencil, fast, stencil
 from wheelrail.support.arrays import Array
 
-HEIGHT, POINT, DIRECTION, COUPLE = 0, 1, 4, 6  # first columns of the values of `NormalTable`
+Plane = tuple[NDArray[np.int64], NDArray[Any]]  # numbers of rows, and their weights
+POINT, DIRECTION, COUPLE = 1, 4, 6  # first columns of the values of `NormalTable`, after the height
 COLUMNS = 9
 
 
@@ -55,7 +56,6 @@ class FrictionTable(NamedTuple):
     coefficient: float
 
 
-Plane = tuple[NDArray[np.int64], NDArray[Any]]  # rows around a pair of creepages, and their weights
 ARM = 0.01  # m, of the moments of friction
 SCALE = 2e-3, 1e5  # creepage that about saturates a wheel with friction 0.3, at a load, N
 
@@ -71,17 +71,43 @@ def tread_position(
 
 
 @fast
-def normal_levels(table: NormalTable, y: complex, roll: complex, yaw: complex) -> Array:
-    """Values (levels, 9) at a position."""
-    total = np.zeros(len(table.level) * COLUMNS, dtype=np.asarray(y + roll + yaw).dtype)
+def position_weights(table: NormalTable, y: complex, roll: complex, yaw: complex) -> Plane:
+    """Numbers (n,) of the rows around a position, and their weights (n,)."""
     first_y, start_y, stop_y, weights_y = stencil(table.y, y)
     first_roll, start_roll, stop_roll, weights_roll = stencil(table.roll, roll)
-    along_yaw = stencil(table.yaw, yaw)
+    first_yaw, start_yaw, stop_yaw, weights_yaw = stencil(table.yaw, yaw)
+    size = (stop_y - start_y) * (stop_roll - start_roll) * (stop_yaw - start_yaw)
+    rows, weights = np.empty(size, np.int64), np.empty(size, dtype=np.asarray(y + roll + yaw).dtype)
+    n = 0
     for i in range(start_y, stop_y):
         for j in range(start_roll, stop_roll):
-            row = ((first_y + i) * len(table.roll) + first_roll + j) * len(table.yaw)
-            add_rows(table.rows, row, along_yaw, weights_y[i] * weights_roll[j], total)
-    return total.reshape(len(table.level), COLUMNS)
+            for k in range(start_yaw, stop_yaw):
+                rows[n] = ((first_y + i) * len(table.roll) + first_roll + j) * len(table.yaw) + first_yaw + k
+                weights[n] = weights_y[i] * weights_roll[j] * weights_yaw[k]
+                n += 1
+    return rows, weights
+
+
+@fast
+def heights_at(table: NormalTable, around: Plane) -> Array:
+    """Heights (levels,) m of the tread at a position, from `position_weights`."""
+    rows, weights = around
+    heights = np.zeros(len(table.level), dtype=weights.dtype)
+    for n in range(len(rows)):
+        row, weight = rows[n], weights[n]
+        for k in range(len(heights)):
+            heights[k] += weight * table.rows[row, k * COLUMNS]
+    return heights
+
+
+@fast
+def add_level(table: NormalTable, around: Plane, level: int, factor: complex, total: Array) -> None:
+    """Add the values (9,) of one level at a position, times a factor, to a total."""
+    rows, weights = around
+    for n in range(len(rows)):
+        row, weight = rows[n], factor * weights[n]
+        for j in range(COLUMNS):
+            total[j] += weight * table.rows[row, level * COLUMNS + j]
 
 
 @fast
@@ -90,17 +116,20 @@ def contact_at(table: NormalTable, y: complex, z: complex, roll: complex, yaw: c
 
     The level is negative without contact, and grows linearly beyond the last one.
     """
-    levels = normal_levels(table, y, roll, yaw)
-    heights = levels[:, HEIGHT].copy()
+    around = position_weights(table, y, roll, yaw)
+    heights = heights_at(table, around)
+    values, zero = np.zeros(COLUMNS, dtype=heights.dtype), 0.0 * z
     if z.real >= heights[0].real:
-        return heights[0] - z, levels[0], heights
+        add_level(table, around, 0, zero + 1.0, values)
+        return heights[0] - z, values, heights
     if z.real <= heights[-1].real:
-        return table.level[-1] * (1.0 + (heights[-1] - z) / (heights[0] - heights[-1])), levels[-1], heights
+        add_level(table, around, len(heights) - 1, zero + 1.0, values)
+        return table.level[-1] * (1.0 + (heights[-1] - z) / (heights[0] - heights[-1])), values, heights
     first, start, stop, weights = stencil(-heights, -z)
-    level, values = 0.0 * z, np.zeros(COLUMNS, dtype=levels.dtype)
+    level = zero
     for k in range(start, stop):
         level = level + weights[k] * table.level[first + k]
-        values += weights[k] * levels[first + k]
+        add_level(table, around, first + k, weights[k], values)
     return level, values, heights
 
 
