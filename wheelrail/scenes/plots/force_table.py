@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
+LEAST = 1e-3  # % of the load, smallest error that is drawn
+
 
 def draw_table(data: Dataset, file: Path) -> None:
     """Save the figure of the first side. Raises OSError."""
@@ -82,6 +84,7 @@ def _creep_forces(data: Dataset, side: str, ax: Axes) -> None:
 def _errors(data: Dataset, side: str, ax: Axes) -> None:
     y, error = 1e3 * data[f"{side}_points"].values[:, 0], 100.0 * np.abs(data[f"{side}_force_error"].values)
     for name, column, look in zip(("$F_x$", "$F_y$", "$F_z$"), error.T, SERIES, strict=False):
-        ax.semilogy(y, np.maximum(column, 1e-4), **{**look, "linestyle": "none"}, markersize=2.5, label=name)
+        ax.semilogy(y, np.maximum(column, LEAST), **{**look, "linestyle": "none"}, markersize=2.5, label=name)
     ax.set(xlabel="lateral position [mm]", ylabel="error [% of the load]", title="table less model, off the nodes")
-    ax.legend()
+    ax.set_ylim(LEAST, 20.0 * np.nanmax(error))  # room for the legend
+    ax.legend(loc="upper center", ncols=3)
