@@ -48,6 +48,7 @@ _MODEL = {"contact.geometry", "contact.kinematics", "contact.laws", "contact.res
 MAY_IMPORT |= {
     "contact.models.standard": _MODEL | {"contact.analytical"},
     "contact.models.full": _MODEL | {"contact.elasticity", "contact.solvers", "forms", "meshes.bodies"},
+    "contact.models.table": _MODEL | {"contact.solvers"},
     "contact.models.lattice.influence": _MODEL
     | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
 }
@@ -58,12 +59,14 @@ for _index, _name in enumerate(("influence", "system", "solver", "")):
 MAY_IMPORT["contact.models"] = {
     "contact.analytical",
     "contact.elasticity.waveguide",
-    *(f"contact.models.{name}" for name in ("full", "lattice", "standard")),
+    *(f"contact.models.{name}" for name in ("full", "lattice", "standard", "table")),
     *(MAY_IMPORT["contact.models.lattice"] | MAY_IMPORT["contact.models.full"]),
 }
 MAY_IMPORT |= {
     "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"}
     | {"contact.solvers", "contact.structure"},
+    "contact.tables": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models.table"}
+    | {"contact.results", "support"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
     "vehicle": {f"vehicle.{name}" for name in ("dynamics", "multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
@@ -92,7 +95,7 @@ MAY_IMPORT |= {
     | {"vehicle.dynamics", "vehicle.multibody", "vehicle.simulation", "vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
-_SCENES = ("schema", "builders", "datasets", "contacts", "plots", "runs", "views", "studies", "html_report")
+_SCENES = ("schema", "datasets", "builders", "contacts", "plots", "runs", "views", "studies", "tables", "html_report")
 MAY_IMPORT["scenes"] = {"scenes.schema"}
 MAY_IMPORT["scenes.schema"] = {
     "contact.laws",

@@ -23,7 +23,7 @@ from wheelrail.scenes.schema.profiles import ProfilesTable
 from wheelrail.scenes.schema.scene import WheelsetScene
 from wheelrail.scenes.schema.tables import TrackTable
 from wheelrail.scenes.schema.tables import WheelsetTable as Position
-from wheelrail.scenes.schema.wheelset_defaults import INCLINED, LOAD, LOADS, SURFACE_SIZE, UPRIGHT
+from wheelrail.scenes.schema.wheelset_defaults import INCLINED, LOAD, LOADS, SURFACE_SIZE, UPRIGHT, WITHOUT_ELEMENTS
 
 if TYPE_CHECKING:
     from wheelrail.api.elements.wheelset_element import WheelsetElement
@@ -58,8 +58,8 @@ class Wheelset:
         flange_back: lateral position of the flange back on the wheel profile, from the rolling circle, m.
         radius: of the rolling circle, m.
         curvature: of the track, 1/m, positive to the left.
-        more: further keys of a wheelset scene: model ("condensed", "full", "standard"), laws ("exact", "paper"),
-            bodies, points, strips, cells, falling, merge_distance, ...; left and right, {"wheel", "rail", "radius",
+        more: further keys of a wheelset scene: model ("condensed", "full", "standard", "table"), table, laws ("exact",
+            "paper"), bodies, points, strips, cells, falling, ...; left and right, {"wheel", "rail", "radius",
             "friction", ...} of one side where it differs; noise, rolling_circle, wheel_section and rail_section of
             profiles from files; and defaults for the arguments of `solve`.
             axle: True for an axle of 160 mm that bends, or {"diameter", "steps", "journal", "bore", "weight"}; pads:
@@ -91,7 +91,7 @@ class Wheelset:
         **more: Any,
     ) -> None:
         check_keys("Wheelset", more, ALLOWED)
-        if surface_size is None and more.get("model") != "standard":
+        if surface_size is None and more.get("model") not in WITHOUT_ELEMENTS:
             surface_size = SURFACE_SIZE
         if laying_angle is None:
             laying_angle = _inclination(rail)

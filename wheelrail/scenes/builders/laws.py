@@ -39,7 +39,7 @@ def laws(scene: HertzScene | WheelsetScene | RunScene, side: Side = "left") -> C
     from wheelrail.contact.laws.parameters import ContactLaws
 
     friction = friction_law(scene, side)
-    if scene.laws == "exact" or scene.model == "standard":
+    if scene.laws == "exact" or not scene.has_elements:
         return ContactLaws(friction=friction)
     normal = scene.stiffness_per_area if scene.normal_law is None else scene.normal_law.instance
     return ContactLaws(normal, friction, scene.regularisation)

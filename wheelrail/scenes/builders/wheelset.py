@@ -56,6 +56,10 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
         merge = MERGE if scene.merge_distance is None else scene.merge_distance
         rigid = RigidWheelRail(*pair, radius, merge)
         return WheelsetContact(standard_contact(scene, rigid, scene, scene, side), mounting)
+    if scene.model == "table":
+        from wheelrail.scenes.builders.table import table_contact
+
+        return WheelsetContact(table_contact(scene, side, pair, mounting), mounting)
     from wheelrail.contact.models.builders import wheel_rail_pair
 
     materials = material(scene), material(scene)
@@ -105,7 +109,7 @@ def element_contact(
             raise SceneError(f"element: host: {name!r}: must be axle, wheels or rails")
         if own[name] is not None:
             raise SceneError(f"element: host: {name!r}: not allowed with axle or pads of the wheelset itself")
-    if scene.model == "standard" or scene.discretisation.bodies == "solid":
+    if not scene.has_elements or scene.discretisation.bodies == "solid":
         raise SceneError('element: host: allowed only with bodies = "waveguide" or "half-space"')
     from wheelrail.contact.loading.flexible_wheelset import FlexibleWheelset
     from wheelrail.contact.loading.quasi_static_contact import QuasiStaticContact

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 # Choices of the contact model, by key of the scene.
-STANDARD, ELASTIC = ("normal", "tangential"), ("laws", "bodies", "points", "surface_size")
+ELASTIC = ("laws", "bodies", "points", "surface_size")
+MODEL_KEYS = {"standard": ("normal", "tangential"), "table": ("table",)}  # of models without elastic bodies
 FORCE = tuple(f"{axis}_force" for axis in AXES)
 MOMENT = tuple(f"{turn}_moment" for turn in TURNS)
 # Key of a patch: variable, or variables of the components of a vector.
@@ -54,7 +55,7 @@ def contact_report(data: Dataset) -> dict[str, Any]:
     return {
         **{key: choices[key] for key in ("status", "kind", "model")},
         "friction": _law(choices["friction"]),
-        **{key: choices.get(key) for key in (STANDARD if choices["model"] == "standard" else ELASTIC)},
+        **{key: choices.get(key) for key in MODEL_KEYS.get(choices["model"], ELASTIC)},
         "falling": falling if "falling_rate" in choices else None,
         "stiffness_per_area": choices.get("stiffness_per_area"),
         **({"normal_law": _law(choices["normal_law"])} if "normal_law" in choices else {}),

@@ -100,6 +100,8 @@ def _model_choices(scene: HertzScene | WheelsetScene) -> dict[str, Any]:
     """Choices of the contact model, by key of the scene."""
     if scene.model == "standard":
         return {"normal": scene.normal or "kik-piotrowski", "tangential": scene.tangential or "fastsim"}
+    if scene.model == "table":
+        return {"table": scene.table}
     how = scene.discretisation
     choices = {"laws": scene.laws, "bodies": how.bodies, "points": how.points, "surface_size": scene.surface_size}
     return {key: value for key, value in choices.items() if value is not None}

@@ -89,9 +89,9 @@ def _contact(data: Dataset) -> PageView:
         raise SceneError(f"no case converged within {CHEAP:g} s")
     cases = _cases(data)
     indices = sorted(zip(*np.nonzero(candidates), strict=True), key=lambda index: (case_seconds[index], index))
-    elastic = [index for index in indices if cases[index].scene.model != "standard"]
+    elastic = [index for index in indices if cases[index].scene.has_elements]
     if not elastic:
-        raise SceneError('model = "standard" has no elastic bodies')
+        raise SceneError(f'model = "{cases[indices[0]].scene.model}" has no elastic bodies')
     chosen = cases[elastic[len(elastic) // 2]]
     assert not isinstance(chosen.scene, RunScene)
     plotter = view_scene(chosen.scene, title=str(chosen))

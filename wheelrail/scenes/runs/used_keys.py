@@ -17,8 +17,9 @@ LATTICE = ("strips", "cells")
 def used_keys(scene: RunScene) -> dict[str, Any]:
     """Tables of a run with the keys that it uses, defaults of the discretisation resolved, no key without a value."""
     data: dict[str, Any] = json.loads(json.dumps(scene.model_dump()))
-    unused = set(ELASTIC if scene.model == "standard" else STANDARD)
-    if scene.model != "standard":
+    unused = set() if scene.has_elements else set(ELASTIC)
+    unused |= set() if scene.model == "standard" else set(STANDARD)
+    if scene.has_elements:
         how = scene.discretisation
         data |= {"bodies": how.bodies, "points": how.points, "degree": how.degree}
         data |= {"strips": how.strips, "cells": how.cells} if how.points == "lattice" else {}

@@ -39,6 +39,7 @@ from wheelrail.scenes.schema.tables import (
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.track import TrackLine
 from wheelrail.scenes.schema.wheelset_defaults import with_defaults
+from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
     from wheelrail.contact.models.discretisation import Discretisation
@@ -52,7 +53,9 @@ class Contact(SceneTable):
     """Keys of every scene.
 
     model: "condensed", "full", or "standard", the approximate contact of multibody codes without elements, which uses
-        friction and falling, ignores surface_size, and has the keys normal, tangential and merge_distance.
+        friction and falling, ignores surface_size, and has the keys normal, tangential and merge_distance; or "table",
+        forces looked up in a file of `wheelrail table`.
+    table: that file, relative to the scene's folder.
     laws: "exact" (unilateral contact and Coulomb friction, without constants), or "paper" (penalty pressure and
         regularised Coulomb friction), the default of runs. With "paper", stiffness_per_area = inf or
         regularisation = 0 makes one of the two exact.
@@ -70,7 +73,7 @@ class Contact(SceneTable):
         linear penalty.
     """
 
-    model: Literal["condensed", "full", "standard"] = "condensed"
+    model: Literal["condensed", "full", "standard", "table"] = "condensed"
     laws: Literal["paper", "exact"] = "exact"
     friction: FrictionKey
     falling: FallingTable | None = None
@@ -88,6 +91,18 @@ class Contact(SceneTable):
     stiffness_per_area: q.StiffnessPerArea = 1e15
     regularisation: q.Regularisation = 1e-5
     normal_law: NormalTable | None = None
+    table: str | None = None
+
+    @field_validator("table")
+    @classmethod
+    def _existing(cls, value: str | None, info: ValidationInfo) -> str | None:
+        """The full path of the file."""
+        if value is None:
+            return None
+        file = Path((info.context or {}).get("folder", "."), value)
+        if not present(file):
+            raise q.reject("must be an existing file, relative to the scene's folder")
+        return str(file.absolute())
 
     @field_validator("*", mode="wrap")
     @classmethod
@@ -100,22 +115,15 @@ class Contact(SceneTable):
     def _lawful(self) -> Contact:
         if self.falling is not None and isinstance(self.friction, FrictionTable):
             raise q.reject('must not be combined with a friction law; use law = "falling"', "falling")
-        if self.normal_law is not None and (self.laws == "exact" or self.model == "standard"):
+        if self.normal_law is not None and (self.laws == "exact" or not self.has_elements):
             raise q.reject('allowed only with laws = "paper" and model = "condensed" or "full"', "normal_law")
         if self.normal_law is not None and "stiffness_per_area" in self.model_fields_set:
             raise q.reject("must not be combined with normal_law", "stiffness_per_area")
-        if self.model == "standard":
-            for key in ELEMENTS:
-                if key in self.model_fields_set:
-                    raise q.reject(
-                        'allowed only with model = "condensed" or "full"; the standard model has no elements', key
-                    )
+        self._keys_of_other_models()
+        if not self.has_elements:
             return self
         if self.surface_size is None:
-            raise q.reject('required unless model = "standard"', "surface_size")
-        for key in ("normal", "tangential", "merge_distance"):
-            if getattr(self, key) is not None:
-                raise q.reject('allowed only with model = "standard"', key)
+            raise q.reject('required unless model = "standard" or "table"', "surface_size")
         if self.laws == "exact":
             for key in ("stiffness_per_area", "regularisation"):
                 if key in self.model_fields_set:
@@ -128,6 +136,30 @@ class Contact(SceneTable):
             raise q.reject(error.allowed, error.key) from None
         return self
 
+    def _keys_of_other_models(self) -> None:
+        """Raises a validation error for a key that the model does not have, and for a table that is missing."""
+        if not self.has_elements:
+            for key in ELEMENTS:
+                if key in self.model_fields_set:
+                    raise q.reject(
+                        f'allowed only with model = "condensed" or "full"; model = "{self.model}" has no elements', key
+                    )
+        if self.model != "standard":
+            for key in ("normal", "tangential", "merge_distance"):
+                if getattr(self, key) is not None:
+                    raise q.reject('allowed only with model = "standard"', key)
+        if self.model != "table" and self.table is not None:
+            raise q.reject('allowed only with model = "table"', "table")
+        if self.model == "table" and self.table is None:
+            raise q.reject('required with model = "table"', "table")
+        if self.model == "table" and self.falling is not None:
+            raise q.reject('not allowed with model = "table", which is of constant friction', "falling")
+
+    @property
+    def has_elements(self) -> bool:
+        """Whether the model solves for elastic bodies."""
+        return self.model in ("condensed", "full")
+
     @property
     def frictional(self) -> bool:
         """Whether there is a tangential problem."""
@@ -138,7 +170,7 @@ class Contact(SceneTable):
         """Model, bodies, points and elements with all defaults resolved; raises IncompatibleChoice."""
         from wheelrail.contact.models.discretisation import Discretisation
 
-        assert self.model != "standard"
+        assert self.model == "condensed" or self.model == "full"
         assert self.surface_size is not None
         how = Discretisation(
             self.surface_size,
@@ -191,7 +223,7 @@ class OnRails(Contact):
 
     @model_validator(mode="after")
     def _elastic_bodies(self) -> OnRails:
-        if self.is_flexible and self.model == "standard":
+        if self.is_flexible and not self.has_elements:
             raise q.reject('allowed only with model = "condensed" or "full"', self._flexible_key)
         return self
 
@@ -230,7 +262,7 @@ class Solve(Contact):
 
     @model_validator(mode="after")
     def _estimable(self) -> Solve:
-        if self.error_estimate and (self.model == "standard" or self.discretisation.points == "grid"):
+        if self.error_estimate and (not self.has_elements or self.discretisation.points == "grid"):
             raise q.reject('allowed only with points = "lattice"', "error_estimate")
         return self
 
@@ -263,7 +295,7 @@ class HertzScene(Solve):
 
     @model_validator(mode="after")
     def _meshed(self) -> HertzScene:
-        bodies = None if self.model == "standard" else self.discretisation.bodies
+        bodies = self.discretisation.bodies if self.has_elements else None
         for key in ("half_width", "half_strip"):
             if getattr(self, key) is not None and bodies not in ("solid", "waveguide"):
                 raise q.reject('allowed only with bodies = "solid" or "waveguide", which are meshed', key)
@@ -273,6 +305,8 @@ class HertzScene(Solve):
 
     @model_validator(mode="after")
     def _consistent(self) -> HertzScene:
+        if self.model == "table":
+            raise q.reject('must be "condensed", "full" or "standard" for a Hertz pair', "model")
         if (self.load is None) == (self.approach is None):
             raise q.reject("exactly one of load and approach is required", "load")
         for key in ("speed", "creepage"):
@@ -282,7 +316,7 @@ class HertzScene(Solve):
                 raise q.reject("required if friction is not 0", key)
         if self.model == "standard" and self.merge_distance is not None:
             raise q.reject("not allowed for a Hertz pair, which has one contact point", "merge_distance")
-        if self.model == "standard" and self.stress is not None:
+        if not self.has_elements and self.stress is not None:
             raise q.reject(NO_STRESS, "stress")
         if self.shift is not None and self.model != "condensed":
             raise q.reject('allowed only with model = "condensed"', "shift")
@@ -321,7 +355,7 @@ class WheelsetScene(OnRails, Solve):
             raise q.reject("must contain each side at most once", "sides")
         if len(self.sides) == 1 and (self.wheelset.axle_load is not None or self.wheelset.roll == "solve"):
             raise q.reject('must be ["left", "right"] with axle_load or roll = "solve"', "sides")
-        if self.model == "standard" and self.stress is not None:
+        if not self.has_elements and self.stress is not None:
             raise q.reject(NO_STRESS, "stress")
         self._flexible()
         _between(self.wheelset, self.track.gauge)

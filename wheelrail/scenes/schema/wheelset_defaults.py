@@ -7,6 +7,7 @@ from typing import Any
 
 UPRIGHT = ("60E1", "UIC60")  # profiles that are given upright
 INCLINED = 0.025  # rad, 1/40: their inclination
+WITHOUT_ELEMENTS = ("standard", "table")  # models
 LOADS = ("wheel_load", "axle_load", "z")
 
 SCENE = {"friction": 0.3, "E": 2.1e11, "nu": 0.3}
@@ -19,7 +20,7 @@ LOAD, SPEED, SURFACE_SIZE = 57e3, 10.0, 1e-3  # N, m/s, m
 def with_defaults(data: Mapping[str, Any]) -> dict[str, Any]:
     """Tables of a scene with the keys that are missing; values of another type are left to the validation."""
     scene = {**SCENE, **data}
-    if scene.get("model") != "standard":
+    if scene.get("model") not in WITHOUT_ELEMENTS:
         scene.setdefault("surface_size", SURFACE_SIZE)
     for name, complete in (("profiles", _profiles), ("track", _track)):
         if isinstance(table := scene.get(name, {}), Mapping):

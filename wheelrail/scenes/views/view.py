@@ -43,7 +43,7 @@ class ViewOptions:
     peak: float | None = None
 
 
-NO_BODIES = 'model = "standard": contains no elastic bodies; must be "condensed" or "full"'
+NO_BODIES = 'model = "{}": contains no elastic bodies; must be "condensed" or "full"'
 
 
 def view_scene(
@@ -70,8 +70,8 @@ def view_scene(
     chosen = side or sides[0]
     if chosen not in sides:
         raise SceneError(f"--side {chosen}: must be {' or '.join(sides)}")
-    if scene.model == "standard":
-        raise SceneError(NO_BODIES)
+    if not scene.has_elements:
+        raise SceneError(NO_BODIES.format(scene.model))
     solved = dict(solve_sides(scene, report_progress=report_progress))
     view_options = ViewOptions(title, off_screen=True, peak=largest_pressure(solved.values()), **options)
     return view_side(scene, chosen, solved[chosen], view_options, report_progress=report_progress)
@@ -145,8 +145,8 @@ def side_fields(
     """
     from wheelrail.contact.stress.waveguide_fields import internal_fields
 
-    if scene.model == "standard":
-        raise SceneError(NO_BODIES)
+    if not scene.has_elements:
+        raise SceneError(NO_BODIES.format(scene.model))
     result, pose = solved.result, solved.pose
     if result.status != "converged" or pose is None:
         raise RunFailed(result.status)

@@ -1,0 +1,94 @@
+"""Contact model that looks forces up in a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.models.table.force_table import ForceTable, TableForce
+from wheelrail.contact.results.result import ContactResult, Patch
+from wheelrail.contact.solvers.tangent import ContactTangent
+from wheelrail.support.arrays import Array
+
+UNKNOWN = float("nan")  # of a patch: tables hold forces only
+
+
+@dataclass(frozen=True, eq=False)
+class TableContact:
+    """Contact model of a left-hand pair: pose and velocities in, `ContactResult` out. The guess is not used.
+
+    Parameters:
+        table: of forces.
+
+    A pose or a load outside the table fails, naming the variable, its value and its range. The result has no fields;
+    its one patch has the resultant, and NaN for what a table does not hold.
+    """
+
+    table: ForceTable
+
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
+        if outside := self.table.outside(pose):
+            return ContactResult.failed(outside)
+        force = self.table.force(pose, motion)
+        if force.level <= 0.0:
+            return ContactResult.separated(force.depth)
+        high = self.table.loads[1]
+        if force.level**1.5 > high:
+            load = f"{1e-3 * force.level**1.5:.4g} kN"
+            text = f"table: load without friction = {load}: must be at most {1e-3 * high:.4g} kN"
+            return ContactResult.failed(text, force.depth)
+        if not force.speed > 0.0:
+            return ContactResult.failed(
+                f"friction needs a positive rolling speed, got {force.speed:g} m/s", force.depth
+            )
+        return ContactResult(
+            force=force.values[:3],
+            moment=force.values[3:],
+            patches=(_patch(force),),
+            approach=force.depth,
+            status="converged",
+            force_tangent=ContactTangent(_Derivative(self.table, pose, motion)),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Derivative:
+    """Derivative of a table's force, computed when it is first needed."""
+
+    table: ForceTable
+    pose: Pose
+    motion: RigidMotion
+
+    @cached_property
+    def matrix(self) -> Array:
+        """Derivative (6, 12) of force and moment about the rail's origin."""
+        return self.table.derivative(self.pose, self.motion)
+
+
+def _patch(force: TableForce) -> Patch:
+    """The resultant as a patch."""
+    normal = np.array([0.0, *force.resultant[1:]]) / np.hypot(*force.resultant[1:])
+    lateral = np.array([0.0, normal[2], -normal[1]])
+    load = force.values[:3]
+    return Patch(
+        area=UNKNOWN,
+        max_pressure=UNKNOWN,
+        normal_force=float(load @ normal),
+        force=load,
+        tangential_force=(float(load[0]), float(load @ lateral)),
+        semi_axes=(UNKNOWN, UNKNOWN),
+        contact_angle=float(np.arctan2(-normal[1], normal[2])),
+        wheel_s=UNKNOWN,
+        rail_s=UNKNOWN,
+        wheel_y=UNKNOWN,
+        rail_y=float(force.point[1]),
+        wheel_band=(UNKNOWN, UNKNOWN),
+        rail_band=(UNKNOWN, UNKNOWN),
+        x=float(force.point[0]),
+        stick_area=UNKNOWN,
+        creepage=(UNKNOWN, UNKNOWN, UNKNOWN),
+        frictional_power=UNKNOWN,
+    )

@@ -1,0 +1,213 @@
+"""Construction of a table: contact without friction, then friction, each refined until tests of intervals pass."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from wheelrail.contact.models.table.force_table import ForceTable
+from wheelrail.contact.models.table.lookup import FrictionTable, NormalTable
+from wheelrail.contact.tables.errors import TableErrors, table_errors
+from wheelrail.contact.tables.nodes import Nodes, Trial
+from wheelrail.contact.tables.samples import TableSampler
+from wheelrail.contact.tables.table_range import TableRange
+from wheelrail.contact.tables.tasks import ForceTask, NormalTask, Solve
+from wheelrail.support.arrays import Array
+
+log = logging.getLogger(__name__)
+
+# At the start:
+LEVELS, CREEPAGES = 6, 7  # nodes of the load without friction, and of each creepage
+SPACING, SPACING_FRICTION = 5e-4, 1e-3  # m, of nodes over y
+SAMPLES = 200  # fresh points after the tests
+TURN = 5e-3  # 1/m, largest rotation rate about z over speed there: a curve of 200 m, or 0.1 rad/s at 20 m/s
+ROUNDS = 5  # of tests with half the threshold of the round before
+
+
+class NoSolution(RuntimeError):
+    """The contact model fails too often to make a table of it."""
+
+
+@dataclass(frozen=True)
+class TableBuilder:
+    """Builds the table of one side.
+
+    Parameters:
+        sampler: of the contact model.
+        ranges: of the variables.
+        tolerance: of the root mean square of the force's error over the vertical load.
+        solve: returns the rows of tasks.
+    """
+
+    sampler: TableSampler
+    ranges: TableRange
+    tolerance: float
+    solve: Solve
+
+    def build(self) -> tuple[ForceTable, TableErrors]:
+        """Table, and its errors at fresh random points; the tolerance is not met where ROUNDS are not enough.
+
+        Raises NoSolution where the model fails too often.
+        """
+        table = self._without_friction(self._refined_normal())
+        if not self.sampler.coefficient > 0.0:
+            return table, self.errors(table, 0)
+        nodes, threshold = self._friction_nodes(table.normal), self.tolerance
+        for count in range(ROUNDS):
+            table = self._refined_friction(table.normal, nodes, threshold, count)
+            errors = self.errors(table, count)
+            log.info(
+                "error at %d fresh points: %.2g %% of the load RMS, %.2g %% worst",
+                SAMPLES,
+                100.0 * errors.rms,
+                100.0 * errors.worst,
+            )
+            if errors.rms <= self.tolerance:
+                break
+            threshold *= 0.5
+            nodes.sound.clear()
+        return table, errors
+
+    def errors(self, table: ForceTable, seed: int) -> TableErrors:
+        """Errors at random points: uniform in positions, load^(2/3), rotation rate about z, and asinh of creepages."""
+        random, ranges = np.random.default_rng([1, seed]), self.ranges
+        tasks = []
+        for _ in range(SAMPLES):
+            ends = ranges.y, ranges.roll, ranges.yaw, ranges.levels
+            at = self.sampler.at_level(table.normal, *(float(random.uniform(*pair)) for pair in ends))
+            longitudinal, lateral = np.sinh(random.uniform(*ranges.creepages, 2)).tolist()
+            creepages = ((longitudinal, lateral),) if table.friction.coefficient > 0.0 else ()
+            tasks.append(ForceTask(at, creepages, float(random.uniform(-TURN, TURN))))
+        rows = self.solve(tasks, f"{SAMPLES} fresh points")
+        return table_errors(self.sampler, table, self._without_friction(table.normal), tasks, rows)
+
+    def _refined_normal(self) -> NormalTable:
+        ranges = self.ranges
+        axes = {
+            "y": _spaced(ranges.y, SPACING),
+            "roll": np.linspace(*ranges.roll, 3),
+            "yaw": np.linspace(*ranges.yaw, 3),
+            "level": np.linspace(*ranges.levels, LEVELS),
+        }
+        ends = {"y": ranges.y, "roll": ranges.roll, "yaw": ranges.yaw, "level": ranges.levels}
+        nodes, random = Nodes(axes, ends), np.random.default_rng(2)
+        rows: dict[tuple[float, ...], Array] = {}
+        while True:
+            table = self._normal(nodes, rows)
+            trials = nodes.trials(random)
+            errors = self._errors_of_trials(self._without_friction(table), trials)
+            if not nodes.refine(trials, errors, 0.5 * self.tolerance):
+                return table
+
+    def _normal(self, nodes: Nodes, rows: dict[tuple[float, ...], Array]) -> NormalTable:
+        """Table at the nodes; the height of first contact is extrapolated from the two smallest loads.
+
+        Parameters:
+            nodes: of all axes.
+            rows: (9,) by node, to which those of new nodes are added.
+        """
+        y, roll, yaw, level = nodes.axes.values()
+        places = list(product(y.tolist(), roll.tolist(), yaw.tolist()))
+        tasks = []
+        for place in places:
+            loads = tuple(value**1.5 for value in level.tolist() if (*place, value**1.5) not in rows)
+            tasks += [NormalTask(*place, loads)] if loads else []
+        for task, solved in zip(tasks, self.solve(tasks, f"without friction, {len(tasks)} positions"), strict=True):
+            rows |= {(task.y, task.roll, task.yaw, load): row for load, row in zip(task.loads, solved, strict=True)}
+        values = np.array([[rows[*place, value**1.5] for value in level.tolist()] for place in places])
+        values = np.array([completed(rows_of_place, level) for rows_of_place in values])
+        touch = values[:, 0].copy()
+        touch[:, 0] += (values[:, 0, 0] - values[:, 1, 0]) * level[0] / (level[1] - level[0])
+        values = np.concatenate([touch[:, None], values], axis=1).reshape(len(places), -1)
+        return NormalTable(y, roll, yaw, np.concatenate([[0.0], level]), np.ascontiguousarray(values))
+
+    def _without_friction(self, normal: NormalTable) -> ForceTable:
+        node = np.zeros(1)
+        return ForceTable(
+            self.sampler.frame, normal, FrictionTable(node, node, node, node, node, node, np.zeros((1, 6)), 0.0)
+        )
+
+    def _friction_nodes(self, normal: NormalTable) -> Nodes:
+        """Nodes at the start: one roll and yaw, three loads."""
+        ranges = self.ranges
+        creepages = np.linspace(*ranges.creepages, CREEPAGES)
+        axes = {
+            "y": _spaced(ranges.y, SPACING_FRICTION),
+            "roll": np.array([0.5 * sum(ranges.roll)]),
+            "yaw": np.array([0.5 * sum(ranges.yaw)]),
+            "level": normal.level[[1, len(normal.level) // 2, -1]],
+            "longitudinal": creepages,
+            "lateral": creepages,
+        }
+        ends = {"y": ranges.y, "roll": ranges.roll, "yaw": ranges.yaw, "level": ranges.levels}
+        return Nodes(axes, {**ends, "longitudinal": ranges.creepages, "lateral": ranges.creepages})
+
+    def _refined_friction(self, normal: NormalTable, nodes: Nodes, threshold: float, seed: int) -> ForceTable:
+        random = np.random.default_rng([3, seed])
+        while True:
+            table = replace(self._without_friction(normal), friction=self._friction(normal, nodes))
+            trials = nodes.trials(random)
+            if not nodes.refine(trials, self._errors_of_trials(table, trials), threshold):
+                return table
+
+    def _friction(self, normal: NormalTable, nodes: Nodes) -> FrictionTable:
+        y, roll, yaw, level, longitudinal, lateral = nodes.axes.values()
+        creepages = tuple((float(np.sinh(a)), float(np.sinh(b))) for a in longitudinal for b in lateral)
+        places = product(y.tolist(), roll.tolist(), yaw.tolist(), level.tolist())
+        tasks = [ForceTask(self.sampler.at_level(normal, *place), creepages) for place in places]
+        results = self.solve(tasks, f"with friction, {_times(nodes.shape)} points")
+        rows = []
+        for task, forces in zip(tasks, results, strict=True):
+            lines = forces.reshape(len(longitudinal), len(lateral), -1)
+            for force in np.concatenate([completed(line, lateral) for line in lines]):
+                rows.append(self.sampler.friction_row(task.at, force))
+        return FrictionTable(y, roll, yaw, level, longitudinal, lateral, np.array(rows), self.sampler.coefficient)
+
+    def _errors_of_trials(self, table: ForceTable, trials: Sequence[Trial]) -> Array:
+        """Lengths (n,) of the errors at trials; zero where the model failed."""
+        tasks = [self._trial_task(table.normal, trial.point) for trial in trials]
+        if not tasks:
+            return np.zeros(0)
+        rows = self.solve(tasks, f"{len(tasks)} tests of intervals")
+        errors = table_errors(self.sampler, table, self._without_friction(table.normal), tasks, rows)
+        return np.nan_to_num(errors.lengths)
+
+    def _trial_task(self, normal: NormalTable, point: Mapping[str, float]) -> ForceTask:
+        at = self.sampler.at_level(normal, point["y"], point["roll"], point["yaw"], point["level"])
+        if "lateral" not in point:
+            return ForceTask(at, ())
+        return ForceTask(at, ((float(np.sinh(point["longitudinal"])), float(np.sinh(point["lateral"]))),))
+
+
+def completed(rows: Array, nodes: Array) -> Array:
+    """Rows (n, m) with those that are NaN, where the model failed, interpolated between their neighbours.
+
+    Parameters:
+        rows: values at n nodes.
+        nodes: (n,), increasing; beyond the last rows with values the line through the nearest two continues.
+
+    Raises NoSolution for less than two rows with values.
+    """
+    solved = ~np.isnan(rows).any(axis=1)
+    if solved.all():
+        return rows
+    if solved.sum() < 2:
+        raise NoSolution(f"the model has solutions at {solved.sum()} of {len(rows)} values of a variable")
+    known, values = nodes[solved], rows[solved]
+    place = np.clip(np.searchsorted(known, nodes) - 1, 0, len(known) - 2)
+    fraction = ((nodes - known[place]) / (known[place + 1] - known[place]))[:, None]
+    between = (1.0 - fraction) * values[place] + fraction * values[place + 1]
+    return np.where(solved[:, None], rows, between)
+
+
+def _spaced(ends: tuple[float, float], spacing: float) -> Array:
+    """Nodes from end to end, at most a spacing apart, at least three."""
+    return np.linspace(*ends, max(3, int(np.ceil((ends[1] - ends[0]) / spacing)) + 1))
+
+
+def _times(numbers: Sequence[int]) -> str:
+    return " x ".join(map(str, numbers))

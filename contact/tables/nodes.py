@@ -1,0 +1,88 @@
+"""Nodes of the axes of a table, refined where the interpolation between them is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from wheelrail.support.arrays import Array
+
+DRAWS = 3  # random values of the other coordinates for every test
+FINEST = 512  # smallest interval: this part of the axis
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A point between two nodes of one axis, at nodes of all others.
+
+    Parameters:
+        axis: name.
+        interval: lower and upper end; equal ends: of an axis with one node.
+        point: coordinates by axis.
+    """
+
+    axis: str
+    interval: tuple[float, float]
+    point: Mapping[str, float]
+
+
+@dataclass
+class Nodes:
+    """Nodes of each axis of a tensor product.
+
+    Parameters:
+        axes: increasing nodes by name.
+        ends: range of each axis; an axis of one node, at which values are constant, is tested at its ends.
+        sound: intervals that have been tested and are fine.
+    """
+
+    axes: dict[str, Array]
+    ends: Mapping[str, tuple[float, float]]
+    sound: set[tuple[str, float, float]] = field(default_factory=set)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return tuple(len(nodes) for nodes in self.axes.values())
+
+    def trials(self, random: np.random.Generator) -> list[Trial]:
+        """Trials of all intervals that are not known to be sound."""
+        return [
+            Trial(axis, (low, high), {**self._random_nodes(random), axis: middle})
+            for axis in self.axes
+            for low, high, middle in self._intervals(axis)
+            if (axis, low, high) not in self.sound
+            for _ in range(DRAWS)
+        ]
+
+    def refine(self, trials: list[Trial], errors: Array, threshold: float) -> bool:
+        """Bisect the intervals of trials with an error above a threshold; returns whether there are any."""
+        worst: dict[tuple[str, float, float], float] = {}
+        for trial, error in zip(trials, errors, strict=True):
+            key = (trial.axis, *trial.interval)
+            worst[key] = max(worst.get(key, 0.0), float(error))
+        new: dict[str, set[float]] = {}
+        for (axis, low, high), error in worst.items():
+            first, last = self.ends[axis]
+            if error <= threshold or high - low <= (last - first) / FINEST:
+                self.sound.add((axis, low, high))
+            else:
+                single = len(self.axes[axis]) == 1
+                new.setdefault(axis, set()).update(self.ends[axis] if single else (0.5 * (low + high),))
+        for axis, points in new.items():
+            self.axes[axis] = np.array(sorted({*self.axes[axis].tolist(), *points}))
+        return bool(new)
+
+    def _intervals(self, axis: str) -> Iterator[tuple[float, float, float]]:
+        """Ends of the intervals of an axis, and where they are tested."""
+        nodes = self.axes[axis].tolist()
+        if len(nodes) > 1:
+            yield from ((low, high, 0.5 * (low + high)) for low, high in pairwise(nodes))
+        elif self.ends[axis][0] < self.ends[axis][1]:
+            first, last = self.ends[axis]
+            yield from ((first, nodes[0], first), (nodes[0], last, last))
+
+    def _random_nodes(self, random: np.random.Generator) -> dict[str, float]:
+        return {axis: float(random.choice(nodes)) for axis, nodes in self.axes.items()}

@@ -1,0 +1,118 @@
+"""Tables of contact forces as a Dataset, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.schema.errors import SceneError
+
+if TYPE_CHECKING:
+    from xarray import Dataset, Variable
+
+    from wheelrail.contact.models.table.force_table import ForceTable
+    from wheelrail.contact.tables.errors import TableErrors
+
+KIND = "force table"
+NODES = {  # of the axes, with units and meaning
+    "y": ("m", "lateral position of the tread from its nominal one"),
+    "roll": ("1", "sine of the roll angle"),
+    "yaw": ("1", "tangent of the yaw angle"),
+    "level": ("N^(2/3)", "vertical load without friction, to the power 2/3"),
+    "longitudinal": ("1", "asinh of the longitudinal creepage over its scale"),
+    "lateral": ("1", "asinh of the lateral creepage over its scale"),
+}
+STAGES = {"normal": tuple(NODES)[:4], "friction": tuple(NODES)}
+VALUES = {
+    "normal": "height of the tread m, point of the resultant from the tread x, y, z m, lateral and longitudinal force "
+    "over the vertical one, moment about the point over it x, y, z m",
+    "friction": "change of force by friction along x, lateral tangent and normal, and of the moment over 0.01 m about "
+    "x, y, z, over friction coefficient times vertical load",
+}
+
+
+def table_dataset(
+    tables: Mapping[str, ForceTable], errors: Mapping[str, TableErrors], attributes: Mapping[str, Any]
+) -> Dataset:
+    """Dataset of the tables of one side, or of both where they differ.
+
+    Parameters:
+        tables: by side.
+        errors: at random points, by side.
+        attributes: of the Dataset.
+    """
+    from xarray import Dataset
+
+    variables: dict[str, Variable] = {}
+    for side, table in tables.items():
+        for stage, own in (("normal", table.normal), ("friction", table.friction)):
+            variables |= _stage_variables(f"{side}_{stage}", stage, own)
+        variables |= _error_variables(side, errors[side])
+    places = {
+        f"{side}_{key}": getattr(table.frame, key) for side, table in tables.items() for key in ("radius", "lateral")
+    }
+    coefficients = {f"{side}_friction": table.friction.coefficient for side, table in tables.items()}
+    return Dataset(variables).assign_attrs(kind=KIND, sides=" ".join(tables), **places, **coefficients, **attributes)
+
+
+def _stage_variables(name: str, stage: str, table: Any) -> dict[str, Variable]:
+    from xarray import Variable
+
+    axes = STAGES[stage]
+    dims = [f"{name}_{axis}" for axis in axes]
+    nodes = [getattr(table, axis) for axis in axes]
+    variables = {
+        dim: Variable(dim, values, {"units": NODES[axis][0], "long_name": NODES[axis][1]})
+        for dim, axis, values in zip(dims, axes, nodes, strict=True)
+    }
+    values = table.rows.reshape(*map(len, nodes), -1)
+    variables[f"{name}_values"] = Variable([*dims, f"{stage}_value"], values, {"long_name": VALUES[stage]})
+    return variables
+
+
+def _error_variables(side: str, errors: TableErrors) -> dict[str, Variable]:
+    from xarray import Variable
+
+    from wheelrail.contact.tables.errors import VARIABLES
+
+    point = f"{side}_point"
+    about = "table less contact model, over the vertical load"
+    return {
+        f"{side}_points": Variable([point, "variable"], errors.points, {"long_name": ", ".join(VARIABLES)}),
+        f"{side}_force_error": Variable([point, "component"], errors.force, {"units": "1", "long_name": about}),
+        f"{side}_moment_error": Variable([point, "component"], errors.moment, {"units": "m", "long_name": about}),
+    }
+
+
+def force_tables(data: Dataset, name: str) -> dict[str, ForceTable]:
+    """Tables by side of a Dataset.
+
+    Parameters:
+        data: from a file.
+        name: of the file, for errors.
+
+    Raises SceneError for a Dataset of anything else.
+    """
+    from wheelrail.contact.models.table.force_table import ForceTable, TreadFrame
+    from wheelrail.contact.models.table.lookup import FrictionTable, NormalTable
+
+    if data.attrs.get("kind") != KIND:
+        raise SceneError(f"{name}: not a table of contact forces; wheelrail table makes one")
+
+    tables = {}
+    for side in str(data.attrs["sides"]).split():
+        normal, friction = (_stage(data, f"{side}_{stage}", stage) for stage in STAGES)
+        frame = TreadFrame(float(data.attrs[f"{side}_radius"]), float(data.attrs[f"{side}_lateral"]))
+        coefficient = float(data.attrs[f"{side}_friction"])
+        tables[side] = ForceTable(frame, NormalTable(**normal), FrictionTable(**friction, coefficient=coefficient))
+    return tables
+
+
+def _stage(data: Dataset, name: str, stage: str) -> dict[str, Any]:
+    """Nodes by axis, and rows, of one stage."""
+    nodes = {axis: np.ascontiguousarray(data[f"{name}_{axis}"].values) for axis in STAGES[stage]}
+    values = data[f"{name}_values"].values
+    rows = np.prod(values.shape[:3]) if stage == "normal" else np.prod(values.shape[:-1])
+    return {**nodes, "rows": np.ascontiguousarray(values.reshape(rows, -1))}

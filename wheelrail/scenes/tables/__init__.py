@@ -1,0 +1,1 @@
+"""Tables of contact forces: their solves in worker processes, stored as they end, and the file of results."""
