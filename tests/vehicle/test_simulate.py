@@ -272,11 +272,16 @@ def test_programming_errors_are_raised() -> None:
             run(**options)
 
 
-def test_the_vehicle_imports_nothing_heavy() -> None:
-    heavy = ["dolfinx", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib", "scipy", "pydantic", "rich"]
+@pytest.mark.parametrize("compiled", [False, True])
+def test_the_vehicle_imports_nothing_heavy(compiled: bool) -> None:
+    """Compiled equations of `wheelrail.vehicle.multibody` need Numba, which loads SciPy; the other modules do not."""
+    heavy = ["dolfinx", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib", "pydantic", "rich"]
+    if not compiled:
+        heavy += ["numba", "scipy"]
     code = (
         "import sys, pkgutil, importlib, wheelrail.vehicle as vehicle\n"
         "names = [m.name for m in pkgutil.walk_packages(vehicle.__path__, 'wheelrail.vehicle.') if not m.ispkg]\n"
+        f"names = [name for name in names if {compiled} == ('.multibody.' in name)]\n"
         "[importlib.import_module(name) for name in names]\n"
         f"print(len(names), [h for h in {heavy} if h in sys.modules])"
     )
