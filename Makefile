@@ -12,13 +12,13 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
-.PHONY: run test lint machine-code suite docs test-debian clean
+.PHONY: run test lint suite docs test-debian clean
 
 run: $(VENV)/ready
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
 test: $(VENV)/ready-to-test
-	$(MAKE) -j2 lint machine-code
+	$(MAKE) -j3 lint contact-code vehicle-code
 	$(MAKE) suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
@@ -27,9 +27,9 @@ lint: $(VENV)/ready-to-test
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
 
-# One core compiles it while the other checks types, else every process of the tests would.
-machine-code: $(VENV)/ready-to-test
-	PYTHONPATH=. $(PY) tests/helpers/machine_code.py
+# Machine code is compiled while types are checked, else every process of the tests would compile it.
+%-code: $(VENV)/ready-to-test
+	PYTHONPATH=. $(PY) tests/helpers/machine_code.py $*
 
 suite: $(VENV)/ready-to-test
 	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN)
