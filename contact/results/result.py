@@ -140,7 +140,7 @@ class Fields:
     traction: Array
     slip: Array
     displacement: Array
-    sticks: Mask | None = field(default_factory=lambda: None)  # no attribute of the class, which `LazyFields` would show
+    sticks: Mask | None = field(default_factory=lambda: None)  # no class attribute: `LazyFields`
 
 
 class LazyFields(Fields):
