@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.body_motion import BodyMotion
 from wheelrail.vehicle.multibody.coordinates import ROLL, YAW
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.rotations import cross, rotate, rotate_back
+from wheelrail.vehicle.multibody.rotations import rotate, rotate_back
 
 
 def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from linear_creep import LinearCreep
 
+from wheelrail.contact.kinematics.frames import cross
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.evaluation.comfort import (
     WEIGHTINGS,
@@ -19,7 +20,7 @@ from wheelrail.vehicle.multibody.accelerometer import Accelerometer
 from wheelrail.vehicle.multibody.coordinates import ROLL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
-from wheelrail.vehicle.multibody.rotations import cross, rotate
+from wheelrail.vehicle.multibody.rotations import rotate
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.rotations import cross, rotate_back
+from wheelrail.vehicle.multibody.rotations import rotate_back
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, Coordinates, X, Y, Z
-from wheelrail.vehicle.multibody.rotations import body_rotation, cross, rotate
+from wheelrail.vehicle.multibody.rotations import body_rotation, rotate
 from wheelrail.vehicle.track.section_poses import SectionPoses, TrackSections
 from wheelrail.vehicle.track.speed_profile import TrackPosition
 

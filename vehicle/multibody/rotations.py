@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
 
 
@@ -46,13 +47,6 @@ def rotation_matrix(vectors: Array) -> Array:
     cross = np.stack([np.stack(row, -1) for row in ((zero, -z, y), (z, zero, -x), (-y, x, zero))], -2)
     half_sine = np.sinc(angle / (2 * np.pi))
     return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * cross + 0.5 * half_sine**2 * cross @ cross)
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Vector products (..., 3); `numpy.cross` takes several times as long for few vectors."""
-    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
-    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def moment_of_gradient(rotation: Array, gradient: Array) -> Array:

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.vehicle.multibody.body_motion import BodyMotion
 from wheelrail.vehicle.multibody.coordinates import Coordinates
 from wheelrail.vehicle.multibody.rotations import (
-    cross,
     moment_of_gradient,
     rotate,
     rotate_back,
