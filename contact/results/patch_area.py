@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.special import roots_legendre
 
@@ -40,10 +42,13 @@ def patch_area(length: Array, bounds: Array) -> float:
 
 def _end(parabola: Array, side: float) -> float:
     """First root of a parabola on the outer half of a strip with the sides -side and side, or beyond; else the side."""
-    roots = np.roots(parabola)
-    real = roots[np.abs(roots.imag) == 0].real
-    outside = real[(real > -side) & (real < 3 * side)]
-    return float(outside.min()) if len(outside) else side
+    a, b, c = parabola.tolist()
+    under = b * b - 4 * a * c
+    if under < 0 or a == b == 0:
+        return side
+    far = -0.5 * (b + math.copysign(math.sqrt(under), b))  # without cancellation
+    outside = [top / base for top, base in ((far, a), (c, far)) if base != 0 and -side < top / base < 3 * side]
+    return min(outside, default=side)
 
 
 def _integrals_of_roots(parabola: Array, low: Array, high: Array) -> Array:

@@ -38,10 +38,7 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
         load = p[own] * length
         bounds = np.append(layout.sides[own, 0], layout.sides[own, 1][-1])
         axes = (spread(p[own], x, length, load, layout.marks), lateral_spread(load.sum(axis=1) * width, s, width))
-        stick = sum(
-            stick_length(row, part) * wide[0] / part[0]
-            for row, part, wide in zip(left[own], length, area[own], strict=True)
-        )
+        stick = stick_lengths(left[own], length) @ (area[own, 0] / length[:, 0])
         strips = area[own].sum(axis=1)
         smooth = patch_area(strips / width, bounds)
         sticks = float(stick) * smooth / float(strips.sum())
@@ -49,22 +46,23 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
     return tuple(corrected)
 
 
-def stick_length(left: Array, length: Array) -> float:
-    """Length m of the stick zone of a strip, from the margin (M,) Pa of the traction to its bound, zero under slip.
+def stick_lengths(left: Array, length: Array) -> Array:
+    """Lengths (S,) m of the stick zones of strips, from the margins (S, M) Pa of the tractions to their bounds, zero
+    under slip, and the lengths (S, M) m of the cells.
 
     The margin grows as a square root from the slip zone (Cattaneo, Carter), so its square is extrapolated to zero.
     """
-    sticks = np.concatenate([[False], left > 0, [False]])
-    starts, stops = np.flatnonzero(np.diff(sticks.astype(int)) > 0), np.flatnonzero(np.diff(sticks.astype(int)) < 0)
-    total = 0.0
-    for start, stop in zip(starts, stops, strict=True):
-        total += length[start:stop].sum()
-        for last, inner, outer in ((start, start + 1, start - 1), (stop - 1, stop - 2, stop)):
-            if stop - start > 1 and 0 <= outer < len(left) and left[inner] > left[last]:
-                apart = 0.5 * (length[last] + length[inner])
-                beyond = apart / ((left[inner] / left[last]) ** 2 - 1) - 0.5 * length[last]
-                total += np.clip(beyond, -0.5 * length[last], 0.5 * length[outer])
-    return float(total)
+    total = (length * (left > 0)).sum(axis=1)
+    for values, lengths in ((left, length), (left[:, ::-1], length[:, ::-1])):
+        (outer, last, inner), (beyond, own, _) = (
+            (part[:, :-2], part[:, 1:-1], part[:, 2:]) for part in (values, lengths)
+        )
+        first = (outer == 0) & (last > 0) & (inner > last)
+        ratio = np.divide(inner, last, out=np.full_like(last, 2.0), where=first)
+        apart = 0.5 * (lengths[:, 1:-1] + lengths[:, 2:])
+        reach = np.clip(apart / (ratio**2 - 1) - 0.5 * own, -0.5 * own, 0.5 * beyond)
+        total += np.where(first, reach, 0.0).sum(axis=1)
+    return np.asarray(total)
 
 
 def spread(p: Array, x: Array, length: Array, weight: Array, marks: Array) -> float:

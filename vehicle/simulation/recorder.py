@@ -40,7 +40,7 @@ class Recorder(Generic[E, R]):
         without_contacts: the evaluation with NaN in place of contact forces, for a reason.
         every: interval s; None: at accepted steps. A contact that fails within a step has NaN forces and no patch.
         rows: recorded so far.
-        latest: row at the last accepted step, if any.
+        latest: time s and state at the last accepted step.
     """
 
     between: Callable[[Step[E], float, Array], tuple[Array, E]]
@@ -48,25 +48,28 @@ class Recorder(Generic[E, R]):
     without_contacts: Callable[[E, str], E]
     every: float | None
     rows: list[R] = field(default_factory=list)
-    latest: list[R] = field(default_factory=list)
+    latest: tuple[float, Array] = field(init=False)
 
     def begin(self, time: float, state: Array, at: E) -> None:
         """Records the first row, or sets the start of a resumed run."""
-        self.latest = [self.row_of(time, state, at)]
-        self.rows = self.rows or self.latest[:]
+        self.latest = time, state
+        self.rows = self.rows or [self.row_of(time, state, at)]
 
     def add(self, step: Step[E]) -> None:
         """Records an accepted step."""
-        after = self.row_of(step.t, step.x, step.end)
-        self.rows.extend([after] if self.every is None else self._within(step, after, self.every))
-        self.latest = [after]
+        self.rows.extend([self._end(step)] if self.every is None else self._within(step, self.every))
+        self.latest = step.t, step.x
 
-    def _within(self, step: Step[E], after: R, every: float) -> list[R]:
+    def _within(self, step: Step[E], every: float) -> list[R]:
         origin = self.rows[0].time
         first = int(np.floor((step.t0 - origin) / every * (1 + 1e-12))) + 1
         last = int(np.floor((step.t - origin) / every * (1 + 1e-12)))
         times = (origin + i * every for i in range(first, last + 1))
-        return [self._between(step, time) if time < step.t else _at_time(after, step.t) for time in times]
+        return [self._between(step, time) if time < step.t else self._end(step) for time in times]
+
+    def _end(self, step: Step[E]) -> R:
+        """Row at the end of a step."""
+        return self.row_of(step.t, step.x, step.end)
 
     def _between(self, step: Step[E], time: float) -> R:
         """Row at a time s before the end of a step."""
@@ -76,10 +79,6 @@ class Recorder(Generic[E, R]):
         except StepFailure as failure:
             evaluation = self.without_contacts(step.end, str(failure))
         return self.row_of(time, state, evaluation)
-
-
-def _at_time(row: Any, time: float) -> Any:
-    return replace(row, time=time)
 
 
 def missing_contact(reason: str) -> ContactResult:

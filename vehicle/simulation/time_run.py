@@ -161,8 +161,7 @@ class TimeRun(ABC, Generic[D, E]):
         except KeyboardInterrupt:
             return "interrupted"
         except StepTooSmall as error:
-            (last,) = self.recorder.latest
-            return f"failed: {error}; {self.describe(last.time, last.state)}"
+            return f"failed: {error}; {self.describe(*self.recorder.latest)}"
         except (StepFailure, EquilibriumError, OutOfBounds) as error:
             return f"failed: {error}"
         finally:

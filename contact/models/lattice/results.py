@@ -139,5 +139,8 @@ def peak_across(highest: Array, middle: Array) -> float:
     k = int(np.argmax(highest))
     if not 0 < k < len(highest) - 1:
         return float(highest[k])
-    a, b, c = np.polyfit(middle[k - 1 : k + 2] - middle[k], highest[k - 1 : k + 2] ** 2, 2)
+    before, after = middle[k] - middle[k - 1], middle[k + 1] - middle[k]
+    left, c, right = highest[k - 1 : k + 2] ** 2
+    fall, rise = (c - left) / before, (right - c) / after
+    a, b = (rise - fall) / (before + after), (fall * after + rise * before) / (before + after)
     return float(np.sqrt(c - b * b / (4 * a))) if a < 0 else float(highest[k])

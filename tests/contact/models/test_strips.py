@@ -29,7 +29,7 @@ from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.patch_area import patch_area
-from wheelrail.contact.results.patch_moments import stick_length
+from wheelrail.contact.results.patch_moments import stick_lengths
 from wheelrail.contact.results.result import ContactResult, LazyPatches
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
@@ -128,9 +128,11 @@ def test_stick_ends_within_a_cell() -> None:
     edges = np.linspace(0, 1, 11)
     middle = 0.5 * (edges[1:] + edges[:-1])
     left = np.sqrt(np.maximum(0.63 - middle, 0))
-    assert stick_length(left, np.diff(edges)) == pytest.approx(0.63, abs=5e-3)
-    assert stick_length(np.zeros(10), np.diff(edges)) == 0.0
-    assert stick_length(np.ones(10), np.diff(edges)) == pytest.approx(1.0)
+    margins = np.stack([left, left[::-1], np.zeros(10), np.ones(10)])
+    lengths = stick_lengths(margins, np.tile(np.diff(edges), (4, 1)))
+    assert lengths[:2] == pytest.approx(0.63, abs=5e-3)
+    assert lengths[2] == 0.0
+    assert lengths[3] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("ratio", [0.4, 1.0, 3.0])

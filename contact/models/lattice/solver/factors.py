@@ -41,8 +41,9 @@ class Factors(NamedTuple):
         """Factors of a Jacobian, which is overwritten. Raises NotConverged if it is singular."""
         S = len(rho)
         block = len(jacobian) // S
-        rows = np.tile(np.r_[np.full(block - MOMENTS, 1 / STRESS), np.full(MOMENTS, 1 / GAP)], S)
-        columns = np.tile(np.r_[np.full(block - 2, STRESS), np.full(2, LENGTH)], S)
+        rows, columns = np.full((S, block), 1 / STRESS), np.full((S, block), STRESS)
+        rows[:, block - MOMENTS :], columns[:, block - 2 :] = 1 / GAP, LENGTH
+        rows, columns = rows.ravel(), columns.ravel()
         jacobian *= rows[:, None]
         jacobian *= columns
         lu, pivots, info = la.lapack.dgetrf(jacobian.T, overwrite_a=1)  # of the transpose: no copy
