@@ -31,7 +31,6 @@ from wheelrail.contact.models.lattice.system.surface import GAUSS, crest_changes
 from wheelrail.contact.solvers.tangent import co_moving_load
 from wheelrail.support.arrays import Array
 
-DIFFERENCE = 1e-5  # m, of the places on the lower body
 NEGLIGIBLE = 1e-3  # of the largest singular value of their derivatives: 2e-6 of the tangent
 
 
@@ -79,7 +78,7 @@ class LatticeTangent:
         total = np.zeros((S, block, CHANGES))
         depth = self._deepening()
         total[:, -MOMENTS:, :6] = np.einsum("kg,sgj->skj", problem.basis.penetration, depth)
-        slips, moments = self._by_compliance(evaluation)
+        slips, moments = self._by_compliance()
         total[:, -MOMENTS:, :6] += moments
         if problem.rolls:
             shift, speed = self._rigid()
@@ -135,29 +134,23 @@ class LatticeTangent:
         turn = frames(problem.surface, data.origin, data.rotation, problem.middle[own], problem.crest[0][own]).turn
         return np.asarray(rotation_derivative(level) + self._touching[0].T[..., None] * np.cross(turn, level))
 
-    def _by_compliance(self, evaluation: Evaluation) -> tuple[Array, Array]:
+    def _by_compliance(self) -> tuple[Array, Array]:
         """Derivatives (S, 2, M, 6) of slips and (S, MOMENTS, 6) of moments by the strips' places on the lower body.
 
-        The deviation of the lower body from a half-space varies slowly: differences over the principal directions of
-        the strips' displacements on it.
+        The strips' displacements on the lower body are few principal motions.
         """
         problem, state = self.problem, self.solution.state
         S, M = len(state.strips), problem.cells
         slips, moments = np.zeros((S, 2, M, 6)), np.zeros((S, MOMENTS, 6))
         if not problem.tables.moves:
             return slips, moments
-        strips = problem.of(state.strips).places
-        grid = strip_grid(state.values, strips, problem.basis)
-        jumps = force_jumps(state.values, strips, problem.basis, problem.rolls)
-        at = problem.lines
-        before = slips_and_moments(evaluation.V, grid, problem.basis)
-        shapes, size, amounts = np.linalg.svd(self._touching[1], full_matrices=False)
+        grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
+        jumps = force_jumps(state.values, problem.of(state.strips).places, problem.basis, problem.rolls)
+        motions, size, amounts = np.linalg.svd(self._touching[1], full_matrices=False)
         for k in np.flatnonzero(size > NEGLIGIBLE * size[0]):
-            feet = at.foot.copy()
-            feet[state.strips] += DIFFERENCE * shapes[:, k]
-            _, V = antiderivatives(problem.tables.of(state.strips, feet, problem.reach), grid, jumps)
+            slope = problem.tables.slope(state.strips, problem.lines.foot, motions[:, k], problem.reach)
+            _, V = antiderivatives(slope, grid, jumps)
             slip, moment = slips_and_moments(V, grid, problem.basis)
-            amount = size[k] * amounts[k] / DIFFERENCE
-            slips += (slip - before[0])[..., None] * amount
-            moments += (moment - before[1])[..., None] * amount
+            slips += slip[..., None] * size[k] * amounts[k]
+            moments += moment[..., None] * size[k] * amounts[k]
         return slips, moments

@@ -115,6 +115,14 @@ class BodyCorrection:
         return strip_shares(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
 
 
+    def share_slopes(self, lines: slice, middle: Array, width: Array) -> Array:
+        """Derivatives (S, lines) 1/m of `shares` by the middles."""
+        arc = self.body.arc[lines]
+        unit = np.eye(len(arc))
+        low, high = (np.stack([np.interp(middle + side * width, arc, u) for u in unit], axis=1) for side in (-0.5, 0.5))
+        return np.asarray((high - low) / width[:, None])
+
+
 def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> tuple[Array, Array]:
     """Components even (.., 5, nk) and odd (.., 3, nk) in x, from those (.., 5, nk) and (.., 4, nk) in a body's axes.
 

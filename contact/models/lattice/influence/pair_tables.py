@@ -147,7 +147,21 @@ class LatticeTables:
         if body is None:
             return None
         middle = feet[strips] if which == 1 and feet is not None else self.middle[strips]
-        smooth = self._means(body, strips, middle, body.grid.cells_up_to(reach))
+        return self._of_deviation(body, strips, self._means(body, strips, middle, body.grid.cells_up_to(reach)))
+
+    def slope(self, strips: Nodes, feet: Array, motion: Array, reach: float) -> PairTables:
+        """Derivative of the tables by a motion (C,) of the strips on the lower body; other parameters as for `of`."""
+        lower, width = self._corrections[1], self.width[strips]
+        assert lower is not None
+        lines, between = self._between(lower, strips, feet[strips])
+        share = lower.shares(lines, feet[strips], width)
+        change = width.mean() * motion[:, None] * lower.share_slopes(lines, feet[strips], width)
+        cells = lower.grid.cells_up_to(reach)
+        more, less = (pair_means(between, lines.start, share + sign * change, cells) for sign in (1, -1))
+        return self._of_deviation(lower, strips, (more - less) / (2 * width.mean()))  # exact: means are bilinear
+
+    def _of_deviation(self, body: BodyCorrection, strips: Nodes, smooth: Array) -> PairTables:
+        """Tables that contain nothing but the coefficients of a deviation."""
         K, cells = len(self.middle), len(body.grid.lower)
         place = np.zeros(K, dtype=int)
         place[strips] = np.arange(len(strips))
@@ -157,9 +171,13 @@ class LatticeTables:
 
     def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> Array:
         """Coefficients (C, C, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (C,) m on it."""
-        width = self.width[strips]
-        lines, between = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
-        return pair_means(between, lines.start, body.shares(lines, middle, width), cells)
+        lines, between = self._between(body, strips, middle)
+        return pair_means(between, lines.start, body.shares(lines, middle, self.width[strips]), cells)
+
+    def _between(self, body: BodyCorrection, strips: Nodes, middle: Array) -> tuple[slice, Array]:
+        """`BodyCorrection.between_lines` of strips at middles (C,) m on a body."""
+        half = 0.5 * self.width[strips]
+        return body.between_lines(float((middle - half).min()), float((middle + half).max()))
 
     def _add(self, strips: Nodes) -> None:
         """Add the tables that pairs of some strips (C,) lack."""
@@ -196,7 +214,7 @@ class LatticeTables:
         if body is None:
             return Deviation(NO_CORRECTION, 0, np.zeros((0, 0)))
         middle, width = self.middle[strips], self.width[strips]
-        lines, between = body.between_lines(float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max()))
+        lines, between = self._between(body, strips, middle)
         share = np.zeros((len(self.middle), lines.stop - lines.start))
         share[strips] = body.shares(lines, middle, width)
         return Deviation(between, lines.start, share)

@@ -14,6 +14,10 @@ from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sam
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
+CREST_STEPS = 12
+CREST_ERROR = 1e-10  # m
+STEEPEST = 0.9  # slope of the fixed-point map up to which Newton's step is taken; a maximum has less than 1
+
 
 class SurfaceData(NamedTuple):
     """Surfaces of a pair for compiled code.
@@ -144,25 +148,45 @@ def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tu
         x[:] = origin[0] * a / (a + b)
         bend[:] = 2 * (a + b)
         return penetration(surface, origin, rotation, s, x).depth, x, bend
-    rail, wheel, radius = surface.rail, surface.wheel, surface.radius
-    point, axes = np.empty((1, 3)), np.empty((1, 3, 3))
+    wheel, radius = surface.wheel, surface.radius
     for i in range(n if rotation[1, 0] != 0.0 else 0):
-        sample = -1
-        for _ in range(2):
-            wheel_place(wheel, radius, origin, rotation, s[i], x[i], point, axes, 0)
-            q = complex(point[0, 1], point[0, 2])
-            sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
-            at, _, _ = foot(rail, q, rail.samples[sample])
-            _, t, _ = local(rail, at, piece(rail, at))
-            ny, nz = -t.imag, t.real
-            forward = rotation[1, 0] * ny + rotation[2, 0] * nz
-            up = rotation[1, 2] * ny + rotation[2, 2] * nz
-            x[i] = -radius * np.arctan(forward / up)
+        x[i] = _crest(surface, origin, rotation, s[i])
     for i in range(n):
         z, t, _ = local(wheel, s[i], piece(wheel, s[i]))
         r = z.imag + radius
         bend[i] = max(r * t.real, 0.05 * r) / (radius * radius)
     return penetration(surface, origin, rotation, s, x).depth, x, bend
+
+
+@compiled
+def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float) -> float:
+    """Place m along x of the largest penetration on a line s m of a wheel, by Newton's method.
+
+    The equation is x = -R arctan(f / u), where f and u are the components of the rail's normal n along the wheel's
+    forward and upward axes; n changes with the closest point on the rail.
+    """
+    rail, radius = surface.rail, surface.radius
+    point, axes, x, sample = np.empty((1, 3)), np.empty((1, 3, 3)), 0.0, -1
+    for _ in range(CREST_STEPS):
+        wheel_place(surface.wheel, radius, origin, rotation, s, x, point, axes, 0)
+        q = complex(point[0, 1], point[0, 2])
+        sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
+        at, _, _ = foot(rail, q, rail.samples[sample])
+        z, t, k = local(rail, at, piece(rail, at))
+        away = q - z
+        moved = (t.real * axes[0, 0, 1] + t.imag * axes[0, 0, 2]) / (1.0 - (away.real * k.real + away.imag * k.imag))
+        forward = rotation[2, 0] * t.real - rotation[1, 0] * t.imag
+        up = rotation[2, 2] * t.real - rotation[1, 2] * t.imag
+        forward_change = (rotation[2, 0] * k.real - rotation[1, 0] * k.imag) * moved
+        up_change = (rotation[2, 2] * k.real - rotation[1, 2] * k.imag) * moved
+        slope = -radius * (forward_change * up - forward * up_change) / (forward * forward + up * up)
+        step = -radius * np.arctan(forward / up) - x
+        if slope < STEEPEST:
+            step /= 1.0 - slope
+        x += step
+        if abs(step) < CREST_ERROR:
+            break
+    return x
 
 
 @compiled
