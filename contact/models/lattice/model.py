@@ -185,12 +185,14 @@ class LatticeContact:
         little load need more of them. Raises TooLarge, NotConverged, OutsideSurface.
         """
         self._check_size(len(problem.candidates))
-        failure: Exception = NotConverged("no start")
-        for cells in START_CELLS:
+        for cells in START_CELLS[:-1]:
             try:
-                state = cold_start(problem, self.laws, cells, IterationCount())
-                return LatticeNewton(problem, self.tolerance, count).solve(state, iterations=ITERATIONS)
+                return self._from_cells(problem, cells, count)
             except (NotConverged, OutsideSurface, np.linalg.LinAlgError) as error:
                 log.debug("from %d cells: %s", cells, error)
-                failure = error
-        raise failure
+        return self._from_cells(problem, START_CELLS[-1], count)
+
+    def _from_cells(self, problem: LatticeProblem, cells: int, count: IterationCount) -> LatticeSolution:
+        """Solution from complementarity on a number of equal cells along each strip."""
+        state = cold_start(problem, self.laws, cells, IterationCount())
+        return LatticeNewton(problem, self.tolerance, count).solve(state, iterations=ITERATIONS)

@@ -114,7 +114,6 @@ class BodyCorrection:
         """Weights (S, lines) of lines in the means over strips with middles and widths (S,) m."""
         return strip_shares(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
 
-
     def share_slopes(self, lines: slice, middle: Array, width: Array) -> Array:
         """Derivatives (S, lines) 1/m of `shares` by the middles."""
         arc = self.body.arc[lines]
