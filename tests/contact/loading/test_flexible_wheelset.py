@@ -246,6 +246,7 @@ def contact_on_padded_spectrum() -> WheelsetContact:
 def test_agrees_with_pads_in_the_spectrum_of_the_rail(y: float) -> None:
     whole = wheels_under_load(contact_on_padded_spectrum(), replace(ROLLING, y=y), LOAD, expected=4e-4)
     split = solved("pads", y)
-    expected, patch = whole.results["left"].patches[0], split.results["left"].patches[0]
-    assert patch.rail_y == pytest.approx(expected.rail_y, abs=2e-5)
-    assert split.state.z == pytest.approx(whole.state.z, abs=2e-6)
+    for side in SIDES:  # what is left, 0.4 um in height, is 0.14 % of the pads' part: no rigid motion of the section
+        expected, patch = whole.results[side].patches[0], split.results[side].patches[0]
+        assert patch.rail_y == pytest.approx(expected.rail_y, abs=1e-5)
+    assert split.state.z == pytest.approx(whole.state.z, abs=1e-6)
