@@ -35,7 +35,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached
 
 
-def ballasted_sleepers(
+def sleeper_track(
     outline: Outline, steel: Material, pads: RailPads, ballast: Ballast, length: float = PAD_LENGTH
 ) -> CoRunningTrack:
     """Track under one wheel, from the cache or by 2.5D finite elements over wavenumbers.

@@ -16,7 +16,7 @@ from wheelrail.contact.loading.flexible_contact import FlexibleContact
 from wheelrail.contact.loading.flexible_wheelset import Flexibility
 from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 from wheelrail.contact.structure.ballast import Ballast
-from wheelrail.contact.structure.ballasted_sleepers import ballasted_sleepers
+from wheelrail.contact.structure.ballasted_sleepers import sleeper_track
 from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.contact.structure.sleepers import sleeper_compliance
 from wheelrail.meshes.bodies.outlines import rail_outline
@@ -47,7 +47,7 @@ def contact() -> FlexibleContact:
 @cache
 def on_ballast() -> CoRunningStructure:
     outline = rail_outline(named_profile("UIC60-benchmark"))
-    track = ballasted_sleepers(outline, Material(), RailPads(), Ballast())
+    track = sleeper_track(outline, Material(), RailPads(), Ballast())
     pairs = replace(contact().pairs, flexibility=Flexibility(None, (track.rail, track.rail)))
     return CoRunningStructure(pairs, tracks=(track, track))
 

@@ -191,7 +191,7 @@ def _pads(table: PadsTable) -> RailPads:
 def _track_with_mass(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> CoRunningTrack:
     """Track under one wheel, with the masses of rail and sleepers."""
     from wheelrail.contact.structure.ballast import Ballast, co_running_track
-    from wheelrail.contact.structure.ballasted_sleepers import ballasted_sleepers
+    from wheelrail.contact.structure.ballasted_sleepers import sleeper_track
     from wheelrail.meshes.bodies.outlines import rail_outline
 
     pads, table, sleepers = scene.track.pads, scene.track.ballast, scene.track.sleepers
@@ -199,7 +199,7 @@ def _track_with_mass(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profi
     assert table is not None
     ballast = Ballast(table.sleeper_mass, table.vertical, table.lateral, table.pad_damping, table.damping)
     layers = rail_outline(pair[1]), material(scene), _pads(pads), ballast
-    return co_running_track(*layers) if sleepers is None else ballasted_sleepers(*layers, sleepers.length)
+    return co_running_track(*layers) if sleepers is None else sleeper_track(*layers, sleepers.length)
 
 
 def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> HubCompliance:
