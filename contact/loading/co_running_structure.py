@@ -1,11 +1,17 @@
 """Axle without mass, and under each wheel a track with mass that moves along with it.
 
 The motions of the hubs follow the loads as in `wheelrail.contact.loading.quasi_static_structure`. Rails and sleepers
-have the equations of `wheelrail.contact.structure.ballast`.
+have the equations of `wheelrail.contact.structure.ballast`, at discrete sleepers with mass and stiffness of the place.
+Their states are the motions q and the reduced momenta p = M_0^-1 M(x) q', with the mean mass M_0 over a span,
+
+    q' = M^-1 M_0 p,    M_0 p' = (l, 0) - K q - D q',
+
+so that no speed is needed; where sleepers are spread along the rail, p are the rates of q.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -19,16 +25,17 @@ from wheelrail.support.arrays import Array
 
 HUBS, RAILS, SLEEPERS = 12, 6, 4  # motions of both sides
 TRACK = RAILS + SLEEPERS
+OWN, MOMENTA = slice(HUBS, HUBS + TRACK), slice(HUBS + TRACK, None)  # of the motions: those of the track, its momenta
 BY_SIDE = np.array([0, 1, 2, 6, 7, 3, 4, 5, 8, 9])  # rails and sleepers of the left, then of the right track
 
 
 @dataclass(frozen=True)
 class CoRunningStructure(Structure):
     """Motions (32,): those of `FlexibleState.motions`, of the left and the right sleepers across and normal to the
-    foot, the right ones mirrored, then rates of rails and sleepers.
+    foot, the right ones mirrored, then reduced momenta of rails and sleepers, m/s and rad/s.
 
     Parameters:
-        tracks: under the left and the right wheel, as left-hand ones.
+        tracks: under the left and the right wheel, as left-hand ones, at any place.
     """
 
     tracks: tuple[CoRunningTrack, CoRunningTrack] = field(kw_only=True)
@@ -43,35 +50,46 @@ class CoRunningStructure(Structure):
 
     @cached_property
     def by_motions(self) -> Array:
-        inverse = np.linalg.inv(self._mass)
         out = np.zeros((self.size, self.size))
         out[:HUBS, :HUBS] = -np.eye(HUBS) / self.time_constant
-        track, rates = slice(HUBS, HUBS + TRACK), slice(HUBS + TRACK, None)
-        out[track, rates] = np.eye(TRACK)
-        out[rates, track], out[rates, rates] = -inverse @ self._stiffness, -inverse @ self._damping
+        out[OWN, MOMENTA] = self._rates
+        out[MOMENTA, OWN] = -np.linalg.solve(self._mean_mass, self._stiffness)
+        out[MOMENTA, MOMENTA] = -np.linalg.solve(self._mean_mass, self._damping @ self._rates)
         return out
 
     @cached_property
     def by_loads(self) -> Array:
         out = np.zeros((self.size, len(MOTIONS)))
         out[:HUBS] = self.pairs.flexibility.matrix[:HUBS] / self.time_constant
-        out[HUBS + TRACK :, HUBS:] = np.linalg.inv(self._mass)[:, :RAILS]
+        out[MOMENTA, HUBS:] = np.linalg.inv(self._mean_mass)[:, :RAILS]
         return out
 
     @cached_property
     def compliance(self) -> Array:
         out = np.zeros((self.size, len(MOTIONS)))
         out[:HUBS] = self.pairs.flexibility.matrix[:HUBS]
-        out[HUBS : HUBS + TRACK, HUBS:] = np.linalg.inv(self._stiffness)[:, :RAILS]
+        out[OWN, HUBS:] = np.linalg.inv(self._stiffness)[:, :RAILS]
         return out
 
     @cached_property
     def energy_matrix(self) -> Array:
-        return np.asarray(block_diag(self._hubs, self._stiffness, self._mass))
+        return np.asarray(block_diag(self._hubs, self._stiffness, self._mean_mass @ self._rates))
 
     @cached_property
     def damping(self) -> Array:
         return np.asarray(block_diag(self.time_constant * self._hubs, self._damping, np.zeros((TRACK, TRACK))))
+
+    def rates_by_distance(self, motions: Array, loads: Array) -> Array:
+        out, (own, momenta) = np.zeros(self.size), (motions[OWN], motions[MOMENTA])
+        rates, slopes = self._rates @ momenta, self._rates_slope @ momenta
+        forces = self._slope("stiffness") @ own + self._slope("damping") @ rates + self._damping @ slopes
+        out[OWN], out[MOMENTA] = slopes, -np.linalg.solve(self._mean_mass, forces)
+        return out
+
+    def energy_by_distance(self, motions: Array) -> float:
+        own, momenta = motions[OWN], motions[MOMENTA]
+        strain, kinetic = self._slope("stiffness"), self._mean_mass @ self._rates_slope
+        return float(0.5 * own @ strain @ own + 0.5 * momenta @ kinetic @ momenta)
 
     @property
     def _hubs(self) -> Array:
@@ -79,19 +97,38 @@ class CoRunningStructure(Structure):
         return np.linalg.pinv(self.pairs.flexibility.matrix[:HUBS, :HUBS], rcond=1e-12, hermitian=True)
 
     @cached_property
-    def _mass(self) -> Array:
-        return self._both("mass")
+    def _rates(self) -> Array:
+        """Rates (10, 10) of rails and sleepers by their reduced momenta."""
+        return np.linalg.solve(self._here("mass"), self._mean_mass)
+
+    @cached_property
+    def _rates_slope(self) -> Array:
+        """Derivative (10, 10) of these by the distance along the track, 1/m."""
+        return -np.linalg.solve(self._here("mass"), self._slope("mass") @ self._rates)
+
+    @cached_property
+    def _mean_mass(self) -> Array:
+        return _both(self.tracks, "mass")
 
     @cached_property
     def _stiffness(self) -> Array:
-        return self._both("stiffness")
+        return self._here("stiffness")
 
     @cached_property
     def _damping(self) -> Array:
-        return self._both("damping")
+        return self._here("damping")
 
-    def _both(self, name: str) -> Array:
-        """Matrix (10, 10) of both tracks, rails first."""
-        out = np.zeros((TRACK, TRACK))
-        out[np.ix_(BY_SIDE, BY_SIDE)] = block_diag(*(getattr(track, name) for track in self.tracks))
-        return out
+    def _here(self, name: str) -> Array:
+        """Matrix (10, 10) of both tracks at this place, rails first."""
+        return _both([track.at(self.pairs.flexibility.place) for track in self.tracks], name)
+
+    def _slope(self, name: str) -> Array:
+        """Derivative (10, 10) of a matrix of both tracks by the distance along the track, per m."""
+        return _both([track.slope(self.pairs.flexibility.place) for track in self.tracks], name)
+
+
+def _both(tracks: Sequence[CoRunningTrack], name: str) -> Array:
+    """Matrix (10, 10) of both tracks, rails first."""
+    out = np.zeros((TRACK, TRACK))
+    out[np.ix_(BY_SIDE, BY_SIDE)] = block_diag(*(getattr(track, name) for track in tracks))
+    return out

@@ -11,7 +11,7 @@ sleepers C changes along the track.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -53,20 +53,10 @@ class QuasiStaticStructure(Structure):
     def damping(self) -> Array:
         return self.time_constant * self.energy_matrix
 
-    @property
-    def period(self) -> float:
-        return min((rail.spacing for rail in self.pairs.flexibility.rails or ()), default=np.inf)
-
-    def at(self, distance: float) -> QuasiStaticStructure:
-        flexibility = self.pairs.flexibility
-        if not flexibility.varies:
-            return self
-        return replace(self, pairs=replace(self.pairs, flexibility=flexibility.moved(distance)))
-
     def rates(self, motions: Array, loads: Array) -> Array:
         return np.asarray((self.unloaded + self.compliance @ loads - motions) / self.time_constant)
 
-    def rates_by_distance(self, loads: Array) -> Array:
+    def rates_by_distance(self, motions: Array, loads: Array) -> Array:
         return np.asarray(self.pairs.flexibility.matrix_slope @ loads / self.time_constant)
 
     def energy_by_distance(self, motions: Array) -> float:

@@ -8,7 +8,7 @@ With the motions x, at rest without load x_0, and the loads w of the contacts on
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Self
 
 import numpy as np
@@ -81,11 +81,14 @@ class Structure(ABC):
     @property
     def period(self) -> float:
         """Distance m along the track after which it is the same again; infinite where it is the same everywhere."""
-        return np.inf
+        return min((rail.spacing for rail in self.pairs.flexibility.rails or ()), default=np.inf)
 
     def at(self, distance: float) -> Self:
         """The structure at a distance m along the track."""
-        return self
+        flexibility = self.pairs.flexibility
+        if not flexibility.varies:
+            return self
+        return replace(self, pairs=replace(self.pairs, flexibility=flexibility.moved(distance)))
 
     def moved(self, state: WheelsetState, motions: Array) -> FlexibleState:
         """State of the wheelset with motions (k,)."""
@@ -126,13 +129,13 @@ class Structure(ABC):
         """Static motions under loads (18,) less motions (k,)."""
         return np.asarray(self.unloaded + self.compliance @ loads - motions)
 
-    def rates_by_distance(self, loads: Array) -> Array:
-        """Derivative (k,) of the rates by the distance along the track at constant motions, for loads (18,)."""
-        return np.zeros(self.size)
+    @abstractmethod
+    def rates_by_distance(self, motions: Array, loads: Array) -> Array:
+        """Derivative (k,) of the rates by the distance along the track, for motions (k,) and loads (18,)."""
 
+    @abstractmethod
     def energy_by_distance(self, motions: Array) -> float:
         """Derivative J/m of the energy of motions (k,) by the distance: force along the track."""
-        return 0.0
 
     def energy(self, motions: Array) -> Array:
         """Energy (...) J of motions (..., k), without that of the wheelset's own weight."""

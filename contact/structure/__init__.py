@@ -2,7 +2,8 @@
 
 Both are motions of a wheel or a rail as a whole, on top of which the bodies of `wheelrail.contact.elasticity` (clamped
 at the bore, at the foot) deform. `hub_compliance` takes an axle by its drawing, `rail_compliance` the pads, and
-`sleeper_compliance` pads at discrete sleepers, `co_running_track` sleepers on ballast, and the masses of the track.
+`sleeper_compliance` pads at discrete sleepers, `co_running_track` sleepers on ballast, and the masses of the track,
+`sleeper_track` both.
 """
 
 import lazy_loader

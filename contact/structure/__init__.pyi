@@ -1,6 +1,7 @@
 from .ballast import Ballast as Ballast
 from .ballast import CoRunningTrack as CoRunningTrack
 from .ballast import co_running_track as co_running_track
+from .ballasted_sleepers import sleeper_track as sleeper_track
 from .hubs import HubCompliance as HubCompliance
 from .hubs import hub_compliance as hub_compliance
 from .pads import RailCompliance as RailCompliance

@@ -8,12 +8,13 @@ motions q of the rail's section under the wheel (y, z, roll) and of the sleepers
 
 has the static compliance of the whole track and the mass that its energy at low frequency demands: the receptance is
 exact to the first order in its square. Displacements travel with the wheel as in a track at rest, which holds well
-below the speed of bending waves, some hundred metres per second.
+below the speed of bending waves, some hundred metres per second. At discrete sleepers the matrices depend on the place
+(`wheelrail.contact.structure.ballasted_sleepers`).
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,14 @@ class Ballast:
             if not 0.0 < value < np.inf:
                 raise ValueError(f"{name} = {value}: must be positive and finite")
 
+    def per_length(self, pads: RailPads) -> Array:
+        """Stiffness (2,) N/m2 per length of rail, across and normal to the foot, at the spacing of the pads."""
+        return np.array([self.lateral, self.vertical]) / pads.spacing
+
+    def times(self, pads: RailPads) -> tuple[float, float]:
+        """Damping over stiffness of pads and of ballast, s."""
+        return self.pad_damping / pads.vertical, self.damping / self.vertical
+
 
 @dataclass(frozen=True)
 class Layers:
@@ -94,29 +103,99 @@ class Layers:
 
 
 @dataclass(frozen=True)
+class LoadedTrack:
+    """Integrals along a track at rest, under unit loads (y, z, roll) on the rail's section.
+
+    Parameters:
+        compliance: (3, 3), motion of the section beyond that of the rail clamped at its foot.
+        inertia: (3, 3), of density and products of the rail's displacements.
+        strain: (3, 3), of products of the foot's displacements with the stiffness of the pads.
+        coupling: (3, 2), of the foot's displacements and the sleepers', across and normal, with that stiffness.
+        squares: (2,) m, of the sleepers' displacements across and normal to the foot; 1 under the load.
+    """
+
+    compliance: Array
+    inertia: Array
+    strain: Array
+    coupling: Array
+    squares: Array
+
+    def reduced(self, pads: Array, ballast: Array, sleepers: float) -> Array:
+        """Matrices (4, 5, 5) of Ritz's method: mass, and stiffness of pads, of ballast, and of the rail.
+
+        Parameters:
+            pads, ballast: (2,) N/m2, stiffness of the layers per length, across and normal to the foot.
+            sleepers: mass per length, kg/m.
+        """
+        loads = np.linalg.inv(self.compliance)
+        mass, by_pads, by_ballast, rest = out = np.zeros((4, 5, 5))
+        mass[:3, :3] = loads @ self.inertia @ loads
+        mass[3:, 3:] = np.diag(sleepers * self.squares)
+        by_pads[:3, :3] = loads @ self.strain @ loads
+        by_pads[:3, 3:] = -loads @ self.coupling
+        by_pads[3:, :3] = by_pads[:3, 3:].T
+        by_pads[3:, 3:] = np.diag(pads * self.squares)
+        by_ballast[3:, 3:] = np.diag(ballast * self.squares)
+        on_sleepers = np.linalg.solve(by_pads[3:, 3:] + by_ballast[3:, 3:], by_pads[3:, :3])
+        rest[:3, :3] = loads - by_pads[:3, :3] + by_pads[:3, 3:] @ on_sleepers  # the whole has the compliance
+        return out
+
+
+@dataclass(frozen=True)
 class CoRunningTrack:
     """Track under one wheel: y m, z m and roll rad of the rail about its foot, then motion m of the sleepers across and
     normal to the foot.
 
     Parameters:
         rail: static compliance of the rail, on pads and ballast.
-        mass: (5, 5) kg, kg m and kg m2.
-        pads, ballast, rest: (5, 5), stiffness of pads, of ballast, and of the rail.
+        matrices: (4, 5, 5), mass kg, kg m and kg m2, and stiffness of pads, of ballast, and of the rail; at discrete
+            sleepers their means over a span.
         pad_time, ballast_time: s, damping over stiffness of both layers.
+        harmonics: (n, 4, 5, 5), amplitudes of cos(2 pi m x / spacing), m = 1 .. n, with x from a sleeper; none on
+            sleepers that are spread along the rail.
     """
 
     rail: RailCompliance
-    mass: Array
-    pads: Array
-    ballast: Array
-    rest: Array
+    matrices: Array
     pad_time: float
     ballast_time: float
+    harmonics: Array = field(default_factory=lambda: np.zeros((0, 4, 5, 5)))
+
+    def at(self, x: float) -> CoRunningTrack:
+        """The track under a wheel at a distance x m from a sleeper."""
+        return self._with(self.matrices + np.tensordot(self.rail.cosines(x), self.harmonics, 1))
+
+    def slope(self, x: float) -> CoRunningTrack:
+        """Derivatives of the matrices of `at` by the distance, per m."""
+        return self._with(np.tensordot(self.rail.cosine_slopes(x), self.harmonics, 1))
+
+    def _with(self, matrices: Array) -> CoRunningTrack:
+        return replace(self, matrices=matrices, harmonics=np.zeros((0, 4, 5, 5)))
+
+    @property
+    def mass(self) -> Array:
+        """Mass (5, 5)."""
+        return np.asarray(self.matrices[0])
+
+    @property
+    def pads(self) -> Array:
+        """Stiffness (5, 5) of the pads."""
+        return np.asarray(self.matrices[1])
+
+    @property
+    def ballast(self) -> Array:
+        """Stiffness (5, 5) of the ballast."""
+        return np.asarray(self.matrices[2])
+
+    @property
+    def rest(self) -> Array:
+        """Stiffness (5, 5) of the rail."""
+        return np.asarray(self.matrices[3])
 
     @property
     def stiffness(self) -> Array:
         """Stiffness (5, 5)."""
-        return self.pads + self.ballast + self.rest
+        return np.asarray(self.matrices[1:].sum(axis=0))
 
     @property
     def damping(self) -> Array:
@@ -138,23 +217,17 @@ def co_running(layers: Layers, rail: RailCompliance, times: tuple[float, float])
         rail: its static compliance.
         times: s, damping over stiffness of pads and ballast.
     """
-    loads = np.linalg.inv(rail.matrix)
     sleepers = np.stack([layers.foot[:, 0, 0], layers.foot[:, 1, 1]], axis=1)
     sleepers = sleepers * layers.pads / (layers.pads + layers.ballast)
     shape = sleepers / layers.along(sleepers)
-    square = layers.along(shape**2)
-    coupling = layers.along(np.einsum("nda,nd->nad", layers.foot, layers.pads * shape))
-    mass, pads, ballast, rest = np.zeros((4, 5, 5))
-    mass[:3, :3] = loads @ layers.along(layers.inertia) @ loads
-    mass[3:, 3:] = np.diag(layers.sleepers * square)
-    pads[:3, :3] = loads @ layers.along(layers.strain) @ loads
-    pads[:3, 3:] = -loads @ coupling
-    pads[3:, :3] = pads[:3, 3:].T
-    pads[3:, 3:] = np.diag(layers.pads * square)
-    ballast[3:, 3:] = np.diag(layers.ballast * square)
-    foundation = pads[:3, :3] - pads[:3, 3:] @ np.linalg.solve(pads[3:, 3:] + ballast[3:, 3:], pads[3:, :3])
-    rest[:3, :3] = loads - foundation  # the whole has the static compliance of the rail
-    return CoRunningTrack(rail, mass, pads, ballast, rest, *times)
+    loaded = LoadedTrack(
+        rail.matrix,
+        layers.along(layers.inertia),
+        layers.along(layers.strain),
+        layers.along(np.einsum("nda,nd->nad", layers.foot, layers.pads * shape)),
+        layers.along(shape**2),
+    )
+    return CoRunningTrack(rail, loaded.reduced(layers.pads, layers.ballast, layers.sleepers), *times)
 
 
 def co_running_track(outline: Outline, steel: Material, pads: RailPads, ballast: Ballast) -> CoRunningTrack:
@@ -166,7 +239,7 @@ def co_running_track(outline: Outline, steel: Material, pads: RailPads, ballast:
         pads: its supports.
         ballast: under the sleepers, at the spacing of the pads.
     """
-    per_length = np.array([ballast.lateral, ballast.vertical]) / pads.spacing
+    per_length = ballast.per_length(pads)
     names = ("compliance", "inertia", "strain", "foot", "middle")
     key = rail_key("co-running track", outline, steel, pads, ballast=per_length.tolist(), density=DENSITY)
     stored = cached(f"track/{key}", lambda: _by_wavenumbers(outline, steel, pads, per_length), names)
@@ -179,7 +252,7 @@ def co_running_track(outline: Outline, steel: Material, pads: RailPads, ballast:
     )
     matrix = layers.along(layers.compliance)
     rail = RailCompliance(0.5 * (matrix + matrix.T), stored["middle"], rail_compliance(outline, steel, pads).misfit)
-    return co_running(layers, rail, (ballast.pad_damping / pads.vertical, ballast.damping / ballast.vertical))
+    return co_running(layers, rail, ballast.times(pads))
 
 
 def _by_wavenumbers(outline: Outline, steel: Material, pads: RailPads, ballast: Array) -> dict[str, Array]:

@@ -77,12 +77,19 @@ class RailCompliance:
 
     def at(self, x: float) -> Array:
         """Compliance (3, 3) under a load at a distance x m from a sleeper."""
-        return np.asarray(self.matrix + np.tensordot(np.cos(self._wavenumbers * x), self.harmonics, 1))
+        return np.asarray(self.matrix + np.tensordot(self.cosines(x), self.harmonics, 1))
 
     def slope(self, x: float) -> Array:
         """Derivative (3, 3) of `at` by the distance, per m."""
-        k = self._wavenumbers
-        return -np.tensordot(k * np.sin(k * x), self.harmonics, 1)
+        return np.asarray(np.tensordot(self.cosine_slopes(x), self.harmonics, 1))
+
+    def cosines(self, x: float) -> Array:
+        """cos(2 pi m x / spacing), m = 1 .. n, at a distance x m from a sleeper."""
+        return np.asarray(np.cos(self._wavenumbers * x))
+
+    def cosine_slopes(self, x: float) -> Array:
+        """Derivatives (n,) 1/m of `cosines` by the distance."""
+        return np.asarray(-self._wavenumbers * np.sin(self._wavenumbers * x))
 
     @property
     def _wavenumbers(self) -> Array:

@@ -2,22 +2,29 @@
 
 Pads of stiffness s per length act on a part of every span: with the spacing d, q = 2 pi / d and the length a of a pad
 along the rail, the support is s (1 + sum g_m exp(i m q x)), m not 0, g_m = sin(pi m a / d) / (pi m a / d). It couples
-the wavenumbers kappa + j q. With the motions f of the foot, their compliance F(k) on the pads spread along the rail and
-their amplitudes b(k) by unit loads on the rail,
+the wavenumbers k_j = kappa + j q. Sleepers on ballast yield: with the ballast b per length and the means over the
+pads h_j = sin(k_j a / 2) / (k_j a / 2) the support is less by n h_j h_l, n = s^2 / (s + b), for the mean motion of the
+foot. With the motions f of the foot, their compliance F(k) on the pads spread along the rail, their amplitudes b(k) by
+unit loads on the rail, and the coupling C_jl = S (g_(j-l) - 1_jl) - n h_j h_l,
 
-    f_j + F_j S sum_l g_(j-l) f_l = b_j exp(-i k_j x),    l not j,
+    f_j + F_j sum_l C_jl f_l = b_j exp(-i k_j x),
 
-and what the spread pads lack is the displacement by the forces -S sum g_(j-l) f_l.
+and what the spread pads lack is the displacement by the forces -sum_l C_jl f_l.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import dct
+from scipy.linalg import block_diag
 
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
 from wheelrail.contact.laws.material import Material
+from wheelrail.contact.structure.hubs import DENSITY
 from wheelrail.contact.structure.pads import (
     GRADING,
     SHIFT,
@@ -47,56 +54,137 @@ class SpreadSupport:
         stiffness: (m, m) N/m2, of the spread pads by motions of the foot.
         compliance: (n, m, m) m2/N, of these motions.
         by_load: (n, m, 3), amplitudes of these motions by unit loads on the rail.
+        inertia: (n, m + 3, m + 3), integrals over the section of density and products of its displacements by forces
+            on the foot, conjugate to its motions, then by unit loads on the rail.
         odd: (m,), -1 for motions along the rail, whose sign changes with that of k, otherwise 1.
+        seat: (m, 2), motions of the foot with a sleeper that moves across the foot or normal to it.
     """
 
     k: Array
     stiffness: Array
     compliance: Array
     by_load: Array
+    inertia: Array
     odd: Array
+    seat: Array
 
-    def at(self, k: Array) -> tuple[Array, Array]:
-        """Compliance (j, m, m) and amplitudes by loads (j, m, 3) at wavenumbers (j,) of either sign."""
+    def at(self, k: Array) -> tuple[Array, Array, Array]:
+        """Compliance (j, m, m), amplitudes by loads (j, m, 3) and inertia (j, m + 3, m + 3) at wavenumbers (j,) of
+        either sign.
+        """
         weights = interpolation(self.k, SHIFT, np.abs(k))
-        compliance, by_load = (np.tensordot(weights, values, 1) for values in (self.compliance, self.by_load))
+        compliance, by_load, inertia = (
+            np.tensordot(weights, values, 1) for values in (self.compliance, self.by_load, self.inertia)
+        )
         sign = np.where(k[:, None] < 0.0, self.odd, 1.0)
-        return sign[:, :, None] * compliance * sign[:, None, :], sign[:, :, None] * by_load
+        signs = np.concatenate([sign, np.ones((len(k), 3))], axis=1)
+        return (
+            sign[:, :, None] * compliance * sign[:, None, :],
+            sign[:, :, None] * by_load,
+            signs[:, :, None] * inertia * signs[:, None, :],
+        )
 
 
-def span_harmonics(support: SpreadSupport, spacing: float, length: float, count: int) -> Array:
-    """Harmonics (1 + count, 3, 3), m/N, of what discrete pads add to the compliance at the load: its mean over the
-    span, then the amplitudes of cos(2 pi m x / spacing).
+@dataclass(frozen=True)
+class FloquetWaves:
+    """Rail at coupled wavenumbers under unit loads at p places.
+
+    Parameters:
+        weight: 1/m, of these wavenumbers in integrals along the rail.
+        phase: (p, j), exp(-i k x).
+        seat: (j,), mean over a pad.
+        by_load: (j, m, 3), amplitudes of the foot's motions on spread pads.
+        inertia: (j, m + 3, m + 3), see `SpreadSupport`.
+        motions: (p, j, m, 3), amplitudes of the foot's motions.
+        forces: (p, j, m, 3), that discrete pads exert on the foot beyond spread ones.
+    """
+
+    weight: float
+    phase: NDArray[np.complex128]
+    seat: Array
+    by_load: Array
+    inertia: Array
+    motions: NDArray[np.complex128]
+    forces: NDArray[np.complex128]
+
+    @property
+    def central_phase(self) -> NDArray[np.complex128]:
+        """exp(-i kappa x) (p,) of the wavenumber of least size."""
+        return np.asarray(self.phase[:, self.phase.shape[1] // 2])
+
+
+@dataclass(frozen=True)
+class Span:
+    """Rail on equal pads at equal distances.
 
     Parameters:
         support: the same pads spread along the rail.
         spacing: of the sleepers, m.
         length: of a pad along the rail, m, at most the spacing; 0: point supports.
-        count: of harmonics besides the mean.
+        ballast: (2,) N/m2, stiffness per length under the sleepers, across and normal to the foot; None: at rest.
     """
-    q, largest = 2.0 * np.pi / spacing, float(support.k[-1])
-    order = max(0, int(largest / q - 0.5))  # wavenumbers kappa + j q up to the largest
-    j = np.arange(-order, order + 1)
-    difference = j[:, None] - j[None, :]
-    coupling = np.where(difference == 0, 0.0, np.sinc(difference * length / spacing))
-    m, size = len(support.stiffness), len(j)
-    change = np.kron(coupling, support.stiffness)  # S g_(j-l), rows and columns by wavenumber, then motion
-    zone = np.append(support.k[support.k < 0.5 * q], min(0.5 * q, largest))
-    harmonics = np.zeros((2 * size - 1, 3, 3))
-    for kappa, weight in zip(*quadrature(zone, 0.0), strict=True):
-        compliance, by_load = support.at(kappa + q * j)
-        blocks = np.zeros((size, m, size, m))
-        blocks[np.arange(size), :, np.arange(size)] = compliance
-        system = np.eye(size * m) + blocks.reshape(size * m, size * m) @ change
-        reaction = change @ np.linalg.inv(system)  # -forces by the motions on spread pads
-        added = np.einsum("jma,jmln,lnb->jlab", by_load, reaction.reshape(size, m, size, m), by_load)
-        np.add.at(harmonics, difference + size - 1, -weight / np.pi * added)
-    even = 0.5 * (harmonics + harmonics[::-1])[size - 1 :]
-    even = 0.5 * (even + even.transpose(0, 2, 1)) * np.where(np.arange(size) == 0, 1.0, 2.0)[:, None, None]
-    out = np.zeros((1 + count, 3, 3))
-    kept = min(len(even), 1 + count)
-    out[:kept] = even[:kept]
-    return out
+
+    support: SpreadSupport
+    spacing: float
+    length: float
+    ballast: Array | None = None
+
+    @property
+    def sleeper_by_foot(self) -> Array:
+        """Motions (2, m) of a sleeper by mean motions of the foot over its pad."""
+        assert self.ballast is not None
+        on_seat = self.support.seat.T @ self.support.stiffness
+        return np.asarray(np.linalg.solve(on_seat @ self.support.seat + np.diag(self.ballast), on_seat))
+
+    def places(self, count: int) -> Array:
+        """Places (count + 1,) m from a sleeper to the middle of a span."""
+        return 0.5 * self.spacing * np.linspace(0.0, 1.0, count + 1)
+
+    def compliance(self, places: Array) -> Array:
+        """What discrete sleepers add (p, 3, 3), m/N, to the compliance under loads at places (p,) m from a sleeper."""
+        added = np.zeros((len(places), 3, 3))
+        for waves in self.waves(places):
+            at_load = np.einsum("pj,jma,pjmb->pab", waves.phase.conj(), waves.by_load, waves.forces).real
+            added += 0.5 * waves.weight * (at_load + at_load.transpose(0, 2, 1))
+        return added
+
+    def discrete(self, count: int) -> Array:
+        """Harmonics g_(j-l) (count, count) of the support by discrete pads over that by spread ones."""
+        j = np.arange(count)
+        return np.asarray(np.sinc((j[:, None] - j) * self.length / self.spacing))
+
+    def waves(self, places: Array) -> Iterator[FloquetWaves]:
+        """Solutions over the wavenumbers kappa from 0 to q / 2 for loads at places (p,) m from a sleeper."""
+        q, largest = 2.0 * np.pi / self.spacing, float(self.support.k[-1])
+        order = max(0, int(largest / q - 0.5))  # wavenumbers kappa + j q up to the largest
+        j = np.arange(-order, order + 1)
+        zone = np.append(self.support.k[self.support.k < 0.5 * q], min(0.5 * q, largest))
+        for kappa, weight in zip(*quadrature(zone, 0.0), strict=True):
+            yield self._waves(kappa + q * j, weight / np.pi, places)
+
+    def _waves(self, k: Array, weight: float, places: Array) -> FloquetWaves:
+        stiffness = self.support.stiffness
+        m, size = len(stiffness), len(k)
+        compliance, by_load, inertia = self.support.at(k)
+        seat = np.sinc(k * self.length / (2.0 * np.pi))
+        change = np.kron(
+            self.discrete(size) - np.eye(size), stiffness
+        )  # C, rows and columns by wavenumber, then motion
+        if self.ballast is not None:
+            change -= np.kron(np.outer(seat, seat), stiffness @ self.support.seat @ self.sleeper_by_foot)
+        system = np.eye(size * m) + block_diag(*compliance) @ change
+        by_amplitude = np.linalg.solve(system, block_diag(*by_load)).reshape(size, m, size, 3)
+        phase = np.exp(-1j * np.outer(places, k))
+        motions = np.einsum("jmla,pl->pjma", by_amplitude, phase)
+        forces = -np.einsum("jmln,plna->pjma", change.reshape(size, m, size, m), motions)
+        return FloquetWaves(weight, phase, seat, by_load, inertia, motions, forces)
+
+
+def cosines(values: Array) -> Array:
+    """Amplitudes (n, ...) of cos(2 pi m x / d), m = 0 .. n - 1, by values (n, ...) at the n places of `Span.places`."""
+    amplitudes = np.asarray(dct(values, type=1, axis=0)) / (len(values) - 1)
+    amplitudes[[0, -1]] *= 0.5
+    return amplitudes
 
 
 def sleeper_compliance(outline: Outline, steel: Material, pads: RailPads, length: float = PAD_LENGTH) -> RailCompliance:
@@ -110,20 +198,35 @@ def sleeper_compliance(outline: Outline, steel: Material, pads: RailPads, length
 
     Raises ValueError for pads that are longer than the spacing.
     """
-    if not 0.0 < length <= pads.spacing:
-        raise ValueError(f"length = {length:g}: must be above 0 and at most the spacing of {pads.spacing:g} m")
+    length = checked_length(length, pads)
     key = rail_key("sleepers", outline, steel, pads, span=(pads.spacing, length, DEGREE, HARMONICS))
 
     def harmonics() -> dict[str, Array]:
-        return {"harmonics": span_harmonics(spread_support(outline, steel, pads), pads.spacing, length, HARMONICS)}
+        span = Span(spread_support(outline, steel, pads), pads.spacing, length)
+        return {"harmonics": cosines(span.compliance(span.places(HARMONICS)))}
 
     mean, *others = cached(f"sleepers/{key}", harmonics, ("harmonics",))["harmonics"]
     spread = rail_compliance(outline, steel, pads)
     return replace(spread, matrix=spread.matrix + mean, harmonics=np.stack(others), spacing=pads.spacing)
 
 
+def checked_length(length: float, pads: RailPads) -> float:
+    """Length m of a pad along the rail; raises ValueError for one that is longer than the spacing."""
+    if not 0.0 < length <= pads.spacing:
+        raise ValueError(f"length = {length:g}: must be above 0 and at most the spacing of {pads.spacing:g} m")
+    return length
+
+
 def spread_support(outline: Outline, steel: Material, pads: RailPads) -> SpreadSupport:
-    """Foot of a rail on pads that are spread along it, by 2.5D finite elements over wavenumbers."""
+    """Foot of a rail on pads that are spread along it, from the cache or by 2.5D finite elements over wavenumbers."""
+    names = ("stiffness", "compliance", "by_load", "inertia", "odd", "seat")
+    key = rail_key("foot of a rail", outline, steel, pads, degree=DEGREE, density=DENSITY)
+    stored = cached(f"pads/{key}", lambda: _by_wavenumbers(outline, steel, pads), names)
+    return SpreadSupport(wavenumber_samples(), **stored)
+
+
+def _by_wavenumbers(outline: Outline, steel: Material, pads: RailPads) -> dict[str, Array]:
+    """Arrays of `SpreadSupport`."""
     from wheelrail.contact.structure.padded_section import PaddedSection  # imports dolfinx
 
     body = PaddedSection(section(outline, rail_strip(outline), grading=GRADING), steel, pads.per_length)
@@ -132,6 +235,19 @@ def spread_support(outline: Outline, steel: Material, pads: RailPads) -> SpreadS
     stiffness = modes.T @ supported
     forces = supported @ np.linalg.inv(stiffness)  # on the foot, with unit amplitudes
     loads = np.concatenate([forces, body.section_loads()], axis=1)
-    k, count = wavenumber_samples(), len(odd)
-    displacements = np.stack([forces.T @ body.solve(float(wavenumber), loads) for wavenumber in k])
-    return SpreadSupport(k, stiffness, displacements[:, :, :count], displacements[:, :, count:], odd)
+    count, mass = len(odd), DENSITY * body.mass
+    compliance, by_load, inertia = [], [], []
+    for k in wavenumber_samples():
+        displacements = body.solve(float(k), loads)
+        of_foot = forces.T @ displacements
+        compliance.append(of_foot[:, :count])
+        by_load.append(of_foot[:, count:])
+        inertia.append(displacements.T @ (mass @ displacements))
+    return {
+        "stiffness": stiffness,
+        "compliance": np.stack(compliance),
+        "by_load": np.stack(by_load),
+        "inertia": np.stack(inertia),
+        "odd": odd,
+        "seat": np.eye(count)[:, [DEGREE + 1, 2 * (DEGREE + 1)]],  # constant across and normal to the foot
+    }

@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -166,6 +167,16 @@ def test_force_curves_are_those_of_the_data() -> None:
     assert np.asarray(curves["right (outer)"].get_ydata()) == pytest.approx(
         1e-3 * data["vertical_force"].sel(side="right").values
     )
+
+
+def test_round_off_errors_are_a_straight_line() -> None:
+    run = history(curvature=0.0)
+    data = dataset(replace(run, state=1e-14 * run.state))
+    for ax in figures.displacements(data).axes:
+        low, high = ax.get_ylim()
+        assert high - low == pytest.approx(figures.LEAST_RANGE)
+    low, high = figures.displacements(dataset(run)).axes[0].get_ylim()
+    assert high - low > 1e3  # mm: left as it was
 
 
 def test_strips_cover_every_patch_once() -> None:

@@ -157,5 +157,3 @@ def test_scenes_of_runs_take_ballast() -> None:
     assert softer > 1.1 * track().rail.matrix[1, 1]
     with pytest.raises(SceneError, match=r"track\.ballast.*pads"):
         parse_scene(f"{text}\n[track.ballast]\n")
-    with pytest.raises(SceneError, match=r"track\.ballast.*sleepers"):
-        parse_scene(f"{text}\n[track.pads]\n[track.ballast]\n[track.sleepers]\n")

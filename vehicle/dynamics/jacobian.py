@@ -96,7 +96,7 @@ class Jacobian:
         by_time[bodies] = (d.accelerations(later, state, wrench)[0] - centre) / TIME_STEP
         if d.structure is not None:
             loads = structure.loads(wheelset, wrenches(at.contacts))
-            by_time[bodies.stop :] = frame.speed * structure.rates_by_distance(loads)
+            by_time[bodies.stop :] = frame.speed * structure.rates_by_distance(d.split(state).motions, loads)
         if frame.rails is not None and later.rails is not None:
             rates = (np.array(later.rails) - np.array(frame.rails)) / TIME_STEP
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.

@@ -107,8 +107,7 @@ class History:
 
     @cached_property
     def _track_positions(self) -> Array:
-        speed_profile = SpeedProfile.of(self.speed)
-        return np.array([speed_profile(time) for time in self.time.tolist()]).reshape(-1, 3)
+        return SpeedProfile.of(self.speed).positions(self.time)
 
     @property
     def car_body(self) -> Array:

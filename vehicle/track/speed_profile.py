@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
+from wheelrail.support.arrays import Array
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 
 
@@ -56,6 +59,10 @@ class SpeedProfile:
     def __call__(self, time: float) -> TrackPosition:
         speed, acceleration, _ = self.speeds(time)
         return TrackPosition(self.speeds.integral(time), speed, acceleration)
+
+    def positions(self, times: Array) -> Array:
+        """Distance m, speed m/s and acceleration m/s2 (n, 3) at times (n,) s."""
+        return np.array([self(time) for time in times.tolist()], dtype=float).reshape(-1, 3)
 
     def time_at(self, distance: float) -> float:
         """Time s at which the vehicle reaches a distance m."""

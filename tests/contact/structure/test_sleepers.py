@@ -7,7 +7,7 @@ import pytest
 
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.structure.pads import RailPads, rail_compliance, wavenumber_samples
-from wheelrail.contact.structure.sleepers import SpreadSupport, sleeper_compliance, span_harmonics
+from wheelrail.contact.structure.sleepers import Span, SpreadSupport, cosines, sleeper_compliance
 from wheelrail.meshes.bodies.outlines import rail_outline
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
@@ -45,8 +45,10 @@ def beam(spacing: float, length: float) -> Array:
     k, spread = wavenumber_samples(), STIFFNESS / spacing
     compliance = (1.0 / (BENDING * k**4 + spread))[:, None, None]
     by_load = compliance * np.array([[0.0, 1.0, 0.0]])
-    support = SpreadSupport(k, np.full((1, 1), spread), compliance, by_load, np.ones(1))
-    harmonics = span_harmonics(support, spacing, length, 20)[:, 1, 1]
+    inertia, one = np.zeros((len(k), 4, 4)), np.ones(1)
+    support = SpreadSupport(k, np.full((1, 1), spread), compliance, by_load, inertia, one, np.zeros((1, 2)))
+    span = Span(support, spacing, length)
+    harmonics = cosines(span.compliance(span.places(20)))[:, 1, 1]
     harmonics[0] += (spread / (4 * BENDING)) ** 0.25 / (2 * spread)  # Winkler
     return harmonics
 

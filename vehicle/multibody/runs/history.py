@@ -122,7 +122,7 @@ class VehicleHistory:
 
     @cached_property
     def _track_positions(self) -> Array:
-        return np.array([self.dynamics.speed_profile(time) for time in self.time.tolist()]).reshape(-1, 3)
+        return self.dynamics.speed_profile.positions(self.time)
 
     def coordinate(self, body: str, coordinate: int) -> Array:
         """Values (n,) m or rad of a coordinate of a body, see `wheelrail.vehicle.multibody.coordinates`."""

@@ -191,13 +191,15 @@ def _pads(table: PadsTable) -> RailPads:
 def _track_with_mass(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> CoRunningTrack:
     """Track under one wheel, with the masses of rail and sleepers."""
     from wheelrail.contact.structure.ballast import Ballast, co_running_track
+    from wheelrail.contact.structure.ballasted_sleepers import sleeper_track
     from wheelrail.meshes.bodies.outlines import rail_outline
 
-    pads, table = scene.track.pads, scene.track.ballast
+    pads, table, sleepers = scene.track.pads, scene.track.ballast, scene.track.sleepers
     assert pads is not None
     assert table is not None
     ballast = Ballast(table.sleeper_mass, table.vertical, table.lateral, table.pad_damping, table.damping)
-    return co_running_track(rail_outline(pair[1]), material(scene), _pads(pads), ballast)
+    layers = rail_outline(pair[1]), material(scene), _pads(pads), ballast
+    return co_running_track(*layers) if sleepers is None else sleeper_track(*layers, sleepers.length)
 
 
 def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> HubCompliance:

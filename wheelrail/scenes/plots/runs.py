@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import DataArray, Dataset
 
+LEAST_RANGE = 1e-3  # mm, kN or N, of axes over distance: below the tolerances of runs
+
 
 def draw_figures(
     data: Dataset, folder: Path, pictures: Mapping[str, Callable[..., Figure]] | None = None
@@ -43,6 +45,7 @@ def displacements(data: Dataset, figure: Figure | None = None) -> Figure:
         ax.plot(data["distance"], 1e3 * data[name], color="0.15")
         ax.set_title(f"Lateral displacement of the {title}")
         ax.set_ylabel("y, positive to the left [mm]")
+        least_range(ax)
     return figure
 
 
@@ -153,8 +156,17 @@ def _by_side(data: Dataset, name: str, scale: float, title: str, label: str, fig
         ax.plot(data["distance"], scale * data[name].sel(side=side), label=named(side, data), **style)
     ax.set_title(title)
     ax.set_ylabel(label)
-    ax.legend(loc="best", ncols=2)
+    least_range(ax)
+    ax.legend(loc="best", ncols=2, frameon=True, framealpha=0.85, edgecolor="none")
     return figure
+
+
+def least_range(ax: Axes) -> None:
+    """Widen the y axis to the least range, so that round-off errors are a straight line."""
+    low, high = ax.get_ylim()
+    if high - low < LEAST_RANGE:
+        middle = 0.5 * (low + high)
+        ax.set_ylim(middle - 0.5 * LEAST_RANGE, middle + 0.5 * LEAST_RANGE)
 
 
 def patch_bands(data: Dataset, body: str, label: str, figure: Figure | None = None) -> tuple[Figure, list[Axes]]:

@@ -138,8 +138,8 @@ def _switched(value: Any) -> Any:
 
 
 class RailsTable(SceneTable):
-    """Position of the rails, their pads, without which they are clamped at their feet, and discrete sleepers or ones on
-    ballast.
+    """Position of the rails, their pads, without which they are clamped at their feet, and sleepers that are discrete,
+    on ballast, or both.
     """
 
     gauge: q.Gauge
@@ -155,8 +155,6 @@ class RailsTable(SceneTable):
                 raise q.reject("allowed only with pads, whose spacing it has", key)
         if self.sleepers is None or self.pads is None:
             return self
-        if self.ballast is not None:
-            raise q.reject("must not be combined with sleepers, whose sleepers are at rest", "ballast")
         if self.sleepers.length > self.pads.spacing:
             raise q.reject(f"must be at most the spacing of the pads, {self.pads.spacing:g} m", "sleepers.length")
         return self
