@@ -33,6 +33,7 @@ HERE = Path(__file__).parent
 COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled")  # folders of compiled functions
 SOURCES = tuple(HERE.parent / name for name in COMPILED)
 
+OWN = "package"  # folder of the machine code of these sources, without generated ones and those of users
 CHECKSUMS = "checksums.json"
 log = logging.getLogger(__name__)
 
@@ -48,7 +49,8 @@ class PackageLocator(_CacheLocator):  # type: ignore[misc]
     def __init__(self, function: Callable[..., Any], file: Path) -> None:
         self._py_file = str(file)  # of Numba's messages
         self._line = function.__code__.co_firstlineno
-        self._place = Path(config.CACHE_DIR) / ("-".join(file.parent.parts[1:]) or "generated")
+        folders = file.parent.parts[1:]  # without that of the package; generated sources have none
+        self._place = Path(config.CACHE_DIR, *([OWN, "-".join(folders)] if folders else ["generated"]))
 
     def get_cache_path(self) -> str:
         return str(self._place)
