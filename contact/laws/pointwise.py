@@ -31,8 +31,8 @@ NUMBERS = types.CPointer(types.float64)
 RESIDUAL_AT = types.void(*[NUMBERS] * 4, types.CPointer(types.int64), *[NUMBERS] * 3)
 WITHOUT_UFL = "none"  # in place of UFL's stamp
 # A law of each class, with any constants: they are arguments of the generated functions.
-FRICTION_LAWS = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
-NORMAL_LAWS = Penalty(), PowerPenalty(1e12, 2.0)
+FRICTION_LAWS: tuple[FrictionLaw, ...] = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
+NORMAL_LAWS: tuple[NormalLaw, ...] = Penalty(), PowerPenalty(1e12, 2.0)
 FRICTION = ("coefficient", "residual", "bounded_residual", "slopes", "bounded_slopes")
 VELOCITIES = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0])  # m/s, at which laws are checked
 PRESSURES = np.array([0.0, 1.0, 1e6, 1e9, 5e9])  # Pa, likewise
@@ -200,10 +200,10 @@ def store_sources(place: Path) -> None:
 
     Raises OSError.
     """
-    for kind, laws, source in (("friction", FRICTION_LAWS, friction_source), ("normal", NORMAL_LAWS, pressure_source)):
-        for law in laws:
-            path = place / f"{kind}_{type(law).__name__}_{WITHOUT_UFL}.generated"
-            path.write_text(_with_checksum(source(law)), encoding="utf-8")
+    sources = {f"friction_{type(law).__name__}": friction_source(law) for law in FRICTION_LAWS}
+    sources |= {f"normal_{type(law).__name__}": pressure_source(law) for law in NORMAL_LAWS}
+    for name, source in sources.items():
+        (place / f"{name}_{WITHOUT_UFL}.generated").write_text(_with_checksum(source), encoding="utf-8")
 
 
 def _ufl_stamp() -> str:
