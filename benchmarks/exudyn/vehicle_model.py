@@ -34,7 +34,7 @@ class CircularTrack:
 
     Parameters:
         curvature: 1/m, positive to the left.
-        cant_angle: rad.
+        cant_angle: rad, positive lowers the left rail.
     """
 
     curvature: float = 0.0
@@ -45,7 +45,7 @@ class CircularTrack:
         angle = self.curvature * distance
         forward, left = np.array([np.cos(angle), np.sin(angle), 0.0]), np.array([-np.sin(angle), np.cos(angle), 0.0])
         c, s = np.cos(self.cant_angle), np.sin(self.cant_angle)
-        axes = np.column_stack([forward, c * left + s * UP, c * UP - s * left])
+        axes = np.column_stack([forward, c * left - s * UP, c * UP + s * left])
         if self.curvature == 0.0:
             return np.array([distance, 0.0, 0.0]), axes
         return np.array([np.sin(angle), 1.0 - np.cos(angle), 0.0]) / self.curvature, axes
