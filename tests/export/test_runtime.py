@@ -159,16 +159,21 @@ def test_bodies_that_need_finite_elements_are_refused(tmp_path: Path) -> None:
     assert exported.stderr.startswith(f"{scene}: a runtime folder has no 3D meshes")
 
 
-def test_profiles_of_files_are_in_the_runtime(tmp_path: Path) -> None:
+def test_files_of_the_scene_are_in_the_runtime(tmp_path: Path) -> None:
     """A unit or a library needs no file beside it."""
     (tmp_path / "rail.txt").write_text("points")
+    (tmp_path / "table.nc").write_text("forces")
     scene = tmp_path / "scene.toml"
-    scene.write_text('[profiles]\nwheel = "S1002"\nrail = "60E1"\n[profiles.left]\nrail = "rail.txt"\n')
+    scene.write_text(
+        'table = "table.nc"\n[profiles]\nwheel = "S1002"\nrail = "60E1"\n[profiles.left]\nrail = "rail.txt"\n'
+    )
     write_scene(scene, tmp_path / "unit")
     text = (tmp_path / "unit/scene.toml").read_text(encoding="utf-8")
-    assert 'rail = "0_rail.txt"' in text
+    assert 'rail = "1_rail.txt"' in text
+    assert 'table = "0_table.nc"' in text
     assert 'rail = "60E1"' in text
-    assert (tmp_path / "unit/0_rail.txt").read_text(encoding="utf-8") == "points"
+    assert (tmp_path / "unit/1_rail.txt").read_text(encoding="utf-8") == "points"
+    assert (tmp_path / "unit/0_table.nc").read_text(encoding="utf-8") == "forces"
 
 
 @pytest.mark.parametrize(

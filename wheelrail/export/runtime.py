@@ -23,6 +23,7 @@ from wheelrail.support.cache import cache_folders
 
 PACKAGES = ("numpy", "scipy", "numba", "pydantic", "lazy_loader", "cffi")
 FINITE_ELEMENTS = ("dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py", "gmsh")  # are not needed at run time
+BODIES = "wheel", "rail"
 _WARM_UP = """
 import sys
 from pathlib import Path
@@ -33,17 +34,21 @@ warm_up(Path(sys.argv[1]))
 
 
 def write_scene(scene: Path, folder: Path) -> None:
-    """Write scene.toml and the profiles that it reads from files into a folder. Raises SceneError, OSError."""
+    """Write scene.toml, and the profiles and the table that it reads from files, into a folder.
+
+    Raises SceneError, OSError.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     data = parse(read_text(scene), scene)
-    profiles = data["profiles"]
-    for table in (profiles, *(profiles[side] for side in SIDES if side in profiles)):
-        for body in ("wheel", "rail"):
-            file = scene.parent / str(table.get(body, ""))
-            if body in table and file.is_file():
-                name = f"{len(list(folder.iterdir()))}_{file.name}"
-                shutil.copyfile(file, folder / name)
-                table[body] = name
+    profiles = data.get("profiles", {})
+    named = [(data, "table"), *((profiles, body) for body in BODIES)]
+    named += [(profiles[side], body) for side in SIDES if side in profiles for body in BODIES]
+    for table, key in named:
+        file = scene.parent / str(table.get(key, ""))
+        if key in table and file.is_file():
+            name = f"{len(list(folder.iterdir()))}_{file.name}"
+            shutil.copyfile(file, folder / name)
+            table[key] = name
     (folder / SCENE).write_bytes(tomli_w.dumps(data).encode())
 
 
@@ -58,8 +63,11 @@ def export_runtime(folder: Path, scene_folder: Path) -> None:
     written, SceneError for a scene that is no wheelset, whose contact fails or whose solves need finite elements.
     """
     scene = load_scene(scene_folder / SCENE)
-    if isinstance(scene, WheelsetScene) and (scene.model == "full" or scene.discretisation.bodies == "solid"):
-        raise SceneError('a runtime folder has no 3D meshes: not allowed with model = "full", bodies = "solid"')
+    if isinstance(scene, WheelsetScene) and (
+        scene.model in ("full", "table") or scene.discretisation.bodies == "solid"
+    ):
+        models = 'model = "full", model = "table", bodies = "solid"'
+        raise SceneError(f"a runtime folder has no 3D meshes and reads no NetCDF: not allowed with {models}")
     warm_up(scene_folder)  # computes the compliances, with finite elements
     package = folder / "wheelrail"
     for old in (package, folder / "cache", folder / "machine-code"):
