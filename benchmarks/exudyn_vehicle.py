@@ -1,6 +1,6 @@
 """The vehicle in three dimensions beside the same one in Exudyn with the contact element: largest differences.
 
-    pip install exudyn; python -m benchmarks.exudyn.vehicle [--end S] [--step S] [--curve]
+    pip install exudyn; python -m benchmarks.exudyn_vehicle [--end S] [--step S] [--curve]
 
 Manchester vehicle 1 with S1002 wheels on 60E1 rails at 1/40, standard contact, starts from its equilibrium with a
 lateral velocity of the front bogie, on straight track or at once in a canted curve of 600 m, without a force that
@@ -20,7 +20,6 @@ import numpy as np
 
 import wheelrail as wr
 from benchmarks.common.machine import machine_description
-from benchmarks.exudyn.vehicle_model import CircularTrack, TimeSteps, VehicleForces, trajectory
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
@@ -32,7 +31,7 @@ from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
-SCENE = Path(__file__).parents[2] / "scenes" / "vehicle.toml"
+SCENE = Path(__file__).parents[1] / "scenes" / "vehicle.toml"
 PAIR = {"wheel": "S1002", "rail": "60E1", "laying_angle": 0.025, "friction": 0.3, "model": "standard"}
 SPEED, RADIUS, CANT, CANT_BASE = 25.0, 600.0, 0.1, 1.5  # m/s, m, m, m
 KICK = 0.05  # m/s, lateral velocity of the front bogie
@@ -65,13 +64,16 @@ def ours(state: Array, end: float, *, curve: bool) -> Array:
     return np.asarray(position)
 
 
-def theirs(state: Array, times: TimeSteps, *, curve: bool) -> Array:
-    """Coordinates (rows, n, 6) by Exudyn."""
+def theirs(state: Array, end: float, step: float, *, curve: bool) -> Array:
+    """Coordinates (n, 6) of the bodies at the end by Exudyn at a fixed step s."""
+    from benchmarks.exudyn.vehicle_model import CircularTrack, TimeSteps, VehicleForces, trajectory
+
     vehicle = replace(load_vehicle(), speed_hold=None)
     wheelset = wr.Wheelset(**PAIR, speed=SPEED)
     elements = [wheelset.element() for _ in vehicle.wheelsets]
     track = CircularTrack(1.0 / RADIUS, asin(CANT / CANT_BASE)) if curve else CircularTrack()
-    return trajectory(VehicleForces(vehicle, track, elements), state, SPEED, times)
+    rows = trajectory(VehicleForces(vehicle, track, elements), state, SPEED, TimeSteps(end, step, end))
+    return np.asarray(rows[-1])
 
 
 def difference(first: Array, second: Array) -> tuple[float, float]:
@@ -88,11 +90,11 @@ def main() -> None:
     given = parser.parse_args()
     state = initial_state()
     start = process_time()
-    fine = theirs(state, TimeSteps(given.end, given.step, given.end), curve=given.curve)[-1]
+    fine = theirs(state, given.end, given.step, curve=given.curve)
     middle = process_time()
     own = ours(state, given.end, curve=given.curve)
     seconds = middle - start, process_time() - middle
-    coarse = theirs(state, TimeSteps(given.end, 2 * given.step, given.end), curve=given.curve)[-1]
+    coarse = theirs(state, given.end, 2 * given.step, curve=given.curve)
     print(machine_description())
     print(
         f"Exudyn {version('exudyn')}, RK44 at {given.step:g} s, {given.end:g} s: {seconds[0]:.0f} s of processor time,"
