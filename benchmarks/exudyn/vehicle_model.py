@@ -190,8 +190,7 @@ def trajectory(forces: VehicleForces, initial: Array, speed: float, times: TimeS
         speed: of the reference motion, m/s.
         times: of the run; every must be a multiple of step.
     """
-    container = exu.SystemContainer()
-    mbs = container.AddSystem()
+    mbs = exu.SystemContainer().AddSystem()
     nodes = _add_bodies(mbs, forces, initial, speed)
     output, rows = exu.OutputVariableType, []
 

@@ -259,8 +259,7 @@ def table_force(
         pose: origin (3,) m and rotation (3, 3) of the wheel.
         twists: velocity, angular velocity and reference (3,) of the wheel, then of the rail, m/s, rad/s, m.
 
-    Arrays are all real or all complex. The force is zero where the level is negative, and for speeds that are not
-    positive; the speed is 1 without friction.
+    Arrays are all real or all complex. Force is zero at negative levels and speeds; without friction the speed is 1.
     """
     origin, rotation = pose
     radius, lateral = place
