@@ -1,1 +1,1 @@
-"""The wagon compared with Exudyn."""
+"""The wagon and the vehicle in three dimensions compared with Exudyn."""

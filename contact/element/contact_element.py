@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -68,7 +69,7 @@ class ContactElement(Generic[S, K]):
             result = self.contact(state, side, guess)
         except BREAKDOWN as error:
             return ContactResult.failed(f"{type(error).__name__}: {error}")
-        if result.ok and not (np.isfinite(result.force).all() and np.isfinite(result.moment).all()):
+        if result.ok and not all(map(isfinite, (*result.force.tolist(), *result.moment.tolist()))):
             return ContactResult.failed("force or moment is not finite", result.approach)
         return result
 

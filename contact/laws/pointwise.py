@@ -21,14 +21,18 @@ import numpy as np
 from numba import types
 
 from wheelrail.contact.laws.code_generation import friction_source, pressure_source
-from wheelrail.contact.laws.friction import FrictionLaw, parameters
-from wheelrail.contact.laws.normal import NormalLaw
+from wheelrail.contact.laws.friction import Coulomb, FallingFriction, FrictionLaw, Stribeck, parameters
+from wheelrail.contact.laws.normal import NormalLaw, Penalty, PowerPenalty
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.compiled import address, compiled, folder
 
 NUMBERS = types.CPointer(types.float64)
 RESIDUAL_AT = types.void(*[NUMBERS] * 4, types.CPointer(types.int64), *[NUMBERS] * 3)
+WITHOUT_UFL = "none"  # in place of UFL's stamp
+# A law of each class, with any constants: they are arguments of the generated functions.
+FRICTION_LAWS: tuple[FrictionLaw, ...] = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
+NORMAL_LAWS: tuple[NormalLaw, ...] = Penalty(), PowerPenalty(1e12, 2.0)
 FRICTION = ("coefficient", "residual", "bounded_residual", "slopes", "bounded_slopes")
 VELOCITIES = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0])  # m/s, at which laws are checked
 PRESSURES = np.array([0.0, 1.0, 1e6, 1e9, 5e9])  # Pa, likewise
@@ -163,7 +167,7 @@ def _code(kind: str, law: Any, source: Callable[[Any], str], functions: tuple[st
         text, path = _source(kind, law, source)
         code = ModuleType(f"wheelrail_law_{path.stem}")
         sys.modules[code.__name__] = code  # machine code is loaded by the name of its module
-        exec(compile(text, str(path), "exec"), code.__dict__)
+        exec(compile(text, path.name, "exec"), code.__dict__)
         for name in functions:
             setattr(code, name, compiled(getattr(code, name), error_model="numpy"))
         _codes[key] = code
@@ -188,11 +192,25 @@ def _source(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Pat
     return text, path
 
 
+def store_sources(place: Path) -> None:
+    """Write the sources of all laws of this package into a folder of machine code, for processes without UFL.
+
+    Parameters:
+        place: becomes `wheelrail.support.compiled.folder` of these processes.
+
+    Raises OSError.
+    """
+    sources = {f"friction_{type(law).__name__}": friction_source(law) for law in FRICTION_LAWS}
+    sources |= {f"normal_{type(law).__name__}": pressure_source(law) for law in NORMAL_LAWS}
+    for name, source in sources.items():
+        (place / f"{name}_{WITHOUT_UFL}.generated").write_text(_with_checksum(source), encoding="utf-8")
+
+
 def _ufl_stamp() -> str:
     """Hash that changes with the installed version of UFL, which orders sums; UFL is not imported."""
     spec = find_spec("ufl")
     if spec is None or spec.origin is None:
-        return "none"
+        return WITHOUT_UFL
     return hashlib.sha256(f"{spec.origin} {Path(spec.origin).stat().st_mtime_ns}".encode()).hexdigest()[:8]
 
 

@@ -16,7 +16,6 @@ from typer.testing import CliRunner
 import wheelrail as wr
 from wheelrail.api.elements.variables import INPUTS, OUTPUTS
 from wheelrail.cli.main import app
-from wheelrail.export.unit import write_scene
 
 pytest.importorskip("cffi")
 if shutil.which("cc") is None:
@@ -36,13 +35,23 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-@pytest.fixture(scope="module")
-def unit(scene: Path) -> Path:
-    """The exported unit."""
-    file = scene.with_suffix(".fmu")
-    exported = CliRunner().invoke(app, ["export", str(scene), "--fmu", str(file)])
+def exported_unit(scene: Path, fmi: str) -> Path:
+    file = scene.with_name(f"few_{fmi[0]}.fmu")
+    exported = CliRunner().invoke(app, ["export", str(scene), "--fmu", str(file), "--fmi", fmi])
     assert exported.exit_code == 0, exported.stderr
     return file
+
+
+@pytest.fixture(scope="module")
+def unit(scene: Path) -> Path:
+    """The exported unit of FMI 2.0."""
+    return exported_unit(scene, "2.0")
+
+
+@pytest.fixture(scope="module")
+def unit3(scene: Path) -> Path:
+    """The exported unit of FMI 3.0."""
+    return exported_unit(scene, "3.0")
 
 
 def numbers(element: wr.WheelsetElement, places: Any) -> list[list[float]]:
@@ -69,7 +78,7 @@ def test_a_host_in_c(unit: Path, scene: Path, tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stdout[-500:] + done.stderr
     refused, first, other, second, wild, status, again, new, negative, last = done.stdout.splitlines()
-    assert refused == "wrong, status 3: the GUID is not that of the unit"
+    assert refused == "wrong, status 3: the instantiation token (GUID) is not that of the unit"
     assert wild == "first, status 2: failed: z = 1.0: must be a number from -0.1 to 0.1 m (2 mm is 0.002)"
     assert (status, last) == ("status 2", "status 3")
     assert negative.startswith("again, status 3: Wheelset: left.friction = -1")
@@ -83,10 +92,12 @@ def test_a_host_in_c(unit: Path, scene: Path, tmp_path: Path) -> None:
     assert [float.fromhex(value) for value in values] == numbers(slippery.element(), PLACES[:1])[0]
 
 
-def test_fmpy_validates_and_drives_the_unit(unit: Path, scene: Path) -> None:
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_fmpy_validates_and_drives_the_unit(fmi: str, scene: Path, request: pytest.FixtureRequest) -> None:
     fmpy = pytest.importorskip("fmpy")
     from fmpy.validation import validate_fmu
 
+    unit: Path = request.getfixturevalue("unit" if fmi == "2.0" else "unit3")
     assert validate_fmu(str(unit)) == []
     element, outputs = wr.load(scene).element(), np.zeros(len(OUTPUTS))  # type: ignore[union-attr]
     names = [variable.name for variable in OUTPUTS[:12]]
@@ -105,17 +116,56 @@ def test_fmpy_validates_and_drives_the_unit(unit: Path, scene: Path) -> None:
     starts = {variable.name: float(variable.start) for variable in description.modelVariables if variable.start}
     assert starts["speed"] == 45.0
     assert starts["right_friction"] == 0.3
-    assert [variable.name for variable in description.modelVariables][: len(INPUTS)] == [v.name for v in INPUTS]
+    described = [variable.name for variable in description.modelVariables if variable.name != "time"]
+    assert described[: len(INPUTS)] == [variable.name for variable in INPUTS]
+    assert description.fmiVersion == fmi
 
 
-def test_profiles_of_files_are_in_the_unit(tmp_path: Path) -> None:
-    """A unit needs no file beside it."""
-    (tmp_path / "rail.txt").write_text("points")
-    scene = tmp_path / "scene.toml"
-    scene.write_text('[profiles]\nwheel = "S1002"\nrail = "60E1"\n[profiles.left]\nrail = "rail.txt"\n')
-    (tmp_path / "unit").mkdir()
-    write_scene(scene, tmp_path / "unit")
-    text = (tmp_path / "unit/scene.toml").read_text(encoding="utf-8")
-    assert 'rail = "0_rail.txt"' in text
-    assert 'rail = "60E1"' in text
-    assert (tmp_path / "unit/0_rail.txt").read_text(encoding="utf-8") == "points"
+def test_units_of_fmi_3_live_side_by_side(unit3: Path, scene: Path, tmp_path: Path) -> None:
+    """Two in one process: the element's numbers to the last bit, both derivatives; reset, freed and made again."""
+    fmpy = pytest.importorskip("fmpy")
+    from fmpy.fmi3 import FMICallException, FMU3Slave
+
+    folder = fmpy.extract(str(unit3), str(tmp_path / "a b"))
+    description = fmpy.read_model_description(str(unit3))
+    identifier, token = description.coSimulation.modelIdentifier, description.guid
+    outputs, forces, patch = [100 + k for k in range(14)], [100 + k for k in range(12)], [301]
+
+    def made(name: str) -> Any:
+        slave = FMU3Slave(guid=token, modelIdentifier=identifier, unzipDirectory=folder, instanceName=name)
+        slave.instantiate()
+        slave.enterInitializationMode()
+        return slave
+
+    def row(slave: Any, y: float, z: float) -> list[float]:
+        slave.setFloat64([0, 1], [y, z])
+        values = [*slave.getFloat64(outputs), *slave.getDirectionalDerivative(forces, [3], [1.0])]
+        values += slave.getFloat64(patch)
+        slave.doStep(currentCommunicationPoint=0.0, communicationStepSize=1e-3)
+        return values
+
+    first, second = made("first"), made("second")
+    second.setFloat64([200], [0.1])
+    for slave in (first, second):
+        slave.exitInitializationMode()
+    expected = numbers(wr.load(scene).element(), PLACES)  # type: ignore[union-attr]
+    slippery = wr.Wheelset(**{**wr.load(scene).arguments, "left": {"friction": 0.1}})  # type: ignore[union-attr]
+    assert row(first, *PLACES[0]) == expected[0]
+    assert row(second, *PLACES[0]) == numbers(slippery.element(), PLACES[:1])[0]
+    assert row(first, *PLACES[1]) == expected[1]
+    seed = np.linspace(1.0, 2.0, len(forces))
+    (adjoint,) = first.getAdjointDerivative(forces, [3], seed, nSensitivity=1)
+    assert adjoint == pytest.approx(float(seed @ expected[1][14:26]), rel=1e-12)
+    first.setFloat64([1], [1.0])
+    with pytest.raises(FMICallException) as failure:
+        first.getFloat64(outputs)
+    assert failure.value.status == 2  # fmi3Discard
+    first.reset()
+    assert row(first, *PLACES[0]) == expected[0]
+    for slave in (first, second):
+        slave.terminate()
+        slave.fmi3FreeInstance(slave.component)
+    again = made("again")
+    again.exitInitializationMode()
+    assert row(again, *PLACES[0]) == expected[0]
+    again.fmi3FreeInstance(again.component)

@@ -108,7 +108,8 @@ MAY_IMPORT["scenes.schema"] = {
 for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
-MAY_IMPORT["export"] = {"api", "api.elements", "contact.element", "contact.kinematics", "scenes.schema", "support"}
+MAY_IMPORT["export"] = {"api", "api.elements", "scenes.schema", "support"}
+MAY_IMPORT["export"] |= {f"contact.{name}" for name in ("element", "kinematics", "laws")}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
 _OF_CONTACT = {f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")}
 MAY_IMPORT["api.elements"] = _OF_CONTACT | {"scenes.schema", "support"}

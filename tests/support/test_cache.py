@@ -52,6 +52,17 @@ def test_stored_arrays_are_loaded(folder: Path) -> None:
     assert [path.name for path in folder.rglob("*") if path.is_file()] == ["name.npz"]
 
 
+def test_several_folders(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Arrays of a later folder are read, and copied to the first, to which new ones go."""
+    store("kind/name", ARRAYS)
+    first = folder.with_name("first")
+    monkeypatch.setenv("WHEELRAIL_CACHE", f"{first}{os.pathsep}{folder}")
+    assert same(load("kind/name"), ARRAYS)
+    store("kind/other", ARRAYS)
+    assert sorted(path.name for path in first.rglob("*.npz")) == ["name.npz", "other.npz"]
+    assert [path.name for path in folder.rglob("*.npz")] == ["name.npz"]
+
+
 def test_key_depends_on_every_part() -> None:
     parts: dict[str, Any] = {"size": 1e-3, "radii": ("inf", 0.3), "rest": np.arange(3.0), "cells": (4, 2)}
     keys = {digest(**parts)}

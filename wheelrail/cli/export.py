@@ -13,7 +13,7 @@ from wheelrail.support.terminal import print_results, progress_console, stdout_f
 
 Scene = Annotated[
     Path | None,
-    typer.Argument(metavar="SCENE", help="Scene file (TOML); not with --c.", show_default=False),
+    typer.Argument(metavar="SCENE", help="Scene file (TOML); with --c only for --runtime.", show_default=False),
 ]
 
 
@@ -25,46 +25,61 @@ def export(
     ] = None,
     fmu: Annotated[
         Path | None,
-        typer.Option("--fmu", metavar="FILE", help="Functional mock-up unit (FMI 2.0, .fmu) of a wheelset."),
+        typer.Option("--fmu", metavar="FILE", help="Functional mock-up unit (.fmu) of a wheelset."),
     ] = None,
     c: Annotated[
         Path | None,
         typer.Option("--c", metavar="DIR", help="Folder for a C library with header, Fortran module and examples."),
     ] = None,
+    fmi: Annotated[str, typer.Option("--fmi", metavar="VERSION", help="Version of the unit: 2.0 or 3.0.")] = "2.0",
+    runtime: Annotated[
+        bool,
+        typer.Option("--runtime", help="Library or unit that can be moved: with this package and the compliances."),
+    ] = False,
 ) -> None:
     """Write the fields of all contacts of a scene for ParaView, or a contact element for multibody programs."""
     if sum(target is not None for target in (out, fmu, c)) != 1:
         raise rejected("export: exactly one of --out DIR, --fmu FILE and --c DIR is required")
-    if c is not None:
-        if scene is not None:
-            raise rejected(f"export: {scene}: not allowed with --c; programs open scenes themselves")
-        _library(c)
-    elif scene is None:
+    if runtime and out is not None:
+        raise rejected("export: --runtime: not allowed with --out")
+    if c is not None and scene is not None and not runtime:
+        raise rejected(f"export: {scene}: not allowed with --c without --runtime; programs open scenes themselves")
+    if scene is None and (c is None or runtime):
         raise rejected("export: SCENE is required")
-    elif fmu is not None:
-        _unit(scene, fmu)
-    elif out is not None:
+    if c is not None:
+        _library(c, scene)
+    elif scene is not None and fmu is not None:
+        _unit(scene, fmu, fmi, runtime)
+    elif scene is not None and out is not None:
         _fields(scene, out)
 
 
-def _library(folder: Path) -> None:
+def _library(folder: Path, scene: Path | None) -> None:
+    if scene is not None:
+        _check_wheelset(scene)
     from wheelrail.export.library import export_library
 
     results_folder(folder, folder)
-    with error_lines("", f"{folder}: "):
-        print_results(str(export_library(folder)))
+    with error_lines(f"{scene}: " if scene is not None else "", f"{folder}: "):
+        print_results(str(export_library(folder, scene)))
 
 
-def _unit(scene: Path, file: Path) -> None:
-    checked = load(scene)
+def _unit(scene: Path, file: Path, fmi: str, runtime: bool) -> None:
+    _check_wheelset(scene)
     check_ending("--fmu", file, (".fmu",))
-    if checked.kind != "wheelset":
-        raise rejected(f'{scene}: kind = "{checked.kind}": must be "wheelset"')
+    if fmi not in ("2.0", "3.0"):
+        raise rejected(f"--fmi {fmi}: must be 2.0 or 3.0")
     from wheelrail.export.unit import export_unit
 
     with error_lines(f"{scene}: ", f"{file}: "):
-        export_unit(scene, file)
+        export_unit(scene, file, "2.0" if fmi == "2.0" else "3.0", runtime=runtime)
     print_results(str(file))
+
+
+def _check_wheelset(scene: Path) -> None:
+    checked = load(scene)
+    if checked.kind != "wheelset":
+        raise rejected(f'{scene}: kind = "{checked.kind}": must be "wheelset"')
 
 
 def _fields(scene: Path, out: Path) -> None:

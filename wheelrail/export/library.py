@@ -14,31 +14,48 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from wheelrail.export.header import FUNCTIONS, c_header, fortran_module
+from wheelrail.export.runtime import export_runtime, write_scene
 
 EXAMPLES = ("example.c", "example.f90")
 SETTINGS = ("WHEELRAIL_CACHE", "NUMBA_CACHE_DIR")  # of the environment, that hosts may set anew
+RUNTIME = "runtime"  # folder
 KEEP = "-Wl,-z,nodelete"  # Python keeps pointers into the library, also after a program has closed it
-_INIT = """
+_THREADS = """
 import os, sys
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+from {module} import ffi, lib
+"""
+_INSTALLED = """
 for name, value in {settings!r}.items():
     os.environ.setdefault(name, value)
 path = os.environ.get("WHEELRAIL_PYTHONPATH")
 sys.path[:0] = path.split(os.pathsep) if path else {path!r}
-from {module} import ffi
+"""
+_MOVABLE = """
+library = os.path.dirname(ffi.string(lib.wheelrail_library()).decode())
+runtime = os.path.normpath(os.path.join(library, {runtime!r}))
+caches = os.environ.get("WHEELRAIL_CACHE"), os.path.join(runtime, "cache")
+os.environ["WHEELRAIL_CACHE"] = os.pathsep.join(filter(None, caches))
+os.environ.setdefault("NUMBA_CACHE_DIR", os.path.join(runtime, "machine-code"))
+sys.path[:0] = [runtime, *filter(None, os.environ.get("WHEELRAIL_PYTHONPATH", "").split(os.pathsep))]
+"""
+_DEFINE = """
 from wheelrail.export.embedded import define
 define(ffi)
 """
 
 
-def export_library(folder: Path) -> Path:
+def export_library(folder: Path, scene: Path | None = None) -> Path:
     """Write wheelrail.h, the shared library, a Fortran module and examples into a folder; returns the library's path.
 
     Parameters:
         folder: is created.
+        scene: of a wheelset, whose compliances are in the library's runtime folder; without a scene the library uses
+            this installation.
 
-    Raises OSError for a folder that cannot be written, without cffi, a C compiler or Python's headers.
+    Raises OSError for a folder that cannot be written, without cffi, a C compiler or Python's headers, and OSError and
+    SceneError as `export_runtime`.
     """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "wheelrail.h").write_text(c_header(), encoding="utf-8")
@@ -46,20 +63,24 @@ def export_library(folder: Path) -> Path:
     for name in EXAMPLES:
         (folder / name).write_text(_text(name), encoding="utf-8")
     library = folder / "libwheelrail.so"
-    compile_library(library, "wheelrail_c", "")
+    if scene is not None:
+        write_scene(scene, folder / RUNTIME)
+        export_runtime(folder / RUNTIME, folder / RUNTIME)
+    compile_library(library, "wheelrail_c", "", RUNTIME if scene is not None else "")
     return library
 
 
-def compile_library(library: Path, module: str, source: str) -> None:
+def compile_library(library: Path, module: str, source: str, runtime: str = "") -> None:
     """Compile the library.
 
     Parameters:
         library: file to write.
         module: name of the Python module inside, unique among the libraries of a process.
         source: further C code that uses the functions of the header.
+        runtime: path of a runtime folder from the library's folder, or empty.
 
-    The library finds Python's packages where this process does; the environment variable WHEELRAIL_PYTHONPATH names
-    other folders. Raises OSError.
+    With a runtime folder the library can be moved with it. Without one the library finds Python's packages where this
+    process does; the environment variable WHEELRAIL_PYTHONPATH names other folders. Raises OSError.
     """
     if sys.platform != "linux":
         raise OSError(f"libraries for other programs are made on Linux only so far, not on {sys.platform}")
@@ -70,30 +91,44 @@ def compile_library(library: Path, module: str, source: str) -> None:
     ffi = FFI()
     ffi.embedding_api(FUNCTIONS.replace("int wheelrail_version(void);", "").replace("_open(", "_python_open("))
     libpython = f'#define LIBPYTHON "{sysconfig.get_config_var("INSTSONAME")}"'
+    ffi.cdef("const char *wheelrail_library(void);")
     ffi.set_source(module, "\n".join((libpython, c_header(), _text("python.c"), source)))
-    settings = {name: str(Path(os.environ[name]).absolute()) for name in SETTINGS if os.environ.get(name)}
-    path = [str(Path(entry).absolute()) for entry in sys.path if entry and Path(entry).exists()]
-    root = str(Path(__file__).parents[2])
-    ffi.embedding_init_code(_INIT.format(module=module, settings=settings, path=[root, *path]))
+    place = _MOVABLE.format(runtime=runtime) if runtime else _installed()
+    ffi.embedding_init_code(_THREADS.format(module=module) + place + _DEFINE)
     with TemporaryDirectory() as work:
         code = Path(work, "library.c")
         with redirect_stdout(StringIO()):  # cffi prints the name of the file
             ffi.emit_c_code(str(code))
-        _compile(code, library)
+        _compile(code, library, movable=bool(runtime))
+
+
+def _installed() -> str:
+    """Python code that finds this installation's packages and caches."""
+    settings = {name: str(Path(os.environ[name]).absolute()) for name in SETTINGS if os.environ.get(name)}
+    path = [str(Path(entry).absolute()) for entry in sys.path if entry and Path(entry).exists()]
+    return _INSTALLED.format(settings=settings, path=[str(Path(__file__).parents[2]), *path])
 
 
 def _text(name: str) -> str:
     return files("wheelrail.export").joinpath(name).read_text(encoding="utf-8")
 
 
-def _compile(code: Path, library: Path) -> None:
-    """Compile a C file into a shared library linked with Python's. Raises OSError with the compiler's first error."""
+def _compile(code: Path, library: Path, movable: bool) -> None:
+    """Compile a C file into a shared library linked with Python's.
+
+    Parameters:
+        code, library: file to read and file to write.
+        movable: the system finds Python's library, on another machine perhaps elsewhere than here.
+
+    Raises OSError with the compiler's first error.
+    """
     compiler = os.environ.get("CC", "cc")
     if shutil.which(compiler) is None:
         raise OSError(f"C compiler {compiler!r}: not found; install one, or name it by the environment variable CC")
     place, version = sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("LDVERSION")
     command = [compiler, "-O2", "-shared", "-fPIC", f"-I{sysconfig.get_path('include')}", str(code), "-o", str(library)]
-    command += [f"-L{place}", f"-Wl,-rpath,{place}", f"-lpython{version}", "-ldl", "-lpthread", KEEP]
+    command += [f"-L{place}", f"-lpython{version}", "-ldl", "-lpthread", KEEP]
+    command += [] if movable else [f"-Wl,-rpath,{place}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         error = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip())

@@ -1,41 +1,41 @@
-"""A wheelset scene as a functional mock-up unit (FMI 2.0) for model exchange and co-simulation."""
+"""A wheelset scene as a functional mock-up unit (FMI 2.0, 3.0) for model exchange and co-simulation."""
 
 from __future__ import annotations
 
 import re
 from importlib.resources import files
 from pathlib import Path
-from shutil import copyfile
 from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
 from zipfile import ZIP_DEFLATED, ZipFile
 
-import tomli_w
-
 from wheelrail.api.elements.variables import PARAMETERS
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.export.host import loaded_wheelset
 from wheelrail.export.library import compile_library
-from wheelrail.export.model_description import UnitModel, model_description
+from wheelrail.export.model_description import Fmi, UnitModel, model_description
+from wheelrail.export.runtime import export_runtime, write_scene
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene, load_scene
-from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.version import versions
 
-PLATFORM = "linux64"
+PLATFORM: dict[Fmi, str] = {"2.0": "linux64", "3.0": "x86_64-linux"}
+RUNTIME = "../../resources/runtime"  # from the folder of the library
 
 
-def export_unit(scene: Path, unit: Path) -> None:
+def export_unit(scene: Path, unit: Path, fmi: Fmi = "2.0", *, runtime: bool = False) -> None:
     """Write a functional mock-up unit with library, scene and profiles of files.
 
     Parameters:
         scene: wheelset scene (TOML).
         unit: file to write.
+        fmi: version of the interface.
+        runtime: whether the unit holds a runtime folder, and needs no installation of this package.
 
     Raises SceneError for another scene, OSError without a compiler, cffi or Python's headers, or for a file that cannot
-    be written.
+    be written, and both as `export_runtime`.
     """
     checked = load_scene(scene)
     if not isinstance(checked, WheelsetScene):
@@ -43,14 +43,17 @@ def export_unit(scene: Path, unit: Path) -> None:
     coefficients = [checked.side(side).friction for side in SIDES]
     numbers = [float(value) for value in coefficients if isinstance(value, float | int)]
     with TemporaryDirectory() as work:
-        folder, guid = Path(work), str(uuid4())
-        resources, binaries = folder / "resources", folder / "binaries" / PLATFORM
+        folder, token = Path(work), str(uuid4())
+        resources, binaries = folder / "resources", folder / "binaries" / PLATFORM[fmi]
         for place in (resources, binaries):
             place.mkdir(parents=True)
         write_scene(scene, resources)
+        if runtime:
+            export_runtime(resources / "runtime", resources)
         model = UnitModel(
+            fmi=fmi,
             identifier=re.sub(r"\W", "_", f"wheelrail_{unit.stem}", flags=re.ASCII),
-            guid=guid,
+            token=token,
             version=versions()["wheelrail"],
             start=loaded_wheelset('{"scene": "scene.toml"}', resources).element().start_array().tolist(),
             friction=numbers if len(numbers) == len(SIDES) else (),
@@ -58,34 +61,23 @@ def export_unit(scene: Path, unit: Path) -> None:
         )
         (folder / "modelDescription.xml").write_text(model_description(model), encoding="utf-8")
         library = binaries / f"{model.identifier}.so"
-        compile_library(library, f"_{model.identifier}_{guid.replace('-', '')}", _source(model))
+        compile_library(
+            library, f"_{model.identifier}_{token.replace('-', '')}", _source(model), RUNTIME if runtime else ""
+        )
         with atomic_file(unit) as part, ZipFile(part, "w", ZIP_DEFLATED) as archive:
             for file in sorted(folder.rglob("*")):
                 if file.is_file():
                     archive.write(file, file.relative_to(folder))
 
 
-def write_scene(scene: Path, folder: Path) -> None:
-    """Write scene.toml and the profiles that it reads from files into a folder. Raises SceneError, OSError."""
-    data = parse(read_text(scene), scene)
-    profiles = data["profiles"]
-    for table in (profiles, *(profiles[side] for side in SIDES if side in profiles)):
-        for body in ("wheel", "rail"):
-            file = scene.parent / str(table.get(body, ""))
-            if body in table and file.is_file():
-                name = f"{len(list(folder.iterdir()))}_{file.name}"
-                copyfile(file, folder / name)
-                table[body] = name
-    (folder / "scene.toml").write_bytes(tomli_w.dumps(data).encode())
-
-
 def _source(model: UnitModel) -> str:
     """C code of the FMI functions, with the constants of the unit."""
     friction: list[Any] = list(model.friction) or [0.0] * len(PARAMETERS)
     constants = (
-        f'#define GUID "{model.guid}"',
+        f'#define TOKEN "{model.token}"',
         f"static const double START[] = {{{', '.join(map(repr, model.start))}}};",
         f"static const double PARAMETER_START[] = {{{', '.join(map(repr, friction))}}};",
         "static const char *const PARAMETER_NAME[] = {" + ", ".join(f'"{v.name}"' for v in PARAMETERS) + "};",
     )
-    return "\n".join((*constants, files("wheelrail.export").joinpath("fmi2.c").read_text(encoding="utf-8")))
+    sources = (files("wheelrail.export").joinpath(name) for name in ("unit.c", f"fmi{model.fmi[0]}.c"))
+    return "\n".join((*constants, *(source.read_text(encoding="utf-8") for source in sources)))

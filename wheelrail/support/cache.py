@@ -24,14 +24,19 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 def cache_folder() -> Path:
-    """Folder of the cache: $WHEELRAIL_CACHE, or the user's own cache folder."""
-    chosen = os.environ.get("WHEELRAIL_CACHE")
+    """Folder of the cache to which arrays are written."""
+    return cache_folders()[0]
+
+
+def cache_folders() -> list[Path]:
+    """Folders in which arrays are looked for: those of $WHEELRAIL_CACHE, separated as in $PATH, or the user's own."""
+    chosen = [Path(folder) for folder in os.environ.get("WHEELRAIL_CACHE", "").split(os.pathsep) if folder]
     if chosen:
-        return Path(chosen)
+        return chosen
     import platformdirs
 
     provide_cache_home()
-    return Path(platformdirs.user_cache_dir("wheelrail"))
+    return [Path(platformdirs.user_cache_dir("wheelrail"))]
 
 
 def digest(**parts: Any) -> str:
@@ -69,8 +74,22 @@ def source_digest(*folders: Path) -> str:
 
 
 def load(name: str) -> dict[str, NDArray[Any]] | None:
-    """Stored arrays, or None when there are none, the file is damaged or its content is not what was stored there."""
-    path = cache_folder() / f"{name}.npz"
+    """Stored arrays, or None when there are none, the file is damaged or its content is not what was stored there.
+
+    Arrays of another folder than the first are stored in the first, too.
+    """
+    for number, folder in enumerate(cache_folders()):
+        arrays = _read(name, folder)
+        if arrays is not None:
+            if number > 0:
+                store(name, arrays)
+            return arrays
+    return None
+
+
+def _read(name: str, folder: Path) -> dict[str, NDArray[Any]] | None:
+    """Stored arrays of a folder, or None."""
+    path = folder / f"{name}.npz"
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:  # np.load leaves damaged files open
             arrays = {key: stored[key] for key in stored.files}

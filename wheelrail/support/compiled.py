@@ -1,4 +1,7 @@
-"""Loops compiled by Numba, without the interpreter's lock; machine code is cached on disk by a hash of the sources."""
+"""Loops compiled by Numba, without the interpreter's lock; machine code is cached on disk by a hash of the sources.
+
+Nothing in the cache names the folder of the package: it can be moved, and serves all copies of the same sources.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
 
 from numba import config, njit, types
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 from numba.extending import intrinsic
@@ -30,12 +33,58 @@ HERE = Path(__file__).parent
 COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled")  # folders of compiled functions
 SOURCES = tuple(HERE.parent / name for name in COMPILED)
 
+OWN = "package"  # folder of the machine code of these sources, without generated ones and those of users
 CHECKSUMS = "checksums.json"
 log = logging.getLogger(__name__)
 
 
+class PackageLocator(_CacheLocator):  # type: ignore[misc]
+    """Place of the machine code of functions whose file name is relative: those of this package and generated ones.
+
+    Parameters:
+        function: in Python.
+        file: its source.
+    """
+
+    def __init__(self, function: Callable[..., Any], file: Path) -> None:
+        self._py_file = str(file)  # of Numba's messages
+        self._line = function.__code__.co_firstlineno
+        folders = file.parent.parts[1:]  # without that of the package; generated sources have none
+        self._place = Path(config.CACHE_DIR, *([OWN, "-".join(folders)] if folders else ["generated"]))
+
+    def get_cache_path(self) -> str:
+        return str(self._place)
+
+    def get_source_stamp(self) -> str:
+        """Constant: the folder's name has the hash of all sources, that of a generated source its own."""
+        return "in the name"
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> PackageLocator | None:
+        """Locator of a function, None where others have to find a place."""
+        if Path(file).is_absolute():
+            return None
+        locator = cls(function, Path(file))
+        try:
+            locator.ensure_cache_path()
+        except OSError:
+            return None
+        return locator
+
+
+class MovableCode(CompileResultCacheImpl):  # type: ignore[misc]
+    """Serialised machine code in a place that does not depend on the folder of the package."""
+
+    _locator_classes = (PackageLocator, *CompileResultCacheImpl._locator_classes)
+
+
 class TolerantCache(FunctionCache):  # type: ignore[misc]
     """Numba's cache of the machine code of a function, where files that cannot be read or written cost time only."""
+
+    _impl_class = MovableCode
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
@@ -64,7 +113,7 @@ def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python")
     Arithmetic is IEEE 754 in the order of the source. With reordered sums, functions that call others would differ in
     the last bits between the process that compiles them and one that loads them from the cache.
     """
-    dispatcher, path = njit(nogil=True, error_model=error_model)(function), folder()
+    dispatcher, path = njit(nogil=True, error_model=error_model)(_movable(function)), folder()
     if path is not None:
         with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
@@ -78,7 +127,7 @@ def address(function: Callable[..., Any], signature: Any) -> int:
     """
     key = f"{function.__module__}.{function.__qualname__}"
     if key not in _c_functions:
-        c_function: Any = CFunc(function, normalize_signature(signature), {}, {"nopython": True})
+        c_function: Any = CFunc(_movable(function), normalize_signature(signature), {}, {"nopython": True})
         path = folder()
         if path is not None:
             with _cached_in(path), suppress(OSError):
@@ -89,6 +138,18 @@ def address(function: Callable[..., Any], signature: Any) -> int:
 
 
 _c_functions: dict[str, Any] = {}
+
+
+def _movable(function: F) -> F:
+    """The function with the name of its file relative to the package's parent folder, as machine code holds it.
+
+    Tracebacks still show its source: they look for relative names in sys.path.
+    """
+    file = Path(function.__code__.co_filename)
+    if file.is_relative_to(HERE.parent):
+        name = str(file.relative_to(HERE.parents[1]))
+        function.__code__ = function.__code__.replace(co_filename=name)
+    return function
 
 
 @intrinsic  # type: ignore[untyped-decorator]

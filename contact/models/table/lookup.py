@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wheelrail.contact.models.table.interpolation import Stencil, fast, stencil
 from wheelrail.support.arrays import Array
 
+Vector = tuple[complex, complex, complex]
 Plane = tuple[NDArray[np.int64], NDArray[Any]]  # numbers of rows, and their weights
 POINT, DIRECTION, COUPLE = 1, 4, 6  # first columns of the values of `NormalTable`, after the height
 COLUMNS = 9
@@ -77,7 +78,7 @@ def position_weights(table: NormalTable, y: complex, roll: complex, yaw: complex
     first_roll, start_roll, stop_roll, weights_roll = stencil(table.roll, roll)
     first_yaw, start_yaw, stop_yaw, weights_yaw = stencil(table.yaw, yaw)
     size = (stop_y - start_y) * (stop_roll - start_roll) * (stop_yaw - start_yaw)
-    rows, weights = np.empty(size, np.int64), np.empty(size, dtype=np.asarray(y + roll + yaw).dtype)
+    rows, weights = np.empty(size, np.int64), np.full(size, 0.0 * (y + roll + yaw))
     n = 0
     for i in range(start_y, stop_y):
         for j in range(start_roll, stop_roll):
@@ -102,12 +103,23 @@ def heights_at(table: NormalTable, around: Plane) -> Array:
 
 @fast
 def add_level(table: NormalTable, around: Plane, level: int, factor: complex, total: Array) -> None:
-    """Add the values (9,) of one level at a position, times a factor, to a total."""
+    """Add the values (9,) of one level at a position, times a factor, to a total; sums are kept in registers."""
     rows, weights = around
+    first, values, zero = level * COLUMNS, table.rows, 0.0 * factor
+    s0, s1, s2, s3, s4, s5, s6, s7, s8 = zero, zero, zero, zero, zero, zero, zero, zero, zero
     for n in range(len(rows)):
-        row, weight = rows[n], factor * weights[n]
-        for j in range(COLUMNS):
-            total[j] += weight * table.rows[row, level * COLUMNS + j]
+        row, weight = rows[n], weights[n]
+        s0 += weight * values[row, first]
+        s1 += weight * values[row, first + 1]
+        s2 += weight * values[row, first + 2]
+        s3 += weight * values[row, first + 3]
+        s4 += weight * values[row, first + 4]
+        s5 += weight * values[row, first + 5]
+        s6 += weight * values[row, first + 6]
+        s7 += weight * values[row, first + 7]
+        s8 += weight * values[row, first + 8]
+    for k, value in enumerate((s0, s1, s2, s3, s4, s5, s6, s7, s8)):
+        total[k] += factor * value
 
 
 @fast
@@ -157,7 +169,7 @@ def friction_at(
     first_roll, start_roll, stop_roll, weights_roll = stencil(table.roll, roll)
     first_yaw, start_yaw, stop_yaw, weights_yaw = stencil(table.yaw, yaw)
     first_level, start_level, stop_level, weights_level = stencil(table.level, level)
-    total = np.zeros(6, dtype=np.asarray(y + roll + yaw + level + a + b).dtype)
+    total = np.full(6, 0.0 * (y + roll + yaw + level + a + b))
     plane = creepage_weights(stencil(table.longitudinal, a), stencil(table.lateral, b), len(table.lateral))
     size = len(table.longitudinal) * len(table.lateral)
     for i in range(start_y, stop_y):
@@ -178,7 +190,7 @@ def creepage_weights(along_a: Stencil, along_b: Stencil, size_b: int) -> Plane:
     first_a, start_a, stop_a, weights_a = along_a
     first_b, start_b, stop_b, weights_b = along_b
     rows = np.empty((stop_a - start_a) * (stop_b - start_b), np.int64)
-    weights = np.empty(len(rows), dtype=np.asarray(weights_a[0] + weights_b[0]).dtype)
+    weights = np.full(len(rows), 0.0 * (weights_a[0] + weights_b[0]))
     n = 0
     for i in range(start_a, stop_a):
         for j in range(start_b, stop_b):
@@ -210,9 +222,17 @@ def add_plane(values: Array, first: int, plane: Plane, factor: complex, total: A
 
 
 @fast
-def cross(a: Array, b: Array) -> Array:
-    """Vector product (3,)."""
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+def cross(a: Vector, b: Vector) -> Vector:
+    """Vector product; tuples stay in registers where small arrays would be allocated."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@fast
+def velocity_at(point: Array, velocity: NDArray[Any], rate: NDArray[Any], reference: NDArray[Any]) -> Vector:
+    """Velocity, m/s, of a body's material at a point, m, from that at a reference and the angular velocity, rad/s."""
+    arm = point[0] - reference[0], point[1] - reference[1], point[2] - reference[2]
+    x, y, z = cross((rate[0], rate[1], rate[2]), arm)
+    return velocity[0] + x, velocity[1] + y, velocity[2] + z
 
 
 @fast
@@ -239,37 +259,47 @@ def table_force(
         pose: origin (3,) m and rotation (3, 3) of the wheel.
         twists: velocity, angular velocity and reference (3,) of the wheel, then of the rail, m/s, rad/s, m.
 
-    Arrays are all real or all complex. The force is zero where the level is negative, and for speeds that are not
-    positive; the speed is 1 without friction.
+    Arrays are all real or all complex. Force is zero at negative levels and speeds; without friction the speed is 1.
     """
     origin, rotation = pose
     radius, lateral = place
     y, z, roll, yaw = tread_position(origin, rotation, radius, lateral)
     level, values, heights = contact_at(normal, y, z, roll, yaw)
     depth = heights[0] - z
-    point = origin - radius * rotation[:, 2] + values[POINT : POINT + 3]
+    point = np.empty(3, dtype=origin.dtype)
+    for k in range(3):
+        point[k] = origin[k] - radius * rotation[k, 2] + values[POINT + k]
     total, resultant, speed = np.zeros(6, dtype=origin.dtype), np.zeros(3, dtype=origin.dtype), 1.0
     if level.real <= 0.0:
         return total, level, depth, speed, point, resultant
     load = level * np.sqrt(level)
-    resultant[0], resultant[1], resultant[2] = load * values[DIRECTION + 1], load * values[DIRECTION], load
-    force, couple = resultant.copy(), load * values[COUPLE:]
+    x, y_force, z_force = load * values[DIRECTION + 1], load * values[DIRECTION], load
+    resultant[0], resultant[1], resultant[2] = x, y_force, z_force
+    for k in range(3):
+        total[3 + k] = load * values[COUPLE + k]
     if friction.coefficient > 0.0:
-        wheel = twists[0] + cross(twists[1], point - twists[2])
-        rail = twists[3] + cross(twists[4], point - twists[5])
+        wheel, rail = (
+            velocity_at(point, twists[0], twists[1], twists[2]),
+            velocity_at(point, twists[3], twists[4], twists[5]),
+        )
         rolling = -0.5 * (wheel[0] + rail[0])
         speed = rolling.real
         if not speed > 0.0:
+            total[:] = 0.0
             return total, level, depth, speed, point, resultant
-        length = np.sqrt(force[1] * force[1] + force[2] * force[2])
-        n_y, n_z = force[1] / length, force[2] / length
-        slip, unit = wheel - rail, rolling * scale_of_creepage(level, friction.coefficient)
+        length = np.sqrt(y_force * y_force + z_force * z_force)
+        n_y, n_z = y_force / length, z_force / length
+        unit = rolling * scale_of_creepage(level, friction.coefficient)
+        slip = wheel[0] - rail[0], wheel[1] - rail[1], wheel[2] - rail[2]
         creepage = slip[0] / unit, (slip[1] * n_z - slip[2] * n_y) / unit
-        change = friction_at(friction, y, roll, yaw, level, creepage) * (friction.coefficient * load)
-        force[0] += change[0]
-        force[1] += n_z * change[1] + n_y * change[2]
-        force[2] += n_z * change[2] - n_y * change[1]
-        couple = couple + ARM * change[3:]
-    total[:3] = force
-    total[3:] = cross(point, force) + couple
+        change, bound = friction_at(friction, y, roll, yaw, level, creepage), friction.coefficient * load
+        x += bound * change[0]
+        y_force += bound * (n_z * change[1] + n_y * change[2])
+        z_force += bound * (n_z * change[2] - n_y * change[1])
+        for k in range(3):
+            total[3 + k] += ARM * bound * change[3 + k]
+    moment = cross((point[0], point[1], point[2]), (x, y_force, z_force))
+    total[0], total[1], total[2] = x, y_force, z_force
+    for k in range(3):
+        total[3 + k] += moment[k]
     return total, level, depth, speed, point, resultant

@@ -1,0 +1,33 @@
+"""A contact of a wheelset that reads all that later solves need: compliances, laws and machine code."""
+
+from __future__ import annotations
+
+from math import isfinite
+from pathlib import Path
+
+from wheelrail.export.host import loaded_wheelset
+from wheelrail.scenes.schema.errors import SceneError
+
+SCENE = "scene.toml"
+DEPTH = 1e-4  # m, of both wheels in their rails: a tenth of a static load, some 50 kN, for S1002 on 60E1
+
+
+def warm_up(folder: Path) -> None:
+    """Solve both contacts of a wheelset, with tangent and patches.
+
+    Parameters:
+        folder: that of its scene.toml.
+
+    Raises SceneError for a contact that fails and for a scene that is no wheelset, ImportError without the packages
+    that the model needs.
+    """
+    wheelset = loaded_wheelset(f'{{"scene": "{SCENE}"}}', folder)
+    element = wheelset.element()
+    start = element.solve()
+    lift = min(start.approach.values())
+    solution = element.solve(z=start.state.z + lift - DEPTH) if isfinite(lift) else start
+    if solution.status != "converged":
+        raise SceneError(f"the contact of the scene cannot be solved: {solution.status}")
+    if wheelset.arguments.get("model") != "standard":
+        element.tangent()
+    element.patches()
