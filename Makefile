@@ -18,7 +18,7 @@ run: $(VENV)/ready
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
 test: $(VENV)/ready-to-test
-	$(MAKE) -j3 lint contact-code vehicle-code
+	$(MAKE) -j4 strips-code lint standard-code vehicle-code
 	$(MAKE) suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.

@@ -1,6 +1,6 @@
 """Compiles machine code that many tests use, once, before several processes need it at the same time.
 
-python tests/helpers/machine_code.py contact|vehicle
+python tests/helpers/machine_code.py strips|standard|vehicle
 """
 
 from __future__ import annotations
@@ -22,10 +22,14 @@ from wheelrail.vehicle.track.track import Track
 STATE = WheelsetState(y=2e-3, z=-1e-4, speed=20.0, pitch_rate=20.0 / 0.46)
 
 
-def contact() -> None:
-    """Strips and the standard model."""
-    strips = few_strips()
-    strips.tangent(STATE, "left", strips(STATE, "left"))
+def strips() -> None:
+    """Contact on strips."""
+    contact = few_strips()
+    contact.tangent(STATE, "left", contact(STATE, "left"))
+
+
+def standard() -> None:
+    """The standard model."""
     for tangential in ("polach", "fastsim"):
         wheel_on_rail(tangential=tangential)(STATE, "left")
 
@@ -46,4 +50,4 @@ def vehicle() -> None:
 
 
 if __name__ == "__main__":
-    {"contact": contact, "vehicle": vehicle}[sys.argv[1]]()
+    {"strips": strips, "standard": standard, "vehicle": vehicle}[sys.argv[1]]()
