@@ -18,9 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.track_models import BALLAST, PADS, equations, euler_beam, timed
+from benchmarks.track_models import cases, euler_beam, timed
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.simulation.history import History
@@ -51,19 +50,9 @@ def irregular_track() -> Track:
 
 
 @cache
-def tracks() -> dict[str, Dynamics]:
-    """Equations of motion by name of the track's model; the speed is replaced."""
-    return {
-        "pads": equations(PADS),
-        "pads on ballast, without mass": equations(PADS + BALLAST, massless=True),
-        "pads on ballast, with mass": equations(PADS + BALLAST),
-    }
-
-
-@cache
 def run(name: str, speed: float) -> IrregularRun:
     """The run of one model at a speed, m/s."""
-    dynamics = replace(tracks()[name], track=irregular_track(), speed=speed)
+    dynamics = replace(cases()[name], track=irregular_track(), speed=speed)
     history, seconds = timed(dynamics, LENGTH / speed)
     force = history.outputs.force[:, :, 2].mean(axis=1)
     times = LENGTH / speed * np.arange(SAMPLES) / SAMPLES
@@ -87,7 +76,7 @@ def wagon_receptance(omega: Array, wagon: Wagon) -> Array:
 @cache
 def contact_stiffness() -> float:
     """Vertical stiffness of one contact on straight track, N/m."""
-    dynamics = replace(tracks()["pads"], track=Track())
+    dynamics = replace(cases()["pads"], track=Track())
     rest, frame = equilibrium(dynamics), dynamics.frame(0.0)
     return -float(Jacobian(dynamics, StepStatistics()).tangents(frame, rest.state, rest.contacts)[0, 2, 1])
 
@@ -96,7 +85,7 @@ def exact_force(speed: float) -> Array:
     """Dynamic force (SAMPLES,) N of one wheel on a beam on two layers, of an infinite Euler beam at rest and a spring
     in series that gives the static compliance of the rail in the runs; speed: m/s.
     """
-    structure = tracks()["pads on ballast, with mass"].structure
+    structure = cases()["pads on ballast, with mass"].structure
     assert structure is not None
     rail = structure.pairs.flexibility.matrix[13, 13]  # vertical, of the left rail
     stations = LENGTH * np.arange(SAMPLES) / SAMPLES
@@ -124,7 +113,7 @@ def table() -> Iterator[str]:
     yield f"|{'---|' * len(columns)}"
     for speed in SPEEDS:
         exact = exact_force(speed)
-        for name in tracks():
+        for name in cases():
             own = run(name, speed)
             cost, difference = own.history.cost, float(_rms(own.force - exact) / _rms(exact))
             cells = (
@@ -151,7 +140,7 @@ def figure(file: Path) -> None:
     drawing, panels = plt.subplots(len(SPEEDS), 1, figsize=(11, 9), sharex=True, layout="constrained")
     for axes, speed in zip(panels, SPEEDS, strict=True):
         axes.plot(stations, 1e-3 * exact_force(speed), color="0.3", linewidth=2.5, label="beam on two layers")
-        for name, color in zip(tracks(), ("C0", "C1", "C3"), strict=True):
+        for name, color in zip(cases(), ("C0", "C1", "C3"), strict=True):
             axes.plot(stations, 1e-3 * run(name, speed).force, color=color, linewidth=1.0, label=name)
         axes.set(ylabel="dynamic wheel force, kN", title=f"{speed:.0f} m/s", xlim=(15.0, 25.0))
         axes.grid(alpha=0.3)
