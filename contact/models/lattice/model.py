@@ -28,6 +28,7 @@ from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, Lattic
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.system.surface import SurfaceData, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
@@ -98,13 +99,18 @@ class LatticeContact:
         return LatticeTables(self.operators, sides, rolls=self.tangential == "rolling")
 
     @cached_property
+    def surface(self) -> SurfaceData:
+        """Surfaces of both bodies, for compiled code."""
+        return surface_data(self.operators.surfaces)
+
+    @cached_property
     def basis(self) -> StripBasis:
         return strip_basis(self.resolution.cells, self.tangential if self.laws.frictional else "none")
 
     def problem(self, pose: Pose, motion: RigidMotion) -> LatticeProblem:
         """Equations of a pose and motion."""
         law = CellFriction.of(self.laws) if self.laws.frictional else None
-        return LatticeProblem(self.tables, self.basis, law, pose, motion)
+        return LatticeProblem(self.surface, self.tables, self.basis, law, pose, motion)
 
     def _solved(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None) -> ContactResult:
         start, count = perf_counter(), IterationCount()
@@ -136,7 +142,7 @@ class LatticeContact:
             return None
         if not earlier.factors.fit(earlier.state.values, self._block, self.resolution.cells):
             return None
-        remain = np.isin(earlier.state.strips, problem.candidates, assume_unique=True)
+        remain = problem.depth[earlier.state.strips] > 0
         if not remain.any():
             return None
         state = earlier.state.at(remain)

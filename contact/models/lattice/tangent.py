@@ -147,8 +147,9 @@ class LatticeTangent:
         grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
         jumps = force_jumps(state.values, problem.of(state.strips).places, problem.basis, problem.rolls)
         motions, size, amounts = np.linalg.svd(self._touching[1], full_matrices=False)
-        for k in np.flatnonzero(size > NEGLIGIBLE * size[0]):
-            slope = problem.tables.slope(state.strips, problem.lines.foot, motions[:, k], problem.reach)
+        principal = np.flatnonzero(size > NEGLIGIBLE * size[0])
+        tables = problem.tables.slopes(state.strips, problem.lines.foot, motions[:, principal], problem.reach)
+        for k, slope in zip(principal, tables, strict=True):
             _, V = antiderivatives(slope, grid, jumps)
             slip, moment = slips_and_moments(V, grid, problem.basis)
             slips += slip[..., None] * size[k] * amounts[k]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations_with_replacement
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, COMPONENTS, DEGREE, REACH, PairGrid
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.cache import cached, digest
 from wheelrail.support.compiled import compiled
 
@@ -117,8 +118,7 @@ class BodyCorrection:
     def share_slopes(self, lines: slice, middle: Array, width: Array) -> Array:
         """Derivatives (S, lines) 1/m of `shares` by the middles."""
         arc = self.body.arc[lines]
-        unit = np.eye(len(arc))
-        low, high = (np.stack([np.interp(middle + side * width, arc, u) for u in unit], axis=1) for side in (-0.5, 0.5))
+        low, high = (_hats(arc, middle + side * width) for side in (-0.5, 0.5))
         return np.asarray((high - low) / width[:, None])
 
 
@@ -160,6 +160,15 @@ def far_in_strip_axes(far: Array, row: Array, column: Array) -> Array:
         ],
         axis=-1,
     )
+
+
+def _hats(arc: Array, s: Array) -> Array:
+    """Values (S, n) at s (S,) m of the functions linear between lines (n,) m, 1 at one and 0 at the others."""
+    right = np.clip(np.searchsorted(arc, s), 1, len(arc) - 1)
+    share = np.clip((s - arc[right - 1]) / (arc[right] - arc[right - 1]), 0.0, 1.0)
+    values, strips = np.zeros((len(s), len(arc))), np.arange(len(s))
+    values[strips, right - 1], values[strips, right] = 1.0 - share, share
+    return values
 
 
 @compiled
@@ -205,15 +214,59 @@ def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array
                     total[c] += weight * values[c]
 
 
-@compiled
-def pair_means(lines: Array, first: int, share: Array, cells: int) -> Array:
-    """Coefficients (S, S, cells, DEGREE + 1, COMPONENTS) of pairs i <= j of strips from those of lines (ns, ns, ..).
+class PairMeans(NamedTuple):
+    """Coefficients of the pairs i <= j of C strips, the means over them, computed when a pair is first looked up.
 
-    share (S, n): weights in the strips of the lines from the first.
+    Parameters:
+        lines: (ns, ns, cells, DEGREE + 1, COMPONENTS) coefficients of pairs of lines.
+        first: line from which on the weights count.
+        share: (C, n) weights of the lines in the strips.
+        values: (C (C + 1) / 2, cells, DEGREE + 1, COMPONENTS), those of a pair in row j (j + 1) / 2 + i.
+        known: (C (C + 1) / 2,) whether they are computed.
     """
-    S = len(share)
-    tables = np.zeros((S, S, cells, lines.shape[3], lines.shape[4]))
-    for i in range(S):
-        for j in range(i, S):
-            add_pair_mean(lines, first, share[i], share[j], tables[i, j])
-    return tables
+
+    lines: Array
+    first: int
+    share: Array
+    values: Array
+    known: Mask
+
+
+NO_MEANS = PairMeans(
+    np.zeros((0, 0, 0, DEGREE + 1, COMPONENTS)),
+    0,
+    np.zeros((0, 0)),
+    np.zeros((0, 0, DEGREE + 1, COMPONENTS)),
+    np.zeros(0, dtype=np.bool_),
+)
+
+
+def pair_means(lines: Array, first: int, share: Array, cells: int) -> PairMeans:
+    """Means over strips with weights (C, n), of the first cells."""
+    pairs = len(share) * (len(share) + 1) // 2
+    return PairMeans(lines, first, share, np.empty((pairs, cells, *lines.shape[3:])), np.zeros(pairs, dtype=np.bool_))
+
+
+@compiled
+def pair_mean(means: PairMeans, i: int, j: int) -> Array:
+    """Coefficients (cells, DEGREE + 1, COMPONENTS) of a pair i <= j."""
+    row = j * (j + 1) // 2 + i
+    values: Array = means.values[row]
+    if not means.known[row]:
+        values[:] = 0.0
+        add_pair_mean(means.lines, means.first, means.share[i], means.share[j], values)
+        means.known[row] = True
+    return values
+
+
+@compiled
+def pair_mean_slopes(lines: Array, first: int, share: Array, change: Array, cells: int) -> Array:
+    """Derivatives (C (C + 1) / 2, cells, DEGREE + 1, COMPONENTS) of the means, where the weights (C, n) change."""
+    C = len(share)
+    slopes = np.zeros((C * (C + 1) // 2, cells, lines.shape[3], lines.shape[4]))
+    for j in range(C):
+        for i in range(j + 1):
+            to = slopes[j * (j + 1) // 2 + i]
+            add_pair_mean(lines, first, change[i], share[j], to)
+            add_pair_mean(lines, first, share[i], change[j], to)
+    return slopes

@@ -13,6 +13,7 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.body_correction import START as SMOOTH_START
+from wheelrail.contact.models.lattice.influence.body_correction import pair_mean
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.vectors import (
@@ -70,9 +71,9 @@ def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: 
             sign = 1.0 if x >= 0.0 else -1.0
             at = VECTOR * (r * wide + c)
             polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
-    if not len(tables.smooth):
+    if not len(tables.smooth.values):
         return True
-    return _add_smooth(tables.smooth[tables.place[i], tables.place[j]], rows, columns, G, H)
+    return _add_smooth(pair_mean(tables.smooth, tables.place[i], tables.place[j]), rows, columns, G, H)
 
 
 @compiled

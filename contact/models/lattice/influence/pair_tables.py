@@ -19,6 +19,7 @@ where the radius differs by as much as u_t adds to u_r: u_n alone remains.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -27,7 +28,15 @@ import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
-from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, START, BodyCorrection, pair_means
+from wheelrail.contact.models.lattice.influence.body_correction import (
+    NO_MEANS,
+    OUTWARD,
+    START,
+    BodyCorrection,
+    PairMeans,
+    pair_mean_slopes,
+    pair_means,
+)
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE
 from wheelrail.contact.models.lattice.influence.pair_samples import (
     Deviation,
@@ -41,7 +50,6 @@ from wheelrail.contact.models.lattice.influence.strip_operators import StripOper
 from wheelrail.support.arrays import Array, Nodes
 
 GROWTH = 1.5  # of the storage
-NO_CORRECTION = np.zeros((0, 0, 0, DEGREE + 1, COMPONENTS))
 
 
 class PairTables(NamedTuple):
@@ -53,8 +61,8 @@ class PairTables(NamedTuple):
         cells: (K, K) its number of cells.
         inverse: (K, K) 1/m, 1 / start.
         place: (K,) place of the strips in smooth.
-        smooth: (C, C, cells, DEGREE + 1, COMPONENTS) deviation of the lower body from a half-space, in cells from
-            `wheelrail.contact.models.lattice.influence.body_correction.START`; (0, ..) where it is contained in values.
+        smooth: deviation of the lower body from a half-space, in cells from
+            `wheelrail.contact.models.lattice.influence.body_correction.START`; `NO_MEANS` where values contain it.
     """
 
     values: Array
@@ -62,7 +70,7 @@ class PairTables(NamedTuple):
     cells: Nodes
     inverse: Array
     place: Nodes
-    smooth: Array
+    smooth: PairMeans
 
 
 @dataclass
@@ -130,7 +138,7 @@ class LatticeTables:
         if key not in self._complete:
             self._add(strips)
             self._complete.add(key)
-        smooth, place = NO_CORRECTION, self._place
+        smooth, place = NO_MEANS, self._place
         if feet is not None:
             lower = self._corrections[1]
             assert lower is not None
@@ -149,18 +157,19 @@ class LatticeTables:
         middle = feet[strips] if which == 1 and feet is not None else self.middle[strips]
         return self._of_deviation(body, strips, self._means(body, strips, middle, body.grid.cells_up_to(reach)))
 
-    def slope(self, strips: Nodes, feet: Array, motion: Array, reach: float) -> PairTables:
-        """Derivative of the tables by a motion (C,) of the strips on the lower body; other parameters as for `of`."""
+    def slopes(self, strips: Nodes, feet: Array, motions: Array, reach: float) -> Iterator[PairTables]:
+        """Derivatives of the tables by motions (C, m) of the strips on the lower body; other parameters as for `of`."""
         lower, width = self._corrections[1], self.width[strips]
         assert lower is not None
         lines, between = self._between(lower, strips, feet[strips])
-        share = lower.shares(lines, feet[strips], width)
-        change = width.mean() * motion[:, None] * lower.share_slopes(lines, feet[strips], width)
+        share, by_place = (of(lines, feet[strips], width) for of in (lower.shares, lower.share_slopes))
         cells = lower.grid.cells_up_to(reach)
-        more, less = (pair_means(between, lines.start, share + sign * change, cells) for sign in (1, -1))
-        return self._of_deviation(lower, strips, (more - less) / (2 * width.mean()))  # exact: means are bilinear
+        for motion in motions.T:
+            values = pair_mean_slopes(between, lines.start, share, motion[:, None] * by_place, cells)
+            known = np.ones(len(values), dtype=np.bool_)
+            yield self._of_deviation(lower, strips, PairMeans(between, lines.start, share, values, known))
 
-    def _of_deviation(self, body: BodyCorrection, strips: Nodes, smooth: Array) -> PairTables:
+    def _of_deviation(self, body: BodyCorrection, strips: Nodes, smooth: PairMeans) -> PairTables:
         """Tables that contain nothing but the coefficients of a deviation."""
         K, cells = len(self.middle), len(body.grid.lower)
         place = np.zeros(K, dtype=int)
@@ -169,8 +178,8 @@ class LatticeTables:
         first, count = np.zeros((K, K), dtype=int), np.full((K, K), cells)
         return PairTables(none, first, count, np.full((K, K), 1 / START), place, smooth)
 
-    def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> Array:
-        """Coefficients (C, C, cells, DEGREE + 1, COMPONENTS) of a body's deviation, strips at middles (C,) m on it."""
+    def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> PairMeans:
+        """Coefficients of a body's deviation, strips at middles (C,) m on it."""
         lines, between = self._between(body, strips, middle)
         return pair_means(between, lines.start, body.shares(lines, middle, self.width[strips]), cells)
 
@@ -212,7 +221,7 @@ class LatticeTables:
 
     def _deviation(self, body: BodyCorrection | None, strips: Nodes) -> Deviation:
         if body is None:
-            return Deviation(NO_CORRECTION, 0, np.zeros((0, 0)))
+            return Deviation(NO_MEANS.lines, 0, NO_MEANS.share)
         middle, width = self.middle[strips], self.width[strips]
         lines, between = self._between(body, strips, middle)
         share = np.zeros((len(self.middle), lines.stop - lines.start))

@@ -40,7 +40,6 @@ from wheelrail.contact.models.lattice.system.surface import (
     frames,
     motion_data,
     penetration,
-    surface_data,
 )
 from wheelrail.support.arrays import Array, Nodes
 
@@ -56,12 +55,14 @@ class LatticeProblem:
     """Equations at a pose.
 
     Parameters:
+        surface: of both bodies.
         tables: compliance of pairs of strips, of a lattice.
         basis: cells and modes of a strip.
         law: of friction; None without.
         pose, motion: of the bodies.
     """
 
+    surface: SurfaceData
     tables: LatticeTables
     basis: StripBasis
     law: CellFriction | None
@@ -96,11 +97,6 @@ class LatticeProblem:
     def width(self) -> Array:
         """Width (K,) m of all strips."""
         return self.tables.width
-
-    @cached_property
-    def surface(self) -> SurfaceData:
-        """Surfaces of both bodies."""
-        return surface_data(self.tables.operators.surfaces)
 
     @cached_property
     def lines(self) -> ContactLines:
