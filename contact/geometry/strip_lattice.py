@@ -9,7 +9,7 @@ from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
 USUAL_DEPTH = 1e-4  # m, approach of a usual wheel load, for which the strips' widths are chosen
-WIDEST, NARROWEST = 1.0e-3, 0.4e-3  # m, at the default of STRIPS over a usual patch
+WIDEST, NARROWEST = 1.0e-3, 0.4e-3  # m, at STRIPS over a usual patch
 STRIPS = 16
 SMOOTHED = 3e-3  # m, length over which the width of the strips varies
 SPACING = 1e-4  # m, of the samples from which widths are taken
