@@ -17,7 +17,7 @@ from wheelrail.support.arrays import Array
 Say = Callable[[str], None]
 POINTS = 285  # of a grid as fine as the lines on the blocks
 FINENESS = LatticeResolution()
-ROUGHER = tuple(LatticeResolution(*n) for n in ((6, 7), (8, 9), (9, 11), (10, 12)))  # for the slope of the error
+ROUGHER = tuple(LatticeResolution(*n) for n in ((7, 6), (9, 8), (11, 9), (12, 10)))  # for the slope of the error
 RATIOS = (0.3, 0.5, 0.7, 1.0, 1 / 0.7, 2.0, 1 / 0.3)
 NAMES: tuple[Name, ...] = ("C11", "C22", "C23", "C33")
 STICKING = 1e3  # friction coefficient for full stick
