@@ -148,7 +148,7 @@ def _find_depth(
 
 
 def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, expected: float) -> float:
-    """Initial depth m: on strips that of the expected approach; on a grid where there are not many more candidate points
+    """Initial depth m: on strips of the expected approach, on a grid where there are not many more candidate points
     than under the load.
 
     0.7 mm on the flange root at a grid of 1 mm are 1600 points, whose compliance takes a gigabyte; under the load they
