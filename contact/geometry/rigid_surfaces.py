@@ -8,7 +8,12 @@ from typing import Protocol
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import PenetrationRegions, profile_regions, quadric_regions
+from wheelrail.contact.geometry.interpenetration import (
+    PenetrationRegions,
+    check_outside,
+    profile_regions,
+    quadric_regions,
+)
 from wheelrail.contact.geometry.rigid_search import Lines
 from wheelrail.contact.geometry.wheel_surface import wheel_points
 from wheelrail.contact.kinematics.frames import Pose
@@ -76,6 +81,10 @@ class RigidWheelRail:
 
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
+
+    def check(self, pose: Pose, beyond: bool) -> None:
+        """Raises ValueError for a wheel without contacts that lies inside the rail or overlaps it beyond the lines."""
+        check_outside(self.rail, self.radius, pose, self.lines, beyond)
 
     @property
     def extent(self) -> tuple[float, float]:
