@@ -15,7 +15,7 @@ from wheelrail.contact.geometry.interpenetration import (
     quadric_regions,
 )
 from wheelrail.contact.geometry.rigid_search import Lines
-from wheelrail.contact.geometry.wheel_surface import wheel_points
+from wheelrail.contact.geometry.wheel_surface import profile_places, wheel_points
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.profile import Profile
@@ -95,9 +95,7 @@ class RigidWheelRail:
         return wheel_points(self.wheel.shape, self.radius, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
 
     def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
-        s, foot = np.clip(s, *self.wheel.s_range), self.rail.closest(point[:, 1:]).s
-        on_wheel, on_rail = self.wheel.point(s)[:, 0], self.rail.point(foot)[:, 0]
-        return np.column_stack([s, on_wheel]), np.column_stack([foot, on_rail])
+        return profile_places(self.wheel.shape, self.rail.shape, s, point)
 
 
 @dataclass(frozen=True)
