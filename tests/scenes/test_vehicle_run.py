@@ -25,7 +25,6 @@ from wheelrail.scenes.builders.vehicle_file import MANCHESTER
 from wheelrail.scenes.html_report.write import write_report
 from wheelrail.scenes.plots.vehicle_runs import PICTURES
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.views.view import animate_file
 
 SCENE = Path(__file__).parents[2] / "scenes" / "vehicle.toml"
 HUNTING = SCENE.with_name("hunting.toml")
@@ -129,8 +128,6 @@ def test_report(whole: Path, tmp_path: Path) -> None:
     for text in ("wheelset_4", "Plan view of the wheelsets", "unloading of a wheel", "Manchester benchmark vehicle 1"):
         assert text in page
     assert page.count("data:image/") == 8
-    with pytest.raises(SceneError, match="must contain a run of the plane wagon"):
-        animate_file(whole, tmp_path / "run.mp4")
 
 
 def test_explicit_methods_are_refused(tmp_path: Path) -> None:
@@ -193,7 +190,7 @@ def test_a_run_of_a_vehicle_from_python(tmp_path: Path, monkeypatch: pytest.Monk
     assert re.search(r"wheelsets y -?\d+\.\d\d to ", repr(done))
     assert "Q, positive upwards [kN]" in repr(done)
     assert set(done.plot()) == set(PICTURES)
-    for draw in (done.plot.displacements, done.view, lambda: done.animate(tmp_path / "run.mp4")):
+    for draw in (done.plot.displacements, done.view):
         with pytest.raises(SceneError, match="plane wagon"):
             draw()
     assert wr.open(done.to_netcdf(tmp_path / "run.nc")).status == "completed"
