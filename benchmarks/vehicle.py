@@ -66,10 +66,10 @@ def parts(scene: RunScene, dynamics: VehicleDynamics) -> dict[str, float]:
         "of these, sections of the track": milliseconds(lambda: d.bodies.sections(travel, state)),
         "Jacobian of the bodies": milliseconds(lambda: d.bodies.derivatives(travel, 0.0, state, wrenches)),
         "contacts of all wheels, from their results": milliseconds(lambda: d.solve_contacts(0.0, state, at.contacts)),
-        "tangents of all wheels": milliseconds(
-            lambda: VehicleJacobian(d, StepStatistics()).tangents(states, at.contacts),
+        "the same, and their tangents": milliseconds(
+            lambda: VehicleJacobian(d, StepStatistics()).tangents(states, d.solve_contacts(0.0, state, at.contacts)),
         ),
-        "Jacobian; differences of contacts, if any, used again": milliseconds(lambda: jacobian(0.0, state, evaluation)),
+        "Jacobian from tangents or differences of the contacts": milliseconds(lambda: jacobian(0.0, state, evaluation)),
         "factors of the matrix of a step": milliseconds(lambda: lu_factor(np.eye(len(matrix)) / 1e-3 - matrix)),
     }
 

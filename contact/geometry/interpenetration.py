@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.contact.geometry.rigid_search import MAXIMA, Lines, deepest, level_crossing, local_maxima, scan
+from wheelrail.contact.geometry.rigid_search import Lines, deepest, level_crossing, local_maxima, scan
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.meshes.profiles.profile import Profile
@@ -99,25 +99,47 @@ def merging_weights(top: Array, low: Array, merge: float) -> tuple[Array, Array]
     return weight, reach
 
 
+class WheelRegions(NamedTuple):
+    """Regions of a wheel on a rail, with what they consist of.
+
+    Parameters:
+        approach: m, largest penetration.
+        beyond: whether it exceeds the lines.
+        top: (k, 3) m, maxima: position, penetration and x.
+        low: (k - 1, 3) m, minima between them, likewise; with the penetration 0 where there is a gap.
+        edges: (h,) m, outer ends of the halves of regions: for each maximum with a weight, those on both sides of each
+            maximum in its reach.
+        contacts: (c, 4) m, position, x, penetration, and weight.
+        contact: (n,), contact of each strip; as many in each half.
+        strips: (n, 5) m, position, x, width, penetration of the virtual bodies, and radius along x.
+    """
+
+    approach: float
+    beyond: bool
+    top: Array
+    low: Array
+    edges: Array
+    contacts: Array
+    contact: Nodes
+    strips: Array
+
+
 @compiled
 def wheel_regions(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Lines, merge: float
-) -> tuple[float, bool, Array, Nodes, Array]:
-    """Largest penetration m, whether it exceeds the lines, contacts (k, 4), contact (n,) of the strips, strips (n, 5).
-
-    Parameters as for `profile_regions`; origin (3,) m and rotation (3, 3) are the pose's.
-    """
-    samples, positions = scan(rail, lines, radius, origin, rotation), lines.s
-    depth, where, sample = samples.depth, samples.x, samples.sample
+) -> WheelRegions:
+    """Regions of a wheel; parameters as for `profile_regions`, with the pose's origin (3,) m and rotation (3, 3)."""
+    positions, samples = lines.s, scan(rail, lines, radius, origin, rotation)
     top, low, before, approach = local_maxima(wheel, rail, radius, origin, rotation, positions, samples)
+    depth, where, sample = samples.depth, samples.x, samples.sample
     beyond = depth[0] > 0.0 or depth[-1] > 0.0
     weight, reach = merging_weights(top, low, merge)
-    m = len(POSITIONS)
-    contacts = np.empty((len(top), 4))
-    contact, strips = np.empty(MAXIMA * MAXIMA * 2 * m, dtype=np.int64), np.empty((MAXIMA * MAXIMA * 2 * m, 5))
-    count, n = 0, 0
+    m, most = len(POSITIONS), 2 * len(top) * len(top)
+    contacts, edges = np.empty((len(top), 4)), np.empty(most)
+    contact, strips = np.empty(most * m, dtype=np.int64), np.empty((most * m, 5))
+    count, halves, n = 0, 0, 0
     if beyond:
-        return approach, beyond, contacts[:0], contact[:0], strips[:0]
+        return WheelRegions(approach, beyond, top, low, edges[:0], contacts[:0], contact[:0], strips[:0])
     for k in range(len(top)):
         if weight[k] <= 0.0:
             continue
@@ -129,11 +151,7 @@ def wheel_regions(
                 continue
             middle = top[j, 0]
             for direction in (-1, 1):
-                stop = positions[0] if direction < 0 else positions[-1]
-                if direction < 0 and j > 0:
-                    stop = low[j - 1, 0]
-                if direction > 0 and j < len(top) - 1:
-                    stop = low[j, 0]
+                stop = half_limit(positions, low, j, direction)
                 i, inner = before[j] + (direction > 0), middle
                 while (positions[i] - stop) * direction < 0.0 and (
                     (positions[i] - middle) * direction <= 0.0 or depth[i] >= level
@@ -148,6 +166,8 @@ def wheel_regions(
                     edge = level_crossing(
                         wheel, rail, radius, origin, rotation, inner, outer, level, where[i], sample[i]
                     )
+                edges[halves] = edge
+                halves += 1
                 x, near = top[j, 2], sample[before[j]]
                 for q in range(m):
                     s = middle + (edge - middle) * POSITIONS[q]
@@ -161,7 +181,17 @@ def wheel_regions(
                     strips[n, 4] = (z.imag + radius) / max(t.real, MIN_SLOPE_COSINE)
                     n += 1
         count += 1
-    return approach, beyond, contacts[:count], contact[:n], strips[:n]
+    return WheelRegions(approach, beyond, top, low, edges[:halves], contacts[:count], contact[:n], strips[:n])
+
+
+@compiled
+def half_limit(positions: Array, low: Array, j: int, direction: int) -> float:
+    """Position m up to which the half of a region around maximum j may extend, in direction -1 or 1: the minimum before
+    the next maximum, or the end of the lines.
+    """
+    if direction < 0:
+        return float(low[j - 1, 0] if j > 0 else positions[0])
+    return float(low[j, 0] if j < len(low) else positions[-1])
 
 
 def profile_regions(
@@ -178,18 +208,29 @@ def profile_regions(
 
     Raises ValueError for a penetration beyond the lines, and for a wheel inside the rail.
     """
-    approach, beyond, contacts, contact, strips = wheel_regions(
+    found = wheel_regions(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
+    if found.beyond or not len(found.contacts):
+        check_outside(rail, radius, pose, lines, found.beyond)
+        return None, found.approach
+    peak, peak_x, depth, weight = found.contacts.T
+    s, x, width, penetration, radii = found.strips.T
+    regions = PenetrationRegions(peak, peak_x, depth, weight, found.contact, s, x, width, penetration, radii)
+    return regions, found.approach
+
+
+def check_outside(rail: Profile, radius: float, pose: Pose, lines: Lines, beyond: bool) -> None:
+    """Raises ValueError for a wheel without contacts that lies inside the rail or overlaps it beyond the lines.
+
+    Parameters:
+        rail, radius, pose, lines: as for `profile_regions`.
+        beyond: whether it overlaps the rail beyond the lines.
+    """
     if beyond:
         raise ValueError("the wheel overlaps the rail beyond the part of its surface that can contact rails")
-    if not len(contacts):
-        if _inside(rail, radius, pose, lines):
-            raise ValueError("the wheel lies inside the rail, too deep for a contact")
-        return None, approach
-    peak, peak_x, depth, weight = contacts.T
-    s, x, width, penetration, radii = strips.T
-    return PenetrationRegions(peak, peak_x, depth, weight, contact, s, x, width, penetration, radii), approach
+    if _inside(rail, radius, pose, lines):
+        raise ValueError("the wheel lies inside the rail, too deep for a contact")
 
 
 def _inside(rail: Profile, radius: float, pose: Pose, lines: Lines) -> bool:

@@ -21,6 +21,7 @@ NEAR = -1e-4  # m: sampled maxima lower than that are not refined
 NONE = -1.0  # m: penetration beside the rail
 CLOSE = 1e-9  # m: smallest distance of a maximum and a minimum
 ITERATIONS = 12  # for the lowest point of a yawed wheel
+LOWEST = 1e-10  # m, last change of its x: the next one is a thousand times smaller, the penetration exact
 
 
 @compiled
@@ -61,11 +62,11 @@ def deepest(
     """As `penetration_at`, at the lowest x of line s, where the wheel's forward direction is parallel to the rail."""
     depth, slope, lowest, sample = penetration_at(wheel, rail, radius, origin, rotation, s, x, sample)
     for _ in range(ITERATIONS):
-        if abs(lowest - x) < 1e-12:
+        if abs(lowest - x) < LOWEST:
             break
         x = lowest
         depth, slope, lowest, sample = penetration_at(wheel, rail, radius, origin, rotation, s, x, sample)
-    return depth, slope, x, sample
+    return depth, slope, lowest, sample
 
 
 @compiled
@@ -107,7 +108,7 @@ def stationary_point(
             if side == -1:
                 rise *= 0.5
             side = -1
-        if moved < 1e-15:
+        if moved < 1e-12:
             break
     return s, depth, x
 
@@ -143,9 +144,9 @@ def level_crossing(
         new = s - (depth - level) / slope if slope != 0.0 and depth != NONE else 0.5 * (inner + outer)
         if not min(inner, outer) <= new <= max(inner, outer):
             new = 0.5 * (inner + outer)
-        if abs(new - s) < 1e-15:
+        moved, s = abs(new - s), new
+        if moved < 1e-10:  # the next one is quadratic in it
             break
-        s = new
     return s
 
 
@@ -197,11 +198,11 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
     """
     n, last = len(lines.s), len(rail.samples) - 1
     depth, slope, where, nearest = np.full(n, NONE), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64)
-    x, sample, iterations = 0.0, -1, 1 if rotation[1, 0] == 0.0 and rotation[2, 0] == 0.0 else 3
+    x, sample = 0.0, -1
     for i in range(n):
         z, t = lines.point[i], lines.tangent[i]
         r = z.imag + radius
-        for iteration in range(iterations):
+        for _ in range(ITERATIONS):
             sine, cosine = np.sin(x / radius), np.cos(x / radius)
             y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
             h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
@@ -217,9 +218,10 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
             a /= 1.0 + curvature * d  # to the closest point on the circle of curvature
             rotated = along * complex(1.0 - 0.5 * (a * curvature) ** 2, -a * curvature)
             ny, nz = -rotated.imag, rotated.real
-            if iteration < iterations - 1:
-                forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
-                x = -radius * np.arctan(forward / upward) if upward != 0.0 else x
+            forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
+            before, x = x, -radius * np.arctan(forward / upward) if upward != 0.0 else x
+            if abs(x - before) < 1e-7:
+                break
         if (sample == 0 and a < 0.0) or (sample == last and a > 0.0):
             x, sample = 0.0, -1
             continue
@@ -236,7 +238,7 @@ def local_maxima(
 ) -> tuple[Array, Array, Nodes, float]:
     """Maxima (n, 3), minima (n - 1, 3) between them, line (n,) before each maximum, largest penetration m.
 
-    Columns: position, penetration and x, m.
+    Columns: position, penetration and x, m. A gap between two maxima has the penetration 0.
 
     Parameters:
         wheel, rail, radius, origin, rotation: as for `penetration_at`.
@@ -271,7 +273,7 @@ def local_maxima(
             for j in range(k, i + 1):
                 if depth[j] < depth[k]:
                     k = j
-            low[count - 1, 0], low[count - 1, 1], low[count - 1, 2] = lines[k], depth[k], where[k]
+            low[count - 1, 0], low[count - 1, 1], low[count - 1, 2] = lines[k], max(depth[k], 0.0), where[k]
             if depth[k] > 0.0:  # inside the region of penetration: refine it
                 left, right = max(lines[k - 1], top[count - 1, 0] + CLOSE), min(lines[k + 1], s - CLOSE)
                 _, fall, _, _ = deepest(wheel, rail, radius, origin, rotation, left, where[k], sample[k])

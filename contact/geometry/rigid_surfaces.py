@@ -8,9 +8,14 @@ from typing import Protocol
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import PenetrationRegions, profile_regions, quadric_regions
+from wheelrail.contact.geometry.interpenetration import (
+    PenetrationRegions,
+    check_outside,
+    profile_regions,
+    quadric_regions,
+)
 from wheelrail.contact.geometry.rigid_search import Lines
-from wheelrail.contact.geometry.wheel_surface import wheel_points
+from wheelrail.contact.geometry.wheel_surface import profile_places, wheel_points
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.profile import Profile
@@ -77,6 +82,10 @@ class RigidWheelRail:
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
+    def check(self, pose: Pose, beyond: bool) -> None:
+        """Raises ValueError for a wheel without contacts that lies inside the rail or overlaps it beyond the lines."""
+        check_outside(self.rail, self.radius, pose, self.lines, beyond)
+
     @property
     def extent(self) -> tuple[float, float]:
         first, last = self.rail.s_range
@@ -86,9 +95,7 @@ class RigidWheelRail:
         return wheel_points(self.wheel.shape, self.radius, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
 
     def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
-        s, foot = np.clip(s, *self.wheel.s_range), self.rail.closest(point[:, 1:]).s
-        on_wheel, on_rail = self.wheel.point(s)[:, 0], self.rail.point(foot)[:, 0]
-        return np.column_stack([s, on_wheel]), np.column_stack([foot, on_rail])
+        return profile_places(self.wheel.shape, self.rail.shape, s, point)
 
 
 @dataclass(frozen=True)

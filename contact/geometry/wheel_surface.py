@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.meshes.curves.closest_point import Shape, local, piece
+from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearest_sample, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
@@ -49,3 +49,22 @@ def wheel_points(
         limited = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
         wheel_place(wheel, radius, origin, rotation, limited, x[i], points, axes, i)
     return points, axes
+
+
+@compiled
+def profile_places(wheel: Shape, rail: Shape, s: Array, points: Array) -> tuple[Array, Array]:
+    """Arc lengths and lateral positions (n, 2) m of points on the profiles of wheel and rail.
+
+    Parameters:
+        wheel, rail: shapes of the profiles.
+        s: (n,) m, arc lengths on the wheel, limited to its ends.
+        points: (n, 3) m, whose closest points on the rail are taken.
+    """
+    on_wheel, on_rail = np.empty((len(s), 2)), np.empty((len(s), 2))
+    for i in range(len(s)):
+        on_wheel[i, 0] = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
+        q = complex(points[i, 1], points[i, 2])
+        on_rail[i, 0] = foot(rail, q, rail.samples[nearest_sample(rail, q)])[0]
+        for shape, place in ((wheel, on_wheel), (rail, on_rail)):
+            place[i, 1] = local(shape, place[i, 0], piece(shape, place[i, 0]))[0].real
+    return on_wheel, on_rail

@@ -38,6 +38,9 @@ class Pose:
 
 def cross(a: Array, b: Array) -> Array:
     """Vector products (..., 3), bit for bit those of `numpy.cross`, which takes twice as long and more."""
+    if a.ndim == b.ndim == 1:  # numbers in place of arrays
+        (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+        return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)

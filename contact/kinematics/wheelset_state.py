@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import cos, sin
 from typing import ClassVar
 
 import numpy as np
@@ -72,12 +73,12 @@ class WheelsetState:
     @property
     def nodes(self) -> Array:
         """Axis (3,) of the roll: the x axis after yaw."""
-        return np.array([np.cos(self.yaw), np.sin(self.yaw), 0.0])
+        return np.array([cos(self.yaw), sin(self.yaw), 0.0])
 
     @property
     def rotation(self) -> Array:
         """Axes of the wheelset frame as columns (3, 3): yaw about z after roll about x; it does not spin."""
-        c, s, cy, sy = np.cos(self.roll), np.sin(self.roll), np.cos(self.yaw), np.sin(self.yaw)
+        c, s, cy, sy = cos(self.roll), sin(self.roll), cos(self.yaw), sin(self.yaw)
         return np.array([[cy, -sy * c, sy * s], [sy, cy * c, -cy * s], [0.0, s, c]])
 
 

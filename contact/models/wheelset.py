@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side, cross
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
@@ -56,7 +56,7 @@ class WheelsetContact(VehicleContact):
         """
         slope = pair_slope(self.of(side).mounting, state if side == "left" else state.mirrored())
         if side == "right":
-            slope = np.tile(MIRRORED, 2)[:, None] * slope * STATE_MIRRORED
+            slope = MIRRORED_SLOPE * slope
         derivative = result.tangent() @ slope
         x, y, z = result.force
         derivative[3:, 0] += [-z, 0.0, x]  # the centre moves: F x e_y
@@ -66,6 +66,8 @@ class WheelsetContact(VehicleContact):
 
 EVEN = ("z", "z_rate", "pitch_rate")  # unchanged in the mirror y = 0
 STATE_MIRRORED = np.array([1.0 if name in EVEN else -1.0 for name in WheelsetState.coordinates])
+MIRRORED_SLOPE = np.outer(np.tile(MIRRORED, 2), STATE_MIRRORED)
+VERTICAL = np.array([0.0, 0.0, 1.0])
 
 
 def pair_slope(mounting: Mounting, state: WheelsetState) -> Array:
@@ -73,15 +75,13 @@ def pair_slope(mounting: Mounting, state: WheelsetState) -> Array:
 
     The wheelset rotates about its centre, which remains the reference point of the wheel's motion.
     """
-    axle = state.rotation[:, 1]
-    vertical = np.array([0.0, 0.0, 1.0])
-    rotation_axes = np.array([state.nodes, vertical])  # of roll and yaw
-    axle_change = np.cross(rotation_axes, axle).T
+    axle, nodes = state.rotation[:, 1], state.nodes
     slope = np.zeros((12, 9))
-    slope[1, 0] = slope[2, 1] = 1.0
-    slope[:3, 2:4], slope[3:6, 2:4] = mounting.wheel_y * axle_change, rotation_axes.T
-    slope[9:, 2:4] = state.pitch_rate * axle_change
-    slope[9:, 3] += state.roll_rate * np.cross(vertical, state.nodes)
-    slope[7, 4] = slope[8, 5] = 1.0
-    slope[9:, 6], slope[9:, 7], slope[9:, 8] = state.nodes, vertical, axle
+    slope[1, 0] = slope[2, 1] = slope[7, 4] = slope[8, 5] = 1.0
+    slope[9:, 8] = axle
+    for column, axis in ((2, nodes), (3, VERTICAL)):  # rotation axes of roll and yaw
+        axle_change = cross(axis, axle)
+        slope[:3, column], slope[3:6, column] = mounting.wheel_y * axle_change, axis
+        slope[9:, column], slope[9:, 4 + column] = state.pitch_rate * axle_change, axis
+    slope[9:, 3] += state.roll_rate * cross(VERTICAL, nodes)
     return slope

@@ -57,11 +57,14 @@ def piece(shape: Shape, s: float) -> int:
 @compiled
 def local(shape: Shape, s: float, j: int) -> tuple[complex, complex, complex]:
     """Position, first and second derivative at s in piece j."""
-    x = s - shape.middles[j]
-    z, t, k = shape.table[j, 0, 7], shape.table[j, 1, 7], shape.table[j, 2, 7]
-    for n in range(6, -1, -1):
-        z, t, k = z * x + shape.table[j, 0, n], t * x + shape.table[j, 1, n], k * x + shape.table[j, 2, n]
-    return z, t, k
+    # sums of products of real numbers: a complex product has twice as many, half of them with the zero in s + 0i
+    x, table = s - shape.middles[j], shape.table
+    y, z, dy, dz, ddy, ddz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for n in range(7, -1, -1):
+        y, z = y * x + table[j, 0, n].real, z * x + table[j, 0, n].imag
+        dy, dz = dy * x + table[j, 1, n].real, dz * x + table[j, 1, n].imag
+        ddy, ddz = ddy * x + table[j, 2, n].real, ddz * x + table[j, 2, n].imag
+    return complex(y, z), complex(dy, dz), complex(ddy, ddz)
 
 
 @compiled

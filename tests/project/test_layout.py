@@ -46,7 +46,7 @@ MAY_IMPORT["contact.elasticity.waveguide"] = MAY_IMPORT["contact.elasticity"] | 
 MAY_IMPORT["contact.structure"] = MAY_IMPORT["contact.elasticity.waveguide"] | {"contact.elasticity.waveguide"}
 _MODEL = {"contact.geometry", "contact.kinematics", "contact.laws", "contact.results", "support"}
 MAY_IMPORT |= {
-    "contact.models.standard": _MODEL | {"contact.analytical"},
+    "contact.models.standard": _MODEL | {"contact.analytical", "contact.solvers", "meshes.curves"},
     "contact.models.full": _MODEL | {"contact.elasticity", "contact.solvers", "forms", "meshes.bodies"},
     "contact.models.table": _MODEL | {"contact.solvers"},
     "contact.models.lattice.influence": _MODEL

@@ -17,12 +17,14 @@ from xarray import Dataset
 
 import wheelrail as wr
 from wheelrail.cli.main import app
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.contacts.side_solution import SideSolution
-from wheelrail.scenes.views.animation import Animation, RunBodies, animate_run, magnified
+from wheelrail.scenes.views.animation import Animation, RunBodies, animate_run, magnified, write_frames
 from wheelrail.scenes.views.body_meshes import (
     DISPLACEMENT,
     MISES,
@@ -36,8 +38,12 @@ from wheelrail.scenes.views.contact_view import DrawnBody, contact_scene, round_
 from wheelrail.scenes.views.export import PARTS
 from wheelrail.scenes.views.html import save_view, view_html
 from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
+from wheelrail.scenes.views.vehicle_animation import VehicleAnimation
+from wheelrail.scenes.views.vehicle_poses import DrawnVehicle, equal_box
 from wheelrail.scenes.views.view import largest_pressure
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
+from wheelrail.vehicle.multibody.vehicle import Vehicle, VehicleBody
+from wheelrail.vehicle.track.track import Track
 
 WHEEL, RAIL = named_profile("S1002"), named_profile("60E1")
 MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
@@ -276,6 +282,54 @@ def test_animation_of_a_run(tmp_path: Path) -> None:
         animate_run(run_data(), tmp_path / "run.png", **options)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="must be positive"):
         animate_run(run_data(), file, **{**options, "frames": 0})  # type: ignore[arg-type]
+
+
+def vehicle_data(vehicle: Vehicle) -> Dataset:
+    """A straight second, in which the car body sways by 20 mm to the left, and the right wheels are unloaded."""
+    zero = np.zeros((2, len(vehicle.bodies)))
+    values = {f"body_{name}": (("time", "body"), zero.copy()) for name in ("x", "y", "z", "roll", "pitch", "yaw")}
+    values["body_y"][1][1, list(vehicle.bodies).index("car_body")] = 0.02
+    load = np.full((2, 4, 2), 50e3)
+    load[1, :, 1] = 0.0
+    series = {name: ("time", [value, value]) for name, value in (("speed", 20.0), ("curvature", 0.0), ("lift", 0.0))}
+    data = {**values, **series, "vertical_force": (("time", "wheelset", "side"), load)}
+    return Dataset(data, coords={"time": [0.0, 1.0], "distance": ("time", [0.0, 20.0])})  # type: ignore[arg-type]
+
+
+def test_animation_of_a_vehicle(tmp_path: Path) -> None:
+    """Bodies at their magnified places, wheels in the colour of their load, frames in a file."""
+    vehicle, bodies = load_vehicle(), RunBodies(WHEEL, RAIL, MOUNTING)
+    animation = VehicleAnimation(vehicle_data(vehicle), bodies, vehicle, Track(), scale=10.0)
+    animation.show(0.5)
+    assert animation._actors["car_body"][0].user_matrix[:3, 3] == pytest.approx([0.0, 0.1, 1.8], abs=1e-12)
+    assert animation._actors["wheelset_1"][0].user_matrix[:3, 3] == pytest.approx([10.78, 0.0, 0.46], abs=1e-12)
+    colours = {side: animation._wheels["wheelset_3", side][0].mapper.dataset["wheel load Q [kN]"] for side in SIDES}
+    assert (set(colours["left"]), set(colours["right"])) == ({50.0}, {25.0})
+    top = {side: rail.points[:, 2].max() for side, rail in animation._rails.items()}
+    assert list(top.values()) == pytest.approx([0.0, 0.0], abs=1e-4)
+    file = tmp_path / "vehicle.gif"
+    write_frames(animation, file, [0.0, 1.0], 5.0, None)
+    assert file.stat().st_size > 10_000
+
+
+def test_undeflected_bodies_lie_on_those_below_them_in_a_curve() -> None:
+    """In a circle a centred vehicle has no displacements: its bogies and body lie on chords, and stay there."""
+    vehicle, radius = load_vehicle(), 200.0
+    bogie, body = (radius * (1 - np.cos(reach / radius)) for reach in (1.28, 9.5))  # from chord to arc
+    inwards = {"car_body": body + bogie, "front_bogie": bogie, "rear_bogie": bogie}
+    coordinates = np.zeros((7, 6))
+    coordinates[:, 1] = [inwards.get(name, 0.0) for name in vehicle.bodies]
+    track = Track.curve(curvature=1 / radius, transition=20.0, length=500.0)
+    to_scale, magnified_poses = (DrawnVehicle(vehicle, track, k).poses(200.0, coordinates) for k in (1.0, 50.0))
+    np.testing.assert_allclose(magnified_poses.position, to_scale.position, atol=2e-3)  # of 500 mm
+    np.testing.assert_allclose(magnified_poses.axes, to_scale.axes, atol=1e-4)
+
+
+def test_a_homogeneous_box_has_its_own_size() -> None:
+    length, width, height, mass = 20.0, 3.0, 2.5, 30e3
+    squares = (width**2 + height**2, length**2 + height**2, length**2 + width**2)
+    x, y, z = (mass / 12 * square for square in squares)
+    assert equal_box(VehicleBody(mass, (x, y, z), 0.0, 1.8)) == pytest.approx((length, width, height))
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,13 @@ from wheelrail.vehicle.multibody.energy import mechanical_energy, power
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
 from wheelrail.vehicle.multibody.modes import critical_speed, held_wheelset_modes, least_damped, vehicle_modes
-from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch, frequency_of, limit_cycles
+from wheelrail.vehicle.multibody.runs.limit_cycle import (
+    CycleSearch,
+    bisected_fold,
+    fold_bracket,
+    frequency_of,
+    limit_cycles,
+)
 from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SpeedHold, SuspensionElement, Vehicle, VehicleBody
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError
@@ -218,9 +224,9 @@ def test_a_cubic_spring_limits_hunting_to_the_amplitude_of_its_describing_functi
     assert critical is not None
     speed = 1.06 * critical.speed
 
-    def mode(lateral: float) -> Mode:
+    def mode(lateral: float, at: float = speed) -> Mode:
         contact = LinearCreep(load=vehicle.mean_wheel_load, lateral=lateral)
-        return least_damped(vehicle_modes(VehicleDynamics(vehicle, Track(), contact, speed)))
+        return least_damped(vehicle_modes(VehicleDynamics(vehicle, Track(), contact, at)))
 
     neutral = brentq(lambda lateral: mode(lateral).eigenvalue.real, 0.0, 4e6, xtol=1e3)
     contact = CubicSpring(load=vehicle.mean_wheel_load, lateral=0.0, cubic=neutral / (0.75 * amplitude**2))
@@ -233,6 +239,15 @@ def test_a_cubic_spring_limits_hunting_to_the_amplitude_of_its_describing_functi
     assert steady.frequency == pytest.approx(mode(neutral).frequency, rel=0.01)
     assert steady.track_shifting.shape == (1,)
     assert dying.amplitude[0] < search.smallest
+    # a cycle of the smallest amplitude has a quarter of the stiffness
+    fold = brentq(lambda v: mode(0.25 * neutral, v).eigenvalue.real, speeds[1], speed, xtol=0.1)
+    cycles = [steady, dying]
+    cycles += bisected_fold(dynamics, cycles, 0.06 * speed, search)
+    bracket = fold_bracket(cycles)
+    assert bracket is not None
+    assert bracket[0].speed - bracket[1].speed <= 0.06 * speed
+    assert bracket[1].speed - 0.01 * speed < fold < bracket[0].speed + 0.01 * speed
+    assert fold_bracket([steady]) is None
     with pytest.raises(ValueError, match='no body "bogie"'):
         next(limit_cycles(dynamics, speeds, {"bogie": 0.1}))
 

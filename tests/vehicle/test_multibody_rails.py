@@ -120,7 +120,7 @@ def test_hunting_above_the_critical_speed_is_a_small_steady_cycle() -> None:
     coordinates, state = model.coordinates, vehicle_equilibrium(model).state
     for bogie, kick in (("front_bogie", 0.1), ("rear_bogie", 0.07)):
         state[coordinates.count + coordinates.index(bogie, Y)] += kick  # m/s
-    run = simulate_vehicle(model, (0.0, 1.7), initial=state)
+    run = simulate_vehicle(model, (0.0, 1.7), initial=state, rtol=1e-3, atol=1e-5)  # a third of the default: 13 % low
     assert run.status == "completed"
     late = run.time > 1.2
     for wheelset, low, high in ((1, 0.21, 0.24), (2, 0.12, 0.14), (3, 0.21, 0.24), (4, 0.12, 0.14)):

@@ -68,24 +68,29 @@ class Run(StoredDataset):
         return plotter
 
     def animate(
-        self, file: str | Path, *, frames: int = 120, fps: float = 20.0, scale: float = 20.0, progress: bool = False
+        self,
+        file: str | Path,
+        *,
+        frames: int = 120,
+        fps: float = 20.0,
+        scale: float | None = None,
+        progress: bool = False,
     ) -> Path:
         """Save an animation of the run: the wheelset on its rails, forces, and close-ups of both contacts to scale.
+
+        Of a vehicle file: all bodies on the track, with wheels coloured by their load.
 
         Parameters:
             file: .mp4 or .gif.
             frames: number of frames.
             fps: frames per second.
-            scale: displacement magnification factor of the wheelset.
+            scale: displacement magnification factor; None: 20 for the wheelset, 10 for a vehicle.
             progress: whether to show progress on standard error.
 
-        A frame takes seconds to draw. Returns the file. Raises OSError, SceneError for another file ending and a
-        vehicle in three dimensions.
+        A frame takes about a second to draw. Returns the file. Raises OSError, SceneError for another file ending.
         """
-        self._require_wagon("animate")
         from wheelrail.scenes.schema.errors import SceneError
-        from wheelrail.scenes.views.animation import animate_run
-        from wheelrail.scenes.views.view import bodies_of_run
+        from wheelrail.scenes.views.view import animate_data
         from wheelrail.support.terminal import progress_console
 
         if Path(file).suffix.lower() not in (".mp4", ".gif"):
@@ -97,8 +102,7 @@ class Run(StoredDataset):
                 def report_progress(done: int, count: int) -> None:
                     status.update(f"frame {done} of {count}")
 
-            bodies = bodies_of_run(self.data, Path("run.nc"))
-            animate_run(self.data, Path(file), bodies, frames=frames, fps=fps, scale=scale, progress=report_progress)
+            animate_data(self.data, Path("run.nc"), Path(file), report_progress, frames=frames, fps=fps, scale=scale)
         return Path(file)
 
     def _require_wagon(self, method: str) -> None:
@@ -106,7 +110,7 @@ class Run(StoredDataset):
         from wheelrail.scenes.schema.errors import SceneError
 
         if "wheelset" in self.data.dims:
-            raise SceneError(f"{method}: must be a run of the plane wagon; a vehicle file has no 3D view or animation")
+            raise SceneError(f"{method}: must be a run of the plane wagon; a vehicle file has no 3D view")
 
     def __repr__(self) -> str:
         from wheelrail.api.run_tables import text

@@ -183,16 +183,27 @@ def hunting(
     longest: Annotated[
         float, typer.Option("--longest", metavar="T", min=1.0, max=1000.0, help="Longest motion at a speed, s.")
     ] = 20.0,
+    fold: Annotated[
+        float | None,
+        typer.Option(
+            "--fold",
+            metavar="DV",
+            min=0.01,
+            max=50.0,
+            help="Enclose the nonlinear critical speed by bisection to this width, m/s.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Limit cycles of a vehicle in three dimensions on straight track, after the kick of the scene.
 
     Each speed starts from the motion at the one before: descending speeds follow the cycles down to the speed at which
-    they vanish.
+    they vanish, the nonlinear critical speed, which --fold encloses.
     """
     checked = load_run(scene)
     check_picture(picture)
     from wheelrail.scenes.builders.vehicle_file import load_vehicle
-    from wheelrail.scenes.runs.hunting import draw_bifurcation, hunting_of, hunting_table
+    from wheelrail.scenes.runs.hunting import draw_bifurcation, fold_line, hunting_of, hunting_table
     from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch
 
     speeds, cycles = speed or [checked.vehicle.first_speed], []
@@ -201,14 +212,14 @@ def hunting(
         stdout_for_results(),
         progress_console().status("contact and equilibrium") as status,
     ):
-        for cycle in hunting_of(checked, vehicle, speeds, CycleSearch(longest=longest)):
+        for cycle in hunting_of(checked, vehicle, speeds, CycleSearch(longest=longest), fold):
             cycles.append(cycle)
             status.update(f"{cycle.speed:g} m/s: {cycle.status}")
         names = load_vehicle(vehicle).wheelsets
     if picture is not None:
         with error_lines("", f"{picture}: "):
             draw_bifurcation(cycles, names, picture)
-    print_results(hunting_table(cycles, names))
+    print_results(hunting_table(cycles, names), *([] if fold is None else [fold_line(cycles)]))
 
 
 @app.command()

@@ -47,10 +47,21 @@ def animate(
     frames: Annotated[int, typer.Option("--frames", metavar="N", min=1, max=100_000, help="Number of frames.")] = 120,
     fps: Annotated[float, typer.Option("--fps", metavar="N", min=0.1, max=240.0, help="Frames per second.")] = 20.0,
     scale: Annotated[
-        float, typer.Option("--scale", metavar="N", min=1e-3, max=1e6, help="Displacement magnification factor.")
-    ] = 20.0,
+        float | None,
+        typer.Option(
+            "--scale",
+            metavar="N",
+            min=1e-3,
+            max=1e6,
+            help="Displacement magnification factor; default: 20, with a vehicle file 10.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
-    """Save an animation of a run: the wheelset on its rails, forces, and close-ups of both contacts."""
+    """Save an animation of a run: the wheelset on its rails, forces, and close-ups of both contacts.
+
+    Of a vehicle file: all bodies on the track, with wheels coloured by their load.
+    """
     check_ending("--out", out, (".mp4", ".gif"))
     from wheelrail.scenes.views.view import animate_file
 

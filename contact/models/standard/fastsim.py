@@ -69,15 +69,16 @@ def strip_tractions(
     for i in range(m - 1, -1, -1):
         dx = step * (creep[0] / flexible.along + spin[0] / flexible.spin)
         dy = step * (creep[1] / flexible.across + (spin[1] + spin[2] * x) / flexible.spin)
-        before, size = np.hypot(qx, qy), np.hypot(qx - dx, qy - dy)
-        if size <= bounds[i]:
+        square = (qx - dx) * (qx - dx) + (qy - dy) * (qy - dy)
+        if square <= bounds[i] * bounds[i]:
             qx, qy = qx - dx, qy - dy
             slip[i, 0] = slip[i, 1] = 0.0
         else:
+            before, size = np.sqrt(qx * qx + qy * qy), np.sqrt(square)
             # the previous traction is reduced so that its direction is of second order in the step
             factor = max(1.0 + 0.5 * (bounds[i] - size) / before, 0.5) if before > 0.0 else 1.0
             qx, qy = factor * qx - dx, factor * qy - dy
-            scale = bounds[i] / np.hypot(qx, qy)
+            scale = bounds[i] / np.sqrt(qx * qx + qy * qy)
             qx, qy = scale * qx, scale * qy
             excess = (size - bounds[i]) * mean / (step * bounds[i])
             slip[i, 0], slip[i, 1] = -excess * qx, -excess * qy

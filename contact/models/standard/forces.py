@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
 from wheelrail.contact.models.standard.fastsim import ElasticFoundation, foundation, strip_tractions
 from wheelrail.contact.models.standard.normal import StripPressures
@@ -43,6 +44,11 @@ class RigidVelocities(NamedTuple):
     rail: Array
     rail_turn: Array
     rail_at: Array
+
+    @classmethod
+    def of(cls, motion: RigidMotion) -> RigidVelocities:
+        wheel, rail = motion.wheel, motion.rail
+        return cls(wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference)
 
 
 class StripFrames(NamedTuple):

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.contact.geometry.rigid_surfaces import RigidPair
+from wheelrail.contact.geometry.rigid_surfaces import RigidPair, RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -29,7 +29,9 @@ from wheelrail.contact.models.standard.forces import (
 )
 from wheelrail.contact.models.standard.normal import StripPressures, hertzian, virtual_penetration
 from wheelrail.contact.models.standard.patches import StripContacts
-from wheelrail.contact.results.result import ContactResult, LazyFields, LazyPatches, Statistics
+from wheelrail.contact.models.standard.wheel_rail import WheelOnRail
+from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
+from wheelrail.contact.solvers.tangent import ContactTangent
 
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
@@ -93,29 +95,56 @@ class StandardContact:
     def friction_law(self) -> FrictionFunctions:
         return self.laws.pointwise_friction
 
+    @cached_property
+    def constant_friction(self) -> float | None:
+        """Friction coefficient; None where it depends on the slip velocity."""
+        if self.method == NO_FRICTION:
+            return 0.0
+        if self.friction_law.depends_on_speed:
+            return None
+        return float(self.friction_law.coefficient(np.zeros(1), np.zeros(1))[0])
+
     def friction(
         self, strips: StripPressures, middles: StripFrames, peaks: StripFrames, velocities: RigidVelocities
     ) -> StripFriction:
         """Friction coefficients at the rigid slip of cells (FASTSIM) or contacts (Polach)."""
-        cells, contacts = np.zeros(self.cells * len(strips.s)), np.zeros(len(peaks.point))
-        if self.method != NO_FRICTION:
-            law = self.friction_law
-            if law.depends_on_speed:
-                cells, contacts = slip_velocities(strips, len(contacts), middles, peaks, velocities, self.cells)
-            cells, contacts = (law.coefficient(w, np.zeros(len(w))) for w in (cells, contacts))
+        mu, n, k = self.constant_friction, self.cells * len(strips.s), len(peaks.point)
+        if mu is not None:
+            return StripFriction(self.method, np.full(n, mu), np.full(k, mu), self.reduction)
+        slips = slip_velocities(strips, k, middles, peaks, velocities, self.cells)
+        cells, contacts = (self.friction_law.coefficient(w, np.zeros(len(w))) for w in slips)
         return StripFriction(self.method, cells, contacts, self.reduction)
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
+        pair, mu = self.surfaces, self.constant_friction
         try:
-            zones, approach = self.surfaces.regions(pose)
+            if isinstance(pair, RigidWheelRail) and mu is not None and self.normal == "kik-piotrowski":
+                return self._wheel_on_rail(pair, mu, pose, motion)
+            contacts, approach = self.strip_contacts(pose, motion)
         except ValueError as error:
             return ContactResult.failed(str(error))
-        if zones is None:
+        if contacts is None:
             return ContactResult.separated(min(approach, 0.0))
+        cells, strips = contacts.cells, contacts.strips
+        failure = self._failure(strips.along.max(), strips.across.max(), cells.speed.min())
+        if failure:
+            return ContactResult.failed(failure, approach)
+        return ContactResult(
+            force=cells.force,
+            moment=cells.moment,
+            patches=LazyPatches(contacts.patches),
+            fields=LazyFields(contacts.fields),
+            approach=approach,
+            status="converged",
+            statistics=Statistics(points=len(cells.area)),
+        )
+
+    def strip_contacts(self, pose: Pose, motion: RigidMotion) -> tuple[StripContacts | None, float]:
+        """Contacts, None where the bodies do not touch, and the largest penetration m. Raises ValueError."""
+        zones, approach = self.surfaces.regions(pose)
+        if zones is None:
+            return None, approach
         strips = (virtual_penetration if self.normal == "kik-piotrowski" else hertzian)(zones, self.elasticity.E_star)
-        for axis, largest in zip((strips.along, strips.across), self.surfaces.extent, strict=True):
-            if not axis.max() < largest:
-                return ContactResult.failed(CONFORMAL.format(1e3 * axis.max(), 1e3 * largest), approach)
         n = len(strips.s)
         point, axes = self.surfaces.at(
             pose, np.concatenate([strips.s, zones.peak]), np.concatenate([strips.x, zones.peak_x])
@@ -126,25 +155,60 @@ class StandardContact:
             point, axes = peak[strips.contact] + away * peak_axes[strips.contact, 1], peak_axes[strips.contact]
         else:
             point, axes = point[:n], axes[:n]
-        wheel, rail = motion.wheel, motion.rail
-        velocities = RigidVelocities(
-            wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
-        )
+        velocities = RigidVelocities.of(motion)
         middles, peaks = StripFrames(point, axes), StripFrames(peak, peak_axes)
         friction = self.friction(strips, middles, peaks, velocities)
         cells = strip_forces(strips, zones.weight, middles, peaks, velocities, self.elasticity, friction, self.cells)
-        if self.method != NO_FRICTION and not cells.speed.min() > 0.0:
-            return ContactResult.failed(
-                f"friction needs a positive rolling speed, got {cells.speed.min():g} m/s; with mu = 0 any is allowed",
-                approach,
-            )
-        contacts = StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces)
+        return StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces), approach
+
+    def _failure(self, along: float, across: float, speed: float) -> str:
+        """Why a result with these largest semi-axes m and smallest rolling speed m/s is none; empty if it is one."""
+        for axis, largest in zip((along, across), self.surfaces.extent, strict=True):
+            if not axis < largest:
+                return CONFORMAL.format(1e3 * axis, 1e3 * largest)
+        if self.method != NO_FRICTION and not speed > 0.0:
+            return f"friction needs a positive rolling speed, got {speed:g} m/s; with mu = 0 any is allowed"
+        return ""
+
+    def _wheel_on_rail(self, pair: RigidWheelRail, mu: float, pose: Pose, motion: RigidMotion) -> ContactResult:
+        """The result of one compiled call, with patches and fields on demand. Raises ValueError."""
+        at = WheelOnRail(pair, self.elasticity, self.method, mu, self.reduction, self.cells, pose, motion)
+        force = at.force()
+        if force.beyond or not force.contacts:
+            pair.check(pose, force.beyond)
+            return ContactResult.separated(min(force.approach, 0.0))
+        failure = self._failure(force.along, force.across, force.speed)
+        if failure:
+            return ContactResult.failed(failure, force.approach)
+        details = _Details(self, pose, motion)
         return ContactResult(
-            force=cells.force,
-            moment=cells.moment,
-            patches=LazyPatches(contacts.patches),
-            fields=LazyFields(contacts.fields),
-            approach=approach,
+            force=force.force,
+            moment=force.moment,
+            patches=LazyPatches(details.patches),
+            fields=LazyFields(details.fields),
+            approach=force.approach,
             status="converged",
-            statistics=Statistics(points=len(cells.area)),
+            statistics=Statistics(points=force.points),
+            force_tangent=None if self.method == POLACH else ContactTangent(at),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class _Details:
+    """Contacts of a model at a pose and motion, computed when patches or fields are needed."""
+
+    model: StandardContact
+    pose: Pose
+    motion: RigidMotion
+
+    @cached_property
+    def contacts(self) -> StripContacts:
+        contacts, _ = self.model.strip_contacts(self.pose, self.motion)
+        assert contacts is not None
+        return contacts
+
+    def patches(self) -> tuple[Patch, ...]:
+        return self.contacts.patches()
+
+    def fields(self) -> Fields:
+        return self.contacts.fields()

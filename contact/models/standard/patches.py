@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
-from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.models.standard.forces import StripTractions
+from wheelrail.contact.models.standard.forces import RigidVelocities, StripTractions
 from wheelrail.contact.models.standard.normal import StripPressures
+from wheelrail.contact.models.standard.patch_sums import patch_sums
 from wheelrail.contact.results.result import Fields, Patch
-from wheelrail.contact.results.resultants import FrictionalWork, patch_resultants
 from wheelrail.support.arrays import Array, Nodes
 
 if TYPE_CHECKING:
@@ -65,26 +64,33 @@ class StripContacts:
 
     def patches(self) -> tuple[Patch, ...]:
         """All patches, by decreasing load."""
-        fields, cells, strips = self.fields(), self.cells, self.strips
-        on_wheel, on_rail = self.surfaces.profiles(strips.s, self.point)
-        points = SurfacePoints(
-            point=fields.point,
-            axes=fields.axes,
-            area=fields.area,
-            penetration=fields.penetration,
-            wheel_rotation=self.pose.rotation,
-            step=fields.step,
-            wheel_place=np.repeat(on_wheel, self.count, axis=0),
-            rail_place=np.repeat(on_rail, self.count, axis=0),
-        )
-        local = np.column_stack([cells.traction, -cells.pressure]) * cells.area[:, None]
-        forces = (local[:, None, :] @ fields.axes)[:, 0]
-        speed = float(cells.speed.mean()) if cells.traction.any() else 0.0
-        work = FrictionalWork(points, cells.traction, cells.sticks, self.motion, speed)
-        patches = []
+        on_wheel, on_rail = self.surfaces.profiles(self.strips.s, self.point)
+        speed = float(self.cells.speed.mean()) if self.cells.traction.any() else 0.0
+        velocities, patches = RigidVelocities.of(self.motion), []
         for contact in np.argsort(self.rank):
-            inside = fields.patch == self.rank[contact]
-            own = strips.contact == contact
-            patch = patch_resultants(work, inside, forces=forces, pressure=cells.pressure)
-            patches.append(replace(patch, max_pressure=float((strips.scale[own] * strips.half[own]).max())))
+            own = self.strips.contact == contact
+            sums = patch_sums(own, self.cells, self.axes, on_wheel, on_rail, velocities, speed)
+            forward, left, normal = (sums.axes @ sums.force).tolist()
+            semi_axes, bands, creepage = sums.semi_axes.tolist(), sums.bands.tolist(), sums.creepage.tolist()
+            (wheel_s, wheel_y), (rail_s, rail_y) = sums.wheel.tolist(), sums.rail.tolist()
+            patch = Patch(
+                area=sums.area,
+                max_pressure=float((self.strips.scale[own] * self.strips.half[own]).max()),
+                normal_force=normal,
+                force=sums.force,
+                tangential_force=(forward, left),
+                semi_axes=(semi_axes[0], semi_axes[1]),
+                contact_angle=float(np.arctan2(-sums.axes[2, 1], sums.axes[2, 2])),
+                wheel_s=wheel_s,
+                rail_s=rail_s,
+                wheel_y=wheel_y,
+                rail_y=rail_y,
+                wheel_band=(bands[0], bands[1]),
+                rail_band=(bands[2], bands[3]),
+                x=float(sums.point[0]),
+                stick_area=sums.stick_area,
+                creepage=(creepage[0], creepage[1], creepage[2]),
+                frictional_power=sums.power,
+            )
+            patches.append(patch)
         return tuple(patches)

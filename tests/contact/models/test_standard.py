@@ -12,7 +12,7 @@ from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
 from wheelrail.contact.analytical.hertz import hertz
 from wheelrail.contact.analytical.kalker import kalker
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
-from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+from wheelrail.contact.kinematics.frames import RigidMotion, Side, Twist
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
@@ -23,6 +23,7 @@ from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.ellipse import axis_ratio, complete, ellipse, strip_potential
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.standard.polach import polach
+from wheelrail.contact.models.standard.pressure_derivatives import axis_ratio_slope, potential_slopes
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 
@@ -255,6 +256,54 @@ def test_left_and_right_are_mirror_images(normal: str) -> None:
     (one, other) = left.patches[0], right.patches[0]
     assert other.creepage == (one.creepage[0], -one.creepage[1], -one.creepage[2])
     assert other.frictional_power == one.frictional_power > 0
+
+
+# two contacts about to merge (weights 0.01 and 1; 0.3 and 0.7), a tread with large and with small creepages, a flange
+TANGENT_STATES = [
+    replace(STATE, y=1e-5, z=-2.3e-4, yaw=1e-4, y_rate=0.0),
+    replace(STATE, y=2e-4, z=-2.3e-4, yaw=1e-3),
+    replace(STATE, y=1e-3, z=-2.3e-4, roll=-1e-4, pitch_rate=47.0 / 0.46),
+    replace(STATE, y=2.5e-3, z=-1e-4, y_rate=0.0, yaw=1e-4),
+    replace(STATE, y=6.3e-3, z=-3e-4, roll=1e-4, yaw=-3.5e-3, roll_rate=1e-3, yaw_rate=2e-3),
+]
+STEPS = (1e-8, 1e-8, 1e-8, 1e-8, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5)
+
+
+@pytest.mark.parametrize("state", TANGENT_STATES)
+@pytest.mark.parametrize(("side", "friction"), [("left", 0.3), ("right", 0.3), ("left", 0.0)])
+def test_tangent_is_the_derivative_of_the_forces(state: WheelsetState, side: Side, friction: float) -> None:
+    contact = wheel_on_rail(friction)
+    state = state if side == "left" else replace(state.mirrored(), roll=state.roll - 1e-5)
+    result = contact(state, side)
+    tangent = contact.tangent(state, side, result)
+    for column, (name, step) in enumerate(zip(state.coordinates, STEPS, strict=True)):
+        ahead, behind = (
+            contact(replace(state, **{name: getattr(state, name) + way * step}), side) for way in (1.0, -1.0)
+        )
+        for own, rows in (("force", tangent[:3]), ("moment", tangent[3:])):
+            quotient = (getattr(ahead, own) - getattr(behind, own)) / (2 * step)
+            largest = max(np.abs(rows[:, column]).max(), 1e-5 * np.abs(rows).max())
+            np.testing.assert_allclose(quotient, rows[:, column], rtol=0, atol=2e-4 * largest)
+
+
+def test_variants_without_a_tangent() -> None:
+    for options in ({"normal": "hertz"}, {"tangential": "polach"}):
+        result = wheel_on_rail(**options)(STATE, "left")
+        with pytest.raises(ValueError, match="has no tangent"):
+            result.tangent()
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.3, 0.9, 1 - 1e-7])
+def test_derivatives_of_elliptic_functions(ratio: float) -> None:
+    """The ratio of semi-axes by that of curvatures, and the deflection beside a strip, by secants."""
+    k, step = axis_ratio(ratio), 1e-4 * (1 - ratio)
+    ahead, behind = (np.log(axis_ratio(ratio * np.exp(way * step))) for way in (1.0, -1.0))
+    assert axis_ratio_slope(k) == pytest.approx((ahead - behind) / (2 * step), rel=1e-4)
+    half, away = 4e-3, 4e-3 * ratio
+    by_half, by_away = potential_slopes(half, away, strip_potential(half, away))
+    for slope, along, across in ((by_half, 1e-8, 0.0), (by_away, 0.0, 1e-8)):
+        values = [strip_potential(half + way * along, away + way * across) for way in (1.0, -1.0)]
+        assert slope == pytest.approx((values[0] - values[1]) / 2e-8, rel=1e-5)
 
 
 def test_contact_points_of_a_yawed_wheel_face_the_rail() -> None:

@@ -70,43 +70,59 @@ def sections(vehicle: VehicleArrays, distance: complex, reference: complex, stat
         reference: distance of the common axes, m.
         state: (2 c + m,).
     """
-    n = len(vehicle.bodies.mass)
-    result = np.empty((n, 6, 3), np.complex128)
-    for i in range(n):
-        section = section_at(vehicle.track, distance + vehicle.bodies.place[i] + state[6 * i], reference)
-        store(result[i, 0], section.position)
-        for k in range(3):
-            store(result[i, 1 + k], section.axes[k])
-        store(result[i, 4], section.rate)
-        store(result[i, 5], section.rate_slope)
+    result = np.empty((len(vehicle.bodies.mass), 6, 3), np.complex128)
+    for i in range(len(result)):
+        store_section(vehicle, distance, reference, state, i, result[i])
     return result
+
+
+@analytic
+def store_section(
+    vehicle: VehicleArrays, distance: complex, reference: complex, state: Complex, i: int, rows: Complex
+) -> None:
+    """Fill the track section (6, 3) at body i; parameters as for `sections`."""
+    section = section_at(vehicle.track, distance + vehicle.bodies.place[i] + state[6 * i], reference)
+    store(rows[0], section.position)
+    for k in range(3):
+        store(rows[1 + k], section.axes[k])
+    store(rows[4], section.rate)
+    store(rows[5], section.rate_slope)
 
 
 @analytic
 def motions_of(vehicle: VehicleArrays, rows: Complex, travel: Travel, state: Complex) -> Complex:
     """Motions (n, 6, 3) of the bodies, see `motion_in`; parameters as for `accelerations`."""
-    n = len(vehicle.bodies.mass)
-    result = np.empty((n, 6, 3), np.complex128)
-    for i in range(n):
-        section, rate = section_of(rows[i]), state[6 * n + 6 * i : 6 * n + 6 * i + 6]
-        frame = frame_motion(vehicle.bodies, i, travel, section, state[6 * i : 6 * i + 6], rate)
-        motion = motion_of(vehicle.bodies, i, section, frame, rate)
-        store(result[i, 0], motion.position)
-        store(result[i, 1], motion.velocity)
-        for k in range(3):
-            store(result[i, 2 + k], motion.axes[k])
-        store(result[i, 5], motion.rate)
+    result = np.empty((len(rows), 6, 3), np.complex128)
+    for i in range(len(rows)):
+        store_motion(vehicle, rows[i], travel, state, i, result[i])
     return result
 
 
 @analytic
-def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series_rate: Complex) -> Complex:
+def store_motion(
+    vehicle: VehicleArrays, rows: Complex, travel: Travel, state: Complex, i: int, values: Complex
+) -> None:
+    """Fill the motion (6, 3) of body i from its section (6, 3); other parameters as for `accelerations`."""
+    c = 6 * len(vehicle.bodies.mass)
+    section, rate = section_of(rows), state[c + 6 * i : c + 6 * i + 6]
+    frame = frame_motion(vehicle.bodies, i, travel, section, state[6 * i : 6 * i + 6], rate)
+    motion = motion_of(vehicle.bodies, i, section, frame, rate)
+    store(values[0], motion.position)
+    store(values[1], motion.velocity)
+    for k in range(3):
+        store(values[2 + k], motion.axes[k])
+    store(values[5], motion.rate)
+
+
+@analytic
+def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series_rate: Complex, body: int) -> Complex:
     """Forces and moments (n, 2, 3) N and N m of elements and rotational springs on the bodies, in common axes.
 
     Parameters:
         vehicle: elements.
         motions: (n, 6, 3), see `motion_in`.
         series, series_rate: (m,) spring deflections m of Maxwell elements, and their rates m/s, which are filled.
+        body: whose elements are taken; negative: all.
 
     Forces of elements that are mirror images of each other are added first: the sums of the mirrored motion are the
     mirrored sums, bit for bit.
@@ -114,8 +130,10 @@ def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series
     elements, wheelset = vehicle.elements, vehicle.bodies.wheelset
     total = np.zeros((len(motions), 2, 3), np.complex128)
     for p in range(len(elements.pairs)):
-        pair = np.zeros((3, 3), np.complex128)
         upper, lower = elements.upper[elements.pairs[p, 0]], elements.lower[elements.pairs[p, 0]]
+        if body >= 0 and upper != body and lower != body:
+            continue
+        pair = np.zeros((3, 3), np.complex128)
         ends = motion_in(motions[upper]), motion_in(motions[lower])
         for k in range(2):
             e = elements.pairs[p, k]
@@ -129,9 +147,10 @@ def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series
         add_to(total[lower, 1], scale(-1.0, load(pair[2])))
     for r in range(len(elements.spring_upper)):
         upper, lower = elements.spring_upper[r], elements.spring_lower[r]
-        moment = spring_moment(elements, r, motion_in(motions[upper]), motion_in(motions[lower]))
-        add_to(total[upper, 1], moment)
-        add_to(total[lower, 1], scale(-1.0, moment))
+        if body < 0 or upper == body or lower == body:
+            moment = spring_moment(elements, r, motion_in(motions[upper]), motion_in(motions[lower]))
+            add_to(total[upper, 1], moment)
+            add_to(total[lower, 1], scale(-1.0, moment))
     return total
 
 
@@ -146,27 +165,52 @@ def accelerations(vehicle: VehicleArrays, rows: Complex, travel: Travel, state: 
         state: (2 c + m,).
         wrenches: (n, 2, 3) N and N m, contact forces and moments about the bodies' centres, in their track frames.
     """
-    bodies, n = vehicle.bodies, len(vehicle.bodies.mass)
-    c = 6 * n
-    result = np.empty(len(state) - c, np.complex128)
+    n = len(vehicle.bodies.mass)
+    result = np.empty(len(state) - 6 * n, np.complex128)
     motions = motions_of(vehicle, rows, travel, state)
-    total = suspension(vehicle, motions, state[2 * c :], result[c:])
+    total = suspension(vehicle, motions, state[12 * n :], result[6 * n :], -1)
     for i in range(n):
-        section, q, rate = section_of(rows[i]), state[6 * i : 6 * i + 6], state[c + 6 * i : c + 6 * i + 6]
-        force = load(total[i, 0])
-        force = (force[0], force[1], force[2] - bodies.gravity * bodies.mass[i])
-        if bodies.held == i:
-            size = -bodies.hold_stiffness * q[0] - bodies.hold_damping * rate[0]
-            force = add(force, scale(size, section.axes[0]))
-        force = add(rotate_back(section.axes, force), load(wrenches[i, 0]))
-        moment = add(rotate_back(section.axes, load(total[i, 1])), load(wrenches[i, 1]))
-        frame = frame_motion(bodies, i, travel, section, q, rate)
-        path, y, z = translation(bodies, i, section, frame, force)
-        roll, pitch, yaw = rotation(bodies, i, section, frame, rate, moment, path)
-        pitch -= bodies.wheelset[i] * travel.acceleration / bodies.radius
-        store(result[6 * i : 6 * i + 3], (path - travel.acceleration, y, z))
-        store(result[6 * i + 3 : 6 * i + 6], (roll, pitch, yaw))
+        store_acceleration(vehicle, rows[i], travel, state, total[i], wrenches[i], i, result[6 * i : 6 * i + 6])
     return result
+
+
+@analytic
+def store_acceleration(
+    vehicle: VehicleArrays,
+    rows: Complex,
+    travel: Travel,
+    state: Complex,
+    total: Complex,
+    wrench: Complex,
+    i: int,
+    values: Complex,
+) -> None:
+    """Fill the accelerations (6,) of the coordinates of body i.
+
+    Parameters:
+        vehicle: bodies.
+        rows: (6, 3), section of the track at the body.
+        travel: reference motion.
+        state: (2 c + m,).
+        total, wrench: (2, 3) force and moment of the suspension, in common axes, and of contacts, in the track frame.
+        i: number of the body.
+        values: filled.
+    """
+    bodies, c = vehicle.bodies, 6 * len(vehicle.bodies.mass)
+    section, q, rate = section_of(rows), state[6 * i : 6 * i + 6], state[c + 6 * i : c + 6 * i + 6]
+    force = load(total[0])
+    force = (force[0], force[1], force[2] - bodies.gravity * bodies.mass[i])
+    if bodies.held == i:
+        size = -bodies.hold_stiffness * q[0] - bodies.hold_damping * rate[0]
+        force = add(force, scale(size, section.axes[0]))
+    force = add(rotate_back(section.axes, force), load(wrench[0]))
+    moment = add(rotate_back(section.axes, load(total[1])), load(wrench[1]))
+    frame = frame_motion(bodies, i, travel, section, q, rate)
+    path, y, z = translation(bodies, i, section, frame, force)
+    roll, pitch, yaw = rotation(bodies, i, section, frame, rate, moment, path)
+    pitch -= bodies.wheelset[i] * travel.acceleration / bodies.radius
+    store(values[:3], (path - travel.acceleration, y, z))
+    store(values[3:], (roll, pitch, yaw))
 
 
 @analytic
@@ -185,8 +229,33 @@ def derivatives(vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Co
     """
     n, size = len(vehicle.bodies.mass), len(state)
     c, step, reference = 6 * n, STEP * 1j, travel.distance
-    result, rows = np.empty((size + 7, size - c)), np.empty((n, 6, 3), np.complex128)
-    for j in range(size + 7):
+    result, rows = np.zeros((size + 7, size - c)), sections(vehicle, travel.distance, travel.distance, state)
+    motions, rates_of = motions_of(vehicle, rows, travel, state), np.zeros(size - 2 * c, np.complex128)
+    total = suspension(vehicle, motions, state[2 * c :], rates_of, -1)
+    own_rows, own_motion, values = rows.copy(), motions.copy(), np.empty(6, np.complex128)
+    for j in range(2 * c):  # one body moves: its elements, it and its neighbours feel it
+        body = j % c // 6
+        point = state.copy()
+        point[j] += step
+        if j < c and j % 6 == 0:
+            store_section(vehicle, travel.distance, reference, point, body, own_rows[body])
+        store_motion(vehicle, own_rows[body], travel, point, body, own_motion[body])
+        rates_of[:] = 0.0
+        change = suspension(vehicle, own_motion, point[2 * c :], rates_of, body)
+        for i in range(n):
+            moved = i == body
+            for k in range(3):
+                moved = moved or change[i, 0, k] != 0.0 or change[i, 1, k] != 0.0
+                change[i, 0, k] = complex(total[i, 0, k].real, change[i, 0, k].imag)
+                change[i, 1, k] = complex(total[i, 1, k].real, change[i, 1, k].imag)
+            if moved:
+                store_acceleration(vehicle, own_rows[i], travel, point, change[i], wrenches[i], i, values)
+                for k in range(6):
+                    result[j, 6 * i + k] = values[k].imag / STEP
+        for k in range(size - 2 * c):
+            result[j, c + k] = rates_of[k].imag / STEP
+        own_rows[body], own_motion[body] = rows[body], motions[body]
+    for j in range(2 * c, size + 7):
         point, contact, at = state.copy(), wrenches.copy(), travel
         if j < size:
             point[j] += step
@@ -199,7 +268,6 @@ def derivatives(vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Co
                 travel.speed + step * rates.speed,
                 travel.acceleration + step * rates.acceleration,
             )
-        if j == size + 6 or (j <= c and j % 6 < 2):  # bodies that are moved along the track, and the next ones
             rows = sections(vehicle, at.distance, reference, point)
         rate = accelerations(vehicle, rows, at, point, contact)
         for k in range(size - c):

@@ -102,10 +102,15 @@ def load_vehicle(path: str | Path = MANCHESTER) -> Vehicle:
 
     Raises SceneError naming file, key, value and what is allowed.
     """
+    return parse_vehicle(read_text(Path(path)), path)
+
+
+def parse_vehicle(text: str, path: str | Path) -> Vehicle:
+    """Vehicle of a TOML text; raises SceneError as `load_vehicle`, naming path."""
     from wheelrail.vehicle.multibody.static_loads import static_loads
     from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
 
-    data = _with_types(parse(read_text(Path(path)), path), path)
+    data = _with_types(parse(text, path), path)
     try:
         table = VehicleFileTable.model_validate(data)
     except ValidationError as error:

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch, LimitCycle
 
 
-def hunting_of(scene: RunScene, file: Path, speeds: Sequence[float], search: CycleSearch) -> Iterator[LimitCycle]:
+def hunting_of(
+    scene: RunScene, file: Path, speeds: Sequence[float], search: CycleSearch, width: float | None = None
+) -> Iterator[LimitCycle]:
     """Limit cycles on straight track at one speed after another, from the kick of a scene.
 
     Parameters:
@@ -31,16 +33,34 @@ def hunting_of(scene: RunScene, file: Path, speeds: Sequence[float], search: Cyc
         file: vehicle file.
         speeds: m/s.
         search: when a motion counts as a limit cycle.
+        width: m/s, to which the nonlinear critical speed is enclosed by bisection afterwards; None: not at all.
 
     Raises SceneError for a scene without a kick, RunFailed without an equilibrium.
     """
-    from wheelrail.vehicle.multibody.runs.limit_cycle import limit_cycles
+    from wheelrail.vehicle.multibody.runs.limit_cycle import bisected_fold, limit_cycles
 
     if not scene.kick:
         raise SceneError("kick: missing: must give lateral velocities of bodies, m/s")
     vehicle_for_run(scene, file)
     with failures_as_run_failed():
-        yield from limit_cycles(vehicle_dynamics(scene, file, speeds[0]), speeds, scene.kick, search)
+        dynamics, cycles = vehicle_dynamics(scene, file, speeds[0]), []
+        for cycle in limit_cycles(dynamics, speeds, scene.kick, search):
+            cycles.append(cycle)
+            yield cycle
+        if width is not None:
+            yield from bisected_fold(dynamics, cycles, width, search)
+
+
+def fold_line(cycles: Sequence[LimitCycle]) -> str:
+    """The nonlinear critical speed in words, with its bracket."""
+    from wheelrail.vehicle.multibody.runs.limit_cycle import fold_bracket
+
+    bracket = fold_bracket(cycles)
+    if bracket is None:
+        return "nonlinear critical speed: needs a speed that keeps a limit cycle and a lower one at which it dies out"
+    kept, dying = bracket
+    text = f"between {dying.speed:g} m/s (dies out) and {kept.speed:g} m/s (limit cycle)"
+    return f"nonlinear critical speed, of the branch of this kick: {text}"
 
 
 def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Table:
@@ -53,7 +73,7 @@ def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Tab
         table.add_column(name, justify="left" if name == "status" else "right")
     for name in ("frequency [Hz]", "sum of Y [kN]", "frictional power [kW]", "duration [s]"):
         table.add_column(name, justify="right")
-    for cycle in cycles:
+    for cycle in sorted(cycles, key=lambda c: -c.speed):
         table.add_row(
             f"{cycle.speed:g}",
             cycle.status,
@@ -67,7 +87,7 @@ def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Tab
 
 
 def draw_bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str], file: Path) -> None:
-    """Save the bifurcation diagram: amplitude of every wheelset over speed."""
+    """Save the bifurcation diagram: amplitude of every wheelset over speed, and where the cycles vanish."""
     with styled():
         save(_bifurcation(cycles, wheelsets), file)
 
@@ -75,9 +95,15 @@ def draw_bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str], fil
 def _bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Figure:
     from matplotlib.figure import Figure
 
+    from wheelrail.vehicle.multibody.runs.limit_cycle import fold_bracket
+
     figure = Figure(figsize=(5.2, 3.6), layout="constrained")
     ax = figure.subplots()
-    speeds = [cycle.speed for cycle in cycles]
+    cycles = sorted(cycles, key=lambda c: c.speed)
+    speeds, bracket = [cycle.speed for cycle in cycles], fold_bracket(cycles)
+    if bracket is not None:
+        label = f"the cycle vanishes\nbetween {bracket[1].speed:g} and {bracket[0].speed:g} m/s"
+        ax.axvspan(bracket[1].speed, bracket[0].speed, color="0.85", label=label)
     for i, name in enumerate(wheelsets):
         ax.plot(speeds, [1e3 * c.amplitude[i] for c in cycles], label=name, **SERIES[i % len(SERIES)])
     ax.set_title("Amplitude of the lateral motion over speed")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from wheelrail.meshes.profiles.profile import Profile
 
+
+F = TypeVar("F", contravariant=True)
 
 FORMATS = (".mp4", ".gif")
 SCALE = 20.0  # displacement magnification factor in the upper pane
@@ -85,26 +87,46 @@ def animate_run(
     Upper pane: the wheelset from behind with forces on the wheels. Lower panes: both contacts to scale, patches as
     ellipses coloured by load. Raises ValueError for another file ending, a run without samples, fewer than one frame.
     """
+    check_options(data, file, frames, fps, scale)
+    time = data["time"].values
+    shown = np.searchsorted(time, np.linspace(time[0], time[-1], frames)).clip(0, len(time) - 1)
+    write_frames(Animation(data, bodies, scale), file, shown.tolist(), fps, progress)
+
+
+def check_options(data: Dataset, file: Path, frames: int, fps: float, scale: float) -> None:
+    """Raises ValueError for options of `animate_run` that are not allowed, and for a run without samples."""
     if file.suffix.lower() not in FORMATS:
         raise ValueError(f"{file}: must end in {' or '.join(FORMATS)}")
     if frames < 1 or not fps > 0 or not scale > 0:
         raise ValueError(f"frames, fps and scale must be positive, not {frames}, {fps:g} and {scale:g}")
     if data.sizes["time"] == 0:
         raise ValueError("the run must have at least one sample")
-    animation = Animation(data, bodies, scale)
-    time = data["time"].values
-    shown = np.searchsorted(time, np.linspace(time[0], time[-1], frames)).clip(0, len(time) - 1)
+
+
+class Animated(Protocol[F]):
+    """A picture of several frames."""
+
+    view: Any
+
+    def show(self, frame: F) -> None:
+        """Draw a frame."""
+
+
+def write_frames(
+    animation: Animated[F], file: Path, shown: Sequence[F], fps: float, progress: Callable[[int, int], None] | None
+) -> None:
+    """Draw frames and write them to a file, .mp4 or .gif; parameters as for `animate_run`."""
     view = animation.view
     try:
         if file.suffix.lower() == ".mp4":
             view.open_movie(str(file), framerate=fps, quality=7)
         else:
             view.open_gif(str(file), fps=fps)
-        for count, index in enumerate(shown):
-            animation.show(int(index))
+        for count, frame in enumerate(shown):
+            animation.show(frame)
             view.write_frame()
             if progress is not None:
-                progress(count + 1, frames)
+                progress(count + 1, len(shown))
     finally:
         view.close()
 

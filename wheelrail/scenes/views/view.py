@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.builders.loaded_bodies import loaded_bodies
+from wheelrail.scenes.builders.vehicle_file import parse_vehicle
 from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.netcdf import read
@@ -169,12 +170,12 @@ def bodies_of(scene: HertzScene | WheelsetScene, body: str) -> tuple[str, ...]:
 
 
 def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | None = None, **options: Any) -> None:
-    """Write an animation of the results of a run.
+    """Write an animation of the results of a run, of the plane wagon or of a vehicle file.
 
     Parameters:
         file: run.nc or its folder.
         out: .mp4 or .gif.
-        progress, options: as for `wheelrail.scenes.views.animation.animate_run`.
+        progress, options: as for `animate_data`.
 
     Raises OSError for a file that cannot be written, SceneError for one without results of a run.
     """
@@ -182,12 +183,41 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
     if not results.is_file():
         raise SceneError(f"{results}: file does not exist; must be run.nc of wheelrail run, or its folder")
     data = read_run(results)
-    if is_of_vehicle(data):
-        raise SceneError(f"{results}: must contain a run of the plane wagon; a vehicle file has no animation")
-    bodies = bodies_of_run(data, results)
-    from wheelrail.scenes.views.animation import animate_run
+    animate_data(data, results, out, progress, **options)
 
-    animate_run(data, out, bodies, progress=progress, **options)
+
+def animate_data(
+    data: Dataset,
+    file: Path,
+    out: Path,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    scale: float | None = None,
+    **options: Any,
+) -> None:
+    """Write an animation of a run.
+
+    Parameters:
+        data: its Dataset.
+        file: results; paths in the scene are relative to its folder.
+        out: .mp4 or .gif.
+        scale: displacement magnification factor; None: 20 for the wheelset of the plane wagon, 10 for a vehicle.
+        progress, options: as for `wheelrail.scenes.views.animation.animate_run`.
+
+    Raises SceneError if files of the scene are missing.
+    """
+    from wheelrail.scenes.views import animation, vehicle_animation
+
+    scene = scene_of_run(data, file)
+    bodies = bodies_of_scene(scene)
+    if not is_of_vehicle(data):
+        animation.animate_run(data, out, bodies, progress=progress, scale=scale or animation.SCALE, **options)
+        return
+    vehicle = parse_vehicle(data.attrs["vehicle"], file)
+    scale = scale or vehicle_animation.SCALE
+    vehicle_animation.animate_vehicle(
+        data, out, bodies, vehicle, scene.track.track(), progress=progress, scale=scale, **options
+    )
 
 
 def read_run(file: Path) -> Dataset:
@@ -213,10 +243,15 @@ def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
 
     Raises SceneError if files of the scene are missing.
     """
+    return bodies_of_scene(scene_of_run(data, file))
+
+
+def scene_of_run(data: Dataset, file: Path) -> RunScene:
+    """Scene of a run; parameters and errors as for `bodies_of_run`."""
     scene = parse_scene(data.attrs["scene"], file)
     if not isinstance(scene, RunScene):
         raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
-    return bodies_of_scene(scene)
+    return scene
 
 
 def bodies_of_scene(scene: RunScene) -> RunBodies:

@@ -1,0 +1,132 @@
+"""Derivatives of strip pressures by the wheel's pose, in closed form."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.geometry.interpenetration import PenetrationRegions
+from wheelrail.contact.models.standard.ellipse import axis_ratio, complete, strip_potential
+from wheelrail.contact.models.standard.normal import StripPressures
+from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
+
+CIRCULAR = 1e-5  # 1 - k^2 below which the derivative of D is that at k = 1: its error is of this order
+
+
+class PressureDerivatives(NamedTuple):
+    """Derivatives by the six rigid motions of the wheel.
+
+    Parameters:
+        strips: (n, 5, 6), of position, x, width and half length, and of the strip's normal force over pi / 2.
+        patches: (k, 3, 6), of the load, and of the semi-axes along and across.
+    """
+
+    strips: Array
+    patches: Array
+
+
+@compiled
+def complete_derivatives(k: float, K: float, D: float) -> tuple[float, float]:
+    """Derivatives of K and D of `complete` by k."""
+    m = (1.0 - k) * (1.0 + k)
+    by_m = 3.0 * np.pi / 32.0 if m < CIRCULAR else ((K - D) / (2.0 * k * k) - 0.5 * D) / m
+    return -(K - D) / k, -2.0 * k * by_m
+
+
+@compiled
+def axis_ratio_slope(k: float) -> float:
+    """Logarithmic derivative of `axis_ratio` by the ratio of curvatures, where its value is k."""
+    K, D = complete(k)
+    by_K, by_D = complete_derivatives(k, K, D)
+    return 1.0 / (2.0 + k * (by_D / D - (by_K - by_D) / (K - D)))
+
+
+@compiled
+def potential_slopes(half: float, away: float, value: float) -> tuple[float, float]:
+    """Derivatives of `strip_potential`, homogeneous of degree 1, by half length and distance, from its value."""
+    reach = np.sqrt(half * half + away * away)
+    K, _ = complete(max(away / reach, 1e-12))
+    by_half = 2.0 * half / reach * K
+    return by_half, (value - half * by_half) / away if away > 0.0 else 0.0
+
+
+@compiled
+def virtual_penetration_derivatives(
+    zones: PenetrationRegions, pressures: StripPressures, by: RegionDerivatives
+) -> PressureDerivatives:
+    """Derivatives of `wheelrail.contact.models.standard.normal.virtual_penetration`.
+
+    Parameters:
+        zones: interpenetration regions.
+        pressures: on them.
+        by: derivatives of the regions.
+    """
+    k, n = len(zones.peak), len(zones.s)
+    strips, patches = np.empty((n, 5, MOTIONS)), np.empty((k, 3, MOTIONS))
+    by_half, by_ratio, by_potential = np.empty((n, MOTIONS)), np.empty(MOTIONS), np.empty(MOTIONS)
+    start = 0
+    for c in range(k):
+        stop, total, first, along, second = start, 0.0, 0.0, 0.0, 0.0
+        while stop < n and zones.contact[stop] == c:
+            load = 2.0 * zones.penetration[stop] * zones.radius[stop] * zones.width[stop]
+            total += load
+            first += load * zones.s[stop]
+            along += load * 2.0 * zones.penetration[stop] * zones.radius[stop]
+            stop += 1
+        for i in range(start, stop):
+            load = 2.0 * zones.penetration[i] * zones.radius[i] * zones.width[i]
+            second += load * (zones.s[i] - first / total) ** 2
+        ratio = second * 4.0 * total / (along * total)  # (b / a)^2 = (5 second / total) / (1.25 along / total)
+        slender = axis_ratio(ratio) if ratio <= 1.0 else axis_ratio(1.0 / ratio)
+        stretch = np.sqrt((1.0 / slender if ratio <= 1.0 else slender) * np.sqrt(ratio))
+        # the stretched axes are those of Hertz: logarithmic derivative of the stretch by b / a
+        power = 0.5 - axis_ratio_slope(slender)
+        potential = 0.0
+        for q in range(MOTIONS):
+            by_total, by_along, by_second, by_potential[q] = 0.0, 0.0, 0.0, 0.0
+            for i in range(start, stop):
+                depth, radius, width = zones.penetration[i], zones.radius[i], zones.width[i]
+                square, away = 2.0 * depth * radius, zones.s[i] - first / total
+                by_square = 2.0 * (by.strips[i, 3, q] * radius + depth * by.strips[i, 4, q])
+                by_half[i, q] = 0.5 * by_square / np.sqrt(square)
+                by_load = by_square * width + square * by.strips[i, 2, q]
+                by_total += by_load
+                by_along += by_load * square + square * width * by_square
+                by_second += by_load * away * away + 2.0 * square * width * away * by.strips[i, 0, q]
+            by_ratio[q] = 0.5 * (by_second / second - by_along / along)
+            by_stretch = power * by_ratio[q]  # logarithmic, as the two before
+            by_a = 0.5 * (by_along / along - by_total / total) + by_stretch
+            by_b = 0.5 * (by_second / second - by_total / total) - by_stretch
+            patches[c, 1, q], patches[c, 2, q] = by_a * pressures.along[c], by_b * pressures.across[c]
+            for i in range(start, stop):
+                away, behind = zones.s[i] - zones.peak[c], zones.x[i] - zones.peak_x[c]
+                half = np.sqrt(2.0 * zones.penetration[i] * zones.radius[i])
+                by_peak, by_peak_x = by.contacts[c, 0, q], by.contacts[c, 1, q]
+                strips[i, 0, q] = by_peak + (by.strips[i, 0, q] - by_peak - by_stretch * away) / stretch
+                strips[i, 1, q] = by_peak_x + (by.strips[i, 1, q] - by_peak_x - by_stretch * behind) / stretch
+                strips[i, 2, q] = (by.strips[i, 2, q] - by_stretch * zones.width[i]) / stretch
+                strips[i, 3, q] = (by_half[i, q] + by_stretch * half) * stretch
+        for i in range(start, stop):
+            half, width = pressures.half[i], pressures.width[i]
+            away = pressures.s[i] - zones.peak[c]
+            value = strip_potential(half, abs(away))
+            by_length, by_distance = potential_slopes(half, abs(away), value)
+            potential += value * width
+            for q in range(MOTIONS):
+                distance = (strips[i, 0, q] - by.contacts[c, 0, q]) * (1.0 if away > 0.0 else -1.0)
+                change = by_length * strips[i, 3, q] + by_distance * distance
+                by_potential[q] += change * width + value * strips[i, 2, q]
+        patches[c, 0] = 0.0
+        for i in range(start, stop):
+            half, width, scale = pressures.half[i], pressures.width[i], pressures.scale[i]
+            for q in range(MOTIONS):
+                by_scale = by.contacts[c, 2, q] / zones.depth[c] - by_potential[q] / potential
+                strips[i, 4, q] = (
+                    scale * half * (half * (width * by_scale + strips[i, 2, q]) + 2.0 * width * strips[i, 3, q])
+                )
+                patches[c, 0, q] += 0.5 * np.pi * strips[i, 4, q]
+        start = stop
+    return PressureDerivatives(strips, patches)

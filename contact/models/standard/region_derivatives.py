@@ -1,0 +1,251 @@
+"""Derivatives of the interpenetration regions of a wheel on a rail by the wheel's pose, in closed form.
+
+The penetration is minus the height h of a point p of the wheel above the rail. Its derivatives by two variables a, b,
+the place on the wheel and its pose, are -n.p_ab - c (t.p_a)(t.p_b) with the rail's normal n and tangent t at the
+closest point and c = k / (1 + k h), k the rail's curvature. Maxima, ends and lowest points are defined by equations;
+their derivatives follow from those of the equations (implicit functions).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wheelrail.contact.geometry.interpenetration import (
+    MIN_PENETRATION,
+    MIN_SLOPE_COSINE,
+    POSITIONS,
+    SEPARATION,
+    VIRTUAL,
+    WIDTHS,
+    WheelRegions,
+    half_limit,
+    merging_weights,
+)
+from wheelrail.contact.geometry.rigid_search import deepest
+from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearest_sample, piece
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
+
+MOTIONS = 6  # of a rigid body: translations along the axes of the rail, rotations about them
+
+
+class RegionDerivatives(NamedTuple):
+    """Derivatives by the six rigid motions of the wheel about its origin, of the columns of `WheelRegions`.
+
+    Parameters:
+        contacts: (c, 4, 6).
+        strips: (n, 5, 6).
+    """
+
+    contacts: Array
+    strips: Array
+
+
+@compiled
+def rigid_motions(x: float, y: float, z: float, turns_only: bool, columns: Array) -> None:
+    """Fill the derivatives (3, 6) of a vector by rigid motions: a distance from the origin, or a direction, which
+    turns only.
+    """
+    columns[:] = 0.0
+    if not turns_only:
+        columns[0, 0] = columns[1, 1] = columns[2, 2] = 1.0
+    columns[1, 3], columns[2, 3] = -z, y
+    columns[0, 4], columns[2, 4] = z, -x
+    columns[0, 5], columns[1, 5] = -y, x
+
+
+@compiled
+def at_line(
+    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, rows: Array
+) -> None:
+    """Fill derivatives of the penetration, its slope, and x at the lowest point of a line.
+
+    Parameters:
+        wheel, rail: shapes of the profiles.
+        radius: nominal rolling radius, m.
+        origin, rotation: (3,) m and (3, 3), pose of the wheel.
+        s, x: m, the line, and its lowest point.
+        rows: (3, 7) filled; columns: by s, and by the six rigid motions.
+    """
+    z, t, k = local(wheel, s, piece(wheel, s))
+    r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
+    local_vectors = (  # the point and its derivatives by s, s twice, x, s and x, x twice, in the wheel's axes
+        (r * sine, z.real, -r * cosine),
+        (t.imag * sine, t.real, -t.imag * cosine),
+        (k.imag * sine, k.real, -k.imag * cosine),
+        (r * cosine / radius, 0.0, r * sine / radius),
+        (t.imag * cosine / radius, 0.0, t.imag * sine / radius),
+        (-r * sine / radius**2, 0.0, r * cosine / radius**2),
+    )
+    vectors = np.empty((6, 3))
+    for i, (a, b, c) in enumerate(local_vectors):
+        for d in range(3):
+            vectors[i, d] = rotation[d, 0] * a + rotation[d, 1] * b + rotation[d, 2] * c
+    q = complex(origin[1] + vectors[0, 1], origin[2] + vectors[0, 2])
+    at, height, _ = foot(rail, q, rail.samples[nearest_sample(rail, q)])
+    _, along, change = local(rail, at, piece(rail, at))
+    ty, tz = along.real, along.imag
+    curvature = change.real * tz - change.imag * ty
+    bend = curvature / (1.0 + curvature * height)
+    by_s, by_x = ty * vectors[1, 1] + tz * vectors[1, 2], ty * vectors[3, 1] + tz * vectors[3, 2]
+    first = tz * vectors[1, 1] - ty * vectors[1, 2]
+    ss = tz * vectors[2, 1] - ty * vectors[2, 2] - bend * by_s * by_s
+    sx = tz * vectors[4, 1] - ty * vectors[4, 2] - bend * by_s * by_x
+    xx = tz * vectors[5, 1] - ty * vectors[5, 2] - bend * by_x * by_x
+    rows[0, 0], rows[1, 0], rows[2, 0] = first, ss - sx * sx / xx, -sx / xx
+    point, tangent, forward = np.empty((3, MOTIONS)), np.empty((3, MOTIONS)), np.empty((3, MOTIONS))
+    rigid_motions(vectors[0, 0], vectors[0, 1], vectors[0, 2], False, point)
+    rigid_motions(vectors[1, 0], vectors[1, 1], vectors[1, 2], True, tangent)
+    rigid_motions(vectors[3, 0], vectors[3, 1], vectors[3, 2], True, forward)
+    for i in range(MOTIONS):
+        own = ty * point[1, i] + tz * point[2, i]
+        s_own = tz * tangent[1, i] - ty * tangent[2, i] - bend * by_s * own
+        x_own = tz * forward[1, i] - ty * forward[2, i] - bend * by_x * own
+        rows[0, 1 + i] = tz * point[1, i] - ty * point[2, i]
+        rows[1, 1 + i] = s_own - sx * x_own / xx
+        rows[2, 1 + i] = -x_own / xx
+
+
+@compiled
+def stationary_derivatives(rows: Array, columns: Array) -> None:
+    """Fill derivatives (3, 6) of position, penetration and x of a maximum or minimum from those (3, 7) at its line."""
+    for i in range(MOTIONS):
+        moved = -rows[1, 1 + i] / rows[1, 0]
+        columns[0, i], columns[1, i] = moved, rows[0, 1 + i]
+        columns[2, i] = rows[2, 1 + i] + rows[2, 0] * moved
+
+
+@compiled
+def fade_pair(t: float) -> tuple[float, float]:
+    """`wheelrail.contact.geometry.interpenetration.fade` and its derivative."""
+    t = min(max(t, 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)
+
+
+@compiled
+def merging_derivatives(top: Array, low: Array, merge: float, by_top: Array, by_low: Array) -> tuple[Array, Array]:
+    """Derivatives (k, 6) and (k, k, 6) of `merging_weights` from those (k, 3, 6), (k - 1, 3, 6) of its arguments."""
+    n = len(top)
+    weight, _ = merging_weights(top, low, merge)
+    by_weight, by_reach = np.zeros((n, MOTIONS)), np.zeros((n, n, MOTIONS))
+    for i in range(n):
+        for j in range(n):
+            if i == j:
+                continue
+            height, other = top[i, 1], top[j, 1]
+            first = min(i, j)
+            for k in range(min(i, j), max(i, j)):
+                if low[k, 1] < low[first, 1]:
+                    first = k
+            minimum, lower = low[first, 1], min(height, other)
+            valley = lower - minimum
+            lowest = i if height <= other else j
+            sign = 1.0 if top[i, 0] > top[j, 0] else -1.0
+            apart, apart_slope = fade_pair((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (SEPARATION - 1.0))
+            deep, deep_slope = fade_pair(valley / (VIRTUAL * lower))
+            dominated, dominated_slope = (
+                fade_pair(0.5 + 0.5 * (other - height) / valley) if valley > 0.0 else (1.0 * (other > height), 0.0)
+            )
+            factor = 1.0 - (1.0 - deep * apart) * dominated
+            level = (1.0 - VIRTUAL) * height
+            shallow, shallow_slope = fade_pair((minimum - level) / (other - level)) if other > level else (0.0, 0.0)
+            for k in range(MOTIONS):
+                by_minimum = by_low[first, 1, k] if minimum > 0.0 else 0.0
+                by_lower, by_height, by_other = by_top[lowest, 1, k], by_top[i, 1, k], by_top[j, 1, k]
+                by_apart = apart_slope * sign * (by_top[i, 0, k] - by_top[j, 0, k]) / merge / (SEPARATION - 1.0)
+                by_valley = by_lower - by_minimum
+                by_deep = deep_slope * (by_valley - valley * by_lower / lower) / (VIRTUAL * lower)
+                by_dominated = 0.0
+                if valley > 0.0:
+                    by_dominated = 0.5 * (by_other - by_height - (other - height) * by_valley / valley) / valley
+                by_dominated *= dominated_slope
+                by_factor = (by_deep * apart + deep * by_apart) * dominated - (1.0 - deep * apart) * by_dominated
+                by_weight[i, k] += weight[i] / factor * by_factor if factor > 0.0 else 0.0
+                if other > level:
+                    by_level = (1.0 - VIRTUAL) * by_height
+                    by_shallow = by_minimum - by_level - (minimum - level) * (by_other - by_level) / (other - level)
+                    by_shallow *= shallow_slope / (other - level)
+                    by_reach[i, j, k] = by_shallow * apart - (1.0 - shallow) * by_apart
+    return by_weight, by_reach
+
+
+@compiled
+def region_derivatives(
+    wheel: Shape,
+    rail: Shape,
+    radius: float,
+    origin: Array,
+    rotation: Array,
+    lines: Array,
+    merge: float,
+    regions: WheelRegions,
+) -> RegionDerivatives:
+    """Derivatives of the regions of a wheel.
+
+    Parameters:
+        wheel, rail: shapes of the profiles.
+        radius: nominal rolling radius, m.
+        origin, rotation: (3,) m and (3, 3), pose of the wheel.
+        lines: (m,) m, on which the penetration was sampled.
+        merge: m, maxima closer than that are one contact.
+        regions: at this pose, not beyond the lines.
+    """
+    top, low, strips = regions.top, regions.low, regions.strips
+    count, m = len(top), len(POSITIONS)
+    by_top, by_low = np.zeros((count, 3, MOTIONS)), np.zeros((max(count - 1, 0), 3, MOTIONS))
+    rows = np.empty((3, 1 + MOTIONS))
+    for k in range(count):
+        at_line(wheel, rail, radius, origin, rotation, top[k, 0], top[k, 2], rows)
+        stationary_derivatives(rows, by_top[k])
+    for k in range(count - 1):
+        if low[k, 1] > 0.0:
+            at_line(wheel, rail, radius, origin, rotation, low[k, 0], low[k, 2], rows)
+            stationary_derivatives(rows, by_low[k])
+    weight, reach = merging_weights(top, low, merge)
+    by_weight, by_reach = merging_derivatives(top, low, merge, by_top, by_low)
+    by_contacts, by_strips = np.empty((len(regions.contacts), 4, MOTIONS)), np.empty((len(strips), 5, MOTIONS))
+    by_edge = np.empty(MOTIONS)
+    contact, half = 0, 0
+    for k in range(count):
+        if weight[k] <= 0.0:
+            continue
+        for c in range(MOTIONS):
+            by_contacts[contact, 0, c], by_contacts[contact, 1, c] = by_top[k, 0, c], by_top[k, 2, c]
+            by_contacts[contact, 2, c], by_contacts[contact, 3, c] = by_top[k, 1, c], by_weight[k, c]
+        for j in range(count):
+            if reach[k, j] <= 0.0:
+                continue
+            for direction in (-1, 1):
+                edge = regions.edges[half]
+                by_edge[:] = 0.0
+                if edge != half_limit(lines, low, j, direction):  # where the penetration equals the level
+                    x = strips[half * m + m - 1, 1]  # of the outermost strip
+                    _, _, x, _ = deepest(wheel, rail, radius, origin, rotation, edge, x, -1)
+                    at_line(wheel, rail, radius, origin, rotation, edge, x, rows)
+                    for c in range(MOTIONS):
+                        by_edge[c] = ((1.0 - VIRTUAL) * by_top[k, 1, c] - rows[0, 1 + c]) / rows[0, 0]
+                elif 0 <= j + min(direction, 0) < count - 1:
+                    by_edge[:] = by_low[j + min(direction, 0), 0]
+                for q in range(m):
+                    i = half * m + q
+                    at_line(wheel, rail, radius, origin, rotation, strips[i, 0], strips[i, 1], rows)
+                    z, t, change = local(wheel, strips[i, 0], piece(wheel, strips[i, 0]))
+                    for c in range(MOTIONS):
+                        by_half = by_edge[c] - by_top[j, 0, c]
+                        moved = by_top[j, 0, c] + by_half * POSITIONS[q]
+                        by_strips[i, 0, c], by_strips[i, 1, c] = moved, rows[2, 1 + c] + rows[2, 0] * moved
+                        by_strips[i, 2, c] = direction * by_half * WIDTHS[q]
+                        by_depth = rows[0, 1 + c] + rows[0, 0] * moved - (1.0 - VIRTUAL) * by_top[k, 1, c]
+                        by_strips[i, 3, c] = reach[k, j] * by_depth
+                        if by_reach[k, j, c] != 0.0:
+                            by_strips[i, 3, c] += by_reach[k, j, c] * strips[i, 3] / reach[k, j]
+                        if strips[i, 3] <= MIN_PENETRATION:
+                            by_strips[i, 3, c] = 0.0
+                        by_strips[i, 4, c] = t.imag / max(t.real, MIN_SLOPE_COSINE) * moved
+                        if t.real > MIN_SLOPE_COSINE:
+                            by_strips[i, 4, c] -= (z.imag + radius) * change.real / t.real**2 * moved
+                half += 1
+        contact += 1
+    return RegionDerivatives(by_contacts, by_strips)
