@@ -94,7 +94,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.multibody.runs.history",
         "wheelrail.vehicle.multibody.runs.limit_cycle",
         "wheelrail.vehicle.multibody.energy",
-        "wheelrail.vehicle.multibody.accelerometer",
+        "wheelrail.vehicle.multibody.runs.accelerometer",
         "wheelrail.vehicle.evaluation.comfort",
         "wheelrail.vehicle.evaluation.running_safety",
     ),

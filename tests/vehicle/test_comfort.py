@@ -16,11 +16,11 @@ from wheelrail.vehicle.evaluation.comfort import (
     mean_comfort,
     sperling_comfort,
 )
-from wheelrail.vehicle.multibody.accelerometer import Accelerometer
 from wheelrail.vehicle.multibody.coordinates import ROLL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
 from wheelrail.vehicle.multibody.rotations import rotate
+from wheelrail.vehicle.multibody.runs.accelerometer import Accelerometer
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 

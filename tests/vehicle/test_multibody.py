@@ -72,7 +72,7 @@ def test_static_loads_of_the_benchmark_vehicle() -> None:
     np.testing.assert_allclose(dynamics.suspension.static_loads[8:12], 78480.0, rtol=1e-12)
     wrenches = np.zeros((4, 6))
     wrenches[:, 2] = 2 * 54546.0525
-    assert np.abs(dynamics.accelerations(0.0, np.zeros(dynamics.size), wrenches)).max() < 1e-9
+    assert np.abs(dynamics.accelerations(0.0, np.zeros(dynamics.size), wrenches).rates).max() < 1e-9
 
 
 def test_held_wheelsets_have_the_modes_of_the_plane_wagon() -> None:
@@ -116,7 +116,7 @@ def test_energy_changes_by_the_power_of_contacts_dampers_and_speed_hold(series: 
     for time in (1.0, 1.5, 1.8):
         state = scale * random.normal(size=size)
         wrenches = wheelset_wrenches(dynamics.solve_contacts(time, state, None))
-        rate = np.concatenate([state[42:84], dynamics.accelerations(time, state, wrenches)])
+        rate = np.concatenate([state[42:84], dynamics.accelerations(time, state, wrenches).rates])
         h = 3e-6
         after, before = (mechanical_energy(dynamics, time + d, state + d * rate) for d in (h, -h))
         powers = power(dynamics, time, state, wrenches)

@@ -15,7 +15,7 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array, Complex
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.multibody.body_equations import BodyEquations
+from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
 from wheelrail.vehicle.multibody.body_motion import BodyKinematics, BodyMotion
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, Coordinates, X, Y, Z
 from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
@@ -126,7 +126,7 @@ class VehicleDynamics:
         travel = self.speed_profile(time)
         sections = self.bodies.sections(travel, state)
         contacts = self._solve_contacts(self._wheelset_states(travel, state, sections), start)
-        accelerations = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
+        accelerations, _ = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
         c = self.coordinates.count
         return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts, start)
 
@@ -188,15 +188,13 @@ class VehicleDynamics:
             contacts[side] = result
         return contacts
 
-    def accelerations(self, time: float, state: Array, wrenches: Array) -> Array:
+    def accelerations(self, time: float, state: Array, wrenches: Array) -> Accelerations:
         """Accelerations under given contact forces.
 
         Parameters:
             time: s.
             state: (2 c + m,).
             wrenches: (w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
-
-        Returns accelerations of the coordinates, then the rates of the springs of Maxwell elements, (c + m,).
         """
         travel = self.speed_profile(time)
         return self.bodies.accelerations(travel, state, wrenches, self.bodies.sections(travel, state))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.multibody.coordinates import Y, Z
+from wheelrail.vehicle.multibody.coordinates import X, Y, Z
 from wheelrail.vehicle.multibody.equations import (
     VehicleDynamics,
     VehicleEvaluation,
@@ -70,18 +70,18 @@ class _SteadyProblem:
     @cached_property
     def largest(self) -> Array:
         """(c,) largest change of each unknown in a Newton step."""
-        limits = np.tile(LARGEST_CHANGE, len(self.dynamics.vehicle.names))
-        limits[self.dynamics.coordinates.rolling_angles] = LARGEST_SPIN
-        return limits
+        coordinates = self.dynamics.coordinates
+        limits = np.tile(LARGEST_CHANGE, len(self.dynamics.vehicle.names))[coordinates.free]
+        limits[coordinates.rolling_angles] = LARGEST_SPIN
+        return np.asarray(limits)
 
     @cached_property
     def weights(self) -> Array:
         """(c,) masses and inertias over the mean wheel load; lever arm of moments 1 m."""
-        rows = [(b.mass, b.mass, b.mass, *b.inertia) for b in self.dynamics.vehicle.bodies.values()]
-        return np.ravel(rows) / self.dynamics.vehicle.mean_wheel_load
+        return self.dynamics.coordinates.inertia / self.dynamics.vehicle.mean_wheel_load
 
     def residual(self, state: Array, contacts: WheelContacts) -> Array:
-        accelerations = self.dynamics.accelerations(0.0, state, wheelset_wrenches(contacts))
+        accelerations = self.dynamics.accelerations(0.0, state, wheelset_wrenches(contacts)).rates
         return np.asarray(self.weights * accelerations[: self.dynamics.coordinates.count])
 
     def contacts(self, state: Array) -> WheelContacts:
@@ -116,7 +116,7 @@ def vehicle_equilibrium(
     Damped Newton with the contact's tangent; the damping decreases with the residual (pseudo-transient continuation).
     Raises EquilibriumError, also for a vehicle without `speed_hold`.
     """
-    if dynamics.vehicle.speed_hold is None:
+    if dynamics.vehicle.speed_hold is None and (dynamics.coordinates.held[:, X] == 0).all():
         raise EquilibriumError("no equilibrium: without a speed_hold the position along the track is undetermined")
     problem = _SteadyProblem(steady_dynamics(dynamics))
     try:
@@ -160,7 +160,7 @@ def first_guess(dynamics: VehicleDynamics) -> Array:
             offset[name] = _carried_offset(dynamics, name, offset, curvature)
     for name, y in offset.items():
         state[coordinates.index(name, Y)] = y
-    heights = np.arange(Z, coordinates.count, 6)
+    heights = np.flatnonzero(coordinates.free % 6 == Z)
     z = 0.0
     while z > LOWEST:
         state[heights] = z

@@ -83,9 +83,10 @@ class VehicleJacobian:
         later = d.wheelset_states(time + TIME_STEP, state) if d.track.irregularities is not None else {}
         tangents = self.tangents(states, at.contacts)
         for i, (body, name) in enumerate(zip(d.coordinates.wheelset_bodies.tolist(), states, strict=True)):
-            own = slice(6 * body, 6 * body + 6)
-            rows, by_wrench = slice(c + own.start, c + own.stop), bodies.by_wrench[:, own].T
-            by_state[rows, self._columns(name)] += by_wrench @ tangents[i].sum(axis=0)
+            own = d.coordinates.of_body(body)
+            rows, by_wrench = c + own, bodies.by_wrench[:, own].T
+            columns, free = self._columns(body)
+            by_state[rows[:, None], columns] += by_wrench @ tangents[i].sum(axis=0)[:, free]
             if later:
                 shift, later_shift = states[name].rail_shift, later[name].rail_shift
                 rates = (np.array(later_shift) - np.array(shift)) / TIME_STEP
@@ -93,12 +94,16 @@ class VehicleJacobian:
                 by_time[rows] -= by_wrench @ np.einsum("sij,sj->i", tangents[i][:, :, :2], rates)
         return VehicleLinearisation(by_state, by_time)
 
-    def _columns(self, wheelset: str) -> list[int]:
-        """Indices in the state of `WheelsetState.coordinates` and of the speed."""
-        coordinates = self.dynamics.coordinates
-        positions = [coordinates.index(wheelset, k) for k in (Y, Z, ROLL, YAW)]
-        rates = [coordinates.index(wheelset, k) + coordinates.count for k in (Y, Z, ROLL, YAW, PITCH, X)]
-        return positions + rates
+    def _columns(self, body: int) -> tuple[list[int], list[int]]:
+        """Indices in the state of `WheelsetState.coordinates` and of the speed, and of these columns in the tangents,
+        of a body without its held coordinates.
+        """
+        places = {coordinate: i for i, coordinate in enumerate(self.dynamics.coordinates.within_all.tolist())}
+        total = self.dynamics.coordinates.held.size
+        columns = [6 * body + k for k in (Y, Z, ROLL, YAW)]
+        columns += [total + 6 * body + k for k in (Y, Z, ROLL, YAW, PITCH, X)]
+        free = [i for i, column in enumerate(columns) if column in places]
+        return [places[columns[i]] for i in free], free
 
     def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         """Derivatives (w, 2, 6, 10) of force and moment of each wheel by `WheelsetState.coordinates` and the speed.

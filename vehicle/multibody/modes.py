@@ -69,7 +69,7 @@ def held_wheelset_modes(dynamics: VehicleDynamics) -> list[Mode]:
     matrix[: coordinates.count, coordinates.count : 2 * coordinates.count] = np.eye(coordinates.count)
     bodies = straight.bodies.derivatives(straight.speed_profile(0.0), 0.0, np.zeros(n), wrenches)
     matrix[coordinates.count :] = bodies.by_state
-    fixed = (6 * coordinates.wheelset_bodies[:, None] + np.arange(6)).ravel()
+    fixed = np.concatenate([coordinates.of_body(body) for body in coordinates.wheelset_bodies.tolist()])
     return _modes_of(straight, matrix, fixed=fixed.tolist())
 
 
@@ -152,7 +152,6 @@ def _modes_of(dynamics: VehicleDynamics, matrix: Array, *, fixed: Sequence[int])
 
 def _mode(dynamics: VehicleDynamics, value: complex, vector: NDArray[np.complex128]) -> Mode:
     c = dynamics.coordinates.count
-    inertia = [(b.mass, b.mass, b.mass, *b.inertia) for b in dynamics.vehicle.bodies.values()]
-    energy = np.ravel(inertia) * np.abs(vector[c : 2 * c]) ** 2
+    energy = dynamics.coordinates.inertia * np.abs(vector[c : 2 * c]) ** 2
     shape = vector[:c]
     return Mode(value, shape / shape[np.argmax(np.abs(shape))], energy / energy.sum(), dynamics.coordinates.names)

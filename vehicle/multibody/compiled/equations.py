@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.support.arrays import Array, Complex
+from wheelrail.support.arrays import Array, Complex, Nodes
 from wheelrail.vehicle.multibody.compiled.bodies import (
+    Acceleration,
     BodyArrays,
     Motion,
     Travel,
@@ -43,6 +44,13 @@ def load(values: Complex) -> Vector:
 
 
 @analytic
+def store_acceleration(values: Complex, solved: Acceleration, nominal: Vector, held: Nodes) -> None:
+    """Fill three values: second derivatives less nominal ones, reactions where coordinates are held."""
+    for k in range(3):
+        values[k] = solved.reactions[k] if held[k] else solved.values[k] - nominal[k]
+
+
+@analytic
 def add_to(values: Complex, vector: Vector) -> None:
     """Add to three values."""
     store(values, add(load(values), vector))
@@ -68,7 +76,7 @@ def sections(vehicle: VehicleArrays, distance: complex, reference: complex, stat
         vehicle: bodies and track.
         distance: of the reference motion, m.
         reference: distance of the common axes, m.
-        state: (2 c + m,).
+        state: (12 n + m,) with held coordinates.
     """
     n = len(vehicle.bodies.mass)
     result = np.empty((n, 6, 3), np.complex128)
@@ -137,71 +145,80 @@ def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series
 
 @analytic
 def accelerations(vehicle: VehicleArrays, rows: Complex, travel: Travel, state: Complex, wrenches: Complex) -> Complex:
-    """Accelerations (c,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
+    """Accelerations (6 n,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
 
     Parameters:
         vehicle: bodies and elements.
         rows: (n, 6, 3), see `sections`.
         travel: reference motion.
-        state: (2 c + m,).
+        state: (12 n + m,) with held coordinates.
         wrenches: (n, 2, 3) N and N m, contact forces and moments about the bodies' centres, in their track frames.
+
+    In place of the accelerations of held coordinates, which are zero, stand the generalised forces N or N m of their
+    constraints.
     """
     bodies, n = vehicle.bodies, len(vehicle.bodies.mass)
-    c = 6 * n
-    result = np.empty(len(state) - c, np.complex128)
+    c, along = 6 * n, travel.acceleration
+    zero, result = 0.0 * along, np.empty(len(state) - c, np.complex128)
     motions = motions_of(vehicle, rows, travel, state)
     total = suspension(vehicle, motions, state[2 * c :], result[c:])
     for i in range(n):
         section, q, rate = section_of(rows[i]), state[6 * i : 6 * i + 6], state[c + 6 * i : c + 6 * i + 6]
         force = load(total[i, 0])
         force = (force[0], force[1], force[2] - bodies.gravity * bodies.mass[i])
-        if bodies.held == i:
+        if bodies.kept == i:
             size = -bodies.hold_stiffness * q[0] - bodies.hold_damping * rate[0]
             force = add(force, scale(size, section.axes[0]))
         force = add(rotate_back(section.axes, force), load(wrenches[i, 0]))
         moment = add(rotate_back(section.axes, load(total[i, 1])), load(wrenches[i, 1]))
         frame = frame_motion(bodies, i, travel, section, q, rate)
-        path, y, z = translation(bodies, i, section, frame, force)
-        roll, pitch, yaw = rotation(bodies, i, section, frame, rate, moment, path)
-        pitch -= bodies.wheelset[i] * travel.acceleration / bodies.radius
-        store(result[6 * i : 6 * i + 3], (path - travel.acceleration, y, z))
-        store(result[6 * i + 3 : 6 * i + 6], (roll, pitch, yaw))
+        linear, rolling = (
+            translation(bodies, i, section, frame, force, along),
+            bodies.wheelset[i] * along / bodies.radius,
+        )
+        angular = rotation(bodies, i, section, frame, rate, moment, linear.values[0], rolling)
+        store_acceleration(result[6 * i : 6 * i + 3], linear, (along, zero, zero), bodies.held[i, :3])
+        store_acceleration(result[6 * i + 3 : 6 * i + 6], angular, (zero, rolling, zero), bodies.held[i, 3:])
     return result
 
 
 @analytic
-def derivatives(vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Complex, wrenches: Complex) -> Array:
-    """Derivatives (2 c + m + 7, c + m) of the accelerations at a real state by complex steps, exact but for round-off.
+def derivatives(
+    vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Complex, columns: Nodes, wrenches: Complex
+) -> Array:
+    """Derivatives (s + 7, 6 n + m) of the accelerations at a real state by complex steps, exact but for round-off.
 
     Parameters:
         vehicle: bodies, elements and track.
         travel, rates: reference motion, and its derivative by time.
-        state: (2 c + m,).
+        state: (12 n + m,) with held coordinates.
+        columns: (s,) indices of its components by which the derivatives are taken.
         wrenches: (n, 2, 3) N and N m, see `accelerations`.
 
-    Rows: by the components of the state; by the three forces and moments on the wheelsets, on all at once; by time.
+    Rows: by these components; by the three forces and moments on the wheelsets, on all at once; by time.
     Of an analytic function f, f(x + i h) = f(x) + i h f'(x) for small h, without cancellation; W. Squire, G. Trapp,
     SIAM Review 40 (1998) 110-112, doi:10.1137/S003614459631241X.
     """
-    n, size = len(vehicle.bodies.mass), len(state)
-    c, step, reference = 6 * n, STEP * 1j, travel.distance
-    result, rows = np.empty((size + 7, size - c)), np.empty((n, 6, 3), np.complex128)
-    for j in range(size + 7):
-        point, contact, at = state.copy(), wrenches.copy(), travel
-        if j < size:
-            point[j] += step
-        elif j < size + 6:
+    n, size = len(vehicle.bodies.mass), len(columns)
+    c, step = 6 * n, STEP * 1j
+    result, rows = np.empty((size + 7, len(state) - c)), sections(vehicle, travel.distance, travel.distance, state)
+    for k in range(size + 7):
+        point, contact, at, here = state.copy(), wrenches.copy(), travel, rows
+        if k < size:
+            point[columns[k]] += step
+            if columns[k] < c and columns[k] % 6 == 0:  # moves a body along the track
+                here = sections(vehicle, at.distance, travel.distance, point)
+        elif k < size + 6:
             for i in range(n):
-                contact[i, (j - size) // 3, (j - size) % 3] += vehicle.bodies.wheelset[i] * step
+                contact[i, (k - size) // 3, (k - size) % 3] += vehicle.bodies.wheelset[i] * step
         else:
             at = Travel(
                 travel.distance + step * rates.distance,
                 travel.speed + step * rates.speed,
                 travel.acceleration + step * rates.acceleration,
             )
-        if j == size + 6 or (j <= c and j % 6 < 2):  # bodies that are moved along the track, and the next ones
-            rows = sections(vehicle, at.distance, reference, point)
-        rate = accelerations(vehicle, rows, at, point, contact)
-        for k in range(size - c):
-            result[j, k] = rate[k].imag / STEP
+            here = sections(vehicle, at.distance, travel.distance, point)
+        rate = accelerations(vehicle, here, at, point, contact)
+        for j in range(len(rate)):
+            result[k, j] = rate[j].imag / STEP
     return result

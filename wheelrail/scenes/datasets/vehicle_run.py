@@ -16,7 +16,7 @@ from wheelrail.scenes.datasets.run import (
     wheel_variables,
 )
 from wheelrail.scenes.datasets.run_derived import wear
-from wheelrail.vehicle.multibody.coordinates import COORDINATES
+from wheelrail.vehicle.multibody.vehicle import COORDINATES
 from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS
 
 if TYPE_CHECKING:
