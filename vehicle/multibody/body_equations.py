@@ -106,9 +106,7 @@ class BodyEquations:
 
     def _all(self, state: Array) -> Complex:
         """State (12 n + m,) with held coordinates."""
-        full = np.zeros(2 * self.coordinates.held.size + len(self.coordinates.maxwell), np.complex128)
-        full[self.coordinates.within_all] = state
-        return full
+        return self.coordinates.expanded(state).astype(np.complex128)
 
     def _contact(self, wrenches: Array) -> Complex:
         """Contact forces and moments (n, 2, 3) on all bodies."""

@@ -111,7 +111,7 @@ class Coordinates:
         return np.ravel(rows)[self.free]
 
     def split(self, state: Array) -> VehicleState:
-        """Parts of states (..., 2 c + m)."""
+        """Parts of states (..., 2 c + m), to which further components may be appended."""
         shape, total = (*state.shape[:-1], len(self.vehicle.names), 6), self.held.size
         full = self.expanded(state)
         return VehicleState(
@@ -119,9 +119,9 @@ class Coordinates:
         )
 
     def expanded(self, state: Array) -> Array:
-        """States (..., 2 c + m) with held coordinates, (..., 12 n + m)."""
-        full = np.zeros((*state.shape[:-1], 2 * self.held.size + len(self.maxwell)))
-        full[..., self.within_all] = state
+        """States (..., 2 c + m) with held coordinates, (..., 12 n + m); further components are left out."""
+        full = np.zeros((*state.shape[:-1], 2 * self.held.size + len(self.maxwell)), state.dtype)
+        full[..., self.within_all] = state[..., : self.size]
         return full
 
     def tolerances(self, atol: float) -> Array:

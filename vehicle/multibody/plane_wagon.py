@@ -6,14 +6,88 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf
+from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Y
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.vehicle import COORDINATES as ALL
 from wheelrail.vehicle.multibody.vehicle import RotationalSpring, SuspensionElement, Vehicle, VehicleBody
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
+from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.components import RigidBody, Suspension
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 from wheelrail.vehicle.wagon.wagon import Wagon
 
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.structure import Structure
+
 CAR_BODY, BOGIE, WHEELSET = "car_body", "bogie", "wheelset"
-SIDES = {"left": 1.0, "right": -1.0}
+HELD = {CAR_BODY: ("x", "pitch", "yaw"), BOGIE: ("x", "pitch", "yaw"), WHEELSET: ("x", "yaw")}
+COORDINATES = tuple(f"{body}_{name}" for body, held in HELD.items() for name in ALL if name not in held)
+COUNT = len(COORDINATES)
+OUTWARDS = {"left": 1.0, "right": -1.0}
+
+
+def wagon_dynamics(
+    wagon: Wagon,
+    track: Track,
+    contact: VehicleContact,
+    speed: float | SpeedProfile,
+    structure: Structure | None = None,
+) -> VehicleDynamics:
+    """Equations of motion of the plane wagon on a track; parameters as for `VehicleDynamics`."""
+    return VehicleDynamics(plane_vehicle(wagon), track, contact, speed, structure)
+
+
+class WagonOutputs(NamedTuple):
+    """Outputs besides state and contacts.
+
+    Parameters:
+        yaw_reaction: N m, constraint moment about the wheelset's vertical axis.
+        secondary_deflection: m, lateral, of the car body relative to the bogie at the secondary springs, mean of both
+            sides.
+        bumpstop_deflection: m.
+        bumpstop_force: N on the car body.
+
+    Lateral quantities are positive to the left.
+    """
+
+    yaw_reaction: float
+    secondary_deflection: float
+    bumpstop_deflection: float
+    bumpstop_force: float
+
+    @classmethod
+    def of(cls, dynamics: VehicleDynamics, time: float, state: Array, wrench: Array) -> WagonOutputs:
+        """Outputs of the plane wagon.
+
+        Parameters:
+            dynamics: equations of motion, from `wagon_dynamics`.
+            time: s.
+            state: (20 + m + k,).
+            wrench: (6,) force N and moment N m of both contacts.
+        """
+        coordinates, names = dynamics.coordinates, list(dynamics.vehicle.elements)
+        _, reactions = dynamics.accelerations(time, state, wrench[None])
+        motion = dynamics.kinematics(dynamics.speed_profile(time), state)
+        forces = dynamics.suspension(motion, coordinates.split(state).series)
+        left, right, stop = (names.index(n) for n in ("left_secondary_spring", "right_secondary_spring", "bumpstop"))
+        lateral, force = forces.deflection[:, Y], forces.element_force[:, Y]
+        # About the vertical of the track, the constraint has the moment cos(roll) times that about the wheelset's own.
+        about_vertical = reactions[-1, YAW] / np.cos(state[coordinates.index(WHEELSET, ROLL)])
+        secondary = 0.5 * (lateral[left] + lateral[right])
+        return cls(*(float(v) for v in (about_vertical, secondary, lateral[stop], force[stop])))
+
+
+def outward(dynamics: VehicleDynamics, series: Array) -> Array:
+    """Spring deflections (..., m) m of Maxwell elements, lateral ones positive outwards: left side, then right side."""
+    names = list(dynamics.vehicle.elements)
+    right = [j == Y and names[e].startswith("right") for e, j in dynamics.coordinates.maxwell]
+    return np.where(right, -series, series)
 
 
 def plane_vehicle(wagon: Wagon) -> Vehicle:
@@ -24,7 +98,7 @@ def plane_vehicle(wagon: Wagon) -> Vehicle:
     """
     w = wagon.plane
     elements = dict[str, SuspensionElement]()
-    for side, sign in SIDES.items():
+    for side, sign in OUTWARDS.items():
         elements.update(_stage(f"{side}_primary", w.primary, BOGIE, WHEELSET, sign))
         elements.update(_stage(f"{side}_secondary", w.secondary, CAR_BODY, BOGIE, sign))
     stop = (0.0, w.bumpstop, 0.0)
@@ -37,9 +111,9 @@ def plane_vehicle(wagon: Wagon) -> Vehicle:
     }
     return Vehicle(
         bodies={
-            CAR_BODY: _body(w.car_body, held=("x", "pitch", "yaw")),
-            BOGIE: _body(w.bogie, held=("x", "pitch", "yaw")),
-            WHEELSET: _body(w.wheelset, held=("x", "yaw"), wheelset=True),
+            CAR_BODY: _body(w.car_body, HELD[CAR_BODY]),
+            BOGIE: _body(w.bogie, HELD[BOGIE]),
+            WHEELSET: _body(w.wheelset, HELD[WHEELSET], wheelset=True),
         },
         elements=elements,
         rotational_springs={name: spring for name, spring in springs.items() if spring.stiffness[0] > 0.0},

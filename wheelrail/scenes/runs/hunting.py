@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
-    from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch, LimitCycle
+    from wheelrail.vehicle.simulation.limit_cycle import CycleSearch, LimitCycle
 
 
 def hunting_of(scene: RunScene, file: Path, speeds: Sequence[float], search: CycleSearch) -> Iterator[LimitCycle]:
@@ -34,7 +34,7 @@ def hunting_of(scene: RunScene, file: Path, speeds: Sequence[float], search: Cyc
 
     Raises SceneError for a scene without a kick, RunFailed without an equilibrium.
     """
-    from wheelrail.vehicle.multibody.runs.limit_cycle import limit_cycles
+    from wheelrail.vehicle.simulation.limit_cycle import limit_cycles
 
     if not scene.kick:
         raise SceneError("kick: missing: must give lateral velocities of bodies, m/s")
