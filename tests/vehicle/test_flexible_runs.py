@@ -21,11 +21,13 @@ from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.meshes.bodies.axle import AxleShape
 from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
 from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, load_scene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics
@@ -35,6 +37,8 @@ from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.steady.modes import modes
+from wheelrail.vehicle.steady.static_start import StaticStart
+from wheelrail.vehicle.steady.steady_problem import SteadyProblem
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -210,3 +214,23 @@ def test_contacts_of_both_sides_are_mirror_images() -> None:
     images = {side: contact()(moved.mirrored(), side).force for side in SIDES}
     np.testing.assert_allclose(images["left"], forces["right"] * [1, -1, 1], rtol=1e-9)
     np.testing.assert_allclose(images["right"], forces["left"] * [1, -1, 1], rtol=1e-9)
+
+
+def test_jacobian_of_a_vehicle_on_several_wheelsets() -> None:
+    """Each wheelset has its own motions, and moves along the track: by central differences of selected components."""
+    structure = QuasiStaticStructure(contact().pairs)
+    d = VehicleDynamics(load_vehicle(), CURVE, contact(), SPEED, structure)
+    state, random = StaticStart(SteadyProblem.of(replace(d, track=Track()), 0.0))(), np.random.default_rng(4)
+    c, first = d.coordinates.count, d.coordinates.size
+    state[:c] += 1e-5 * random.normal(size=c)
+    state[c : 2 * c] += 1e-2 * random.normal(size=c)
+    at = d(1.0, state)
+    linear = VehicleJacobian(d, StepStatistics())(1.0, state, at)
+    second, third = (d.coordinates.index(f"wheelset_{number}", 0) for number in (2, 3))
+    for column in (second, c + second, third + Y, first + 2 * structure.size + 2):
+        h = np.zeros(d.size)
+        h[column] = 2e-7
+        change = (d(1.0, state + h, at).rate - d(1.0, state - h, at).rate) / (2 * h[column])
+        for rows in (slice(c, 2 * c), slice(first, None)):
+            within = 1e-6 * np.abs(change[rows]).max()
+            np.testing.assert_allclose(linear.by_state[rows, column], change[rows], rtol=0.0, atol=within)
