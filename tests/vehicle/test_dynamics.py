@@ -66,9 +66,10 @@ def test_loads_in_the_full_curve() -> None:
     assert left[2] == pytest.approx(37.4e3, rel=0.03)
     assert left[1] + right[1] == pytest.approx(14.39e3, rel=1e-3)
     position = found.state[:9].reshape(3, 3)
-    outputs = WagonOutputs.of(found.dynamics, found.time, found.state, wrench_of(found.contacts))
-    assert outputs.secondary_deflection == pytest.approx(-0.046, rel=0.04)
-    assert outputs.bumpstop_force == pytest.approx(3.0e3, rel=0.15)
+    time, state, wrench = np.array([found.time]), found.state[None], wrench_of(found.contacts)[None]
+    outputs = WagonOutputs.of(found.dynamics, time, state, wrench)
+    assert outputs.secondary_deflection.item() == pytest.approx(-0.046, rel=0.04)
+    assert outputs.bumpstop_force.item() == pytest.approx(3.0e3, rel=0.15)
     assert position[0, 2] == pytest.approx(0.020, rel=0.06)
     assert found.state[6] < -0.004  # towards the outer rail
 
@@ -145,7 +146,7 @@ def test_right_hand_curve_is_the_mirror_image(seed: int) -> None:
         left, right = dynamics()(s / V, state), dynamics(other)(s / V, MIRROR * state)
         np.testing.assert_allclose(right.rate, MIRROR * left.rate, rtol=1e-10, atol=1e-10)
         yaw = [
-            WagonOutputs.of(d, s / V, x, wrench_of(at.contacts)).yaw_reaction
+            WagonOutputs.of(d, np.array([s / V]), x[None], wrench_of(at.contacts)[None]).yaw_reaction.item()
             for d, x, at in ((dynamics(), state, left), (dynamics(other), MIRROR * state, right))
         ]
         assert yaw[1] == pytest.approx(-yaw[0], rel=1e-10)

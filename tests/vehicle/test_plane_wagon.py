@@ -51,7 +51,7 @@ def test_accelerations(name: str) -> None:
         expected = np.array(sample["accelerations"])
         found, _ = dynamics.accelerations(time, state, wrench[None])
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
-        yaw = WagonOutputs.of(dynamics, time, state, wrench).yaw_reaction
+        (yaw,) = WagonOutputs.of(dynamics, np.array([time]), state[None], wrench[None]).yaw_reaction
         assert yaw == pytest.approx(sample["yaw_reaction"], rel=1e-12)
 
 

@@ -12,11 +12,13 @@ import numpy as np
 
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.body_motion import BodyKinematics
 from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.vehicle import COORDINATES as ALL
 from wheelrail.vehicle.multibody.vehicle import RotationalSpring, SuspensionElement, Vehicle, VehicleBody
-from wheelrail.vehicle.track.speed_profile import SpeedProfile
+from wheelrail.vehicle.track.section_poses import TrackSections
+from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.components import RigidBody, Suspension
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
@@ -44,43 +46,44 @@ def wagon_dynamics(
 
 
 class WagonOutputs(NamedTuple):
-    """Outputs besides state and contacts.
+    """Outputs besides state and contacts at n times; lateral ones are positive to the left.
 
     Parameters:
-        yaw_reaction: N m, constraint moment about the wheelset's vertical axis.
-        secondary_deflection: m, lateral, of the car body relative to the bogie at the secondary springs, mean of both
-            sides.
-        bumpstop_deflection: m.
-        bumpstop_force: N on the car body.
-
-    Lateral quantities are positive to the left.
+        yaw_reaction: (n,) N m, constraint moment about the wheelset's vertical axis.
+        secondary_deflection: (n,) m, lateral, of the car body relative to the bogie at the secondary springs, mean of
+            both sides.
+        bumpstop_deflection: (n,) m.
+        bumpstop_force: (n,) N on the car body.
     """
 
-    yaw_reaction: float
-    secondary_deflection: float
-    bumpstop_deflection: float
-    bumpstop_force: float
+    yaw_reaction: Array
+    secondary_deflection: Array
+    bumpstop_deflection: Array
+    bumpstop_force: Array
 
     @classmethod
-    def of(cls, dynamics: VehicleDynamics, time: float, state: Array, wrench: Array) -> WagonOutputs:
+    def of(cls, dynamics: VehicleDynamics, times: Array, states: Array, wrenches: Array) -> WagonOutputs:
         """Outputs of the plane wagon.
 
         Parameters:
             dynamics: equations of motion, from `wagon_dynamics`.
-            time: s.
-            state: (20 + m + k,).
-            wrench: (6,) force N and moment N m of both contacts.
+            times: (n,) s.
+            states: (n, 20 + m + k).
+            wrenches: (n, 6) force N and moment N m of both contacts.
         """
         coordinates, names = dynamics.coordinates, list(dynamics.vehicle.elements)
-        _, reactions = dynamics.accelerations(time, state, wrench[None])
-        motion = dynamics.kinematics(dynamics.speed_profile(time), state)
-        forces = dynamics.suspension(motion, coordinates.split(state).series)
+        rows = zip(times.tolist(), states, wrenches, strict=True)
+        reactions = [dynamics.accelerations(*row[:2], row[2][None]).reactions[-1, YAW] for row in rows]
+        # Bodies in one section of the track: the deflections are those on straight track.
+        kinematics = BodyKinematics(coordinates, TrackSections(Track()))
+        motion = kinematics(TrackPosition(0.0, 0.0, 0.0), states)
+        forces = dynamics.suspension(motion, coordinates.split(states).series)
         left, right, stop = (names.index(n) for n in ("left_secondary_spring", "right_secondary_spring", "bumpstop"))
-        lateral, force = forces.deflection[:, Y], forces.element_force[:, Y]
+        lateral, force = forces.deflection[..., Y], forces.element_force[..., Y]
         # About the vertical of the track, the constraint has the moment cos(roll) times that about the wheelset's own.
-        about_vertical = reactions[-1, YAW] / np.cos(state[coordinates.index(WHEELSET, ROLL)])
-        secondary = 0.5 * (lateral[left] + lateral[right])
-        return cls(*(float(v) for v in (about_vertical, secondary, lateral[stop], force[stop])))
+        about_vertical = np.array(reactions) / np.cos(states[:, coordinates.index(WHEELSET, ROLL)])
+        secondary = 0.5 * (lateral[:, left] + lateral[:, right])
+        return cls(about_vertical, secondary, lateral[:, stop], force[:, stop])
 
 
 def outward(dynamics: VehicleDynamics, series: Array) -> Array:

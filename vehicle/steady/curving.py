@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.results.result import Patch
 from wheelrail.contact.results.vehicle_contact import VehicleContact
@@ -40,8 +42,8 @@ class SteadyCurving:
 
     @classmethod
     def of(cls, curve: ConstantCurve, solution: Equilibrium) -> SteadyCurving:
-        (wrench,) = wheelset_wrenches(solution.contacts)
-        return cls(curve, solution, WagonOutputs.of(solution.dynamics, solution.time, solution.state, wrench))
+        at, wrenches = np.array([solution.time]), wheelset_wrenches(solution.contacts)
+        return cls(curve, solution, WagonOutputs.of(solution.dynamics, at, solution.state[None], wrenches))
 
     @cached_property
     def forces(self) -> WheelsetForces:
@@ -52,7 +54,7 @@ class SteadyCurving:
     @property
     def yaw_reaction(self) -> float:
         """Constraint moment about the wheelset's vertical axis, N m."""
-        return self.outputs.yaw_reaction
+        return self.outputs.yaw_reaction.item()
 
     @property
     def wheel_load(self) -> dict[Side, float]:
@@ -83,12 +85,12 @@ class SteadyCurving:
     @property
     def secondary_deflection(self) -> float:
         """Lateral deflection of the secondary springs, car body relative to bogie, mean of both sides, m."""
-        return self.outputs.secondary_deflection
+        return self.outputs.secondary_deflection.item()
 
     @property
     def bumpstop_force(self) -> float:
         """Force of the bumpstop on the car body, N."""
-        return self.outputs.bumpstop_force + 0.0  # never -0
+        return self.outputs.bumpstop_force.item() + 0.0  # never -0
 
     @property
     def car_body(self) -> Array:

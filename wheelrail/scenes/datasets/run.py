@@ -137,12 +137,7 @@ def _motion(history: History) -> dict[str, Any]:
     variables |= _structure_motion(history)
     variables |= track_variables(history)
     wrenches = np.concatenate([history.force, history.moment], axis=3).sum(axis=2)[:, 0]
-    outputs = np.array(
-        [
-            WagonOutputs.of(history.dynamics, row.time, row.state, wrench)
-            for row, wrench in zip(history.rows, wrenches, strict=True)
-        ]
-    )
+    outputs = WagonOutputs.of(history.dynamics, history.time, history.state, wrenches)
     texts = {
         "yaw_reaction": ("N m", "reaction moment of the constrained yaw of the wheelset"),
         "secondary_deflection": (
@@ -152,7 +147,7 @@ def _motion(history: History) -> dict[str, Any]:
         "bumpstop_deflection": ("m", "deflection of the lateral bumpstop, positive to the left"),
         "bumpstop_force": ("N", "force of the bumpstop on the car body, positive to the left"),
     }
-    for name, values in zip(WagonOutputs._fields, outputs.T, strict=True):
+    for name, values in outputs._asdict().items():
         variables[name] = ("time", values, means(*texts[name]))
     return variables
 
