@@ -292,6 +292,8 @@ def test_a_body_without_vertical_springs_is_refused() -> None:
     weak = {name: e for name, e in vehicle.elements.items() if not name.startswith("front_secondary")}
     with pytest.raises(InvalidVehicle, match=r"bodies\.car_body: must be carried by vertical springs"):
         VehicleDynamics(replace(vehicle, elements=weak), Track(), LinearCreep(), 30.0)
+    held = vehicle.bodies | {"car_body": replace(vehicle.bodies["car_body"], held=("z", "pitch"))}
+    VehicleDynamics(replace(vehicle, bodies=held, elements=weak), Track(), LinearCreep(), 30.0)
 
 
 def test_without_a_speed_hold_there_is_no_equilibrium() -> None:

@@ -24,7 +24,8 @@ class Accelerations(NamedTuple):
 
     Parameters:
         rates: (c + m,) of the free coordinates, then m/s of the springs of Maxwell elements.
-        reactions: (n, 6) N and N m, generalised forces of the constraints of held coordinates; not of free ones.
+        reactions: (n, 6) N and N m, generalised forces of the constraints of held coordinates; for free ones, their
+            accelerations.
     """
 
     rates: Array
