@@ -279,6 +279,7 @@ def test_a_checkpoint_with_other_values_is_not_read(tmp_path: Path) -> None:
         replace(at, state=at.state.astype(np.float32)),
         replace(at, state=at.state[:, None]),
         replace(at, cost=None),
+        replace(at, guess=3),
         replace(at, rows=[replace(row, state=row.state[1:])]),
         replace(at, rows=[replace(row, force=row.moment[:, :1])]),
         row,

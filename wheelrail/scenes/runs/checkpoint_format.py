@@ -72,6 +72,7 @@ def _usable(at: Checkpoint) -> bool:
         and is_array(at.state, shape)
         and len(shape) == 1
         and isinstance(at.cost, RunCost)
+        and isinstance(at.guess, dict | None)
         and isinstance(at.rows, list)
         and all(isinstance(row, Row) and row.is_valid(shape) for row in at.rows)
     )
