@@ -21,8 +21,8 @@ from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -69,7 +69,7 @@ class TimedRun:
     def channels(self) -> tuple[Array, Array]:
         """Lateral displacement (n,) mm and forces (n, 6) N of both wheels, after the initial transient."""
         selected = self.history.time > TRANSIENT_END
-        return 1e3 * self.history.state[selected, 6], self.history.outputs.force[selected].reshape(-1, 6)
+        return 1e3 * self.history.state[selected, 6], self.history.force[selected, 0].reshape(-1, 6)
 
 
 def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, seconds: float) -> TimedRun:
@@ -80,7 +80,7 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
     with in_parallel(tuned) if variant.workers == 2 else nullcontext(tuned) as parallel:
         began, used = perf_counter(), process_time()
         history = simulate(
-            Dynamics(wagon(scene), track(scene), parallel, scene.vehicle.speed_profile),
+            wagon_dynamics(wagon(scene), track(scene), parallel, scene.vehicle.speed_profile),
             (0.0, seconds),
             steps=StepSettings(variant.method, variant.rtol, 1e-3 * variant.rtol),
             recording=Recording(EVERY),
@@ -156,7 +156,7 @@ def draw(runs: list[TimedRun], tight: TimedRun, fine: TimedRun, path: Path) -> N
         label = "{} x {} cells, rtol {:g}".format(*timed_run.variant.fineness, timed_run.variant.rtol)
         left.plot(time, 1e3 * timed_run.history.state[:, 6], style, lw=1.2, label=label)
         for side in (0, 1):
-            middle.plot(time, 1e-3 * timed_run.history.outputs.force[:, side, 2], style, lw=1.2)
+            middle.plot(time, 1e-3 * timed_run.history.force[:, 0, side, 2], style, lw=1.2)
     left.set(xlabel="time [s]", ylabel="lateral displacement, to the left [mm]")
     middle.set(xlabel="time [s]", ylabel="vertical forces, left falls, right rises [kN]")
     left.legend(frameon=False)

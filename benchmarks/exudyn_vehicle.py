@@ -27,7 +27,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.multibody.coordinates import PITCH, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
+from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -50,7 +50,7 @@ def dynamics(*, curve: bool) -> VehicleDynamics:
 def initial_state() -> Array:
     """Equilibrium on straight track with the lateral velocity."""
     held = VehicleDynamics(load_vehicle(), Track(), dynamics(curve=False).contact, SPEED)
-    state = np.array(vehicle_equilibrium(held).state)
+    state = np.array(equilibrium(held).state)
     state[held.coordinates.count + held.coordinates.index("front_bogie", Y)] += KICK
     return state
 

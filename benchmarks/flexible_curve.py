@@ -19,10 +19,11 @@ import numpy as np
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, side_wrenches
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
+from wheelrail.vehicle.multibody.plane_wagon import WHEELSET, wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -49,23 +50,23 @@ def run(keys: str) -> FlexibleRun:
     scene = parse_scene(SCENE.read_text(encoding="utf-8") + keys, SCENE)
     assert isinstance(scene, RunScene)
     contact, structure = run_contact(scene)
-    dynamics = Dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile, structure)
+    dynamics = wagon_dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile, structure)
     simulate(dynamics, (0.0, 0.02), steps=StepSettings("rosenbrock", 3e-3, 3e-6))  # compilation and compliance
     began = process_time()
     history = simulate(dynamics, (0.0, SECONDS), steps=StepSettings("rosenbrock", 3e-3, 3e-6))
     seconds = process_time() - began
-    return FlexibleRun(history, seconds, stiffness(dynamics), energy_balance(history, wagon(scene), track(scene)).error)
+    return FlexibleRun(history, seconds, stiffness(dynamics), energy_balance(history).error)
 
 
-def stiffness(dynamics: Dynamics) -> float:
+def stiffness(dynamics: VehicleDynamics) -> float:
     """Vertical stiffness N/m of one wheel on straight track, as the motions of axle and rails follow the loads."""
-    rest, frame = equilibrium(dynamics), dynamics.frame(0.0)
-    wheelset = dynamics.wheelset_state(frame, rest.state)
-    tangents = Jacobian(dynamics, StepStatistics()).tangents(frame, rest.state, rest.contacts)
+    rest = equilibrium(dynamics)
+    states = dynamics.wheelset_states(0.0, rest.state)
+    (tangents,) = VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts)[..., :-1]
     by_z, by_motions = tangents[0, 2, 1], tangents[0, 2, 9:]
     if dynamics.structure is None:
         return -float(by_z)
-    wrenches = np.array([[*rest.contacts[side].force, *rest.contacts[side].moment] for side in ("left", "right")])
+    wrenches, wheelset = side_wrenches(rest.contacts[WHEELSET]), states[WHEELSET]
     slopes = dynamics.structure.load_slopes(wheelset, wrenches, tangents).sum(axis=0)
     slopes = dynamics.structure.compliance[: len(by_motions)] @ slopes
     return -float(by_z + by_motions @ np.linalg.solve(np.eye(len(by_motions)) - slopes[:, 9:], slopes[:, 1]))
@@ -80,7 +81,7 @@ def table(runs: Mapping[str, FlexibleRun]) -> str:
     rows = [f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
     for name, flexible in runs.items():
         history = flexible.history
-        cost, patches = history.cost, history.patches[-1][1]
+        cost, patches = history.cost, history.rows[-1].patches[0][1]
         places = (f"{1e3 * p.rail_y:.2f} ({1e-3 * p.normal_force:.1f}, {1e-6 * p.max_pressure:.0f})" for p in patches)
         cells = (
             name if history.status == "completed" else f"{name}: {history.status}",
@@ -105,7 +106,10 @@ def figure(runs: Mapping[str, FlexibleRun], file: Path) -> None:
         history = flexible.history
         displacement.plot(history.distance, 1e3 * history.state[:, 6], color=color, label=name)
         for side, axes in enumerate((inner, outer_wheel)):
-            largest = [max(patches[side], key=lambda patch: patch.normal_force) for patches in history.patches]
+            largest = [
+                max(patches[side], key=lambda patch: patch.normal_force)
+                for patches in (row.patches[0] for row in history.rows)
+            ]
             axes.plot(history.distance, [1e3 * patch.rail_y for patch in largest], color=color)
     for axes, text in (
         (displacement, "lateral displacement of the wheelset, mm"),

@@ -28,9 +28,9 @@ from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, WHEELSET, wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
@@ -68,8 +68,8 @@ def scene_of(size: float | None) -> RunScene:
     return scene if size is None else scene.model_copy(update={"surface_size": size})
 
 
-def dynamics(scene: RunScene, contact: WheelsetContact) -> Dynamics:
-    return Dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile)
+def dynamics(scene: RunScene, contact: WheelsetContact) -> VehicleDynamics:
+    return wagon_dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile)
 
 
 def ran(scene: RunScene, model: str, seconds: float | None) -> ModelRun:
@@ -101,7 +101,7 @@ def differences(run: History, other: History) -> tuple[float, float]:
     rotates = np.array([name.endswith(("roll", "pitch")) for name in COORDINATES])
     kinds = np.concatenate([rotates, 2 + rotates, np.full(run.state.shape[1] - 2 * COUNT, 4)])
     states = (run.state, other.state, kinds)
-    forces = (run.outputs.force.reshape(-1, 6), other.outputs.force.reshape(-1, 6), np.arange(6) % 3)
+    forces = (run.force[:, 0].reshape(-1, 6), other.force[:, 0].reshape(-1, 6), np.arange(6) % 3)
     state, force = (
         max(
             float(np.abs(one - two)[:, kind == k].max()) / float(np.abs(two[:, kind == k]).max())
@@ -119,7 +119,7 @@ def solve_costs(scene: RunScene, run: ModelRun, count: int) -> dict[str, SolveCo
     costs: dict[str, list[tuple[float, int, int, int]]] = {"cold": [], "warm": []}
     for row in np.unique(np.linspace(1, len(history) - 1, count).astype(int)):
         before, state = (
-            equations.wheelset_state(equations.frame(float(history.time[k])), history.state[k]) for k in (row - 1, row)
+            equations.wheelset_states(float(history.time[k]), history.state[k])[WHEELSET] for k in (row - 1, row)
         )
         for side in SIDES:
             earlier = run.contact(before, side)

@@ -20,8 +20,8 @@ import numpy as np
 
 from benchmarks.track_models import cases, euler_beam, timed
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
@@ -54,7 +54,7 @@ def run(name: str, speed: float) -> IrregularRun:
     """The run of one model at a speed, m/s."""
     dynamics = replace(cases()[name], track=irregular_track(), speed=speed)
     history, seconds = timed(dynamics, LENGTH / speed)
-    force = history.outputs.force[:, :, 2].mean(axis=1)
+    force = history.force[:, 0, :, 2].mean(axis=1)
     times = LENGTH / speed * np.arange(SAMPLES) / SAMPLES
     return IrregularRun(history, seconds, np.interp(times, history.time, force) - force[0])
 
@@ -77,8 +77,9 @@ def wagon_receptance(omega: Array, wagon: Wagon) -> Array:
 def contact_stiffness() -> float:
     """Vertical stiffness of one contact on straight track, N/m."""
     dynamics = replace(cases()["pads"], track=Track())
-    rest, frame = equilibrium(dynamics), dynamics.frame(0.0)
-    return -float(Jacobian(dynamics, StepStatistics()).tangents(frame, rest.state, rest.contacts)[0, 2, 1])
+    rest = equilibrium(dynamics)
+    states = dynamics.wheelset_states(0.0, rest.state)
+    return -float(VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts)[0, 0, 2, 1])
 
 
 def exact_force(speed: float) -> Array:

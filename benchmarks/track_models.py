@@ -18,8 +18,9 @@ from wheelrail.contact.structure.pads import RailCompliance, RailPads, wavenumbe
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
-from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -81,18 +82,18 @@ def receptance_table() -> str:
     return "\n".join(rows)
 
 
-def equations(keys: str, *, massless: bool = False) -> Dynamics:
+def equations(keys: str, *, massless: bool = False) -> VehicleDynamics:
     """Equations of motion of the scene with further keys; massless: a track on ballast without its masses."""
     scene = parse_scene(SCENE.read_text(encoding="utf-8") + keys, SCENE)
     assert isinstance(scene, RunScene)
     contact, structure = run_contact(scene)
     if massless and structure is not None:
         structure = QuasiStaticStructure(structure.pairs)
-    return Dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile, structure)
+    return wagon_dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile, structure)
 
 
 @cache
-def cases() -> dict[str, Dynamics]:
+def cases() -> dict[str, VehicleDynamics]:
     """Equations of motion by name of the track."""
     return {
         "pads": equations(PADS),
@@ -101,7 +102,7 @@ def cases() -> dict[str, Dynamics]:
     }
 
 
-def timed(dynamics: Dynamics, seconds: float) -> tuple[History, float]:
+def timed(dynamics: VehicleDynamics, seconds: float) -> tuple[History, float]:
     """A run and its processor time, s."""
     simulate(dynamics, (0.0, 0.01), steps=STEPS)  # compilation and compliance
     began = process_time()
@@ -115,7 +116,7 @@ def curve_table() -> str:
     rows = [f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
     for name, dynamics in cases().items():
         history, seconds = timed(dynamics, SECONDS)
-        cost, error = history.cost, energy_balance(history, dynamics.wagon, dynamics.track).error
+        cost, error = history.cost, energy_balance(history).error
         cells = (
             name if history.status == "completed" else f"{name}: {history.status}",
             f"{cost.steps.accepted} ({cost.steps.rejected})",
@@ -123,7 +124,7 @@ def curve_table() -> str:
             f"{seconds:.1f}",
             f"{error:.1e}",
             f"{1e3 * history.state[-1, 6]:.2f}",
-            f"{1e-3 * history.outputs.force[-1, 1, 2]:.1f}",
+            f"{1e-3 * history.force[-1, 0, 1, 2]:.1f}",
         )
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows)

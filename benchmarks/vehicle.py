@@ -26,13 +26,14 @@ from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.runs.steady import curve_of
 from wheelrail.scenes.schema.scene import RunScene, load_scene
+from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.coordinates import YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation, wheelset_wrenches
-from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.multibody.runs.history import VehicleHistory
-from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
 SCENE = Path(__file__).parents[1] / "scenes" / "vehicle.toml"
@@ -54,7 +55,7 @@ def parts(scene: RunScene, dynamics: VehicleDynamics) -> dict[str, float]:
     """Processor time, ms, of the parts of a step, at the steady state of the sharpest curve."""
     from scipy.linalg import lu_factor
 
-    at = vehicle_equilibrium(replace(dynamics, track=curve_of(scene).track))
+    at = equilibrium(replace(dynamics, track=curve_of(scene).track))
     d, state = at.dynamics, at.state
     evaluation = VehicleEvaluation(np.zeros_like(state), at.contacts)
     jacobian = VehicleJacobian(d, StepStatistics())
@@ -78,9 +79,9 @@ def run_row(scene: RunScene, dynamics: VehicleDynamics, seconds: float | None) -
     """Status, steps, contact solves, and processor time of a run per simulated second; its errors."""
     end, solver = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length), scene.solver
     start = process_time()
-    history = simulate_vehicle(dynamics, (0.0, end), rtol=solver.rtol, atol=solver.atol)
+    history = simulate(dynamics, (0.0, end), steps=StepSettings("rosenbrock", solver.rtol, solver.atol))
     spent, cost = process_time() - start, history.cost
-    tight = simulate_vehicle(dynamics, (0.0, end), rtol=0.1 * solver.rtol, atol=0.1 * solver.atol)
+    tight = simulate(dynamics, (0.0, end), steps=StepSettings("rosenbrock", 0.1 * solver.rtol, 0.1 * solver.atol))
     solves = sum(side.solves for side in cost.contact.values())
     contact = sum(side.seconds for side in cost.contact.values())
     span = float(history.time[-1])
@@ -96,7 +97,7 @@ def run_row(scene: RunScene, dynamics: VehicleDynamics, seconds: float | None) -
     ]
 
 
-def difference(history: VehicleHistory, reference: VehicleHistory, coordinate: int) -> str:
+def difference(history: History, reference: History, coordinate: int) -> str:
     """RMS / maximum over the wheelsets and steps of a run, in mm or mrad, to a run with more steps."""
     values = [
         run.coordinate(name, coordinate) for name in history.dynamics.vehicle.wheelsets for run in (history, reference)

@@ -34,10 +34,9 @@ from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.plots.style import SERIES, STYLE
 from wheelrail.scenes.schema.scene import load_scene, parse_scene
-from wheelrail.vehicle.multibody import VehicleDynamics, modes_over_speed, simulate_vehicle, vehicle_equilibrium
-from wheelrail.vehicle.multibody.modes import least_damped
-from wheelrail.vehicle.multibody.runs.limit_cycle import kicked
-from wheelrail.vehicle.track import Track
+from wheelrail.vehicle import Track, VehicleDynamics, equilibrium, simulate
+from wheelrail.vehicle.simulation.limit_cycle import kicked
+from wheelrail.vehicle.steady.critical_speed import least_damped, modes_over_speed
 
 plt.rcParams.update(STYLE)
 SCENES = Path("../scenes") if Path("../scenes").exists() else Path("scenes")
@@ -65,7 +64,7 @@ contacts = {
 }
 vehicle = load_vehicle(SCENES / "manchester_vehicle.toml")
 dynamics = {name: VehicleDynamics(vehicle, Track(), contact, SPEEDS[0]) for name, contact in contacts.items()}
-centred = {name: vehicle_equilibrium(d) for name, d in dynamics.items()}
+centred = {name: equilibrium(d) for name, d in dynamics.items()}
 
 # %% [markdown]
 # ## Linear stability
@@ -125,8 +124,8 @@ ax.legend()
 
 # %%
 fast = replace(dynamics["standard"], speed=70.0)
-start = kicked(fast.coordinates, vehicle_equilibrium(fast).state, {"front_bogie": 0.1, "rear_bogie": 0.07})
-run = simulate_vehicle(fast, (0.0, DURATION), initial=start)
+start = kicked(fast.coordinates, equilibrium(fast).state, {"front_bogie": 0.1, "rear_bogie": 0.07})
+run = simulate(fast, (0.0, DURATION), initial=start)
 fig, ax = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
 for wheelset, style in zip(("wheelset_1", "wheelset_2"), SERIES, strict=False):
     ax.plot(run.time, 1e3 * run.coordinate(wheelset, 1), label=wheelset, color=style["color"])

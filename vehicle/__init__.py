@@ -1,8 +1,8 @@
 """Dynamics of railway vehicles on a track; any contact model can be used. Needs no dolfinx.
 
-`Wagon` and `Track` hold the data of a plane wagon, `Dynamics` the equations of motion; `simulate` integrates them,
-`equilibrium`, `curving` and `modes` compute steady states and linear modes. `multibody` has vehicles in three
-dimensions.
+`multibody.Vehicle` or, of the plane model, `Wagon` and `Track` hold the data, `VehicleDynamics` or `wagon_dynamics` the
+equations of motion; `simulate` integrates them, `equilibrium`, `curving` and `modes` compute steady states and linear
+modes.
 """
 
 import lazy_loader

@@ -1,4 +1,5 @@
-from .dynamics.equations import Dynamics as Dynamics
+from .multibody.equations import VehicleDynamics as VehicleDynamics
+from .multibody.plane_wagon import wagon_dynamics as wagon_dynamics
 from .simulation.energy_balance import energy_balance as energy_balance
 from .simulation.history import History as History
 from .simulation.limits import Limits as Limits

@@ -16,9 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.exudyn.linear_contact import LinearContact
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.track import Track
@@ -40,7 +39,7 @@ def ours(*, wagon: Wagon | None = None, end: float = END, rtol: float = 1e-8) ->
     """Positions (n, 9) by `simulate`."""
     wagon = wagon or Wagon()
     history = simulate(
-        Dynamics(wagon, Track(), LinearContact(wagon.wheel_load), 1.0),
+        wagon_dynamics(wagon, Track(), LinearContact(wagon.wheel_load), 1.0),
         (0.0, end),
         initial=initial(),
         steps=StepSettings("ode45", rtol, 1e-3 * rtol),

@@ -42,8 +42,8 @@ def difference(history: History, reference: History) -> tuple[float, float]:
     times; forces are interpolated linearly.
     """
     times = np.linspace(max(history.time[0], reference.time[0]), min(history.time[-1], reference.time[-1]), 400)
-    y = [np.interp(times, run.time, run.wheelset[:, 0]) for run in (history, reference)]
-    rows = [run.outputs.force.reshape(-1, 6).T for run in (history, reference)]
+    y = [np.interp(times, run.time, run.state[:, 6]) for run in (history, reference)]
+    rows = [run.force[:, 0].reshape(-1, 6).T for run in (history, reference)]
     forces = [
         np.array([np.interp(times, run.time, row) for row in six])
         for run, six in zip((history, reference), rows, strict=True)

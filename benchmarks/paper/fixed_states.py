@@ -16,6 +16,7 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.vehicle.multibody.plane_wagon import WHEELSET
 from wheelrail.vehicle.simulation.history import History
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
@@ -54,9 +55,7 @@ def states(part: TrackSegment, run: History, count: int) -> list[State]:
     dynamics = part.dynamics(contact)
     solved_states = []
     for i in np.unique(np.linspace(1, len(run) - 1, count).astype(int)):
-        wheelset_states = [
-            dynamics.wheelset_state(dynamics.frame(float(run.time[k])), run.state[k]) for k in (i - 1, i)
-        ]
+        wheelset_states = [dynamics.wheelset_states(float(run.time[k]), run.state[k])[WHEELSET] for k in (i - 1, i)]
         for side in SIDES:
             before, exact = (contact(wheelset_state, side) for wheelset_state in wheelset_states)
             if not (before.ok and exact.ok and exact.force[2] > 0):

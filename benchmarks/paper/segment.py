@@ -24,8 +24,9 @@ from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
@@ -81,8 +82,8 @@ class TrackSegment:
             return self.contact
         return replace(self.contact, model=replace(model, options=replace(model.options, **options)))
 
-    def dynamics(self, contact: VehicleContact) -> Dynamics:
-        return Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile)
+    def dynamics(self, contact: VehicleContact) -> VehicleDynamics:
+        return wagon_dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile)
 
     @cached_property
     def steady(self) -> Equilibrium:
@@ -128,7 +129,7 @@ class TrackSegment:
     @cached_property
     def load(self) -> float:
         """Static wheel load, N."""
-        return float(self.reference.outputs.force[:, :, 2].mean())
+        return float(self.reference.force[:, 0, :, 2].mean())
 
     def _run(self, contact: VehicleContact, method: str, rtol: float, atol: float, patience: float = np.inf) -> History:
         began = perf_counter()
@@ -138,7 +139,7 @@ class TrackSegment:
                 raise RuntimeError(f"the reference run is {100 * fraction:.0f} % done after {patience:g} s")
 
         return simulate(
-            Dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile),
+            wagon_dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile),
             (self.start, self.start + self.seconds),
             initial=self.initial,
             steps=StepSettings(method, rtol, atol),

@@ -14,8 +14,7 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, wagon_dynamics
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 from wheelrail.vehicle.track.track import Track
@@ -70,7 +69,7 @@ class RobustnessCase:
         """Initial state with the additional rates, if any."""
         if not self.kick:
             return None
-        state = equilibrium(Dynamics(wagon, self.track(), contact, self.speed)).state
+        state = equilibrium(wagon_dynamics(wagon, self.track(), contact, self.speed)).state
         for name, rate in self.kick.items():
             state[COUNT + COORDINATES.index(name)] += rate
         return np.asarray(state)

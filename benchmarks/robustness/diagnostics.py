@@ -7,13 +7,15 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.state import Y
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import LIMITS
+from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
+WHEELSET_Y = COORDINATES.index("wheelset_y")
 LOADED = 0.1  # of the static wheel load, from which Y/Q counts
 MEAN_LOAD = 0.1  # allowed relative deviation of the mean vertical force from the expected one; runs are short
 # Allowed differences from a run at a tenth of the tolerances, RMS over the run: wheelset's y m, car body's roll rad;
@@ -40,12 +42,14 @@ class Findings:
 
     @classmethod
     def of(cls, history: History, wagon: Wagon, track: Track) -> Findings:
-        t, force = history.time, history.outputs.force
+        t, force = history.time, history.force[:, 0]
         loaded = force[:, :, 2] > LOADED * wagon.wheel_load
         ratio = np.abs(force[:, :, 1]) / np.where(loaded, force[:, :, 2], np.inf)
-        off = np.array([any(s == "separated" for s in pair) for pair in history.contact_status], dtype=float)
+        off = np.array(
+            [any(s == "separated" for s in pair) for row in history.rows for pair in row.contact_status], dtype=float
+        )
         mean = _mean_load(history, wagon, track)
-        aside, roll = float(np.abs(history.state[:, Y]).max()), float(np.abs(history.state[:, 2]).max())
+        aside, roll = float(np.abs(history.state[:, WHEELSET_Y]).max()), float(np.abs(history.state[:, 2]).max())
         stopped = history.status != "completed"
         numbers = np.isfinite(history.state).all() and np.isfinite(force).all()
         wrong = [
@@ -63,7 +67,7 @@ class Findings:
             aside=aside,
             roll=roll,
             mean=mean,
-            energy=energy_balance(history, wagon, track).error,
+            energy=energy_balance(history).error,
             wrong=", ".join(wrong),
         )
 
@@ -86,11 +90,11 @@ def _mean_load(history: History, wagon: Wagon, track: Track) -> float:
     """Mean vertical force of both wheels over the mean of weight and centrifugal force across the rails."""
     t, plane = history.time, wagon.plane
     mass = wagon.axle_load / plane.gravity
-    frames = [track.frame(s, v) for s, v in zip(history.distance, history.speeds, strict=True)]
-    expected = [mass * (-plane.gravity * f.down[2] - f.speed * f.rate[1]) for f in frames]
+    sections = TrackSections(track).at(history.distance, 0.0)
+    expected = mass * (plane.gravity * sections.axes[:, 2, 2] - history.speeds**2 * sections.rate[:, 1])
     if len(t) < 2:
         return 1.0
-    return _integral(history.outputs.force[:, :, 2].sum(axis=1), t) / _integral(expected, t)
+    return _integral(history.force[:, 0, :, 2].sum(axis=1), t) / _integral(expected, t)
 
 
 def run_differences(history: History, reference: History) -> dict[str, float]:
@@ -102,7 +106,7 @@ def run_differences(history: History, reference: History) -> dict[str, float]:
     difference = {
         name: np.interp(times, history.time, history.state[:, i])
         - np.interp(times, reference.time, reference.state[:, i])
-        for name, i in (("y", Y), ("roll", 2))
+        for name, i in (("y", WHEELSET_Y), ("roll", 2))
     }
     rms = {name: float(np.sqrt((d**2).mean())) for name, d in difference.items()}
     return {**rms, "end": float(abs(history.time[-1] - reference.time[-1]) / reference.time[-1])}

@@ -18,8 +18,8 @@ from benchmarks.common.machine import machine_description
 from benchmarks.robustness.cases import ELASTIC, RobustnessCase, cases, contact_of, scene
 from benchmarks.robustness.diagnostics import APART, Findings, run_differences
 from wheelrail.scenes.builders.vehicle import wagon
-from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -57,7 +57,7 @@ def run(case: RobustnessCase, rtol: float = RTOL) -> History:
     contact, vehicle = contact_of(case.model, case.friction), wagon(scene(case.model, case.friction))
     with in_parallel(contact) if case.model == ELASTIC else nullcontext(contact) as parallel:
         return simulate(
-            Dynamics(vehicle, case.track(), parallel, case.speed),
+            wagon_dynamics(vehicle, case.track(), parallel, case.speed),
             case.span,
             initial=case.start(vehicle, contact),
             steps=StepSettings("rosenbrock", rtol, 1e-3 * rtol),
@@ -117,7 +117,7 @@ def draw(runs: list[Done], path: Path) -> None:
                 h = done.history
                 for side, colour in ((0, "C0"), (1, "C1")):
                     label = f"{('left', 'right')[side]}, {model}"
-                    ax.plot(h.time, 1e-3 * h.outputs.force[:, side, 2], style, color=colour, lw=1, label=label)
+                    ax.plot(h.time, 1e-3 * h.force[:, 0, side, 2], style, color=colour, lw=1, label=label)
         ax.set(title=name, xlabel="time [s]", ylabel="wheel load [kN]")
         ax.grid(alpha=0.3)
     axes[1].set_ylim(-10.0, 250.0)

@@ -125,10 +125,6 @@ class Structure(ABC):
         """Rates (k,) of motions (k,) under loads (18,)."""
         return np.asarray(self.by_motions @ (motions - self.unloaded) + self.by_loads @ loads)
 
-    def imbalance(self, motions: Array, loads: Array) -> Array:
-        """Static motions under loads (18,) less motions (k,)."""
-        return np.asarray(self.unloaded + self.compliance @ loads - motions)
-
     @abstractmethod
     def rates_by_distance(self, motions: Array, loads: Array) -> Array:
         """Derivative (k,) of the rates by the distance along the track, for motions (k,) and loads (18,)."""

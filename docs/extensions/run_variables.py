@@ -24,7 +24,7 @@ def _example() -> Any:
     from benchmarks.exudyn.linear_contact import LinearContact
     from wheelrail.scenes.datasets.run import dataset
     from wheelrail.scenes.datasets.run_derived import wear, with_energy
-    from wheelrail.vehicle.dynamics.equations import Dynamics
+    from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
     from wheelrail.vehicle.simulation.simulate import simulate
     from wheelrail.vehicle.track.irregularity_spectrum import ERRI
     from wheelrail.vehicle.track.track import Track
@@ -32,6 +32,6 @@ def _example() -> Any:
 
     wagon = Wagon()
     track = Track(irregularities=ERRI["low"].irregularities(40.0, seed=1))
-    history = simulate(Dynamics(wagon, track, LinearContact(wagon.wheel_load), 20.0), (0.0, 0.01))
+    history = simulate(wagon_dynamics(wagon, track, LinearContact(wagon.wheel_load), 20.0), (0.0, 0.01))
     data = dataset(history)
-    return with_energy(data.assign(wear(data, 300e6)), history, wagon, track)
+    return with_energy(data.assign(wear(data, 300e6)), history)

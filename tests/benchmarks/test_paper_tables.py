@@ -37,8 +37,11 @@ def part() -> TrackSegment:
 def test_error_of_identical_and_shifted_runs(part: TrackSegment) -> None:
     shifted_state = part.reference.state.copy()
     shifted_state[:, 6] += 3e-6
-    outputs = part.reference.outputs._replace(force=part.reference.outputs.force + 7.0)
-    shifted = replace(part.reference, state=shifted_state, outputs=outputs)
+    rows = [
+        replace(row, state=state, force=row.force + 7.0)
+        for row, state in zip(part.reference.rows, shifted_state, strict=True)
+    ]
+    shifted = replace(part.reference, rows=rows)
     assert difference(part.reference, part.reference) == (0.0, 0.0)
     y, force = difference(shifted, part.reference)
     assert y == pytest.approx(3e-6)

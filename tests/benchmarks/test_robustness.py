@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from plane import MIRROR, ROLL, Y, Z
 from small_strips import few_strips
 from standin_contact import CONTACT
 
@@ -23,9 +24,8 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.contact.solvers.active_set import CachedFactors, CoupledPressure
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR, ROLL, Y, Z
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, wheels
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
@@ -48,7 +48,7 @@ def standard(friction: float = 0.3) -> WheelsetContact:
 
 def kicked(contact: VehicleContact, **rates: float) -> np.ndarray:
     """State at rest on straight track with additional rates, m/s or rad/s."""
-    state = equilibrium(Dynamics(Wagon(), Track(), contact, V)).state
+    state = equilibrium(wagon_dynamics(Wagon(), Track(), contact, V)).state
     for name, rate in rates.items():
         state[COUNT + COORDINATES.index(name)] += rate
     return state
@@ -57,18 +57,18 @@ def kicked(contact: VehicleContact, **rates: float) -> np.ndarray:
 def run(  # type: ignore[no-untyped-def]
     contact: VehicleContact, seconds: float, track: Track | None = None, *, rtol: float = 3e-3, **options
 ) -> History:
-    dynamics = Dynamics(Wagon(), track or Track(), contact, options.pop("speed", V))
+    dynamics = wagon_dynamics(Wagon(), track or Track(), contact, options.pop("speed", V))
     return simulate(dynamics, (0.0, seconds), steps=StepSettings("rosenbrock", rtol, 1e-3 * rtol), **options)
 
 
 def in_the_air(history: History) -> np.ndarray:
     """(n, 2): which wheels."""
-    return np.array(history.contact_status) == "separated"
+    return np.array([row.contact_status[0] for row in history.rows]) == "separated"
 
 
 def momentum_gap(history: History) -> float:
     """Vertical impulse of the rails and the weight less what the three bodies have gained, over that of the rails."""
-    plane, force = Wagon().plane, history.outputs.force[:, :, 2].sum(axis=1)
+    plane, force = Wagon().plane, history.force[:, 0, :, 2].sum(axis=1)
     mass = np.array([plane.car_body.mass, plane.bogie.mass, plane.wheelset.mass])
     given = 0.5 * (force[1:] + force[:-1]) @ np.diff(history.time)
     weight = plane.gravity * mass.sum() * history.time[-1]
@@ -105,10 +105,10 @@ def test_a_wheel_on_strips_lifts_and_lands_again() -> None:
 def test_a_wagon_that_overturns_ends_the_run() -> None:
     """45 m/s into 250 m without cant: 8.1 m/s2."""
     history = run(standard(), 2.0, Track.curve(curvature=1 / 250, transition=20.0, length=500.0))
-    assert history.status.startswith("failed: the wagon overturns to the right: car body roll 0.3")
+    assert history.status.startswith("failed: the car body overturns to the right: roll 0.3")
     assert history.status.endswith(f"at t = {history.time[-1]:.4g} s, {history.distance[-1]:.4g} m")
-    assert 0.3 < history.car_body[-1, 2] < 0.35
-    assert (history.car_body[:-1, 2] <= 0.3).all()
+    assert 0.3 < history.state[-1, 2] < 0.35
+    assert (history.state[:-1, 2] <= 0.3).all()
     assert in_the_air(history)[-1].any()
     assert history.cost.steps.failed < 5
 
@@ -141,20 +141,20 @@ def test_wheel_positions() -> None:
     state, roll = np.zeros(20), 0.2
     c, s = np.cos(roll), np.sin(roll)
     state[[Y, Z, ROLL]] = -0.75 * (1 - c) - 0.46 * s, 0.75 * s - 0.46 * (1 - c), roll
-    dynamics = Dynamics(Wagon(), Track(), CONTACT, V)
-    left, right = wheels(dynamics, 0.0, state)
+    dynamics = wagon_dynamics(Wagon(), Track(), CONTACT, V)
+    left, right = wheels(dynamics, 0.0, state)["wheelset"]
     np.testing.assert_allclose(right, (0.0, 0.0), atol=1e-15)
     np.testing.assert_allclose(left, (-1.5 * (1 - c), 1.5 * s), rtol=1e-12)
-    np.testing.assert_allclose(wheels(dynamics, 0.0, state * MIRROR)[0], (0.0, 0.0), atol=1e-15)
+    np.testing.assert_allclose(wheels(dynamics, 0.0, state * MIRROR)["wheelset"][0], (0.0, 0.0), atol=1e-15)
     stations = np.arange(0.0, 200.0)
     values = np.tile([3e-3, 2e-3, 0.0, 0.0], (200, 1))  # both rails 3 mm to the left, 2 mm up
     uneven = Track(irregularities=Irregularities.faded(stations, values))
-    moved = wheels(Dynamics(Wagon(), uneven, CONTACT, V), 2.0, state)
+    moved = wheels(wagon_dynamics(Wagon(), uneven, CONTACT, V), 2.0, state)["wheelset"]
     np.testing.assert_allclose(moved[1], (-3e-3, -2e-3), atol=1e-9)
 
 
 def test_limits() -> None:
-    dynamics, state = Dynamics(Wagon(), Track(), CONTACT, V), np.zeros(20)
+    dynamics, state = wagon_dynamics(Wagon(), Track(), CONTACT, V), np.zeros(20)
     Limits().check(dynamics, 0.0, state)
     for i, value, says in (
         (2, 0.31, "overturns to the right"),
@@ -178,12 +178,12 @@ def test_high_speed_and_low_friction(friction: float) -> None:
     track = Track.curve(curvature=1 / 1200, cant=0.06, tangent=5.0, transition=90.0, length=200.0)
     history = run(standard(friction), 2.0, track, speed=60.0)
     assert history.status == "completed"
-    load = history.outputs.force[-1, :, 2]
+    load = history.force[-1, 0, :, 2]
     assert 0.0 < load[0] < 0.5 * load[1]
     assert load.sum() == pytest.approx(Wagon().axle_load, rel=0.05)
-    assert np.abs(history.wheelset[:, 0]).max() < 8e-3
-    pull = np.hypot(*history.outputs.force[:, :, :2].transpose(2, 0, 1))
-    assert (pull <= 3.5 * history.outputs.force[:, :, 2]).all()  # 70 degrees of flange and 31 of friction
+    assert np.abs(history.state[:, 6]).max() < 8e-3
+    pull = np.hypot(*history.force[:, 0, :, :2].transpose(2, 0, 1))
+    assert (pull <= 3.5 * history.force[:, 0, :, 2]).all()  # 70 degrees of flange and 31 of friction
 
 
 def test_irregular_rails() -> None:
@@ -191,7 +191,7 @@ def test_irregular_rails() -> None:
     history = run(standard(), 0.5, track, speed=60.0)
     assert history.status == "completed"
     assert history.time[-1] == 0.5
-    assert np.ptp(history.outputs.force[:, 0, 2]) > 20e3
+    assert np.ptp(history.force[:, 0, 0, 2]) > 20e3
     assert abs(momentum_gap(history)) < 0.01
 
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import sympy as sp
+from track_frame import Frame
 
 from benchmarks.exudyn.linear_contact import LinearContact
-from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.wagon.components import Suspension
 from wheelrail.vehicle.wagon.wagon import Wagon
 

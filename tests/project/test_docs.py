@@ -24,7 +24,7 @@ from pydantic import BaseModel
 from wheelrail.cli.main import app
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.scene import KINDS
-from wheelrail.vehicle.dynamics.state import COORDINATES
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
 from wheelrail.vehicle.track.irregularity import QUANTITIES
 
 ROOT = Path(__file__).parents[2]

@@ -68,7 +68,7 @@ MAY_IMPORT |= {
     "contact.tables": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models.table"}
     | {"contact.results", "support"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
-    "vehicle": {f"vehicle.{name}" for name in ("dynamics", "multibody", "simulation", "steady", "track", "wagon")},
+    "vehicle": {f"vehicle.{name}" for name in ("multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
     "vehicle.evaluation": {"support"},
     "vehicle.integration": {"support"},
@@ -86,13 +86,10 @@ _DRIVEN = {
     "vehicle.wagon",
 }
 MAY_IMPORT |= {
-    "vehicle.dynamics": _DRIVEN,
-    "vehicle.steady": _DRIVEN | {"vehicle.dynamics"},
-    "vehicle.simulation": _DRIVEN | {"vehicle.dynamics", "vehicle.steady"},
     "vehicle.multibody.compiled": {"support", "vehicle.track"},
-    "vehicle.multibody": _DRIVEN | {"vehicle.dynamics", "vehicle.multibody.compiled", "vehicle.steady"},
-    "vehicle.multibody.runs": _DRIVEN
-    | {"vehicle.dynamics", "vehicle.multibody", "vehicle.simulation", "vehicle.steady"},
+    "vehicle.multibody": _DRIVEN | {"vehicle.multibody.compiled"},
+    "vehicle.steady": _DRIVEN | {"vehicle.multibody"},
+    "vehicle.simulation": _DRIVEN | {"vehicle.multibody", "vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
 _SCENES = ("schema", "datasets", "builders", "contacts", "plots", "runs", "views", "studies", "tables", "html_report")

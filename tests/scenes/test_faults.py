@@ -228,8 +228,8 @@ PHASES = {
     "scene": "import wheelrail.scenes.schema.scene as m; m.read_text = stop",
     "header": "import wheelrail.scenes.runs.resume as m; m.header = stop",
     "contact": "import wheelrail.scenes.runs.run as m; m.run_contact = stop",
-    "equilibrium": "import wheelrail.vehicle.simulation.simulate as m; m.equilibrium = stop",
-    "steps": "import wheelrail.vehicle.simulation.simulate as m; m.Recorder.add = after(m.Recorder.add, 25)",
+    "equilibrium": "import wheelrail.vehicle.simulation.time_run as m; m.equilibrium = stop",
+    "steps": "import wheelrail.vehicle.simulation.time_run as m; m.Recorder.add = after(m.Recorder.add, 25)",
     "first checkpoint": "import os; os.replace = after(os.replace, 1)",
     "checkpoint": "import os; os.fsync = after(os.fsync, 3)",
     "half a checkpoint": "import os; kept = os.pwrite; calls = []\n"
@@ -451,7 +451,7 @@ def test_picture_on_a_full_disk(tmp_path: Path) -> None:
 def test_ctrl_c_in_a_comparison(tmp_path: Path) -> None:
     scene = quick(tmp_path)
     scene.write_text(scene.read_text().replace('model = "standard"', 'model = "condensed"'))
-    phase = "import wheelrail.vehicle.simulation.simulate as m; m.Recorder.add = after(m.Recorder.add, {count})"
+    phase = "import wheelrail.vehicle.simulation.time_run as m; m.Recorder.add = after(m.Recorder.add, {count})"
     line = ("compare", str(scene), "--out", str(tmp_path / "out"))
     first = stopped(tmp_path, STOP.format(signal="SIGINT") + phase.format(count=5), *line)
     second = stopped(tmp_path, STOP.format(signal="SIGINT") + DRAWN, *line)

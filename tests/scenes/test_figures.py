@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray
 from spring_contact import patch
+from standin_contact import CONTACT
 
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.results.result import ContactResult, Fields
@@ -23,11 +24,14 @@ from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.plots import runs as figures
 from wheelrail.scenes.plots.patch_cells import PatchCells
 from wheelrail.scenes.plots.patches import draw_patches, patches_figure
-from wheelrail.vehicle.dynamics.state import COORDINATES
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, WagonOutputs, wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.history import History, RunCost
-from wheelrail.vehicle.simulation.row import Outputs, PatchPair
+from wheelrail.vehicle.simulation.row import PatchPair, Row
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
 
 N = 40
 
@@ -47,19 +51,18 @@ def history(rows: int = N, curvature: float = 1 / 1200) -> History:
         right = (patch(force[row, 1, 2], force[row, 1], -4e-3 * u),)
         patches.append((left, (*right, patch(10e3, force[row, 1], -32e-3)) if u > 0.5 else right))
     state = np.random.default_rng(3).standard_normal((rows, 20))
-    along = np.zeros(rows)
+    ends = (0.0, 90.0)
+    line = Track(PiecewiseFunction(ends, (0.0, curvature)), PiecewiseFunction(ends, (0.0, 0.06)))
+    approach = np.full((1, 2), 8e-5)
+    made = [
+        Row(t, x, f[None], 0.1 * f[None], approach, (pair,), (("converged" if pair[0] else "separated", "converged"),))
+        for t, x, f, pair in zip(time.tolist(), state, force, patches, strict=True)
+    ]
     return History(
-        status="completed",
-        speed=45.0,
-        radius=0.46,
-        time=time,
-        state=state,
-        outputs=Outputs(force, 0.1 * force, np.full((rows, 2), 8e-5), along, along, along, along + 7.0),
-        curvature=curvature * share,
-        lift=0.06 * share,
-        patches=patches,
-        contact_status=[("separated" if not left else "converged", "converged") for left, _ in patches],
-        cost=RunCost(
+        wagon_dynamics(Wagon(), line, CONTACT, 45.0),
+        "completed",
+        made,
+        RunCost(
             StepStatistics(accepted=rows - 1, rejected=2, failed=1, evaluations=130),
             {"left": ContactCost(300, 1, 600, 1200, 3.0), "right": ContactCost(301, 0, 700, 1500, 4.0)},
             9.0,
@@ -70,14 +73,16 @@ def history(rows: int = N, curvature: float = 1 / 1200) -> History:
 def test_dataset_contains_the_history() -> None:
     run = history()
     data = dataset(run, scene='kind = "run"')
-    assert data["vertical_force"].sel(side="right").values == pytest.approx(run.outputs.force[:, 1, 2])
-    assert data["roll_moment"].sel(side="left").values == pytest.approx(run.outputs.moment[:, 0, 0])
-    assert data["car_body_y"].values == pytest.approx(run.car_body[:, 0])
-    assert data["bogie_roll_rate"].values == pytest.approx(run.bogie_rate[:, 2])
-    assert data["wheelset_pitch"].values == pytest.approx(run.wheelset[:, 3])
-    assert data["wheelset_pitch_rate"].values == pytest.approx(run.wheelset_rate[:, 3])
+    assert data["vertical_force"].sel(side="right").values == pytest.approx(run.force[:, 0, 1, 2])
+    assert data["roll_moment"].sel(side="left").values == pytest.approx(run.moment[:, 0, 0, 0])
+    assert data["car_body_y"].values == pytest.approx(run.state[:, 0])
+    assert data["bogie_roll_rate"].values == pytest.approx(run.rate("bogie")[:, 3])
+    assert data["wheelset_pitch"].values == pytest.approx(run.state[:, 9] + run.distance / 0.46)
+    assert data["wheelset_pitch_rate"].values == pytest.approx(run.state[:, 19] + 45.0 / 0.46)
     assert data["distance"].values == pytest.approx(45.0 * run.time)
-    assert data["bumpstop_force"].values == pytest.approx(7.0)
+    wrenches = np.concatenate([run.force, run.moment], axis=3).sum(axis=2)[:, 0]
+    for name, values in WagonOutputs.of(run.dynamics, run.time, run.state, wrenches)._asdict().items():
+        np.testing.assert_array_equal(data[name], values)
     assert data["newton_iterations"].sel(side="right") == 700
     assert data.attrs["scene"] == 'kind = "run"'
     assert "wheelrail" in data.attrs["versions"]
@@ -87,7 +92,7 @@ def test_dataset_contains_the_history() -> None:
 def test_patches_are_padded_with_nan() -> None:
     run = history()
     data = dataset(run)
-    counts = [[len(left), len(right)] for left, right in run.patches]
+    counts = [[len(left), len(right)] for ((left, right),) in (row.patches for row in run.rows)]
     assert data["patches"].values.tolist() == counts
     assert data["patch_area"].notnull().sum("patch").values.tolist() == counts
     assert data.sizes["patch"] == 2
@@ -171,7 +176,7 @@ def test_force_curves_are_those_of_the_data() -> None:
 
 def test_round_off_errors_are_a_straight_line() -> None:
     run = history(curvature=0.0)
-    data = dataset(replace(run, state=1e-14 * run.state))
+    data = dataset(replace(run, rows=[replace(row, state=1e-14 * row.state) for row in run.rows]))
     for ax in figures.displacements(data).axes:
         low, high = ax.get_ylim()
         assert high - low == pytest.approx(figures.LEAST_RANGE)
@@ -198,7 +203,7 @@ def test_figures_leave_matplotlibs_global_state_unchanged(tmp_path: Path) -> Non
         "assert matplotlib.rcParams.copy() == before; assert 'matplotlib.pyplot' not in sys.modules"
     )
     helpers = Path(__file__).parents[1] / "helpers"
-    there = {**os.environ, "PYTHONPATH": str(helpers)}
+    there = {**os.environ, "PYTHONPATH": os.pathsep.join([str(helpers), os.environ.get("PYTHONPATH", "")])}
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parent, env=there)
 
 

@@ -45,7 +45,7 @@ ALLOWED = "must be the folder of a run (run.nc, by wheelrail run), of a study (s
 def run_data(scale: float = 1e-3) -> Dataset:
     """Synthetic run of a shipped scene, with motions of some mm."""
     one = history()
-    data = dataset(replace(one, state=scale * one.state), scene=SCENE)
+    data = dataset(replace(one, rows=[replace(row, state=scale * row.state) for row in one.rows]), scene=SCENE)
     return data.assign(wear(data, 3e8))
 
 

@@ -26,7 +26,7 @@ from wheelrail.scenes.html_report.write import write_report
 from wheelrail.scenes.plots.vehicle_runs import PICTURES
 from wheelrail.scenes.runs.hunting import _bifurcation, fold_line, hunting_table
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.vehicle.multibody.runs.limit_cycle import LimitCycle
+from wheelrail.vehicle.simulation.limit_cycle import LimitCycle
 
 SCENE = Path(__file__).parents[2] / "scenes" / "vehicle.toml"
 HUNTING = SCENE.with_name("hunting.toml")

@@ -14,8 +14,9 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.scenes.schema.toml import parse
 from wheelrail.scenes.schema.wagon_file import load_wagon, wagon_toml
+from wheelrail.vehicle.multibody.coordinates import Coordinates
+from wheelrail.vehicle.multibody.plane_wagon import plane_vehicle
 from wheelrail.vehicle.wagon.force_law import ForceLaw
-from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import PRIMARY, Wagon
 
 FOLDER = Path(__file__).parents[2] / "scenes"
@@ -49,7 +50,7 @@ def test_shipped_maxwell_elements() -> None:
     stages = found.primary, found.secondary
     values = [(stage.lateral_series_stiffness, stage.vertical_series_stiffness) for stage in stages]
     assert values == [(7.5e6, 1e6), (6e6, 6e6)]
-    assert Assembly.of(found).laws.states == 8
+    assert len(Coordinates(plane_vehicle(found)).maxwell) == 8
     assert replace(found, primary=Wagon().primary, secondary=Wagon().secondary) == Wagon()
 
 

@@ -11,7 +11,7 @@ import pytest
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
 from wheelrail.support.plain_data import NotPlainData, decode, encode
-from wheelrail.vehicle.dynamics.state import Split
+from wheelrail.vehicle.multibody.coordinates import VehicleState
 
 PACKAGES = ("wheelrail.contact", "wheelrail.vehicle")
 
@@ -76,7 +76,7 @@ def test_nested_objects_of_the_package() -> None:
         LazyPatches(lambda: (patch,)),
         fields,
         statistics=Statistics(newton=3),
-        warm_start=Split(*6 * (shape,)),
+        warm_start=VehicleState(*3 * (shape,)),
     )
     copy = again(result)
     assert isinstance(copy, ContactResult)
@@ -112,12 +112,15 @@ def test_other_values_are_not_written(value: object) -> None:
         crafted(classes=[["subprocess", "Popen", ["args"]]], value=["object", 0, "ls"]),
         crafted(classes=[["wheelrail.support.terminal", "Path", []]], value=["object", 0]),
         crafted(classes=[["wheelrail.vehicle.simulation.history", "dataclass", []]], value=["object", 0]),
-        crafted(classes=[["wheelrail.vehicle.simulation.history", "Recorder", []]], value=["object", 0]),
+        crafted(classes=[["wheelrail.vehicle.simulation.history", "Sequence", []]], value=["object", 0]),
         crafted(classes=[["wheelrail.vehicle.no_such_module", "Row", []]], value=["object", 0]),
         crafted(classes=[["wheelrail.vehicle..", "Row", []]], value=["object", 0]),
         crafted(classes=[["wheelrail.contact.results.result", "LazyPatches", []]], value=["object", 0]),
         crafted(classes=[["wheelrail.contact.results.result", "Statistics", ["newton"]]], value=["object", 0, 1]),
-        crafted(classes=[["wheelrail.vehicle.dynamics.state", "Split", [*Split._fields]]], value=["object", 0, 1]),
+        crafted(
+            classes=[["wheelrail.vehicle.multibody.coordinates", "VehicleState", [*VehicleState._fields]]],
+            value=["object", 0, 1],
+        ),
     ],
 )
 def test_crafted_bytes_are_refused(data: bytes) -> None:

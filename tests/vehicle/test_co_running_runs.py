@@ -26,11 +26,11 @@ from wheelrail.scenes.builders.wheelset import flexibility, side_profiles
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
-from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
+from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import Recording, simulate
@@ -54,8 +54,8 @@ def contact() -> FlexibleContact:
     return FlexibleContact(few_strips(), Flexibility(hubs, (track().rail, track().rail)))
 
 
-def dynamics(structure: Structure) -> Dynamics:
-    return Dynamics(Wagon(), CURVE, contact(), SPEED, structure)
+def dynamics(structure: Structure) -> VehicleDynamics:
+    return wagon_dynamics(Wagon(), CURVE, contact(), SPEED, structure)
 
 
 def with_mass() -> CoRunningStructure:
@@ -77,7 +77,7 @@ def run(rtol: float, massless: bool = False) -> History:
 
 
 def series() -> int:
-    return dynamics(with_mass()).suspension.laws.states
+    return len(dynamics(with_mass()).coordinates.maxwell)
 
 
 def test_rests_where_the_massless_track_does() -> None:
@@ -86,7 +86,7 @@ def test_rests_where_the_massless_track_does() -> None:
     np.testing.assert_allclose(rest().state[:motions], massless.state, atol=2e-8)
     assert with_mass().size == len(rest().state) - motions + 18
     # The sleepers go down with the foot of the rail in the ratio of the layers' stiffness, pads over both.
-    (lateral, normal), load = rest().state[motions : motions + 2], rest().contacts["left"].force[2]
+    (lateral, normal), load = rest().state[motions : motions + 2], rest().contacts["wheelset"]["left"].force[2]
     foot = load * track().rail.matrix[1, 1]
     assert -normal == pytest.approx(foot * 100 / (100 + 80), rel=0.03)
     assert abs(lateral) < 0.2 * abs(normal)
@@ -99,7 +99,7 @@ def test_jacobian_is_that_of_differences() -> None:
     state[2 * COUNT :] *= 1.01
     state[-10:] += 1e-3
     at = equations(0.0, state)
-    linear = Jacobian(equations, StepStatistics(), central=True)(0.0, state, at)
+    linear = VehicleJacobian(equations, StepStatistics(), central=True)(0.0, state, at)
     first = 2 * COUNT + series()
     for column in (7, first + 3, first + 13, first + 16, first + 19, first + 23, first + 30):
         h = np.zeros(len(state))
@@ -109,7 +109,7 @@ def test_jacobian_is_that_of_differences() -> None:
 
 
 def test_energy_balance_closes() -> None:
-    errors = [energy_balance(run(rtol), Wagon(), CURVE).error for rtol in (3e-3, 1e-4)]
+    errors = [energy_balance(run(rtol)).error for rtol in (3e-3, 1e-4)]
     assert errors[1] < 3e-3
     assert errors[0] > 2.0 * errors[1]
 
@@ -128,7 +128,10 @@ def test_bounce_is_that_on_the_receptance_of_the_track() -> None:
     oscillating = [mode for mode in modes(straight) if mode.oscillates]
     bounce = max(oscillating, key=lambda mode: mode.energy_fraction[7])
     at = equilibrium(straight)
-    stiffness = -Jacobian(straight, StepStatistics()).tangents(straight.frame(0.0), at.state, at.contacts)[0, 2, 1]
+    tangents = VehicleJacobian(straight, StepStatistics()).tangents(
+        straight.wheelset_states(0.0, at.state), at.contacts
+    )
+    stiffness = -tangents[0, 0, 2, 1]
     omega = -1j * bounce.eigenvalue
     compliance = track().receptance(omega / (2 * np.pi))[1, 1] + 1 / stiffness
     mass = 0.5 * Wagon().wheelset.mass
@@ -140,8 +143,8 @@ def test_rows_between_steps_and_results() -> None:
     rows = simulate(dynamics(with_mass()), (0.0, 0.1), initial=rest().state, steps=steps, recording=Recording(0.01))
     reference = run(1e-4)
     for side in (0, 1):
-        expected = np.interp(rows.time, reference.time, reference.outputs.force[:, side, 2])
-        np.testing.assert_allclose(rows.outputs.force[:, side, 2], expected, atol=300.0)
+        expected = np.interp(rows.time, reference.time, reference.force[:, 0, side, 2])
+        np.testing.assert_allclose(rows.force[:, 0, side, 2], expected, atol=300.0)
     data = dataset(rows)
     assert data["sleeper_motion"].shape == (len(rows.time), 2, 2)
     left, right = data["sleeper_motion"].values[0]

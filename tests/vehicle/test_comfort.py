@@ -16,11 +16,11 @@ from wheelrail.vehicle.evaluation.comfort import (
     mean_comfort,
     sperling_comfort,
 )
-from wheelrail.vehicle.multibody.accelerometer import Accelerometer
 from wheelrail.vehicle.multibody.coordinates import ROLL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
 from wheelrail.vehicle.multibody.rotations import rotate
+from wheelrail.vehicle.simulation.accelerometer import Accelerometer
+from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -51,7 +51,7 @@ def test_lateral_acceleration_in_a_curve_is_the_unbalanced_one() -> None:
     """V2/R cos b - g sin b, of the track's cant angle less the roll of the body; the sensor at the centre of mass."""
     curve = ConstantCurve(speed=25.0, curvature=1 / 600, cant=0.1)
     vehicle = load_vehicle()
-    at = vehicle_equilibrium(VehicleDynamics(vehicle, curve.track, LinearCreep(), curve.speed))
+    at = equilibrium(VehicleDynamics(vehicle, curve.track, LinearCreep(), curve.speed))
     roll = at.state[at.dynamics.coordinates.index("car_body", ROLL)]
     measured = Accelerometer(at.dynamics, "car_body", (0.0, 0.0, 1.8))(0.0, at.state)
     y = at.state[at.dynamics.coordinates.index("car_body", 1)]

@@ -71,7 +71,7 @@ def test_compiled_equations_are_those_in_numpy(kind: str) -> None:
     assert (len(dynamics.coordinates.maxwell) > 0) == (kind in KINDS[2:])
     for time, state, wrenches in samples(dynamics):
         expected = accelerations(dynamics, time, state, wrenches)
-        actual = dynamics.accelerations(time, state, wrenches)
+        actual = dynamics.accelerations(time, state, wrenches).rates
         np.testing.assert_allclose(actual, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
@@ -126,6 +126,27 @@ def test_elements_at_both_sides_are_pairs() -> None:
         assert right < 0 if y == 0.0 else elements[right].point == (x, -y, z)
 
 
+def test_reactions_hold_the_coordinates() -> None:
+    """Applied as a force and a moment on the same wheelset without constraints, on straight track."""
+    free = VehicleDynamics(manchester(), Track(), LinearCreep(), 30.0)
+    wheelset = replace(manchester().bodies["wheelset_1"], held=("y", "yaw"))
+    bodies = manchester().bodies | {"wheelset_1": wheelset}
+    held = replace(free, vehicle=replace(manchester(), bodies=bodies))
+    time, state, wrenches = samples(free)[0]
+    y, yaw = (free.coordinates.index("wheelset_1", k) for k in (Y, YAW))
+    c, roll = free.coordinates.count, state[free.coordinates.index("wheelset_1", ROLL)]
+    state[[y, yaw, c + y, c + yaw]] = 0.0
+    expected, reactions = held.accelerations(time, np.delete(state, [y, yaw, c + y, c + yaw]), wrenches)
+    force, moment = reactions[held.coordinates.wheelset_bodies[0], [Y, YAW]]
+    wrenches[0, 1] += force
+    wrenches[0, 3:] += moment / np.cos(roll) * np.array([0.0, -np.sin(roll), np.cos(roll)])  # about its own vertical
+    found = free.accelerations(time, state, wrenches).rates
+    scale = np.abs(found).max()
+    np.testing.assert_allclose(found[[y, yaw]], 0.0, atol=1e-11 * scale)
+    np.testing.assert_allclose(np.delete(found, [y, yaw]), expected, rtol=0.0, atol=1e-11 * scale)
+    assert abs(force) > 1e3
+
+
 def test_mirrored_motion_has_mirrored_accelerations_bit_for_bit() -> None:
     """In a curve to the right instead of to the left."""
     odd = np.isin(np.arange(6), (Y, ROLL, YAW))
@@ -136,8 +157,8 @@ def test_mirrored_motion_has_mirrored_accelerations_bit_for_bit() -> None:
     )
     time, state, wrenches = samples(left)[0]
     mirrored = wrenches * [1.0, -1.0, 1.0, -1.0, 1.0, -1.0]
-    expected = left.accelerations(time, state, wrenches)
-    np.testing.assert_array_equal(right.accelerations(time, sign * state, mirrored), sign[:42] * expected)
+    expected = left.accelerations(time, state, wrenches).rates
+    np.testing.assert_array_equal(right.accelerations(time, sign * state, mirrored).rates, sign[:42] * expected)
     travel = left.speed_profile(time)
     there = left.bodies.derivatives(travel, 0.0, state, wrenches)
     here = right.bodies.derivatives(travel, 0.0, sign * state, mirrored)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 from itertools import pairwise
 from math import asin, cos, inf, nan, sin
 
@@ -11,15 +12,14 @@ import pytest
 from scipy.optimize import brentq
 from standin_contact import CONTACT, FunctionContact
 
-import wheelrail.vehicle.steady.equilibrium
 from benchmarks.exudyn.linear_contact import LinearContact
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.vehicle.dynamics.static_residual import StaticResidual
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.steady.curving import SteadyCurving, curving, curving_over
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError
+from wheelrail.vehicle.steady.steady_problem import SteadyProblem
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -152,7 +152,7 @@ def test_balance_of_the_whole_wagon(contact) -> None:  # type: ignore[no-untyped
     overturning = sum(b.mass * (a * (b.height + x[1]) - n * x[0]) for b, x in bodies)
     gyroscopic = w.wheelset.pitch_inertia * v / 0.46 * v * k * cos(PAPER.angle)
     assert gyroscopic == pytest.approx(411.0, abs=1.0)
-    moment = sum(c.moment[0] for c in steady.equilibrium.contacts.values())
+    moment = sum(c.moment[0] for c in steady.equilibrium.contacts["wheelset"].values())
     moment += steady.wheelset[0] * mass * n - (0.46 + steady.wheelset[1]) * steady.lateral_force
     assert -moment == pytest.approx(overturning + gyroscopic, rel=1e-3)
 
@@ -181,7 +181,7 @@ def test_right_hand_curve_is_the_mirror_image(contact) -> None:  # type: ignore[
     assert right.unloading == pytest.approx(left.unloading, rel=2e-5)
     assert left.lateral_force > 0.0  # towards the centre of a left-hand curve
     assert left.guiding_force["right"] > left.guiding_force["left"]
-    outer = left.equilibrium.contacts["right"].force
+    outer = left.equilibrium.contacts["wheelset"]["right"].force
     assert left.derailment_quotient["right"] == outer[1] / outer[2]
 
 
@@ -203,15 +203,16 @@ def test_continuation_over_speeds() -> None:
 
 def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None:
     expected, starts = curving(WAGON, CONTACT, PAPER), []
-    newton = wheelrail.vehicle.steady.equilibrium._newton
+    module = import_module("wheelrail.vehicle.steady.equilibrium")
+    newton = module._newton
 
-    def stubborn(balance: StaticResidual, unknown: np.ndarray, *options: float) -> Equilibrium:
-        starts.append(unknown)
+    def stubborn(problem: SteadyProblem, state: np.ndarray, *options: float) -> Equilibrium:
+        starts.append(state)
         if len(starts) == 1:
             raise EquilibriumError("stuck")
-        return newton(balance, unknown, *options)
+        return newton(problem, state, *options)
 
-    monkeypatch.setattr("wheelrail.vehicle.steady.equilibrium._newton", stubborn)
+    monkeypatch.setattr(module, "_newton", stubborn)
     found = curving(WAGON, CONTACT, PAPER)
     assert len(starts) == 3  # from rest, on straight track, at the end of the run
     assert starts[2][:9] == pytest.approx(

@@ -6,20 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plane import MIRROR, constants, in_frame, motion_of, suspension, wrench_of
 from standin_contact import CONTACT, FunctionContact, SmoothContact, TwoPointContact
+from track_frame import Frame, frame_at
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
-from wheelrail.vehicle.dynamics.state import MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.multibody.energy import spring_energy
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.plane_wagon import WagonOutputs, wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
-from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.force_law import ForceLaw
@@ -35,8 +37,8 @@ def no_contact(state: WheelsetState, side: Side, guess: ContactResult | None = N
     return ContactResult.separated()
 
 
-def dynamics(track: Track = CURVE, contact: VehicleContact = CONTACT, wagon: Wagon | None = None) -> Dynamics:
-    return Dynamics(wagon or Wagon(), track, contact, V)
+def dynamics(track: Track = CURVE, contact: VehicleContact = CONTACT, wagon: Wagon | None = None) -> VehicleDynamics:
+    return wagon_dynamics(wagon or Wagon(), track, contact, V)
 
 
 def random_state(seed: int) -> np.ndarray:
@@ -47,7 +49,7 @@ def test_static_wheel_load_on_straight_track() -> None:
     found = equilibrium(dynamics())
     assert found.residual < 1e-6
     for side in ("left", "right"):
-        assert found.contacts[side].force[2] == pytest.approx(54546.05, rel=1e-6)  # type: ignore[index]
+        assert found.contacts["wheelset"][side].force[2] == pytest.approx(54546.05, rel=1e-6)  # type: ignore[index]
     assert np.abs(found.state[[0, 2, 3, 5, 6, 8]]).max() < 1e-12
     assert np.ptp(found.state[[1, 4, 7]]) < 1e-9  # springs at their nominal length, all on the contacts' approach
     evaluation = dynamics()(0.0, found.state)
@@ -59,14 +61,15 @@ def test_loads_in_the_full_curve() -> None:
     the shift of the wheelset, the gyroscopic moment and the bogie's lean under the displaced body."""
     d = dynamics()
     found = equilibrium(d, time=IN_CURVE)
-    left, right = found.contacts["left"].force, found.contacts["right"].force
+    left, right = found.contacts["wheelset"]["left"].force, found.contacts["wheelset"]["right"].force
     assert right[2] == pytest.approx(72.3e3, rel=0.02)
     assert left[2] == pytest.approx(37.4e3, rel=0.03)
     assert left[1] + right[1] == pytest.approx(14.39e3, rel=1e-3)
     position = found.state[:9].reshape(3, 3)
-    forces = d.suspension.forces(position, np.zeros((3, 3)))
-    assert forces.secondary_deflection == pytest.approx(-0.046, rel=0.04)
-    assert forces.force[-1, 0] == pytest.approx(3.0e3, rel=0.15)
+    time, state, wrench = np.array([found.time]), found.state[None], wrench_of(found.contacts)[None]
+    outputs = WagonOutputs.of(found.dynamics, time, state, wrench)
+    assert outputs.secondary_deflection.item() == pytest.approx(-0.046, rel=0.04)
+    assert outputs.bumpstop_force.item() == pytest.approx(3.0e3, rel=0.15)
     assert position[0, 2] == pytest.approx(0.020, rel=0.06)
     assert found.state[6] < -0.004  # towards the outer rail
 
@@ -76,17 +79,17 @@ def test_curve_loads_balance_as_a_whole() -> None:
     d = dynamics()
     found = equilibrium(d, time=IN_CURVE, tolerance=1e-9)
     beta = np.arcsin(CANT / 1.5)
-    mass, _, pitch, yaw, height = d.constants
+    mass, _, pitch, yaw, height = constants(d)
     position = found.state[:9].reshape(3, 3)
     y, z, sigma = position[:, 0], height + position[:, 1], position[:, 2]
     # The bodies circle at V/R about a vertical R to the left of the origin; the plane of the rails falls to the left.
     inward = (V / R) ** 2 * (R - (y * np.cos(beta) + z * np.sin(beta)))
     fy = mass * (inward * np.cos(beta) - 9.81 * np.sin(beta))
     fz = mass * (inward * np.sin(beta) + 9.81 * np.cos(beta))
-    total = Wrench.of(found.contacts)
-    assert total.force[1] == pytest.approx(fy.sum(), rel=1e-9)
-    assert total.force[2] == pytest.approx(fz.sum(), rel=1e-9)
-    moment = total.moment[0] + y[2] * total.force[2] - z[2] * total.force[1]
+    total = wrench_of(found.contacts)
+    assert total[1] == pytest.approx(fy.sum(), rel=1e-9)
+    assert total[2] == pytest.approx(fz.sum(), rel=1e-9)
+    moment = total[3] + y[2] * total[2] - z[2] * total[1]
     oy, oz = V / R * np.sin(sigma - beta), V / R * np.cos(sigma - beta)
     spin = V / 0.46 + found.state[19]
     gyroscopic = ((yaw - pitch) * oy * oz).sum() - pitch[2] * spin * oz[2]
@@ -107,13 +110,13 @@ def test_equilibrium_needs_few_contact_solves() -> None:
 def test_equilibrium_with_a_second_contact_point(radius: float, speed: float, slope: float) -> None:
     track = Track.curve(curvature=1 / radius, cant=CANT, transition=100.0, length=200.0)
     contact = CountedContact(WheelsetContact(TwoPointContact(slope=slope), CONTACT.mounting))
-    found = equilibrium(Dynamics(Wagon(), track, contact, speed), time=150.0 / speed)
+    found = equilibrium(wagon_dynamics(Wagon(), track, contact, speed), time=150.0 / speed)
     assert found.residual < 1e-6
     assert contact.costs["left"].solves <= 150
 
 
 def test_equilibrium_avoids_depths_beyond_the_model() -> None:
-    rest = equilibrium(dynamics()).contacts["left"].approach
+    rest = equilibrium(dynamics()).contacts["wheelset"]["left"].approach
     for deepest in (1.01 * rest, 1.1 * rest):
         shallow = WheelsetContact(TwoPointContact(deepest=deepest), CONTACT.mounting)
         assert equilibrium(dynamics(contact=shallow)).residual < 1e-6
@@ -142,7 +145,11 @@ def test_right_hand_curve_is_the_mirror_image(seed: int) -> None:
     for s in (100.0, 120.0, 250.0):
         left, right = dynamics()(s / V, state), dynamics(other)(s / V, MIRROR * state)
         np.testing.assert_allclose(right.rate, MIRROR * left.rate, rtol=1e-10, atol=1e-10)
-        assert right.yaw_reaction == pytest.approx(-left.yaw_reaction, rel=1e-10)
+        yaw = [
+            WagonOutputs.of(d, np.array([s / V]), x[None], wrench_of(at.contacts)[None]).yaw_reaction.item()
+            for d, x, at in ((dynamics(), state, left), (dynamics(other), MIRROR * state, right))
+        ]
+        assert yaw[1] == pytest.approx(-yaw[0], rel=1e-10)
 
 
 @pytest.mark.parametrize("body", [0, 1, 2])
@@ -151,15 +158,15 @@ def test_moments_equal_the_rate_of_angular_momentum(seed: int, body: int) -> Non
     """Roll, spin and yaw reaction from d/dt L + w x L, with L(t) differentiated by a complex step."""
     rng = np.random.default_rng(seed)
     w, wd = 0.3 * rng.normal(size=3), rng.normal(size=3)
-    frame = Frame(V, 1.7, tuple(w), tuple(wd), (0.0, 0.0, -1.0))
+    frame = Frame(V, 1.7, w, wd, np.array([0.0, 0.0, -1.0]))
     state = 30 * random_state(seed)
-    wrench = Wrench(1e4 * rng.normal(size=3), 1e3 * rng.normal(size=3))
+    wrench = np.concatenate([1e4 * rng.normal(size=3), 1e3 * rng.normal(size=3)])
     d = dynamics()
-    accelerations, reaction = d.accelerations(frame, state, wrench)
-    on_bodies = d.suspension.forces(state[:9].reshape(3, 3), state[10:19].reshape(3, 3)).on_bodies
-    inertia = np.diag(d.constants[1:4, body])
+    accelerations, reaction = in_frame(d, frame, state, wrench)
+    on_bodies = suspension(d, state[:9].reshape(3, 3), state[10:19].reshape(3, 3)).on_bodies
+    inertia = np.diag(constants(d)[1:4, body])
     angle, rate, change = state[3 * body + 2], state[10 + 3 * body + 2], accelerations[3 * body + 2]
-    spin, spin_change = (d.rolling_rate(frame) + state[19], accelerations[9] + 1.7 / 0.46) if body == 2 else (0.0, 0.0)
+    spin, spin_change = (V / 0.46 + state[19], accelerations[9] + 1.7 / 0.46) if body == 2 else (0.0, 0.0)
 
     def axes(t: complex) -> np.ndarray:
         a = angle + rate * t + change * t * t / 2
@@ -172,29 +179,26 @@ def test_moments_equal_the_rate_of_angular_momentum(seed: int, body: int) -> Non
 
     total = momentum(1e-30j).imag / 1e-30 + np.cross(w, momentum(0.0).real)
     in_body = axes(0.0).T @ total
-    given = axes(0.0).T @ wrench.moment if body == 2 else np.zeros(3)
+    given = axes(0.0).T @ wrench[3:] if body == 2 else np.zeros(3)
     assert in_body[0] == pytest.approx(on_bodies[body, 2] + given[0], rel=1e-9)
     if body == 2:
         assert in_body[1] == pytest.approx(given[1], rel=1e-9)
         assert in_body[2] == pytest.approx(given[2] + reaction, rel=1e-9)
 
 
-def conserved(d: Dynamics, frame: Frame, state: np.ndarray) -> float:
+def conserved(d: VehicleDynamics, frame: Frame, state: np.ndarray) -> float:
     """Kinetic energy of the motion in the frame, less that of being carried along, plus potential energy (Jacobi)."""
-    mass, roll_inertia, pitch_inertia, yaw_inertia, height = d.constants
+    mass, roll_inertia, pitch_inertia, yaw_inertia, height = constants(d)
     y, z, roll = state[:9].reshape(3, 3).T
     vy, vz, spin = state[10:19].reshape(3, 3).T
-    theta = d.rolling_rate(frame) + state[19]
+    theta = V / 0.46 + state[19]
     _, wy, wz = frame.rate
     oy, oz = wy * np.cos(roll) + wz * np.sin(roll), wz * np.cos(roll) - wy * np.sin(roll)
     relative = mass * (vy**2 + vz**2) + roll_inertia * spin**2
     up = height + z
-    carried = mass * ((d.speed + wy * up - wz * y) ** 2) + pitch_inertia * oy**2 + yaw_inertia * oz**2
-    weight = -mass * d.plane.gravity * (frame.down[1] * y + frame.down[2] * up)
-    a = d.suspension
-    deflection = a.forces(state[:9].reshape(3, 3), state[10:19].reshape(3, 3)).deflection
-    springs = 0.5 * (a.laws.stiffness * deflection**2).sum() - (a.preload * deflection[:, 1]).sum()
-    springs += 0.5 * a.couple[0] * (roll[0] - roll[1]) ** 2
+    carried = mass * ((V + wy * up - wz * y) ** 2) + pitch_inertia * oy**2 + yaw_inertia * oz**2
+    weight = -mass * d.vehicle.gravity * (frame.down[1] * y + frame.down[2] * up)
+    springs = spring_energy(d, motion_of(d, state[:9].reshape(3, 3), state[10:19].reshape(3, 3)), np.zeros(0))
     return float((0.5 * (relative - carried) + weight).sum() + 0.5 * pitch_inertia[2] * theta**2 + springs)
 
 
@@ -209,7 +213,7 @@ def test_energy_of_the_undamped_free_wagon(track: Track) -> None:
         secondary=replace(w.secondary, lateral_damping=0.0, vertical_damping=0.0),
     )
     d = dynamics(track, no_contact, wagon)
-    frame = track.frame(0.0, V)
+    frame = frame_at(track, 0.0, V)
     start = np.zeros(20)
     start[10:19] = [0.2, 0.1, 0.1, -0.3, 0.2, 0.3, 0.1, -0.2, 0.2]
     energies = [
@@ -244,7 +248,7 @@ def test_failed_or_non_finite_contact_results_are_rejected() -> None:
     with pytest.raises(StepFailure, match="state"):
         dynamics()(0.0, np.full(20, np.nan))
     with pytest.raises(ValueError, match="speed"):
-        Dynamics(Wagon(), CURVE, CONTACT, 0.0)
+        wagon_dynamics(Wagon(), CURVE, CONTACT, 0.0)
 
 
 def test_contact_receives_wheelset_and_frame_motion() -> None:
@@ -262,4 +266,4 @@ def test_contact_receives_wheelset_and_frame_motion() -> None:
     assert (left.y, left.z, left.roll, left.y_rate) == (state[6], state[7], state[8], state[16])
     assert left.pitch_rate == V / 0.46 + state[19]
     assert (left.speed, left.yaw) == (V, 0.0)
-    assert left.frame_rate == CURVE.frame(250.0, V).rate
+    np.testing.assert_allclose(left.frame_rate, frame_at(CURVE, 250.0, V).rate, rtol=1e-13)

@@ -10,8 +10,8 @@ from standin_contact import CONTACT
 
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.datasets.run_derived import with_energy
-from wheelrail.vehicle.dynamics.equations import Dynamics
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import POWERS, EnergyBalance, energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
@@ -25,7 +25,7 @@ SPAN = (0.0, 0.4)
 
 
 def run(wagon: Wagon, track: Track, speed: float | SpeedProfile, rtol: float, method: str = "ode45") -> History:
-    return simulate(Dynamics(wagon, track, CONTACT, speed), SPAN, steps=StepSettings(method, rtol, 1e-3 * rtol))
+    return simulate(wagon_dynamics(wagon, track, CONTACT, speed), SPAN, steps=StepSettings(method, rtol, 1e-3 * rtol))
 
 
 def series_wagon() -> Wagon:
@@ -48,7 +48,7 @@ def series_wagon() -> Wagon:
 def test_energy_balance_closes(wagon: Wagon, track: Track, speed: float | SpeedProfile) -> None:
     history = run(wagon, track, speed, 1e-5)
     assert history.status == "completed"
-    found = energy_balance(history, wagon, track)
+    found = energy_balance(history)
     assert found.error < 1e-4
     if track.irregularities is None:  # which do the work
         assert abs(found.work[-1, POWERS.index("inertial")]) > 1.0  # J: not trivial
@@ -57,13 +57,13 @@ def test_energy_balance_closes(wagon: Wagon, track: Track, speed: float | SpeedP
 
 def test_gap_decreases_with_the_tolerance() -> None:
     runs = (run(Wagon(), CURVE, 45.0, rtol, "rosenbrock") for rtol in (1e-2, 1e-3, 1e-4))
-    errors = [energy_balance(history, Wagon(), CURVE).error for history in runs]
+    errors = [energy_balance(history).error for history in runs]
     assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2]
 
 
 def test_omitted_force_opens_the_balance() -> None:
     history = run(Wagon(), CURVE, 45.0, 1e-5)
-    found = energy_balance(history, Wagon(), CURVE)
+    found = energy_balance(history)
     for cause in range(len(POWERS)):
         power = found.power.copy()
         power[:, cause] *= 1.05
@@ -73,11 +73,11 @@ def test_omitted_force_opens_the_balance() -> None:
 def test_work_of_gravity() -> None:
     """On a straight level track the work of gravity is the weight times the descent."""
     wagon, plane = Wagon(), Wagon().plane
-    dynamics = Dynamics(wagon, Track(), CONTACT, 45.0)
+    dynamics = wagon_dynamics(wagon, Track(), CONTACT, 45.0)
     aside = simulate(dynamics, (0.0, 0.01)).state[0]
     aside[1] += 0.02
     history = simulate(dynamics, (0.0, 0.5), initial=aside, steps=StepSettings("ode45", 1e-7, 1e-9))
-    found = energy_balance(history, wagon, Track())
+    found = energy_balance(history)
     masses = np.array([plane.car_body.mass, plane.bogie.mass, plane.wheelset.mass])
     down = -(history.state[:, [1, 4, 7]] - aside[[1, 4, 7]]) @ masses
     gravity = found.work[:, POWERS.index("gravity")]
@@ -87,7 +87,7 @@ def test_work_of_gravity() -> None:
 
 def test_results_contain_the_energy_balance() -> None:
     history = run(Wagon(), CURVE, 45.0, 1e-4)
-    data = with_energy(dataset(history), history, Wagon(), CURVE)
+    data = with_energy(dataset(history), history)
     assert data["power"].sel(cause="dampers").max() <= 0.0
     assert data.attrs["energy_balance_error"] < 1e-3
     change = data["mechanical_energy"] - data["mechanical_energy"].isel(time=0)

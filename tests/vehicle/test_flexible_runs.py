@@ -21,20 +21,24 @@ from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.meshes.bodies.axle import AxleShape
 from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
 from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, load_scene, parse_scene
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
-from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.coordinates import Y
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
+from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import EnergyBalance, energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.steady.modes import modes
+from wheelrail.vehicle.steady.static_start import StaticStart
+from wheelrail.vehicle.steady.steady_problem import SteadyProblem
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -52,8 +56,8 @@ def contact() -> FlexibleContact:
     return FlexibleContact(few_strips(), Flexibility(hubs, (pads, pads)))
 
 
-def dynamics(track: Track = CURVE) -> Dynamics:
-    return Dynamics(Wagon(), track, contact(), SPEED, QuasiStaticStructure(contact().pairs))
+def dynamics(track: Track = CURVE) -> VehicleDynamics:
+    return wagon_dynamics(Wagon(), track, contact(), SPEED, QuasiStaticStructure(contact().pairs))
 
 
 @cache
@@ -82,9 +86,9 @@ def test_a_rigid_motion_leaves_the_hubs_on_their_line() -> None:
 def test_equilibrium_is_that_of_the_wheelset_under_its_loads() -> None:
     found = start()
     assert found.residual < 1e-6
-    load = float(found.contacts["left"].force[2])
+    load = float(found.contacts["wheelset"]["left"].force[2])
     wheelset = FlexibleWheelset(contact().contact, contact().flexibility)
-    state = dynamics().wheelset_state(dynamics().frame(0.0), found.state)
+    state = dynamics().wheelset_states(0.0, found.state)["wheelset"]
     assert isinstance(state, FlexibleState)
     on_journals = wheelset.equilibrium(replace(state, motions=(0.0,) * 18), Loads.wheels(load))
     motions = np.array(state.motions)
@@ -106,13 +110,14 @@ def test_jacobian_is_that_of_differences(irregular: bool) -> None:
     equations = dynamics(Track(irregularities=ERRI["low"].irregularities(60.0, seed=1)) if irregular else CURVE)
     time, state = (0.5 if irregular else 0.0), start().state.copy()
     if irregular:
-        left_rail, right_rail = (z for _, z in equations.frame(time).rails or ())
+        assert equations.track.irregularities is not None
+        left_rail, right_rail = (z for _, z in equations.track.irregularities.rails(SPEED * time) or ())
         state[[1, 4, 7]] += 0.5 * (left_rail + right_rail)
         state[[2, 5, 8]] += (left_rail - right_rail) / 1.5
     state[6] += 1e-3
     state[2 * COUNT :] *= 1.01
     at = equations(time, state)
-    linear = Jacobian(equations, StepStatistics(), central=True)(time, state, at)
+    linear = VehicleJacobian(equations, StepStatistics(), central=True)(time, state, at)
     columns = [6, 7, 8, 23, 22, 32, 33, 34, 35]  # wheelset; roll and z of the left hub; left rail; right rail
     for column in columns:
         h = np.zeros(len(state))
@@ -129,13 +134,13 @@ def test_jacobian_is_that_of_differences(irregular: bool) -> None:
 
 
 def test_energy_balance_closes() -> None:
-    errors = [energy_balance(run(rtol), Wagon(), CURVE).error for rtol in (3e-3, 1e-4)]
+    errors = [energy_balance(run(rtol)).error for rtol in (3e-3, 1e-4)]
     assert errors[1] < 2e-3
     assert errors[0] > 3.0 * errors[1]
-    balance = energy_balance(run(1e-4), Wagon(), CURVE)
-    structure = run(1e-4).structure
+    balance = energy_balance(run(1e-4))
+    structure = run(1e-4).dynamics.structure
     assert structure is not None
-    stored = structure.energy(run(1e-4).structure_motion)
+    stored = structure.energy(run(1e-4).motions[:, 0])
     assert np.ptp(stored) > 0.05  # J: not trivial
     without = EnergyBalance(balance.time, balance.energy - stored, balance.power)
     assert without.error > 5.0 * balance.error
@@ -157,8 +162,8 @@ def test_rows_between_steps_agree_with_those_at_steps() -> None:
     rows = simulate(dynamics(), SPAN, initial=start().state, steps=steps, recording=Recording(0.01))
     reference = run(1e-4)
     for side in (0, 1):
-        expected = np.interp(rows.time, reference.time, reference.outputs.force[:, side, 2])
-        np.testing.assert_allclose(rows.outputs.force[:, side, 2], expected, atol=300.0)
+        expected = np.interp(rows.time, reference.time, reference.force[:, 0, side, 2])
+        np.testing.assert_allclose(rows.force[:, 0, side, 2], expected, atol=300.0)
 
 
 def test_a_second_process_changes_nothing() -> None:
@@ -167,7 +172,7 @@ def test_a_second_process_changes_nothing() -> None:
     with in_parallel(contact()) as parallel:
         both = simulate(replace(dynamics(), contact=parallel), span, initial=start().state, steps=steps)
     np.testing.assert_array_equal(alone.state, both.state)
-    np.testing.assert_array_equal(alone.outputs.force, both.outputs.force)
+    np.testing.assert_array_equal(alone.force[:, 0], both.force[:, 0])
 
 
 def test_results_have_the_motions() -> None:
@@ -182,7 +187,7 @@ def test_results_have_the_motions() -> None:
 def test_modes_are_less_stiff() -> None:
     fastest = [
         max(mode.frequency for mode in modes(replace(equations, track=Track())) if mode.oscillates)
-        for equations in (Dynamics(Wagon(), CURVE, few_strips(), SPEED), dynamics())
+        for equations in (wagon_dynamics(Wagon(), CURVE, few_strips(), SPEED), dynamics())
     ]
     assert fastest[1] < 0.98 * fastest[0]
 
@@ -202,10 +207,30 @@ def test_scenes_of_runs_take_axle_and_pads() -> None:
 
 
 def test_contacts_of_both_sides_are_mirror_images() -> None:
-    state = dynamics().wheelset_state(dynamics().frame(0.0), start().state)
+    state = dynamics().wheelset_states(0.0, start().state)["wheelset"]
     moved = replace(state, y=2e-3, frame_rate=(0.0, 0.0, 0.0))
     forces = {side: contact()(moved, side).force for side in SIDES}
     assert isinstance(moved, FlexibleState)
     images = {side: contact()(moved.mirrored(), side).force for side in SIDES}
     np.testing.assert_allclose(images["left"], forces["right"] * [1, -1, 1], rtol=1e-9)
     np.testing.assert_allclose(images["right"], forces["left"] * [1, -1, 1], rtol=1e-9)
+
+
+def test_jacobian_of_a_vehicle_on_several_wheelsets() -> None:
+    """Each wheelset has its own motions, and moves along the track: by central differences of selected components."""
+    structure = QuasiStaticStructure(contact().pairs)
+    d = VehicleDynamics(load_vehicle(), CURVE, contact(), SPEED, structure)
+    state, random = StaticStart(SteadyProblem.of(replace(d, track=Track()), 0.0))(), np.random.default_rng(4)
+    c, first = d.coordinates.count, d.coordinates.size
+    state[:c] += 1e-5 * random.normal(size=c)
+    state[c : 2 * c] += 1e-2 * random.normal(size=c)
+    at = d(1.0, state)
+    linear = VehicleJacobian(d, StepStatistics())(1.0, state, at)
+    second, third = (d.coordinates.index(f"wheelset_{number}", 0) for number in (2, 3))
+    for column in (second, c + second, third + Y, first + 2 * structure.size + 2):
+        h = np.zeros(d.size)
+        h[column] = 2e-7
+        change = (d(1.0, state + h, at).rate - d(1.0, state - h, at).rate) / (2 * h[column])
+        for rows in (slice(c, 2 * c), slice(first, None)):
+            within = 1e-6 * np.abs(change[rows]).max()
+            np.testing.assert_allclose(linear.by_state[rows, column], change[rows], rtol=0.0, atol=within)

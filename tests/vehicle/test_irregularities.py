@@ -7,21 +7,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plane import MIRROR
 from scipy.integrate import quad
 from scipy.signal import welch
 from standin_contact import CONTACT, STIFFNESS
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_irregularities
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
-from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
+from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.alignment import Segment
-from wheelrail.vehicle.track.irregularity import Irregularities
+from wheelrail.vehicle.track.irregularity import QUANTITIES, Irregularities
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -113,7 +114,7 @@ def test_the_mirrored_track_gives_the_mirrored_run() -> None:
     state[[1, 4, 7]] += uneven.at(np.array([20.0]))[0, 1] - 2e-4
     runs = [
         simulate(
-            Dynamics(
+            wagon_dynamics(
                 Wagon(),
                 Track.of(
                     [Segment("tangent", 5.0), Segment("transition", 30.0), Segment("arc", 60.0, k, 0.05)],
@@ -130,8 +131,9 @@ def test_the_mirrored_track_gives_the_mirrored_run() -> None:
     assert runs[0].status == runs[1].status == "completed"
     np.testing.assert_array_equal(runs[1].time, runs[0].time)
     np.testing.assert_array_equal(runs[1].state, runs[0].state * MIRROR)
-    assert runs[0].irregularities is not None
-    np.testing.assert_allclose(runs[0].irregularities, uneven.at(runs[0].distance))
+    shown = dataset(runs[0])
+    columns = [shown[f"irregularity_{name}"].values for name in QUANTITIES]
+    np.testing.assert_allclose(np.stack(columns, axis=1), uneven.at(runs[0].distance))
 
 
 def test_vertical_response_is_that_of_three_masses() -> None:
@@ -141,7 +143,7 @@ def test_vertical_response_is_that_of_three_masses() -> None:
     values = np.zeros((4001, 4))
     values[:, 1] = size * np.cos(2 * np.pi * stations / length)
     track = Track(irregularities=Irregularities.faded(stations, values))
-    dynamics = Dynamics(Wagon(), track, CONTACT, speed)
+    dynamics = wagon_dynamics(Wagon(), track, CONTACT, speed)
     run = simulate(dynamics, (0.0, 4.0), steps=StepSettings("rosenbrock"), recording=Recording(0.01))
     plane, w = Wagon().plane, 2 * np.pi * speed / length
     steel, primary, secondary = (
@@ -168,10 +170,10 @@ def test_vertical_response_is_that_of_three_masses() -> None:
 
 def test_derivative_by_time_includes_rail_motion() -> None:
     track = Track(irregularities=ERRI["high"].irregularities(200.0, seed=1))
-    d = Dynamics(Wagon(), track, CONTACT, 45.0)
+    d = wagon_dynamics(Wagon(), track, CONTACT, 45.0)
     t, state = 1.3, 1e-4 * np.random.default_rng(1).normal(size=2 * COUNT)
     state[[1, 4, 7]] += track.irregularities.at(np.array([45.0 * t]))[0, 1] - 2e-4  # type: ignore[union-attr]
-    linear = Jacobian(d, StepStatistics())(t, state, d(t, state))
+    linear = VehicleJacobian(d, StepStatistics())(t, state, d(t, state))
     h = 1e-6
     exact = (d(t + h, state).rate - d(t - h, state).rate) / (2 * h)
     np.testing.assert_allclose(linear.by_time, exact, rtol=2e-3, atol=2e-3 * np.abs(exact).max())
@@ -179,9 +181,8 @@ def test_derivative_by_time_includes_rail_motion() -> None:
 
 
 def test_smooth_rails_are_not_evaluated() -> None:
-    frame = Track.curve(curvature=1e-3, transition=10.0, length=10.0).frame(5.0, 40.0)
-    assert frame.rails is None
-    assert Dynamics(Wagon(), Track(), CONTACT, 45.0).wheelset_state(frame, np.zeros(20)).rail_shift is None
+    dynamics = wagon_dynamics(Wagon(), Track.curve(curvature=1e-3, transition=10.0, length=10.0), CONTACT, 40.0)
+    assert dynamics.wheelset_states(0.1, np.zeros(20))["wheelset"].rail_shift is None
 
 
 def test_files_with_and_without_names(tmp_path: Path) -> None:

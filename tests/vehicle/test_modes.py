@@ -8,17 +8,17 @@ from functools import cache
 import numpy as np
 import pytest
 from lagrange import Energies
+from plane import MIRROR
 from scipy.linalg import eigvals
 from standin_contact import CONTACT
 
 from benchmarks.exudyn.linear_contact import LinearContact
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.steady.equilibrium import equilibrium
-from wheelrail.vehicle.steady.modes import Mode, fixed_wheelset_modes, modes
+from wheelrail.vehicle.steady.modes import Mode, held_wheelset_modes, modes
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -77,7 +77,7 @@ def values(found: list[Mode]) -> np.ndarray:
 
 def test_held_wheelset_without_weight_is_the_textbook_model() -> None:
     """And that model with a pendulum moment is the one that the design data give."""
-    found = fixed_wheelset_modes(replace(WAGON, gravity=1e-9))
+    found = held_wheelset_modes(wagon_dynamics(replace(WAGON, gravity=1e-9), Track(), CONTACT, 1.0))
     np.testing.assert_allclose(values(found), textbook(pendulum=False), rtol=1e-7)
     design = textbook(pendulum=True)
     np.testing.assert_allclose(np.abs(design) / 2 / np.pi, FREQUENCY, rtol=6e-4)
@@ -88,7 +88,7 @@ def test_held_wheelset_with_the_loads_in_their_displaced_position() -> None:
     """Second derivatives of the energies; the inverted pendulum of the bogie lowers the frequency of the lower sway
     mode.
     """
-    found = fixed_wheelset_modes(WAGON)
+    found = held_wheelset_modes(wagon_dynamics(WAGON, Track(), CONTACT, 1.0))
     np.testing.assert_allclose(values(found), eigenvalues(*(m[:6, :6] for m in linear())), rtol=1e-7)
     design = np.abs(textbook(pendulum=True)) / 2 / np.pi
     assert [m.frequency for m in found][1::2] == pytest.approx(design[[1, 3, 5]], rel=6e-3)
@@ -98,7 +98,7 @@ def test_held_wheelset_with_the_loads_in_their_displaced_position() -> None:
 
 def test_contact_springs() -> None:
     """All nine against the energies; the three vertical ones are those of a chain of masses, springs and dampers."""
-    found = modes(Dynamics(WAGON, Track(), SPRINGS, 30.0))
+    found = modes(wagon_dynamics(WAGON, Track(), SPRINGS, 30.0))
     np.testing.assert_allclose(values(found), eigenvalues(*linear()), rtol=2e-8)
     w = WAGON.plane
     ends = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0]])
@@ -119,7 +119,7 @@ def test_contact_springs() -> None:
 )
 def test_a_small_motion_decays_as_its_mode(contact, moving: str) -> None:  # type: ignore[no-untyped-def]
     """Logarithmic decrement and frequency of a run from a mode's shape, by a recurrence over three rows."""
-    dynamics = Dynamics(WAGON, Track(), contact, 30.0)
+    dynamics = wagon_dynamics(WAGON, Track(), contact, 30.0)
     rest = equilibrium(dynamics, tolerance=1e-10)
     mode = next(m for m in modes(dynamics, rest) if m.oscillates and m.main_coordinates.startswith(moving))
     start = rest.state + 1e-5 * np.concatenate([mode.shape, mode.eigenvalue * mode.shape]).real
@@ -135,7 +135,7 @@ def test_a_small_motion_decays_as_its_mode(contact, moving: str) -> None:  # typ
 @pytest.mark.parametrize("speed", [10.0, 30.0, 45.0])
 def test_creep_damps_the_wheelset(speed: float) -> None:
     """Spin: J w' = -2 f r^2 w / V. Lateral motion with stiff creep: nearly decoupled from the other bodies."""
-    found = modes(Dynamics(WAGON, Track(), CONTACT, speed))
+    found = modes(wagon_dynamics(WAGON, Track(), CONTACT, speed))
     assert len(found) == 7 + 4
     spin = next(m for m in found if m.main_coordinates.startswith("wheelset_pitch"))
     creep = CONTACT.model.creep  # type: ignore[attr-defined]
@@ -152,7 +152,7 @@ def test_creep_damps_the_wheelset(speed: float) -> None:
 
 def test_mode_shapes_are_eigenvectors_with_symmetry() -> None:
     mass, damping, stiffness = linear()
-    for mode in modes(Dynamics(WAGON, Track(), SPRINGS, 30.0)):
+    for mode in modes(wagon_dynamics(WAGON, Track(), SPRINGS, 30.0)):
         x, v = mode.shape[:9], mode.eigenvalue
         left = v * v * mass @ x + v * damping @ x + stiffness @ x
         assert np.abs(left).max() < 2e-7 * max(np.abs(stiffness @ x).max(), np.abs(v * v * mass @ x).max())
@@ -163,4 +163,5 @@ def test_mode_shapes_are_eigenvectors_with_symmetry() -> None:
 
 
 def test_text_of_a_mode() -> None:
-    assert str(fixed_wheelset_modes(WAGON)[1]) == "     1.08 Hz  damping  0.1345  car_body_z 100%"
+    found = held_wheelset_modes(wagon_dynamics(WAGON, Track(), CONTACT, 1.0))
+    assert str(found[1]) == "     1.08 Hz  damping  0.1345  car_body_z 100%"

@@ -22,12 +22,12 @@ from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium, vehicle_equilibrium
-from wheelrail.vehicle.multibody.modes import critical_speed
-from wheelrail.vehicle.multibody.runs.history import VehicleHistory
-from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
 from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
+from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.critical_speed import critical_speed
+from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -42,15 +42,15 @@ def dynamics(speed: float, *, track: Track | None = None, friction: float = 0.3)
 
 
 @cache
-def in_curve(way: float) -> tuple[VehicleEquilibrium, list[WheelsetForces]]:
+def in_curve(way: float) -> tuple[Equilibrium, list[WheelsetForces]]:
     curve = ConstantCurve(CURVE.speed, way * CURVE.curvature, CURVE.cant)
-    solution = vehicle_equilibrium(dynamics(CURVE.speed, track=curve.track))
+    solution = equilibrium(dynamics(CURVE.speed, track=curve.track))
     return solution, list(wheelset_forces(solution.dynamics, solution.state, solution.contacts).values())
 
 
 def test_wheel_loads_on_straight_track() -> None:
     """Equal within the pitch moments of rolling resistance and the force that keeps the speed."""
-    solution = vehicle_equilibrium(dynamics(30.0))
+    solution = equilibrium(dynamics(30.0))
     assert solution.residual < 1e-7
     wheelsets = wheelset_forces(solution.dynamics, solution.state, solution.contacts).values()
     loads = np.array([[w.left.vertical, w.right.vertical] for w in wheelsets])
@@ -117,10 +117,10 @@ def test_a_right_hand_curve_is_the_mirror_image() -> None:
 def test_hunting_above_the_critical_speed_is_a_small_steady_cycle() -> None:
     """70 m/s, bogies kicked sideways: amplitudes within 5 % of the bounds of the reference's last seconds."""
     model = dynamics(70.0)
-    coordinates, state = model.coordinates, vehicle_equilibrium(model).state
+    coordinates, state = model.coordinates, equilibrium(model).state
     for bogie, kick in (("front_bogie", 0.1), ("rear_bogie", 0.07)):
         state[coordinates.count + coordinates.index(bogie, Y)] += kick  # m/s
-    run = simulate_vehicle(model, (0.0, 1.7), initial=state, rtol=1e-3, atol=1e-5)  # a third of the default: 13 % low
+    run = simulate(model, (0.0, 1.7), initial=state, rtol=1e-3, atol=1e-5)  # a third of the default: 13 % low
     assert run.status == "completed"
     late = run.time > 1.2
     for wheelset, low, high in ((1, 0.21, 0.24), (2, 0.12, 0.14), (3, 0.21, 0.24), (4, 0.12, 0.14)):
@@ -132,12 +132,12 @@ def test_hunting_above_the_critical_speed_is_a_small_steady_cycle() -> None:
 
 def test_elastic_contact_in_two_processes_has_the_same_bits() -> None:
     """All right wheels in a second process that solves while this one solves the left wheels."""
-    state = vehicle_equilibrium(VehicleDynamics(load_vehicle(), Track(), few_strips(), 30.0)).state
+    state = equilibrium(VehicleDynamics(load_vehicle(), Track(), few_strips(), 30.0)).state
     state[42:84:6] += 0.1  # m/s forward
     state[43:84:6] += 0.05  # m/s to the left
 
-    def run(contact: VehicleContact) -> VehicleHistory:
-        return simulate_vehicle(VehicleDynamics(load_vehicle(), Track(), contact, 30.0), (0.0, 0.01), initial=state)
+    def run(contact: VehicleContact) -> History:
+        return simulate(VehicleDynamics(load_vehicle(), Track(), contact, 30.0), (0.0, 0.01), initial=state)
 
     alone = run(few_strips())
     with in_parallel(few_strips()) as contact:

@@ -9,17 +9,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from plane import MIRROR
 from standin_contact import CONTACT, FunctionContact
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COUNT, MIRROR
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.coordinates import PITCH
+from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.row import Outputs
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Progress, Recording
 from wheelrail.vehicle.track.track import Track
@@ -60,7 +60,7 @@ def run(  # type: ignore[no-untyped-def]
     **steps,
 ) -> History:
     return simulate(
-        Dynamics(Wagon(), track, contact, V),
+        wagon_dynamics(Wagon(), track, contact, V),
         span,
         initial=initial,
         steps=StepSettings(**steps),
@@ -80,18 +80,15 @@ def test_rows_at_accepted_steps(plain: History) -> None:
     assert plain.time[-1] == 0.15
     assert (np.diff(plain.time) > 0).all()
     n = len(plain)
-    assert n == plain.cost.steps.accepted + 1 == len(plain.patches) == len(plain.contact_status)
+    assert n == plain.cost.steps.accepted + 1 == len(plain.rows)
     assert plain.state.shape == (n, 2 * COUNT)
-    assert plain.outputs.force.shape == plain.outputs.moment.shape == (n, 2, 3)
-    assert plain.outputs.approach.shape == (n, 2)
-    assert plain.outputs.yaw_reaction.shape == plain.outputs.bumpstop_force.shape == (n,)
+    assert plain.force[:, 0].shape == plain.moment[:, 0].shape == (n, 2, 3)
+    assert plain.approach[:, 0].shape == (n, 2)
     np.testing.assert_allclose(plain.distance, V * plain.time)
-    np.testing.assert_allclose(plain.outputs.force[0, :, 2], 54546.05, rtol=1e-6)
-    np.testing.assert_allclose(plain.wheelset_rate[:, 3], V / 0.46, rtol=1e-3)
-    np.testing.assert_allclose(plain.wheelset[:, 3], plain.distance / 0.46, atol=0.05)
-    assert plain.curvature[-1] == pytest.approx(CURVE.curvature(V * 0.15)[0])
-    assert plain.lift[0] == 0.0
-    assert plain.car_body[-1, 0] < 0.0 > plain.wheelset[-1, 0]  # to the outside of a left-hand curve
+    np.testing.assert_allclose(plain.force[:, 0][0, :, 2], 54546.05, rtol=1e-6)
+    assert np.abs(plain.rate("wheelset")[:, PITCH]).max() < 1e-3 * V / 0.46  # in excess of nominal rolling
+    assert np.abs(plain.position("wheelset")[:, PITCH]).max() < 0.05
+    assert plain.state[-1, 0] < 0.0 > plain.state[-1, 6]  # to the outside of a left-hand curve
 
 
 def test_costs_are_counted(plain: History) -> None:
@@ -104,13 +101,10 @@ def test_costs_are_counted(plain: History) -> None:
 
 
 def test_recorded_forces_belong_to_the_recorded_states(plain: History) -> None:
-    from wheelrail.vehicle.dynamics.equations import Dynamics
-
-    d = Dynamics(Wagon(), CURVE, CONTACT, V)
+    d = wagon_dynamics(Wagon(), CURVE, CONTACT, V)
     for i in (0, len(plain) // 2, -1):
         fresh = d(plain.time[i], plain.state[i])
-        np.testing.assert_array_equal(plain.outputs.force[i, 1], fresh.contacts["right"].force)
-        assert plain.outputs.yaw_reaction[i] == fresh.yaw_reaction
+        np.testing.assert_array_equal(plain.force[:, 0][i, 1], fresh.contacts["wheelset"]["right"].force)
 
 
 def test_contact_starts_from_the_previous_results(plain: History) -> None:
@@ -146,8 +140,8 @@ def test_right_hand_curve_is_the_mirror_image(plain: History) -> None:
     right = run(span=(0.2, 0.3), initial=MIRROR * start, track=other_track)
     np.testing.assert_array_equal(right.time, left.time)
     np.testing.assert_allclose(right.state, left.state * MIRROR, rtol=1e-10, atol=1e-10)
-    swapped = right.outputs.force[:, ::-1] * [1.0, -1.0, 1.0]
-    np.testing.assert_allclose(swapped, left.outputs.force, rtol=1e-10)
+    swapped = right.force[:, 0, ::-1] * [1.0, -1.0, 1.0]
+    np.testing.assert_allclose(swapped, left.force[:, 0], rtol=1e-10)
     own = run(track=other_track)
     np.testing.assert_allclose(own.state[-1, :9], (plain.state * MIRROR)[-1, :9], atol=1e-6)
 
@@ -159,21 +153,19 @@ def test_equal_intervals(plain: History) -> None:
     for column in (1, 6, 7, 16):
         straight = np.interp(even.time, plain.time, plain.state[:, column])
         np.testing.assert_allclose(even.state[:, column], straight, atol=3e-2 * np.ptp(plain.state[:, column]) + 1e-9)
-    linear = np.interp(even.time, plain.time, plain.outputs.force[:, 0, 1])
-    np.testing.assert_allclose(even.outputs.force[:, 0, 1], linear, atol=3e-2 * np.ptp(linear))
+    linear = np.interp(even.time, plain.time, plain.force[:, 0, 0, 1])
+    np.testing.assert_allclose(even.force[:, 0, 0, 1], linear, atol=3e-2 * np.ptp(linear))
 
 
 @pytest.mark.parametrize("method", ["ode23", "rosenbrock"])
 def test_outputs_between_steps_are_those_of_the_state_there(method: str) -> None:
     """Forces of one step of 0.1 s or many short ones: contacts are solved at the interpolated states."""
     even = run(interval=0.01, method=method, rtol=1e-2, atol=1e-5)
-    dynamics = Dynamics(Wagon(), CURVE, CONTACT, V)
+    dynamics = wagon_dynamics(Wagon(), CURVE, CONTACT, V)
     for row in range(len(even)):
         at = dynamics(float(even.time[row]), even.state[row])
-        force = [at.contacts[side].force for side in ("left", "right")]
-        np.testing.assert_allclose(even.outputs.force[row], force, rtol=1e-9, atol=1e-6)
-        deflection = Outputs.of(dynamics, even.state[row], at).secondary_deflection
-        assert even.outputs.secondary_deflection[row] == pytest.approx(deflection, rel=1e-12)
+        force = [at.contacts["wheelset"][side].force for side in ("left", "right")]
+        np.testing.assert_allclose(even.force[:, 0][row], force, rtol=1e-9, atol=1e-6)
 
 
 def test_rows_between_steps_do_not_change_the_run(plain: History) -> None:
@@ -190,10 +182,11 @@ def test_rows_between_steps_do_not_change_the_run(plain: History) -> None:
     broken = run(Fragile(), interval=0.01, max_step=0.02)
     assert broken.status == "completed"
     np.testing.assert_array_equal(broken.state, even.state)
-    assert np.isnan(broken.outputs.force[5:8]).all()
-    assert all(status[0].startswith("failed: left contact") for status in broken.contact_status[5:8])
+    assert np.isnan(broken.force[:, 0][5:8]).all()
+    statuses = [row.contact_status[0][0] for row in broken.rows[5:8]]
+    assert all(status.startswith("failed: left contact") for status in statuses)
     ok = np.r_[0:5, 8 : len(even)]
-    np.testing.assert_array_equal(broken.outputs.force[ok], even.outputs.force[ok])
+    np.testing.assert_array_equal(broken.force[:, 0][ok], even.force[:, 0][ok])
     assert broken.cost.steps == even.cost.steps == at_steps.cost.steps
 
 
@@ -221,16 +214,16 @@ def test_repeated_failure_ends_the_run_with_its_history() -> None:
     assert history.cost.steps.failed > 3
     assert len(history) == history.cost.steps.accepted + 1 > 10
     assert np.isfinite(history.state).all()
-    assert 1.9e-5 < abs(history.wheelset[-1, 0]) <= 2e-5  # up to the interruption
-    assert {status for pair in history.contact_status for status in pair} == {"converged"}
+    assert 1.9e-5 < abs(history.state[-1, 6]) <= 2e-5  # up to the interruption
+    assert {status for row in history.rows for pair in row.contact_status for status in pair} == {"converged"}
 
 
 def test_no_equilibrium_leaves_an_empty_history() -> None:
     history = run(Watched(fail_from=-1.0))
     assert history.status.startswith("failed: no equilibrium")
     assert len(history) == 0
-    assert history.outputs.force.shape == (0, 2, 3)
-    assert history.wheelset.shape == (0, 4)
+    assert history.force[:, 0].shape == (0, 2, 3)
+    assert history.position("wheelset").shape == (0, 6)
 
 
 def test_interrupted_run_returns_its_history() -> None:
@@ -274,14 +267,14 @@ def test_programming_errors_are_raised() -> None:
 
 @pytest.mark.parametrize("compiled", [False, True])
 def test_the_vehicle_imports_nothing_heavy(compiled: bool) -> None:
-    """Compiled equations of `wheelrail.vehicle.multibody` need Numba, which loads SciPy; the other modules do not."""
+    """Compiled equations of motion need Numba, which loads SciPy; track, data and time integration do not."""
     heavy = ["dolfinx", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib", "pydantic", "rich"]
     if not compiled:
         heavy += ["numba", "scipy"]
     code = (
         "import sys, pkgutil, importlib, wheelrail.vehicle as vehicle\n"
         "names = [m.name for m in pkgutil.walk_packages(vehicle.__path__, 'wheelrail.vehicle.') if not m.ispkg]\n"
-        f"names = [name for name in names if {compiled} == ('.multibody.' in name)]\n"
+        f"names = [n for n in names if {compiled} == (n.split('.')[2] in {('multibody', 'simulation', 'steady')})]\n"
         "[importlib.import_module(name) for name in names]\n"
         f"print(len(names), [h for h in {heavy} if h in sys.modules])"
     )

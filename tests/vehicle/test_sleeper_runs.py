@@ -24,11 +24,11 @@ from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.wheelset import flexibility, side_profiles
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
-from wheelrail.vehicle.dynamics.state import COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
+from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import EnergyBalance, energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import longest_step, simulate
@@ -52,10 +52,10 @@ def on_ballast() -> CoRunningStructure:
     return CoRunningStructure(pairs, tracks=(track, track))
 
 
-def dynamics(speed: float, ballast: bool = False) -> Dynamics:
+def dynamics(speed: float, ballast: bool = False) -> VehicleDynamics:
     structure = on_ballast() if ballast else QuasiStaticStructure(contact().pairs)
     moving = FlexibleContact(few_strips(), structure.pairs.flexibility)
-    return Dynamics(Wagon(), Track(), moving, speed, structure)
+    return wagon_dynamics(Wagon(), Track(), moving, speed, structure)
 
 
 @cache
@@ -68,13 +68,13 @@ def run(speed: float, spans: float, ballast: bool = False) -> History:
 def test_slow_wheels_follow_the_rail(ballast: bool, swing: float) -> None:
     # Far below every resonance, at 3 Hz, each wheel carries its load and stands on c_zz(x) times that load.
     history = run(2.0, 1.0, ballast)
-    structure = history.structure
+    structure = history.dynamics.structure
     assert structure is not None
     elastic = structure.pairs.flexibility
     assert elastic.rails is not None
     rail = elastic.rails[0]
-    load = history.outputs.force[0, 0, 2]
-    np.testing.assert_allclose(history.outputs.force[:, :, 2], load, rtol=0.01)
+    load = history.force[:, 0][0, 0, 2]
+    np.testing.assert_allclose(history.force[:, 0, :, 2], load, rtol=0.01)
     depth = np.array([rail.at(s)[1, 1] for s in history.distance]) * load
     expected = -(depth - depth[0])
     height = history.state[:, 7] - history.state[0, 7]
@@ -87,7 +87,7 @@ def test_forces_at_the_sleeper_passing_frequency() -> None:
     history = run(speed, spans)
     assert history.status == "completed"
     later = np.linspace(5.0, 9.0, 129)[:-1]  # four spans, when the start has died away
-    force = np.interp(later, history.distance / SPACING, history.outputs.force[:, 0, 2])
+    force = np.interp(later, history.distance / SPACING, history.force[:, 0, 0, 2])
     amplitude = 2.0 * np.abs(np.fft.rfft(force - force.mean())) / len(force)
     assert int(np.argmax(amplitude)) == 4  # 75 Hz
     assert amplitude[4] > 200.0  # N
@@ -97,13 +97,13 @@ def test_forces_at_the_sleeper_passing_frequency() -> None:
 @pytest.mark.parametrize("ballast", [False, True])
 def test_energy_balance_has_the_work_along_the_track(ballast: bool) -> None:
     history = run(45.0, 3.0 if ballast else 9.0, ballast)
-    balance = energy_balance(history, Wagon(), Track())
-    structure = history.structure
+    balance = energy_balance(history)
+    structure = history.dynamics.structure
     assert structure is not None
     along = np.array(
         [
             45.0 * structure.at(s).energy_by_distance(motions)
-            for s, motions in zip(history.distance, history.structure_motion, strict=True)
+            for s, motions in zip(history.distance, history.motions[:, 0], strict=True)
         ]
     )
     power = balance.power.copy()
@@ -118,7 +118,7 @@ def test_jacobian_by_time_is_that_of_differences(ballast: bool) -> None:
     equations = dynamics(45.0, ballast)
     state, time, step = run(45.0, 3.0 if ballast else 9.0, ballast).state[-1], 0.2 * SPACING / 45.0, 1e-6
     at = equations(time, state)
-    linear = Jacobian(equations, StepStatistics())(time, state, at)
+    linear = VehicleJacobian(equations, StepStatistics())(time, state, at)
     change = (equations(time + step, state, at).rate - equations(time - step, state, at).rate) / (2 * step)
     moving = slice(2 * COUNT, None)
     scale = np.abs(change[moving]).max()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from track_frame import frame_at, heading
 
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
@@ -56,9 +57,8 @@ def test_layout_and_signs() -> None:
         assert left.curvature(s)[0] == pytest.approx(share / 1200, abs=1e-15)
         assert left.superelevation(s)[0] == pytest.approx(share * 0.06, abs=1e-15)
         assert right.superelevation(s)[0] == pytest.approx(-share * 0.06, abs=1e-15)
-    frame = left.frame(250.0, 45.0)
+    frame = frame_at(left, 250.0, 45.0)
     beta = np.arcsin(0.06 / 1.5)
-    assert left.angle(250.0)[0] == pytest.approx(-beta)
     np.testing.assert_allclose(frame.rate, [0.0, -45 / 1200 * np.sin(beta), 45 / 1200 * np.cos(beta)], atol=1e-15)
     np.testing.assert_allclose(frame.down, [0.0, np.sin(beta), -np.cos(beta)], atol=1e-15)
     endless = Track.curve(curvature=1e-3, transition=100, length=1)
@@ -69,11 +69,11 @@ def test_heading_is_the_integral_of_curvature() -> None:
     for shape in ("quintic", "clothoid"):
         ramps = [Segment("transition", length, shape=shape) for length in (100, 60)]  # odd about their middle
         track = Track.of([Segment("tangent", 50), ramps[0], Segment("arc", 200, 1e-3), ramps[1]], corner=5.0)
-        assert track.heading(40.0) == 0.0
-        assert track.heading(150.0) == pytest.approx(0.05, rel=1e-13)
-        assert track.heading(1000.0) == pytest.approx(0.05 + 0.2 + 0.03, rel=1e-13)
-        assert track.heading(1000.0) - track.heading(100.0) == pytest.approx(0.28 - _half_ramp(shape), rel=1e-12)
-    assert Track(curvature=PiecewiseFunction.constant(1e-3)).heading(-20.0) == pytest.approx(-0.02)
+        assert heading(track, 40.0) == 0.0
+        assert heading(track, 150.0) == pytest.approx(0.05, rel=1e-13)
+        assert heading(track, 1000.0) == pytest.approx(0.05 + 0.2 + 0.03, rel=1e-13)
+        assert heading(track, 1000.0) - heading(track, 100.0) == pytest.approx(0.28 - _half_ramp(shape), rel=1e-12)
+    assert heading(Track(curvature=PiecewiseFunction.constant(1e-3)), -20.0) == pytest.approx(-0.02)
 
 
 def _half_ramp(shape: str) -> float:
@@ -137,25 +137,7 @@ def spin(t: np.longdouble) -> np.ndarray:
 
 @pytest.mark.parametrize("t", TIMES)
 def test_frame_rates_against_differences(t: np.longdouble) -> None:
-    frame = TRACK.frame(float(distance(t)), float(V0 + ACC * t), float(ACC))
+    frame = frame_at(TRACK, float(distance(t)), float(V0 + ACC * t), float(ACC))
     np.testing.assert_allclose(frame.rate, spin(t).astype(float), atol=1e-13)
     np.testing.assert_allclose(frame.rate_dot, difference(spin, t, H).astype(float), atol=1e-12)
     np.testing.assert_allclose(frame.down, -orientation(distance(t))[2].astype(float), atol=1e-14)
-
-
-@pytest.mark.parametrize("t", TIMES)
-def test_acceleration_against_differences(t: np.longdouble) -> None:
-    def offset(x: np.longdouble) -> np.ndarray:
-        return np.array([LD(0), LD("0.05") * np.sin(3 * x) - LD("0.2"), LD("1.8") + LD("0.04") * np.cos(5 * x)])
-
-    def velocity(x: np.longdouble) -> np.ndarray:
-        along = orientation(distance(x))[:, 0] * (V0 + ACC * x)
-        return along + difference(lambda q: orientation(distance(q)) @ offset(q), x, H)
-
-    absolute = orientation(distance(t)).T @ difference(velocity, t, H)
-    y, z = (np.array(float(v)) for v in offset(t)[1:])
-    _, vy, vz = difference(offset, t, H).astype(float)
-    _, ay, az = difference(lambda x: difference(offset, x, H), t, H).astype(float)
-    frame = TRACK.frame(float(distance(t)), float(V0 + ACC * t), float(ACC))
-    lateral, vertical = frame.acceleration_of(y, z, np.array(vy), np.array(vz))
-    np.testing.assert_allclose([lateral + ay, vertical + az], absolute[1:].astype(float), atol=1e-11)

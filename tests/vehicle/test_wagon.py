@@ -6,10 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plane import suspension
+from standin_contact import CONTACT
 
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
+from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.components import Scaling
 from wheelrail.vehicle.wagon.force_law import ForceLaw
-from wheelrail.vehicle.wagon.suspension import Assembly
 from wheelrail.vehicle.wagon.wagon import BUMPSTOP, CAR_BODY, SECONDARY, Wagon
 
 
@@ -65,28 +68,35 @@ def test_bumpstop_law_in_both_directions_and_beyond() -> None:
     assert BUMPSTOP(0.070) == pytest.approx(230e3 + (230e3 - 29.2e3))
 
 
-def energy(assembly: Assembly, wagon: Wagon, position: np.ndarray) -> float:
-    """Potential of springs, preloads, couple and bumpstop, from the points' positions written out one by one."""
-    heights = [b.height for b in (wagon.car_body, wagon.bogie, wagon.wheelset)]
-    total = 0.5 * float(assembly.couple @ (position[:2, 2] - position[1:, 2]) ** 2)
-    last = len(assembly.attachments.turn) - 1
-    for i, (u, l) in enumerate(assembly.attachments.ends.T):
+def energy(wagon: Wagon, position: np.ndarray) -> float:
+    """Potential of springs, static loads, couples and bumpstop, from the points' positions written out one by one."""
+    w = wagon.plane
+    bodies = (w.car_body, w.bogie, w.wheelset)
+    couples = np.array([w.roll_bar + 2 * w.secondary.bending_stiffness, 2 * w.primary.bending_stiffness])
+    total = 0.5 * float(couples @ (position[:2, 2] - position[1:, 2]) ** 2)
+
+    def gap(upper: int, y: float, height: float, turn: float) -> complex:
         points = []
-        for row, body in ((0, u), (1, l)):
-            y, z, roll = position[body]
-            arm = (assembly.attachments.across[row, i] + 1j * assembly.attachments.above[row, i]) * np.exp(1j * roll)
-            points.append(y + 1j * (z + heights[body]) + arm)
-        lean = assembly.attachments.turn[i] * position[u, 2] + (1 - assembly.attachments.turn[i]) * position[l, 2]
-        gap = (points[0] - points[1]) * np.exp(-1j * lean)
-        ky, kz = assembly.laws.stiffness[i]
-        total += 0.5 * ky * gap.real**2 + 0.5 * kz * gap.imag**2 - assembly.preload[i] * gap.imag
-        if i == last:
-            stop = wagon.plane.bumpstop
-            kinks = np.array([d for d, _ in stop.points])
-            x = np.append(kinks[kinks < abs(gap.real)], abs(gap.real))
-            f = np.array([stop(v) for v in x])
-            total += float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
-    return float(total)
+        for body in (upper, upper + 1):
+            across, up, roll = position[body]
+            arm = (y + 1j * (height - bodies[body].height)) * np.exp(1j * roll)
+            points.append(across + 1j * (up + bodies[body].height) + arm)
+        lean = turn * position[upper, 2] + (1 - turn) * position[upper + 1, 2]
+        return complex((points[0] - points[1]) * np.exp(-1j * lean))
+
+    for upper, stage, mass in (
+        (0, w.secondary, w.car_body.mass),
+        (1, w.primary, w.car_body.mass + w.bogie.mass),
+    ):
+        for y in (stage.spring_y, -stage.spring_y):
+            x = gap(upper, y, stage.spring_height, stage.turn)
+            total += 0.5 * stage.lateral_stiffness * x.real**2 + 0.5 * stage.vertical_stiffness * x.imag**2  # type: ignore[operator]
+            total -= 0.5 * mass * w.gravity * x.imag
+    deflection = gap(0, 0.0, w.bumpstop_height, w.secondary.turn).real
+    kinks = np.array([d for d, _ in w.bumpstop.points])
+    x = np.append(kinks[kinks < abs(deflection)], abs(deflection))
+    f = np.array([w.bumpstop(v) for v in x])
+    return total + float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.5, 1.0])
@@ -94,19 +104,19 @@ def test_spring_forces_derive_from_a_potential_and_cancel(turn: float) -> None:
     """At large rolls: minus the gradient of the energy; force and moment on all bodies add up to zero."""
     primary = replace(Wagon().primary, turn=turn, bending_stiffness=3e4)
     wagon = replace(Wagon(), primary=primary, secondary=replace(SECONDARY, turn=turn))
-    assembly = Assembly.of(wagon)
+    dynamics = wagon_dynamics(wagon, Track(), CONTACT, 30.0)
     position = np.array([[-0.01, -0.01, 0.05], [-0.005, 0.004, -0.02], [0.003, 0.001, 0.01]])
     rate = np.array([[0.3, -0.2, 0.1], [0.2, 0.4, -0.3], [-0.1, 0.2, 0.15]])
-    found = assembly.forces(position, np.zeros((3, 3))).on_bodies
+    found = suspension(dynamics, position, np.zeros((3, 3))).on_bodies
     gradient, h = np.zeros((3, 3)), 1e-5
     for index in np.ndindex(3, 3):
         moved = np.zeros((3, 3))
         moved[index] = h
-        up, down = (energy(assembly, wagon, position + sign * moved) for sign in (1, -1))
+        up, down = (energy(wagon, position + sign * moved) for sign in (1, -1))
         gradient[index] = (up - down) / (2 * h)
     np.testing.assert_allclose(found, -gradient, rtol=1e-6, atol=0.05)
 
-    moving = assembly.forces(position, rate).on_bodies
+    moving = suspension(dynamics, position, rate).on_bodies
     heights = np.array([b.height for b in (wagon.car_body, wagon.bogie, wagon.wheelset)])
     y, z = position[:, 0], position[:, 1] + heights
     assert np.abs(moving[:, :2].sum(0)).max() < 1e-9
@@ -115,7 +125,8 @@ def test_spring_forces_derive_from_a_potential_and_cancel(turn: float) -> None:
 
 
 def test_nominal_position_is_in_equilibrium() -> None:
-    on_bodies = Assembly.of(Wagon()).forces(np.zeros((3, 3)), np.zeros((3, 3))).on_bodies
+    dynamics = wagon_dynamics(Wagon(), Track(), CONTACT, 30.0)
+    on_bodies = suspension(dynamics, np.zeros((3, 3)), np.zeros((3, 3))).on_bodies
     p = Wagon().plane
     np.testing.assert_allclose(on_bodies[:2, 1], [p.car_body.mass * 9.81, p.bogie.mass * 9.81], rtol=1e-13)
     assert np.abs(on_bodies[:, [0, 2]]).max() < 1e-9

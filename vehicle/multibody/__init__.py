@@ -1,7 +1,7 @@
-"""Vehicles of rigid bodies in three dimensions: data, equations of motion, steady states, modes and runs.
+"""Vehicles of rigid bodies: data, coordinates and equations of motion.
 
 `Vehicle` holds the data, `VehicleDynamics` the equations of motion of all bodies, each in the track frame at its own
-distance along the track; `vehicle_equilibrium`, `vehicle_modes`, `critical_speed` and `simulate_vehicle` use them.
+distance along the track. Coordinates may be held, as those of the plane wagon are (`plane_vehicle`).
 """
 
 import lazy_loader

@@ -1,9 +1,6 @@
 from .equations import VehicleDynamics as VehicleDynamics
-from .equilibrium import vehicle_equilibrium as vehicle_equilibrium
-from .modes import critical_speed as critical_speed
-from .modes import modes_over_speed as modes_over_speed
-from .modes import vehicle_modes as vehicle_modes
-from .runs.simulate import simulate_vehicle as simulate_vehicle
+from .plane_wagon import plane_vehicle as plane_vehicle
+from .plane_wagon import wagon_dynamics as wagon_dynamics
 from .vehicle import RotationalSpring as RotationalSpring
 from .vehicle import SpeedHold as SpeedHold
 from .vehicle import SuspensionElement as SuspensionElement

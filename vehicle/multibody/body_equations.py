@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array, Complex
 from wheelrail.vehicle.multibody.compiled.bodies import Travel
@@ -18,12 +19,25 @@ from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import TrackPosition
 
 
+class Accelerations(NamedTuple):
+    """Accelerations under given contact forces.
+
+    Parameters:
+        rates: (c + m,) of the free coordinates, then m/s of the springs of Maxwell elements.
+        reactions: (n, 6) N and N m, generalised forces of the constraints of held coordinates; for free ones, their
+            accelerations.
+    """
+
+    rates: Array
+    reactions: Array
+
+
 class BodyDerivatives(NamedTuple):
     """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the springs of Maxwell elements.
 
     Parameters:
         by_state: (c + m, 2 c + m).
-        by_wrench: (6, 6 n), by a component of the contact force or moment on each wheelset.
+        by_wrench: (6, c), by a component of the contact force or moment on each wheelset.
         by_time: (c + m,) at constant contact forces.
     """
 
@@ -63,10 +77,10 @@ class BodyEquations:
             state: (2 c + m,).
         """
         distance = complex(travel.distance)
-        return sections(self.arrays, distance, distance, state.astype(np.complex128))
+        return sections(self.arrays, distance, distance, self._all(state))
 
-    def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Complex) -> Array:
-        """Accelerations (c,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
+    def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Complex) -> Accelerations:
+        """Accelerations of the coordinates, rates of the springs of Maxwell elements, and forces of constraints.
 
         Parameters:
             travel: reference motion along the track.
@@ -75,16 +89,25 @@ class BodyEquations:
             at: (n, 6, 3), sections of the track at the bodies.
         """
         contact = self._contact(wrenches)
-        rates = accelerations(self.arrays, at, _complex(travel), state.astype(np.complex128), contact)
-        return np.ascontiguousarray(rates.real)
+        values = accelerations(self.arrays, at, _complex(travel), self._all(state), contact).real
+        return Accelerations(values[self._rows], values[: self.coordinates.held.size].reshape(-1, 6))
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
         rates = TrackPosition(travel.speed, travel.acceleration, jerk)
-        contact, size = self._contact(wrenches), self.coordinates.size
-        rows = derivatives(self.arrays, _complex(travel), _complex(rates), state.astype(np.complex128), contact)
-        c = self.coordinates.count
-        return BodyDerivatives(rows[:size].T, rows[size:-1, :c], rows[-1])
+        contact, columns = self._contact(wrenches), self.coordinates.within_all
+        rows = derivatives(self.arrays, _complex(travel), _complex(rates), self._all(state), columns, contact)
+        size, rows = len(columns), rows[:, self._rows]
+        return BodyDerivatives(rows[:size].T, rows[size:-1, : self.coordinates.count], rows[-1])
+
+    @cached_property
+    def _rows(self) -> NDArray[np.int64]:
+        """Indices (c + m,) of free coordinates and Maxwell elements among all."""
+        return self.coordinates.within_all[self.coordinates.count :] - self.coordinates.held.size
+
+    def _all(self, state: Array) -> Complex:
+        """State (12 n + m,) with held coordinates."""
+        return self.coordinates.expanded(state).astype(np.complex128)
 
     def _contact(self, wrenches: Array) -> Complex:
         """Contact forces and moments (n, 2, 3) on all bodies."""

@@ -1,4 +1,4 @@
-"""State of a vehicle: coordinates of its bodies, their rates, spring deflections of Maxwell elements."""
+"""State of a vehicle: free coordinates of its bodies, their rates, spring deflections of Maxwell elements."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.vehicle import Vehicle
+from wheelrail.vehicle.multibody.vehicle import COORDINATES, Vehicle
 
-COORDINATES = ("x", "y", "z", "roll", "pitch", "yaw")  # of a body in the track frame at its own distance
 X, Y, Z, ROLL, PITCH, YAW = range(6)
 RATE_SCALE = 100.0  # 1/s, tolerance of a rate over that of its coordinate
 
 
 class VehicleState(NamedTuple):
-    """Parts of a state of n bodies.
+    """Parts of a state of n bodies; held coordinates are zero.
 
     Parameters:
         position: (..., n, 6) m and rad: x from the body's place in the reference motion along the track, y and z from
@@ -36,7 +35,8 @@ class VehicleState(NamedTuple):
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Order of the state (2 c + m,) of a vehicle: c = 6 n coordinates, their rates, m Maxwell elements.
+    """Order of the state (2 c + m,) of a vehicle of n bodies: c free ones of 6 n coordinates, their rates, m Maxwell
+    elements.
 
     Parameters:
         vehicle: the bodies and elements.
@@ -47,11 +47,23 @@ class Coordinates:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names (c,) such as "front_bogie_yaw"."""
-        return tuple(f"{body}_{coordinate}" for body in self.vehicle.names for coordinate in COORDINATES)
+        names = [f"{body}_{coordinate}" for body in self.vehicle.names for coordinate in COORDINATES]
+        return tuple(names[i] for i in self.free.tolist())
 
-    @property
+    @cached_property
+    def held(self) -> NDArray[np.int64]:
+        """(n, 6) 1 for held coordinates, otherwise 0."""
+        rows = [[int(name in body.held) for name in COORDINATES] for body in self.vehicle.bodies.values()]
+        return np.array(rows, dtype=np.int64)
+
+    @cached_property
+    def free(self) -> NDArray[np.int64]:
+        """Indices (c,) of the free ones among the 6 n coordinates, body by body."""
+        return np.flatnonzero(self.held == 0)
+
+    @cached_property
     def count(self) -> int:
-        return 6 * len(self.vehicle.names)
+        return len(self.free)
 
     @cached_property
     def maxwell(self) -> tuple[tuple[int, int], ...]:
@@ -59,13 +71,24 @@ class Coordinates:
         elements = self.vehicle.elements.values()
         return tuple((e, j) for e, part in enumerate(elements) for j in range(3) if part.series_stiffness[j] < inf)
 
-    @property
+    @cached_property
     def size(self) -> int:
         return 2 * self.count + len(self.maxwell)
 
+    @cached_property
+    def within_all(self) -> NDArray[np.int64]:
+        """Indices (2 c + m,) of the state among 6 n coordinates, their rates, and Maxwell elements."""
+        total = self.held.size
+        return np.concatenate([self.free, total + self.free, 2 * total + np.arange(len(self.maxwell))])
+
     def index(self, body: str, coordinate: int) -> int:
-        """Index of a coordinate in the state; that of its rate is larger by `count`."""
-        return 6 * self.vehicle.names.index(body) + coordinate
+        """Index of a free coordinate in the state; that of its rate is larger by `count`. Raises KeyError."""
+        return self._indices[6 * self.vehicle.names.index(body) + coordinate]
+
+    @cached_property
+    def _indices(self) -> dict[int, int]:
+        """Index in the state by index among all coordinates."""
+        return {full: i for i, full in enumerate(self.free.tolist())}
 
     @cached_property
     def wheelset_bodies(self) -> NDArray[np.int64]:
@@ -74,13 +97,32 @@ class Coordinates:
 
     @cached_property
     def rolling_angles(self) -> NDArray[np.int64]:
-        """Indices of the wheelsets' pitch, on which no force depends."""
-        return np.asarray(6 * self.wheelset_bodies + PITCH)
+        """Indices in the state of the wheelsets' free pitch, on which no force depends."""
+        return np.flatnonzero(np.isin(self.free, 6 * self.wheelset_bodies + PITCH))
+
+    def of_body(self, index: int) -> NDArray[np.int64]:
+        """Indices in the state of the free coordinates of a body."""
+        return np.flatnonzero(self.free // 6 == index)
+
+    @cached_property
+    def inertia(self) -> Array:
+        """(c,) mass kg or moment of inertia kg m2 of each coordinate."""
+        rows = [(b.mass, b.mass, b.mass, *b.inertia) for b in self.vehicle.bodies.values()]
+        return np.ravel(rows)[self.free]
 
     def split(self, state: Array) -> VehicleState:
-        """Parts of states (..., 2 c + m)."""
-        c, shape = self.count, (*state.shape[:-1], len(self.vehicle.names), 6)
-        return VehicleState(state[..., :c].reshape(shape), state[..., c : 2 * c].reshape(shape), state[..., 2 * c :])
+        """Parts of states (..., 2 c + m), to which further components may be appended."""
+        shape, total = (*state.shape[:-1], len(self.vehicle.names), 6), self.held.size
+        full = self.expanded(state)
+        return VehicleState(
+            full[..., :total].reshape(shape), full[..., total : 2 * total].reshape(shape), full[..., 2 * total :]
+        )
+
+    def expanded(self, state: Array) -> Array:
+        """States (..., 2 c + m) with held coordinates, (..., 12 n + m); further components are left out."""
+        full = np.zeros((*state.shape[:-1], 2 * self.held.size + len(self.maxwell)), state.dtype)
+        full[..., self.within_all] = state[..., : self.size]
+        return full
 
     def tolerances(self, atol: float) -> Array:
         """Absolute tolerances (2 c + m,) for implicit steps: atol in m and rad, 100 atol in m/s and rad/s.

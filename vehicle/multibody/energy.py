@@ -38,6 +38,18 @@ def mechanical_energy(dynamics: VehicleDynamics, time: float, state: Array) -> f
     angular = rotate_back(motion.axes, motion.rate)
     angular[dynamics.coordinates.wheelset_bodies, 1] += motion.relative.spin[dynamics.coordinates.wheelset_bodies]
     kinetic = dynamics.mass @ (motion.velocity**2).sum(axis=1) + (dynamics.inertia * angular**2).sum()
+    weight = dynamics.vehicle.gravity * dynamics.mass
+    return float(0.5 * kinetic + weight @ motion.position[:, 2]) + spring_energy(dynamics, motion, series)
+
+
+def spring_energy(dynamics: VehicleDynamics, motion: BodyMotion, series: Array) -> float:
+    """Potential energy J of all springs and static loads, zero in the nominal position.
+
+    Parameters:
+        dynamics: equations of motion.
+        motion: of the bodies.
+        series: (m,) m, spring deflections of Maxwell elements.
+    """
     suspension = dynamics.suspension
     deflection = suspension(motion, series).deflection
     stiffness, laws = suspension.stiffness
@@ -47,8 +59,7 @@ def mechanical_energy(dynamics: VehicleDynamics, time: float, state: Array) -> f
     elements = list(dynamics.vehicle.elements.values())
     for w, (e, j) in zip(series, dynamics.coordinates.maxwell, strict=True):
         springs += 0.5 * elements[e].series_stiffness[j] * w**2
-    weight = dynamics.vehicle.gravity * dynamics.mass
-    return float(0.5 * kinetic + weight @ motion.position[:, 2] + springs)
+    return float(springs)
 
 
 def power(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> VehiclePower:
@@ -72,11 +83,11 @@ def power(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array)
         i = dynamics.vehicle.names.index(part.body)
         along = motion.velocity[i] @ motion.sections.axes[i, :, 0]
         hold = -(part.stiffness * position[i, X] + part.damping * rate[i, X]) * along
-    return VehiclePower(float(contact), _damper_power(dynamics, motion, series), float(hold))
+    return VehiclePower(float(contact), damper_power(dynamics, motion, series), float(hold))
 
 
-def _damper_power(dynamics: VehicleDynamics, motion: BodyMotion, series: Array) -> float:
-    """Power of all dampers, those of Maxwell elements included, W."""
+def damper_power(dynamics: VehicleDynamics, motion: BodyMotion, series: Array) -> float:
+    """Power W of all dampers, those of Maxwell elements included; parameters as for `spring_energy`."""
     suspension = dynamics.suspension
     state = suspension(motion, series)
     damping, laws = suspension.damping

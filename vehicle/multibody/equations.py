@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,14 +16,17 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array, Complex
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.multibody.body_equations import BodyEquations
+from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
 from wheelrail.vehicle.multibody.body_motion import BodyKinematics, BodyMotion
-from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, Coordinates, X, Y, Z
+from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
 from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
 from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
 from wheelrail.vehicle.track.track import Track
+
+if TYPE_CHECKING:
+    from wheelrail.contact.loading.structure import Structure
 
 WheelContacts = Mapping[str, Mapping[Side, ContactResult]]  # by wheelset and side
 
@@ -32,7 +36,7 @@ class VehicleEvaluation:
     """Result of one evaluation of the equations of motion.
 
     Parameters:
-        rate: (2 c + m,) time derivative of the state.
+        rate: (2 c + m + w k,) time derivative of the state.
         contacts: results by wheelset and side.
         guess: results from which the contact solves started; None: none.
     """
@@ -44,22 +48,26 @@ class VehicleEvaluation:
 
 @dataclass(frozen=True)
 class VehicleDynamics:
-    """Equations of motion of a vehicle on a track.
+    """Equations of motion of a vehicle of w wheelsets on a track.
 
     Parameters:
         vehicle: bodies and suspension.
         track: alignment and irregularities.
         contact: model of the wheel-rail contacts, the same for all wheelsets.
         speed: of the reference motion along the track, constant, m/s, or a `SpeedProfile`.
+        structure: axle and rails of each wheelset that move with the contact's loads, with k motions; the contact then
+            is that of a `FlexibleState`. None: both are rigid.
 
-    Each body is described in the track frame at its own distance along the track. Raises ValueError for a speed that is
-    not positive and finite, InvalidVehicle for a body that the vertical springs cannot carry.
+    A state (2 c + m + w k,) has the parts of `Coordinates`, then the motions of the structures. Each body is described
+    in the track frame at its own distance along the track. Raises ValueError for a speed that is not positive and
+    finite, InvalidVehicle for a body that the vertical springs cannot carry.
     """
 
     vehicle: Vehicle
     track: Track
     contact: VehicleContact
     speed: float | SpeedProfile
+    structure: Structure | None = None
 
     def __post_init__(self) -> None:
         _ = self.speed_profile, self.suspension.static_loads  # validates both
@@ -102,7 +110,26 @@ class VehicleDynamics:
     @property
     def size(self) -> int:
         """Length of a state."""
-        return self.coordinates.size
+        return self.coordinates.size + self.motion_count
+
+    @property
+    def motion_count(self) -> int:
+        """Number w k of motions of axles and rails in a state."""
+        return 0 if self.structure is None else len(self.vehicle.wheelsets) * self.structure.size
+
+    def motions(self, state: Array) -> Array:
+        """Motions (..., w, k) of axles and rails of states (..., 2 c + m + w k)."""
+        shape = (*state.shape[:-1], len(self.vehicle.wheelsets), 0 if self.structure is None else self.structure.size)
+        return state[..., self.coordinates.size :].reshape(shape)
+
+    def tolerances(self, atol: float) -> Array:
+        """Absolute tolerances (2 c + m + w k,) for implicit steps, see `Coordinates.tolerances`; those of the rates of
+        tracks with mass are 100 atol.
+        """
+        motions = np.full(self.motion_count, float(atol))
+        if self.structure is not None:
+            motions.reshape(-1, self.structure.size)[:, self.structure.size - self.structure.velocities :] *= RATE_SCALE
+        return np.concatenate([self.coordinates.tolerances(atol), motions])
 
     def __call__(
         self,
@@ -115,7 +142,7 @@ class VehicleDynamics:
 
         Parameters:
             time: s.
-            state: (2 c + m,), see `wheelrail.vehicle.multibody.coordinates`.
+            state: (2 c + m + w k,), see `wheelrail.vehicle.multibody.coordinates`.
             previous: evaluation whose contact results are the initial guess of the contact solves.
             guess: contact results that are the initial guess instead.
 
@@ -125,10 +152,32 @@ class VehicleDynamics:
         _require_finite(state)
         travel = self.speed_profile(time)
         sections = self.bodies.sections(travel, state)
-        contacts = self._solve_contacts(self._wheelset_states(travel, state, sections), start)
-        accelerations = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
-        c = self.coordinates.count
-        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations]), contacts, start)
+        states = self._wheelset_states(travel, state, sections)
+        contacts, c = self._solve_contacts(states, start), self.coordinates.count
+        accelerations, _ = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
+        structure = self._structure_rates(travel, state, states, contacts)
+        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations, structure]), contacts, start)
+
+    def distances(self, travel: TrackPosition, state: Array) -> Array:
+        """Distances (w,) m of the wheelsets along the track."""
+        return self.kinematics.distances(travel, state)[self.coordinates.wheelset_bodies]
+
+    def structure_rates(self, time: float, state: Array, contacts: WheelContacts) -> Array:
+        """Rates (w k,) of the motions of axles and rails under the loads of the contacts at a time s."""
+        return self._structure_rates(self.speed_profile(time), state, self.wheelset_states(time, state), contacts)
+
+    def _structure_rates(
+        self, travel: TrackPosition, state: Array, states: Mapping[str, WheelsetState], contacts: WheelContacts
+    ) -> Array:
+        """Rates (w k,) of the motions of axles and rails."""
+        if self.structure is None:
+            return np.empty(0)
+        rates = []
+        motions, distances = self.motions(state), self.distances(travel, state).tolist()
+        for own, distance, (name, wheelset) in zip(motions, distances, states.items(), strict=True):
+            here = self.structure.at(distance)
+            rates.append(here.rates(own, here.loads(wheelset, side_wrenches(contacts[name]))))
+        return np.concatenate(rates)
 
     def wheelset_states(self, time: float, state: Array) -> dict[str, WheelsetState]:
         """State of each wheelset in the track frame at its own distance."""
@@ -137,12 +186,13 @@ class VehicleDynamics:
 
     def _wheelset_states(self, travel: TrackPosition, state: Array, sections: Complex) -> dict[str, WheelsetState]:
         position, rate, _ = self.coordinates.split(state)
-        states, rolling = {}, travel.speed / self.vehicle.radius
-        for i, name in zip(self.coordinates.wheelset_bodies.tolist(), self.vehicle.wheelsets, strict=True):
+        states, rolling, motions = {}, travel.speed / self.vehicle.radius, self.motions(state)
+        wheelsets = self.coordinates.wheelset_bodies.tolist()
+        for own, i, name in zip(motions, wheelsets, self.vehicle.wheelsets, strict=True):
             q, v = position[i].tolist(), rate[i].tolist()
             speed = travel.speed + v[X]
             wx, wy, wz = (speed * sections[i, 4].real).tolist()
-            states[name] = WheelsetState(
+            wheelset = WheelsetState(
                 y=q[Y],
                 z=q[Z],
                 roll=q[ROLL],
@@ -156,6 +206,7 @@ class VehicleDynamics:
                 frame_rate=(wx, wy, wz),
                 rail_shift=self._rail_shift(travel.distance + self.vehicle.bodies[name].x + q[X], q[YAW]),
             )
+            states[name] = wheelset if self.structure is None else self.structure.moved(wheelset, own)
         return states
 
     def _rail_shift(self, distance: float, yaw: float) -> RailShift | None:
@@ -163,6 +214,8 @@ class VehicleDynamics:
         irregularities = self.track.irregularities
         if irregularities is None:
             return None
+        if yaw == 0.0:
+            return irregularities.rails(distance)
         left, right = (irregularities.rails(distance + way * self.vehicle.wheel_y * yaw) for way in (-1.0, 1.0))
         none = (0.0, 0.0)
         return (left[0] if left else none, right[1] if right else none)
@@ -184,19 +237,18 @@ class VehicleDynamics:
         contacts: dict[Side, ContactResult] = {}
         for side, result in self.element.solve_sides(wheelset, guess[name] if guess else None):
             if not result.ok:
-                raise StepFailure(f"{name}, {side} contact: {result.status}")
+                wheel = side if len(self.vehicle.wheelsets) == 1 else f"{name}, {side}"
+                raise StepFailure(f"{wheel} contact: {result.status}")
             contacts[side] = result
         return contacts
 
-    def accelerations(self, time: float, state: Array, wrenches: Array) -> Array:
+    def accelerations(self, time: float, state: Array, wrenches: Array) -> Accelerations:
         """Accelerations under given contact forces.
 
         Parameters:
             time: s.
             state: (2 c + m,).
             wrenches: (w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
-
-        Returns accelerations of the coordinates, then the rates of the springs of Maxwell elements, (c + m,).
         """
         travel = self.speed_profile(time)
         return self.bodies.accelerations(travel, state, wrenches, self.bodies.sections(travel, state))
@@ -218,7 +270,11 @@ def _require_finite(state: Array) -> None:
         raise StepFailure("the state is not finite")
 
 
+def side_wrenches(contacts: Mapping[Side, ContactResult]) -> Array:
+    """Force N and moment N m (2, 6) of the left and the right contact on a wheelset, in its track frame."""
+    return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])
+
+
 def wheelset_wrenches(contacts: WheelContacts) -> Array:
     """Force N and moment N m (w, 6) of both contacts on each wheelset, in its track frame."""
-    wheels = [[np.concatenate([c.force, c.moment]) for c in sides.values()] for sides in contacts.values()]
-    return np.asarray(np.array(wheels).sum(axis=1))
+    return np.array([side_wrenches(sides).sum(axis=0) for sides in contacts.values()])

@@ -6,21 +6,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences, renewed
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.contact_differences import ContactDifferences, renewed
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
 from wheelrail.vehicle.multibody.equations import (
     VehicleDynamics,
     VehicleEvaluation,
     WheelContacts,
+    side_wrenches,
     wheelset_wrenches,
 )
+from wheelrail.vehicle.track.speed_profile import TrackPosition
 
 # Steps of `WheelsetState.coordinates`, well above the residual noise of a contact solve; those antisymmetric in y are
 # differentiated centrally, which keeps the mirror symmetry.
@@ -32,7 +35,7 @@ TIME_STEP = 1e-5  # s, forward difference in time of irregular rails
 
 @dataclass(frozen=True)
 class VehicleLinearisation:
-    """Derivatives of the rate (n,), n = 2 c + m.
+    """Derivatives of the rate (n,), n = 2 c + m + w k.
 
     Parameters:
         by_state: (n, n).
@@ -52,6 +55,7 @@ class VehicleJacobian:
         counts: statistics to which Jacobians and contact differences are added.
         central: central differences of contacts throughout, for uses of the matrix itself such as modes.
         differences: contact tangents (w, 2, 6, 9) by differences at an earlier state; None: none yet.
+        needed: coordinates of the wheelsets by which differences are taken; derivatives by the others are zero.
 
     Suspension, inertia and kinematics: exact, at constant contact forces. Contact forces: the contact's tangent or,
     without one, differences.
@@ -61,6 +65,7 @@ class VehicleJacobian:
     counts: StepStatistics
     central: bool = False
     differences: ContactDifferences | None = None
+    needed: tuple[str, ...] = WheelsetState.coordinates
 
     def __call__(self, time: float, state: Array, at: VehicleEvaluation) -> VehicleLinearisation:
         """Derivatives of the rate.
@@ -70,52 +75,108 @@ class VehicleJacobian:
             state: (n,).
             at: evaluation at this time and state.
 
-        Raises StepFailure when a contact solve or its tangent fails.
+        Raises StepFailure when a contact solve or its tangent fails, and where axle and rails move and the contact has
+        no tangent.
         """
         self.counts.jacobians += 1
-        d, c, n = self.dynamics, self.dynamics.coordinates.count, self.dynamics.size
+        d, c, m = self.dynamics, self.dynamics.coordinates.count, self.dynamics.coordinates.size
         travel, (_, _, jerk) = d.speed_profile(time), d.speed_profile.speeds(time)
         bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
-        by_state, by_time = np.zeros((n, n)), np.zeros(n)
-        by_state[:c, c : 2 * c] = np.eye(c)
-        by_state[c:], by_time[c:] = bodies.by_state, bodies.by_time
+        result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size))
+        result.by_state[:c, c : 2 * c] = np.eye(c)
+        result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
         states = d.wheelset_states(time, state)
-        later = d.wheelset_states(time + TIME_STEP, state) if d.track.irregularities is not None else {}
-        tangents = self.tangents(states, at.contacts)
-        for i, (body, name) in enumerate(zip(d.coordinates.wheelset_bodies.tolist(), states, strict=True)):
-            own = slice(6 * body, 6 * body + 6)
-            rows, by_wrench = slice(c + own.start, c + own.stop), bodies.by_wrench[:, own].T
-            by_state[rows, self._columns(name)] += by_wrench @ tangents[i].sum(axis=0)
-            if later:
-                shift, later_shift = states[name].rail_shift, later[name].rail_shift
-                rates = (np.array(later_shift) - np.array(shift)) / TIME_STEP
-                # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
-                by_time[rows] -= by_wrench @ np.einsum("sij,sj->i", tangents[i][:, :, :2], rates)
-        return VehicleLinearisation(by_state, by_time)
+        tangents, rails = self.tangents(states, at.contacts), self._rail_rates(time, state, states)
+        for i, tangent in enumerate(tangents):
+            own = d.coordinates.of_body(int(d.coordinates.wheelset_bodies[i]))
+            self._add(result, i, c + own, bodies.by_wrench[:, own].T @ tangent, rails)
+        if d.structure is not None:
+            self._add_structures(result, travel, state, states, at.contacts, tangents, rails)
+        return result
 
-    def _columns(self, wheelset: str) -> list[int]:
-        """Indices in the state of `WheelsetState.coordinates` and of the speed."""
-        coordinates = self.dynamics.coordinates
-        positions = [coordinates.index(wheelset, k) for k in (Y, Z, ROLL, YAW)]
-        rates = [coordinates.index(wheelset, k) + coordinates.count for k in (Y, Z, ROLL, YAW, PITCH, X)]
-        return positions + rates
+    def _rail_rates(self, time: float, state: Array, states: Mapping[str, WheelsetState]) -> Array | None:
+        """Rates (w, 2, 2, 1) m/s of the displacements y, z of irregular rails at the wheels; None on smooth rails."""
+        if self.dynamics.track.irregularities is None:
+            return None
+        later = self.dynamics.wheelset_states(time + TIME_STEP, state)
+        shifts = (np.array([s.rail_shift for s in each.values()]) for each in (later, states))
+        return np.asarray(np.subtract(*shifts)[..., None] / TIME_STEP)
+
+    def _add(
+        self, result: VehicleLinearisation, i: int, rows: NDArray[np.int64], by_contact: Array, rails: Array | None
+    ) -> None:
+        """Add derivatives (2, rows, 10 + k) of rates by the changes of the left and the right contact of wheelset i."""
+        columns, free = self._columns(i)
+        result.by_state[rows[:, None], columns] += by_contact.sum(axis=0)[:, free]
+        if rails is not None:
+            # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
+            result.by_time[rows] -= (by_contact[:, :, :2] @ rails[i]).sum(axis=0)[:, 0]
+
+    def _add_structures(
+        self,
+        result: VehicleLinearisation,
+        travel: TrackPosition,
+        state: Array,
+        states: Mapping[str, WheelsetState],
+        contacts: WheelContacts,
+        tangents: Array,
+        rails: Array | None,
+    ) -> None:
+        """Add the rows of the motions of axles and rails."""
+        d, count = self.dynamics, len(FlexibleState.coordinates)
+        assert d.structure is not None
+        motions, distances = d.motions(state), d.distances(travel, state).tolist()
+        for i, (name, wheelset) in enumerate(states.items()):
+            structure, wrenches = d.structure.at(distances[i]), side_wrenches(contacts[name])
+            slopes = structure.load_slopes(wheelset, wrenches, tangents[i, ..., :count])
+            by_speed = [structure.loads(wheelset, _only(side, tangents[i, ..., count])) for side in range(len(SIDES))]
+            slopes = np.concatenate([slopes, np.array(by_speed)[..., None]], axis=2)
+            rows = d.coordinates.size + i * d.structure.size + np.arange(d.structure.size)
+            self._add(result, i, rows, structure.by_loads @ slopes, rails)
+            result.by_state[rows[:, None], rows] += structure.by_motions
+            by_distance = structure.rates_by_distance(motions[i], structure.loads(wheelset, wrenches))
+            result.by_time[rows] += wheelset.speed * by_distance
+            x = 6 * d.coordinates.wheelset_bodies[i] + X
+            result.by_state[rows[:, None], np.flatnonzero(d.coordinates.free == x)] += by_distance[:, None]
+
+    def _columns(self, i: int) -> tuple[list[int], list[int]]:
+        """Indices in the state of coordinates and motions of wheelset i and of its speed, and of their columns in the
+        tangents, without those that are held.
+        """
+        d, body = self.dynamics, int(self.dynamics.coordinates.wheelset_bodies[i])
+        places = {coordinate: k for k, coordinate in enumerate(d.coordinates.within_all.tolist())}
+        total, columns = d.coordinates.held.size, [6 * body + k for k in (Y, Z, ROLL, YAW)]
+        columns += [total + 6 * body + k for k in (Y, Z, ROLL, YAW, PITCH)]
+        indices = [places.get(column) for column in columns]
+        if d.structure is not None:
+            first = d.coordinates.size + i * d.structure.size
+            indices += range(first, first + len(MOTIONS))
+        indices.append(places.get(total + 6 * body + X))
+        free = [k for k, index in enumerate(indices) if index is not None]
+        return [index for index in indices if index is not None], free
 
     def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
-        """Derivatives (w, 2, 6, 10) of force and moment of each wheel by `WheelsetState.coordinates` and the speed.
+        """Derivatives (w, 2, 6, 10 + k) of force and moment of each wheel by the wheelset's coordinates, the motions of
+        its hubs and rails if these move, and the speed.
 
         With friction that does not depend on speed, forces depend on the ratio of all rates, that of the track frame
-        included, to the speed V: dF/dV = -sum(rate dF/drate) / V.
+        included, to the speed V: dF/dV = -sum(rate dF/drate) / V. Raises StepFailure where hubs and rails move and the
+        contact has no tangent.
         """
-        by_coordinates = self._analytical_tangents(states, contacts)
-        if by_coordinates is None:
-            by_coordinates = self._differences(states, contacts)
-        rates = np.array([[getattr(s, name) for name in s.coordinates[FIRST_RATE:]] for s in states.values()])
+        tangents = self._analytical_tangents(states, contacts)
+        if tangents is None and self.dynamics.structure is not None:
+            raise StepFailure("the contact has no tangent, which elastic axles and rails on pads need")
+        if tangents is None:
+            tangents = self._differences(states, contacts)
+        names = WheelsetState.coordinates[FIRST_RATE:]
+        rates = np.array([[getattr(s, name) for name in names] for s in states.values()])
         speeds = np.array([s.speed for s in states.values()])
-        by_speed = -np.einsum("wsij,wj->wsi", by_coordinates[..., FIRST_RATE:], rates / speeds[:, None])
-        return np.concatenate([by_coordinates, by_speed[..., None]], axis=-1)
+        by_rates = tangents[..., FIRST_RATE : FIRST_RATE + len(names)]
+        by_speed = -np.einsum("wsij,wj->wsi", by_rates, rates / speeds[:, None])
+        return np.concatenate([tangents, by_speed[..., None]], axis=-1)
 
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
-        """The tangents (w, 2, 6, 9) of the contact model; None if it has none. Raises StepFailure when one fails."""
+        """Tangents (w, 2, 6, 9 + k) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
             for name, state in states.items():
                 self.dynamics.contact.ahead_tangent(state, contacts[name][SIDES[-1]])
@@ -134,20 +195,31 @@ class VehicleJacobian:
     def _differentiated(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         result = np.zeros((len(states), len(SIDES), 6, len(WheelsetState.coordinates)))
         for i, (name, state) in enumerate(states.items()):
-            centre = _wheel_wrenches(contacts[name])
+            _, free = self._columns(i)
             for column, (key, step) in enumerate(zip(WheelsetState.coordinates, DIFFERENCE_STEPS, strict=True)):
-                central = self.central or key in ODD
-                plus = self._perturbed(name, state, contacts, key, step)
-                minus = self._perturbed(name, state, contacts, key, -step) if central else centre
-                result[i, :, :, column] = (plus - minus) / (2 * step if central else step)
+                if column not in free or key not in self.needed:
+                    continue
+                try:
+                    result[i, :, :, column] = self._difference(name, state, contacts, key, step)
+                except StepFailure:  # close to the end of what the contact model can solve
+                    result[i, :, :, column] = self._difference(name, state, contacts, key, 0.2 * step)
         return result
+
+    def _difference(self, name: str, state: WheelsetState, contacts: WheelContacts, key: str, step: float) -> Array:
+        """Derivatives (2, 6) of force and moment of each wheel of a wheelset by a coordinate, from a step of it."""
+        plus = self._perturbed(name, state, contacts, key, step)
+        if not self.central and key not in ODD:
+            return np.asarray((plus - side_wrenches(contacts[name])) / step)
+        return np.asarray((plus - self._perturbed(name, state, contacts, key, -step)) / (2 * step))
 
     def _perturbed(self, name: str, state: WheelsetState, contacts: WheelContacts, key: str, step: float) -> Array:
         self.counts.differences += 1
         perturbed = replace(state, **{key: getattr(state, key) + step})
-        return _wheel_wrenches(self.dynamics.solve_wheelset(name, perturbed, contacts))
+        return side_wrenches(self.dynamics.solve_wheelset(name, perturbed, contacts))
 
 
-def _wheel_wrenches(contacts: Mapping[Side, ContactResult]) -> Array:
-    """Force and moment of the left and the right wheel (2, 6)."""
-    return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])
+def _only(side: int, wrenches: Array) -> Array:
+    """Wrenches (2, 6) of one side, the other zero."""
+    result = np.zeros_like(wrenches)
+    result[side] = wrenches[side]
+    return result

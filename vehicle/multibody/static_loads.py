@@ -8,6 +8,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
 from wheelrail.vehicle.wagon.force_law import ForceLaw
 
+BALANCED = ("z", "roll", "pitch")
 UNBALANCED = 1e-9  # of the weight, or of the weight times 1 m
 
 
@@ -17,9 +18,9 @@ def static_loads(vehicle: Vehicle) -> Array:
     Parameters:
         vehicle: of e suspension elements.
 
-    Of all distributions that balance vertical forces, roll moments and pitch moments, that of springs on fixed
-    wheelsets: it minimises the sum of F^2 / k. Raises InvalidVehicle for a body that vertical springs cannot carry in
-    its nominal position.
+    Of all distributions that balance vertical forces, roll moments and pitch moments where these coordinates are free,
+    that of springs on fixed wheelsets: it minimises the sum of F^2 / k. Raises InvalidVehicle for a body that vertical
+    springs cannot carry in its nominal position.
     """
     carried = [name for name in vehicle.names if not vehicle.bodies[name].wheelset]
     rows = {name: 3 * i for i, name in enumerate(carried)}
@@ -32,6 +33,9 @@ def static_loads(vehicle: Vehicle) -> Array:
             if name in rows:
                 x, y = element.point[0] - vehicle.bodies[name].x, element.point[1]
                 balance[rows[name] : rows[name] + 3, column] = sign, sign * y, -sign * x
+    for name, row in rows.items():
+        constrained = [coordinate in vehicle.bodies[name].held for coordinate in BALANCED]
+        balance[row : row + 3][constrained], weights[row : row + 3][constrained] = 0.0, 0.0
     compliance_root = np.sqrt(stiffness)
     loads = compliance_root * np.linalg.lstsq(balance * compliance_root, weights, rcond=1e-12)[0]
     elements = list(vehicle.elements.values())

@@ -8,6 +8,8 @@ from math import inf, isfinite
 
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
+COORDINATES = ("x", "y", "z", "roll", "pitch", "yaw")  # of a body in the track frame at its own distance
+
 Laws = tuple[Law, Law, Law]  # along x, y, z
 
 
@@ -34,6 +36,8 @@ class VehicleBody:
         x: of the centre of mass, m forward of the vehicle's reference point.
         height: of the centre of mass above top of rail, m; of a wheelset its nominal rolling radius.
         wheelset: whether the body is a wheelset: a body of revolution that rolls on the rails.
+        held: coordinates that a constraint without work holds at zero, of `COORDINATES`: x at the body's place in the
+            reference motion, the pitch of a wheelset at nominal rolling, the others in the nominal position.
     """
 
     mass: float
@@ -41,6 +45,7 @@ class VehicleBody:
     x: float
     height: float
     wheelset: bool = False
+    held: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -166,7 +171,9 @@ class Vehicle:
             if any(e in pair for pair in pairs):
                 continue
             x, y, z = element.point
-            image = replace(element, point=(x, -y, z))
+            laws = (element.stiffness, element.damping)
+            stiffness, damping = ((along, _mirrored(across), up) for along, across, up in laws)
+            image = replace(element, point=(x, -y, z), stiffness=stiffness, damping=damping)
             images = [i for i, other in enumerate(elements) if i > e and other == image]
             pairs.append((e, images[0] if images else -1))
         return tuple(pairs)
@@ -220,8 +227,15 @@ def _check_body(key: str, body: VehicleBody) -> None:
             raise InvalidVehicle(f"{key}.{name}", "must be positive and finite")
     if not isfinite(body.x):
         raise InvalidVehicle(f"{key}.x", "must be finite")
-    if body.wheelset and body.inertia[0] != body.inertia[2]:
+    if not set(body.held) <= set(COORDINATES):
+        raise InvalidVehicle(f"{key}.held", f"must be of {', '.join(COORDINATES)}")
+    if body.wheelset and "yaw" not in body.held and body.inertia[0] != body.inertia[2]:
         raise InvalidVehicle(f"{key}.inertia", "of a wheelset must be equal about x and z: a body of revolution")
+
+
+def _mirrored(law: Law) -> Law:
+    """Lateral law of the mirror image of an element."""
+    return law.mirrored if isinstance(law, ForceLaw) else law
 
 
 def _check_numbers(key: str, values: tuple[float, ...]) -> None:

@@ -10,18 +10,19 @@ from wheelrail.vehicle.multibody.compiled.bodies import BodyArrays
 from wheelrail.vehicle.multibody.compiled.elements import ElementArrays, LawArrays
 from wheelrail.vehicle.multibody.compiled.equations import VehicleArrays
 from wheelrail.vehicle.multibody.compiled.sections import TrackArrays
+from wheelrail.vehicle.multibody.coordinates import Coordinates
 from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
-from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 
 def vehicle_arrays(suspension: SuspensionForces, track: TrackSections) -> VehicleArrays:
     """Arrays of the vehicle of a suspension, and of a track."""
-    return VehicleArrays(body_arrays(suspension.coordinates.vehicle), element_arrays(suspension), track_arrays(track))
+    return VehicleArrays(body_arrays(suspension.coordinates), element_arrays(suspension), track_arrays(track))
 
 
-def body_arrays(vehicle: Vehicle) -> BodyArrays:
+def body_arrays(coordinates: Coordinates) -> BodyArrays:
+    vehicle = coordinates.vehicle
     bodies, hold = list(vehicle.bodies.values()), vehicle.speed_hold
     return BodyArrays(
         place=np.array([float(b.x) for b in bodies]),
@@ -31,7 +32,8 @@ def body_arrays(vehicle: Vehicle) -> BodyArrays:
         wheelset=np.array([float(b.wheelset) for b in bodies]),
         radius=float(vehicle.radius),
         gravity=float(vehicle.gravity),
-        held=-1 if hold is None else vehicle.names.index(hold.body),
+        held=coordinates.held,
+        kept=-1 if hold is None else vehicle.names.index(hold.body),
         hold_stiffness=0.0 if hold is None else float(hold.stiffness),
         hold_damping=0.0 if hold is None else float(hold.damping),
     )

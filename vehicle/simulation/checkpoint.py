@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from wheelrail.contact.element.contact_element import ElementState
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences
+from wheelrail.vehicle.multibody.contact_differences import ContactDifferences
 from wheelrail.vehicle.simulation.history import RunCost
-from wheelrail.vehicle.simulation.recorder import RunRow
+from wheelrail.vehicle.simulation.row import Row
 
-# of the only wheelset, or by wheelset
-WarmStarts = ElementState[Side] | Mapping[str, ElementState[Side]]
+WarmStarts = Mapping[str, ElementState[Side]]  # by wheelset
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Checkpoint:
     guess: WarmStarts | None
     differences: ContactDifferences | None
     cost: RunCost
-    rows: Sequence[RunRow]
+    rows: Sequence[Row]
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Side
-from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
+from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW
+from wheelrail.vehicle.multibody.energy import damper_power, spring_energy
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.rotations import rotate_back
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.track.track import Track
-from wheelrail.vehicle.wagon.wagon import Wagon
 
 if TYPE_CHECKING:
     from wheelrail.contact.loading.structure import Structure
@@ -67,44 +65,64 @@ class EnergyBalance:
         return float(np.abs(self.gap).max(initial=0.0)) / scale if scale > 0.0 else 0.0
 
 
-def energy_balance(history: History, wagon: Wagon, track: Track) -> EnergyBalance:
-    """Energy balance of a run.
+def energy_balance(history: History) -> EnergyBalance:
+    """Energy balance of a run of a vehicle whose bodies are held at their places along the track.
 
     Parameters:
         history: rows at all accepted steps.
-        wagon, track: of the run.
     """
-    structure = history.structure
-    dynamics = Dynamics(wagon, track, _RecordedContact(), history.speed, structure)
-    position, rate, _, pitch_rate, series, _ = dynamics.split(history.state)
-    suspension, n = dynamics.suspension, len(history)
-    frames = [dynamics.frame(t) for t in history.time.tolist()]
-    spin, spin_change = pitch_rate, np.array([frame.acceleration for frame in frames]) / dynamics.wagon.radius
-    axle_inertia = dynamics.constants[2, 2]
-    kinetic = 0.5 * (dynamics.inertia * rate**2).sum(axis=(1, 2)) + 0.5 * axle_inertia * spin**2
-    force, moment = history.outputs.force.sum(axis=1), history.outputs.moment.sum(axis=1)
-    roll, (vy, vz, roll_rate) = position[:, 2, 2], rate[:, 2].T
-    axle = np.cos(roll) * moment[:, 1] + np.sin(roll) * moment[:, 2]
-    power = np.empty((n, len(POWERS)))
-    power[:, 0] = force[:, 1] * vy + force[:, 2] * vz + moment[:, 0] * roll_rate + axle * spin
-    power[:, 1] = -suspension.dissipated_power(position, rate, series)
-    for i, (frame, state) in enumerate(zip(frames, history.state, strict=True)):
-        inertial = dynamics.inertial_forces(frame, state)
-        power[i, 2] = (dynamics.weight(frame) * rate[i, :, :2]).sum()
-        power[i, 3] = (inertial.on_bodies * rate[i]).sum() + (
-            inertial.about_axle.item() - axle_inertia * spin_change[i]
-        ) * spin[i]
-    energy = kinetic + suspension.stored_energy(position, series)
-    if structure is not None:
-        stored, supplied, dissipated = _structure_balance(history, dynamics, structure)
-        energy = energy + stored
+    dynamics = history.dynamics
+    energy, power = np.empty(len(history)), np.empty((len(history), len(POWERS)))
+    for i, row in enumerate(history.rows):
+        wrenches = np.concatenate([row.force, row.moment], axis=2).sum(axis=1)
+        energy[i], power[i] = _of_bodies(dynamics, row.time, row.state, wrenches)
+    if dynamics.structure is not None:
+        stored, supplied, dissipated = _of_structures(history, dynamics.structure)
+        energy += stored
         power[:, 0] += supplied
         power[:, 1] -= dissipated
     return EnergyBalance(history.time, energy, power)
 
 
-def _structure_balance(history: History, dynamics: Dynamics, structure: Structure) -> Array:
-    """Elastic energy J of axle and rails, power W that the contact supplies to them, and that their dampers dissipate,
+def _of_bodies(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> tuple[float, Array]:
+    """Energy J, and powers (4,) W, of bodies and suspension.
+
+    Parameters:
+        dynamics: equations of motion.
+        time: s.
+        state: (2 c + m + w k,).
+        wrenches: (w, 6) force N and moment N m of the contacts.
+    """
+    travel, wheelsets = dynamics.speed_profile(time), dynamics.coordinates.wheelset_bodies
+    motion, (_, rate, series) = dynamics.kinematics(travel, state), dynamics.coordinates.split(state)
+    frame, sections = motion.relative, motion.sections
+    velocity, down = frame.offset_rate, -sections.axes[:, 2]
+    vertical = np.broadcast_to([0.0, 0.0, 1.0], velocity.shape)
+    yaw, roll = rate[:, YAW, None] * vertical, rate[:, ROLL, None] * frame.roll_axis
+    turn = yaw + roll + rate[:, PITCH, None] * frame.axle
+    tangent = np.broadcast_to([1.0, 0.0, 0.0], velocity.shape)
+    acceleration = travel.acceleration * cross(sections.rate, frame.offset)
+    acceleration += frame.speed[:, None] ** 2 * cross(sections.rate_slope, frame.offset)
+    acceleration += cross(frame.frame_rate, cross(frame.frame_rate, frame.offset) + 2.0 * velocity)
+    acceleration += frame.speed[:, None] * cross(frame.frame_rate, tangent)
+    rolling = dynamics.kinematics.nominal[:, 2, None] * travel.acceleration / dynamics.vehicle.radius * frame.axle
+    spin, before = frame.spin[:, None] * frame.axle, frame.frame_rate + yaw
+    change = travel.acceleration * sections.rate + frame.speed[:, None] ** 2 * sections.rate_slope + rolling
+    change += cross(frame.frame_rate, yaw) + cross(before, roll) + cross(before + roll, spin)
+    own, whole, change = (rotate_back(frame.rotation, v) for v in (turn, before + roll + spin, change))
+    moment = dynamics.inertia * change + cross(whole, dynamics.inertia * whole)
+    kinetic = 0.5 * (dynamics.mass @ (velocity**2).sum(axis=1) + (dynamics.inertia * own**2).sum())
+    powers = [
+        (wrenches[:, :3] * velocity[wheelsets]).sum() + (wrenches[:, 3:] * turn[wheelsets]).sum(),
+        damper_power(dynamics, motion, series),
+        dynamics.vehicle.gravity * dynamics.mass @ (down * velocity).sum(axis=1),
+        -dynamics.mass @ (acceleration * velocity).sum(axis=1) - (moment * own).sum(),
+    ]
+    return kinetic + spring_energy(dynamics, motion, series), np.array(powers)
+
+
+def _of_structures(history: History, structure: Structure) -> Array:
+    """Elastic energy J of axles and rails, power W that the contacts supply to them, and that their dampers dissipate,
     (3, n).
 
     Rates are those of a cubic spline through the samples: in those of the equations of motion, a small difference over
@@ -112,20 +130,18 @@ def _structure_balance(history: History, dynamics: Dynamics, structure: Structur
     """
     from scipy.interpolate import CubicSpline
 
-    motions, n = history.structure_motion, len(history)
+    dynamics, motions, n = history.dynamics, history.motions, len(history)
     rates = CubicSpline(history.time, motions)(history.time, 1) if n > 1 else np.zeros_like(motions)
-    wrenches = np.concatenate([history.outputs.force, history.outputs.moment], axis=2)
-    balance = np.empty((3, n))
-    for i, (time, state) in enumerate(zip(history.time.tolist(), history.state, strict=True)):
-        frame = dynamics.frame(time)
-        here, loads = structure.at(frame.distance), structure.loads(dynamics.wheelset_state(frame, state), wrenches[i])
-        along = frame.speed * here.energy_by_distance(motions[i])
-        balance[:, i] = here.energy(motions[i]), loads @ rates[i, : len(loads)] + along, here.dissipated_power(rates[i])
+    balance = np.zeros((3, n))
+    for i, row in enumerate(history.rows):
+        states = dynamics.wheelset_states(row.time, row.state).values()
+        distances = dynamics.distances(dynamics.speed_profile(row.time), row.state).tolist()
+        wrenches = np.concatenate([row.force, row.moment], axis=2)
+        for own, rate, wheelset, distance, wrench in zip(
+            motions[i], rates[i], states, distances, wrenches, strict=True
+        ):
+            here = structure.at(distance)
+            loads = here.loads(wheelset, wrench)
+            supplied = loads @ rate[: len(loads)] + wheelset.speed * here.energy_by_distance(own)
+            balance[:, i] += here.energy(own), supplied, here.dissipated_power(rate)
     return balance
-
-
-class _RecordedContact(VehicleContact):
-    """Placeholder contact: the contact forces are taken from the history."""
-
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        raise AssertionError("contact forces are in the history")

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import COUNT, split
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.suspension_forces import SuspensionState
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
-from wheelrail.vehicle.simulation.row import Outputs, PatchPair, Row
-from wheelrail.vehicle.track.speed_profile import SpeedProfile
-
-if TYPE_CHECKING:
-    from wheelrail.contact.loading.structure import Structure
+from wheelrail.vehicle.simulation.row import Row
 
 
 @dataclass
@@ -38,124 +34,101 @@ class RunCost:
 
 @dataclass(frozen=True)
 class History:
-    """Results of a run in n rows.
+    """Results of a run in n rows for w wheelsets.
 
     Parameters:
+        dynamics: equations of motion.
         status: "completed", "interrupted" or "failed: ..." with the reason.
-        speed: constant, m/s, or a `SpeedProfile`.
-        radius: nominal rolling radius, m.
-        time: (n,) s.
-        state: (n, 20 + m + k), see `wheelrail.vehicle.dynamics.state`.
-        outputs: force (n, 2, 3) N on the left and right wheel, moment (n, 2, 3) N m about the wheelset's centre, both
-            in the track's axes; approach (n, 2) m; yaw_reaction (n,) N m; secondary_deflection (n,) m, lateral, of the
-            car body relative to the bogie at the secondary springs; bumpstop_deflection (n,) m; bumpstop_force (n,) N
-            on the car body; positive to the left.
-        curvature: (n,) 1/m, positive to the left.
-        lift: (n,) m, superelevation: height of the right rail above the left.
-        patches, contact_status: n pairs (left, right).
+        rows: of the run.
         cost: of the run.
-        irregularities: (n, 4) m as in `wheelrail.vehicle.track.irregularity`; None on smooth rails.
-        structure: axle and rails with k motions; None: both are rigid.
     """
 
+    dynamics: VehicleDynamics
     status: str
-    speed: float | SpeedProfile
-    radius: float
-    time: Array
-    state: Array
-    outputs: Outputs
-    curvature: Array
-    lift: Array
-    patches: list[PatchPair]
-    contact_status: list[tuple[str, str]]
+    rows: list[Row]
     cost: RunCost
-    irregularities: Array | None = None
-    structure: Structure | None = None
-
-    @classmethod
-    def of(cls, dynamics: Dynamics, rows: list[Row], cost: RunCost, status: str) -> History:
-        irregularities = dynamics.track.irregularities
-        distances = [dynamics.speed_profile(row.time).distance for row in rows]
-        return cls(
-            status=status,
-            speed=dynamics.speed,
-            radius=dynamics.wagon.radius,
-            time=np.array([row.time for row in rows]),
-            state=np.array([row.state for row in rows]).reshape(-1, dynamics.size),
-            outputs=Outputs.stacked([row.outputs for row in rows]),
-            curvature=np.array([dynamics.track.curvature(s)[0] for s in distances]),
-            lift=np.array([dynamics.track.superelevation(s)[0] for s in distances]),
-            patches=[row.patches for row in rows],
-            contact_status=[row.contact_status for row in rows],
-            cost=cost,
-            irregularities=irregularities.at(np.array(distances)) if irregularities else None,
-            structure=dynamics.structure,
-        )
 
     def __len__(self) -> int:
-        return len(self.time)
+        return len(self.rows)
+
+    @cached_property
+    def time(self) -> Array:
+        """(n,) s."""
+        return np.array([row.time for row in self.rows])
+
+    @cached_property
+    def state(self) -> Array:
+        """(n, 2 c + m + w k), see `wheelrail.vehicle.multibody.coordinates`."""
+        return np.array([row.state for row in self.rows]).reshape(-1, self.dynamics.size)
+
+    @cached_property
+    def force(self) -> Array:
+        """(n, w, 2, 3) N on the left and right wheels, in the track frames of the wheelsets."""
+        return self._of_wheels([row.force for row in self.rows], 3)
+
+    @cached_property
+    def moment(self) -> Array:
+        """(n, w, 2, 3) N m about the centres of the wheelsets, in the same frames."""
+        return self._of_wheels([row.moment for row in self.rows], 3)
+
+    @cached_property
+    def approach(self) -> Array:
+        """(n, w, 2) m, largest penetration of the undeformed bodies."""
+        return self._of_wheels([row.approach for row in self.rows])
+
+    @cached_property
+    def frictional_power(self) -> Array:
+        """(n, w, 2) W."""
+        powers = [
+            [[sum(patch.frictional_power for patch in wheel) for wheel in pair] for pair in row.patches]
+            for row in self.rows
+        ]
+        return self._of_wheels(powers)
+
+    def _of_wheels(self, rows: Sequence[object], *components: int) -> Array:
+        """Values (n, w, 2, ...) of rows, also of none."""
+        return np.array(rows, dtype=float).reshape(len(rows), len(self.dynamics.vehicle.wheelsets), 2, *components)
 
     @property
     def distance(self) -> Array:
-        """Distance along the track (n,), m."""
+        """Distance of the reference motion along the track (n,), m."""
         return self._track_positions[:, 0]
 
     @property
     def speeds(self) -> Array:
-        """Speed (n,), m/s."""
+        """Speed of the reference motion (n,), m/s."""
         return self._track_positions[:, 1]
 
     @cached_property
     def _track_positions(self) -> Array:
-        return SpeedProfile.of(self.speed).positions(self.time)
+        return self.dynamics.speed_profile.positions(self.time)
+
+    def position(self, body: str) -> Array:
+        """Coordinates (n, 6) m and rad of a body; the pitch of a wheelset in excess of nominal rolling."""
+        return self.dynamics.coordinates.split(self.state).position[:, self.dynamics.vehicle.names.index(body)]
+
+    def rate(self, body: str) -> Array:
+        """Rates (n, 6) m/s and rad/s of the coordinates of a body."""
+        return self.dynamics.coordinates.split(self.state).rate[:, self.dynamics.vehicle.names.index(body)]
 
     @property
-    def car_body(self) -> Array:
-        """y, z m and roll rad (n, 3), z from the nominal height."""
-        return self.state[:, 0:3]
+    def series(self) -> Array:
+        """Spring deflections (n, m) m of Maxwell elements."""
+        return self.dynamics.coordinates.split(self.state).series
 
     @property
-    def bogie(self) -> Array:
-        """y, z m and roll rad (n, 3), z from the nominal height."""
-        return self.state[:, 3:6]
+    def motions(self) -> Array:
+        """Motions (n, w, k) of axles and rails, see `wheelrail.contact.loading.flexible_state.MOTIONS`."""
+        return self.dynamics.motions(self.state)
 
-    @property
-    def wheelset(self) -> Array:
-        """y, z m, roll and pitch rad (n, 4), z from the nominal height, pitch from time zero."""
-        return _with_rolling(self.state[:, 6:COUNT], self.distance / self.radius)
+    def coordinate(self, body: str, coordinate: int) -> Array:
+        """Values (n,) m or rad of a coordinate of a body, see `wheelrail.vehicle.multibody.coordinates`."""
+        return np.asarray(self.state[:, self.dynamics.coordinates.index(body, coordinate)])
 
-    @property
-    def car_body_rate(self) -> Array:
-        """m/s and rad/s (n, 3)."""
-        return self.state[:, COUNT : COUNT + 3]
-
-    @property
-    def bogie_rate(self) -> Array:
-        """m/s and rad/s (n, 3)."""
-        return self.state[:, COUNT + 3 : COUNT + 6]
-
-    @property
-    def wheelset_rate(self) -> Array:
-        """m/s and rad/s (n, 4); the pitch rate is positive rolling forward."""
-        return _with_rolling(self.state[:, COUNT + 6 : 2 * COUNT], self.speeds / self.radius)
-
-    @property
-    def series_deflection(self) -> Array:
-        """Spring deflections (n, m) of Maxwell elements, m, outwards: left side, then right side."""
-        return split(self.state, self._motions).series
-
-    @property
-    def structure_motion(self) -> Array:
-        """Motions (n, k) of axle and rails, see `wheelrail.contact.loading.flexible_contact.MOTIONS`."""
-        return split(self.state, self._motions).motions
-
-    @property
-    def _motions(self) -> int:
-        return 0 if self.structure is None else self.structure.size
-
-
-def _with_rolling(excess: Array, nominal: Array) -> Array:
-    """Wheelset coordinates or rates (n, 4), with the nominal rolling (n,) added to the pitch."""
-    total = excess.copy()
-    total[:, 3] += nominal
-    return total
+    def suspension(self) -> list[SuspensionState]:
+        """Deflections and forces of the suspension elements of each row."""
+        d = self.dynamics
+        return [
+            d.suspension(d.kinematics(d.speed_profile(row.time), row.state), d.coordinates.split(row.state).series)
+            for row in self.rows
+        ]

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, sin
+from typing import NoReturn
 
 from wheelrail.contact.kinematics.wheelset_state import RailShift
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.state import ROLL, Y, Z
+from wheelrail.vehicle.multibody.coordinates import ROLL
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
 
-CAR_BODY_ROLL = 2
 SMOOTH: RailShift = ((0.0, 0.0), (0.0, 0.0))
 
 
 class OutOfBounds(RuntimeError):
-    """The wagon has overturned or derailed: the model is no longer valid."""
+    """The vehicle has overturned or derailed: the model is no longer valid."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class Limits:
     """Bounds beyond which a run ends; infinity is no limit.
 
     Parameters:
-        roll: rad, of the car body relative to the track; the default exceeds what springs allow with both wheels on
-            the rails.
+        roll: rad, of a body relative to the track, in roll and yaw; the default exceeds what springs allow with both
+            wheels on the rails.
         shift, lift: m, lateral and vertical displacement of the lower wheel relative to its rail; a flange, about
             30 mm thick and 28 mm high, does not guide the wheel beyond the defaults.
 
@@ -40,62 +40,84 @@ class Limits:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"limits: {name} = {getattr(self, name)}: must be positive")
 
-    def check(self, dynamics: Dynamics, time: float, state: Array) -> None:
+    def check(self, dynamics: VehicleDynamics, time: float, state: Array) -> None:
         """Raises OutOfBounds with kind, time and place of the event.
 
         Parameters:
             dynamics: the equations of motion.
             time: s.
-            state: (20 + m,).
+            state: (2 c + m + w k,).
         """
-        roll = float(state[CAR_BODY_ROLL])
-        shift, lift = min(wheels(dynamics, time, state), key=lambda wheel: wheel[1])
-        if abs(roll) > self.roll:
-            event = f"the wagon overturns to the {_hand(-roll)}: car body roll {abs(roll):.3f} rad"
-        elif abs(shift) > self.shift:
-            event = f"the wheelset has left the rails to the {_hand(shift)}: lateral shift {1e3 * abs(shift):.0f} mm"
-        elif lift > self.lift:
-            event = f"the wheelset has left the rails: both wheels are at least {1e3 * lift:.0f} mm above the rails"
-        else:
-            return
+        position = dynamics.coordinates.split(state).position
+        for name, (_, _, _, roll, _, yaw) in zip(dynamics.vehicle.names, position.tolist(), strict=True):
+            if abs(roll) > self.roll:
+                self._end(
+                    dynamics, time, f"the {_words(name)} overturns to the {_hand(-roll)}: roll {abs(roll):.3f} rad"
+                )
+            if abs(yaw) > self.roll:
+                self._end(dynamics, time, f"the {_words(name)} has turned off the track: yaw {yaw:.3f} rad")
+        for name, of_wheelset in wheels(dynamics, time, state).items():
+            shift, lift = min(of_wheelset, key=lambda wheel: wheel[1])
+            gone = f"the {_words(name)} has left the rails"
+            if abs(shift) > self.shift:
+                self._end(dynamics, time, f"{gone} to the {_hand(shift)}: lateral shift {1e3 * abs(shift):.0f} mm")
+            if lift > self.lift:
+                self._end(dynamics, time, f"{gone}: both wheels are at least {1e3 * lift:.0f} mm above the rails")
+
+    def _end(self, dynamics: VehicleDynamics, time: float, event: str) -> NoReturn:
         raise OutOfBounds(f"{event} at t = {time:.4g} s, {dynamics.speed_profile(time).distance:.4g} m")
 
 
 LIMITS = Limits()
 
 
-def wheels(dynamics: Dynamics, time: float, state: Array) -> list[tuple[float, float]]:
-    """Shift to the left and lift, m, of the lowest points of the left and the right rolling circle relative to their
-    nominal position on the rails.
+def wheels(dynamics: VehicleDynamics, time: float, state: Array) -> dict[str, list[tuple[float, float]]]:
+    """Shift to the left and lift, m, of the lowest points of the left and the right rolling circle of each wheelset
+    relative to their nominal position on the rails.
 
     Parameters:
         dynamics: the equations of motion.
         time: s.
-        state: (20 + m,).
+        state: (2 c + m + w k,).
     """
-    half_base, radius = 0.5 * dynamics.track.base, dynamics.wagon.radius
-    y, z, roll = float(state[Y]), float(state[Z]), float(state[ROLL])
-    c, s = cos(roll), sin(roll)
-    rails = dynamics.frame(time).rails or SMOOTH
-    return [
-        (y - sign * half_base * (1.0 - c) + radius * s - rail_y, z + sign * half_base * s + radius * (1.0 - c) - rail_z)
-        for sign, (rail_y, rail_z) in zip((1.0, -1.0), rails, strict=True)
-    ]
+    half_base, radius = 0.5 * dynamics.track.base, dynamics.vehicle.radius
+    result = {}
+    for name, wheelset in dynamics.wheelset_states(time, state).items():
+        c, s = cos(wheelset.roll), sin(wheelset.roll)
+        result[name] = [
+            (
+                wheelset.y - sign * half_base * (1.0 - c) + radius * s - rail_y,
+                wheelset.z + sign * half_base * s + radius * (1.0 - c) - rail_z,
+            )
+            for sign, (rail_y, rail_z) in zip((1.0, -1.0), wheelset.rail_shift or SMOOTH, strict=True)
+        ]
+    return result
 
 
-def describe_position(dynamics: Dynamics, time: float, state: Array) -> str:
-    """Position of wheelset and car body in words, for the status of a run with a failed contact solve.
+def describe_position(dynamics: VehicleDynamics, time: float, state: Array) -> str:
+    """Positions of the wheelsets and roll of the upper bodies in words, for the status of a run with a failed contact
+    solve.
 
     Parameters:
         dynamics: the equations of motion.
         time: s.
-        state: (20 + m,).
+        state: (2 c + m + w k,).
     """
-    (shift, left), (_, right) = wheels(dynamics, time, state)
-    return (
-        f"the left wheel is {1e3 * abs(shift):.1f} mm to the {_hand(shift)}, {1e3 * left:.1f} mm above its rail, "
-        f"the right wheel {1e3 * right:.1f} mm above its rail, car body roll {float(state[CAR_BODY_ROLL]):.3f} rad"
-    )
+    texts, several = [], len(dynamics.vehicle.wheelsets) > 1
+    for name, ((shift, left), (_, right)) in wheels(dynamics, time, state).items():
+        texts.append(
+            f"{_words(name) + ': ' if several else ''}the left wheel is {1e3 * abs(shift):.1f} mm to the "
+            f"{_hand(shift)}, {1e3 * left:.1f} mm above its rail, the right wheel {1e3 * right:.1f} mm above its rail"
+        )
+    position = dynamics.coordinates.split(state).position
+    for name, q in zip(dynamics.vehicle.names, position.tolist(), strict=True):
+        if not dynamics.vehicle.bodies[name].wheelset:
+            texts.append(f"{_words(name)} roll {q[ROLL]:.3f} rad")
+    return ", ".join(texts)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def _hand(y: float) -> str:

@@ -1,82 +1,62 @@
-"""Rows of the history of a wagon: state, contact forces and patches at one time."""
+"""Rows of the history of a run: state, contact forces and patches at one time."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.results.result import Patch
+from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
-from wheelrail.vehicle.simulation.recorder import is_array, missing_contact
+from wheelrail.vehicle.multibody.equations import VehicleEvaluation
 
 PatchPair = tuple[tuple[Patch, ...], tuple[Patch, ...]]
 
 
-class Outputs(NamedTuple):
-    """Outputs besides the state; see `wheelrail.vehicle.simulation.history.History`."""
-
-    force: Array
-    moment: Array
-    approach: Array
-    yaw_reaction: Array
-    secondary_deflection: Array
-    bumpstop_deflection: Array
-    bumpstop_force: Array
-
-    @classmethod
-    def of(cls, dynamics: Dynamics, state: Array, at: Evaluation) -> Outputs:
-        position, rate, _, _, series, _ = dynamics.split(state)
-        contacts = [at.contacts[side] for side in SIDES]
-        forces = dynamics.suspension.forces(position, rate, series)
-        return cls(
-            force=np.array([c.force for c in contacts]),
-            moment=np.array([c.moment for c in contacts]),
-            approach=np.array([c.approach for c in contacts]),
-            yaw_reaction=np.array(at.yaw_reaction),
-            secondary_deflection=np.array(forces.secondary_deflection),
-            bumpstop_deflection=forces.deflection[-1, 0],
-            bumpstop_force=forces.force[-1, 0],
-        )
-
-    @classmethod
-    def stacked(cls, rows: list[Outputs]) -> Outputs:
-        """Outputs of n rows along a first axis."""
-        columns: Any = zip(*rows, strict=True) if rows else ([] for _ in SHAPES)
-        return cls(*(np.array(c).reshape(-1, *shape) for c, shape in zip(columns, SHAPES, strict=True)))
-
-
-SHAPES = Outputs((2, 3), (2, 3), (2,), (), (), (), ())  # type: ignore[arg-type]
-
-
 @dataclass(frozen=True)
 class Row:
-    """A row of a history, see `wheelrail.vehicle.simulation.history.History`."""
+    """A row of a history of w wheelsets, see `wheelrail.vehicle.simulation.history.History`."""
 
     time: float
     state: Array
-    outputs: Outputs
-    patches: PatchPair
-    contact_status: tuple[str, str]
+    force: Array
+    moment: Array
+    approach: Array
+    patches: tuple[PatchPair, ...]
+    contact_status: tuple[tuple[str, str], ...]
 
     @classmethod
-    def of(cls, dynamics: Dynamics, time: float, state: Array, at: Evaluation) -> Row:
-        left, right = (at.contacts[side] for side in SIDES)
-        outputs = Outputs.of(dynamics, state, at)
-        return cls(time, state, outputs, (tuple(left.patches), tuple(right.patches)), (left.status, right.status))
+    def of(cls, time: float, state: Array, at: VehicleEvaluation) -> Row:
+        wheels = [[sides[side] for side in SIDES] for sides in at.contacts.values()]
+        return cls(
+            time,
+            state,
+            force=np.array([[wheel.force for wheel in pair] for pair in wheels]),
+            moment=np.array([[wheel.moment for wheel in pair] for pair in wheels]),
+            approach=np.array([[wheel.approach for wheel in pair] for pair in wheels]),
+            patches=tuple((tuple(left.patches), tuple(right.patches)) for left, right in wheels),
+            contact_status=tuple((left.status, right.status) for left, right in wheels),
+        )
 
     def is_valid(self, shape: tuple[int, ...]) -> bool:
         """Whether the values, of any type when they are read from a file, are those of a run; shape: of a state."""
+        count = np.shape(self.force)[:1]
         return (
             is_array(self.state, shape)
-            and isinstance(self.outputs, Outputs)
-            and all(map(is_array, self.outputs, SHAPES))
+            and all(is_array(values, (*count, 2, 3)) for values in (self.force, self.moment))
+            and is_array(self.approach, (*count, 2))
         )
 
 
-def without_contacts(evaluation: Evaluation, reason: str) -> Evaluation:
+def without_contacts(evaluation: VehicleEvaluation, reason: str) -> VehicleEvaluation:
     """The evaluation with NaN in place of all contact forces."""
-    return replace(evaluation, contacts=dict.fromkeys(SIDES, missing_contact(reason)), yaw_reaction=np.nan)
+    unknown = np.full(3, np.nan)
+    missing = replace(ContactResult.failed(reason, np.nan), force=unknown, moment=unknown)
+    return replace(evaluation, contacts=dict.fromkeys(evaluation.contacts, dict.fromkeys(SIDES, missing)))
+
+
+def is_array(value: Any, shape: Any) -> bool:
+    """Whether a value is an array (for shape (), also a number) of double precision."""
+    return isinstance(value, np.ndarray | np.float64) and value.dtype == np.float64 and value.shape == shape

@@ -1,4 +1,4 @@
-"""Time simulation of a wagon on a track."""
+"""Time simulation of a vehicle on a track."""
 
 from __future__ import annotations
 
@@ -6,26 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from wheelrail.contact.element.contact_element import ElementState
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences
-from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
-from wheelrail.vehicle.dynamics.state import COUNT, graded
-from wheelrail.vehicle.dynamics.structure_motions import with_motions_at_rates
-from wheelrail.vehicle.integration.integrate import METHODS, Step, StepSettings
-from wheelrail.vehicle.integration.rosenbrock import RosenbrockCoefficients
-from wheelrail.vehicle.simulation.checkpoint import Checkpoint, WarmStarts
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, RosenbrockCoefficients
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.limits import LIMITS, Limits, describe_position
-from wheelrail.vehicle.simulation.recorder import Recorder
-from wheelrail.vehicle.simulation.row import Row, without_contacts
+from wheelrail.vehicle.simulation.limits import LIMITS, Limits
 from wheelrail.vehicle.simulation.time_run import Progress, Recording, TimeRun
-from wheelrail.vehicle.steady.equilibrium import equilibrium
+
+IMPLICIT = StepSettings(ROS34PW2.name, 3e-3, 3e-5)
 
 
 def simulate(
-    dynamics: Dynamics,
+    dynamics: VehicleDynamics,
     span: tuple[float, float] = (0.0, 10.0),
     *,
     initial: Array | None = None,
@@ -34,14 +27,17 @@ def simulate(
     limits: Limits = LIMITS,
     progress: Progress | None = None,
 ) -> History:
-    """Motion of the wagon over a time span; the distance is zero at time zero.
+    """Motion of a vehicle over a time span; the distance is zero at time zero.
 
     Parameters:
         dynamics: equations of motion.
         span: start and end, s.
-        initial: (20 + m + k,) state (see `wheelrail.vehicle.dynamics.state`); None: the equilibrium at the start.
-        steps: "ode23" and "ode45" are explicit and resolve the contact's 150 Hz; "rosenbrock" is linearly implicit and
-            uses the contact's tangent if it has one; atol: see `tolerances`.
+        initial: (2 c + m + w k,) state (see `wheelrail.vehicle.multibody.coordinates`); None: the equilibrium at the
+            speed, curvature and cant at the start.
+        steps: None: `IMPLICIT`. "ode23" and "ode45" are explicit and resolve the contact's 150 Hz and, where yaw is
+            free, the fast decay of creep; "rosenbrock" is linearly implicit and uses the contact's tangent if it has
+            one. Its tolerance is best not too small: smaller ones make it resolve the wheelsets' vibration on the
+            contacts at 50 to 250 Hz, which is hardly damped. atol: see `step_settings`.
         recording: rows and checkpoints. With a latest checkpoint the run resumes from it; all other arguments must
             be those of the interrupted run.
         limits: bounds beyond which the run ends.
@@ -52,85 +48,29 @@ def simulate(
     ends there; its status names the reason. Raises ValueError for invalid input.
     """
     if initial is not None and np.shape(initial) != (dynamics.size,):
-        raise ValueError(f"initial: shape {np.shape(initial)}: must be ({dynamics.size},), the state of this wagon")
-    steps = steps or StepSettings()
-    velocities = 0 if dynamics.structure is None else dynamics.structure.velocities
-    atol, longest = tolerances(steps.method, steps.atol, dynamics.size, velocities), longest_step(dynamics)
-    steps = replace(steps, atol=atol, max_step=min(steps.max_step, longest))
-    run = _WagonRun(dynamics, span, steps, recording or Recording(), limits, progress)
+        raise ValueError(f"initial: shape {np.shape(initial)}: must be ({dynamics.size},), the state of this vehicle")
+    settings = step_settings(dynamics, steps or IMPLICIT)
+    run = TimeRun(dynamics, span, settings, recording or Recording(), limits, progress)
     status = run.run(None if initial is None else np.array(initial, dtype=float))
-    return History.of(run.dynamics, run.recorder.rows, run.cost, status)
+    return History(dynamics, status, run.recorder.rows, run.cost)
 
 
-class _WagonRun(TimeRun[Dynamics, Evaluation]):
-    """A run of the plane wagon; limits: bounds beyond which it ends."""
+def step_settings(dynamics: VehicleDynamics, steps: StepSettings) -> StepSettings:
+    """Settings with the absolute tolerance of each component of the state and the longest step.
 
-    def __init__(
-        self,
-        dynamics: Dynamics,
-        span: tuple[float, float],
-        steps: StepSettings,
-        recording: Recording,
-        limits: Limits,
-        progress: Progress | None,
-    ) -> None:
-        super().__init__(dynamics, span, steps, recording, progress)
-        self.limits = limits
-
-    def recorder_of(self, interval: float | None) -> Recorder[Evaluation, Row]:
-        def row_of(time: float, state: Array, at: Evaluation) -> Row:
-            return Row.of(self.dynamics, time, state, at)
-
-        return Recorder(self.between, row_of, without_contacts, interval)
-
-    def equilibrium(self, time: float) -> Array:
-        return equilibrium(self.dynamics, time=time).state
-
-    def evaluate(self, dynamics: Dynamics, at: Checkpoint) -> Evaluation:
-        assert at.guess is None or isinstance(at.guess, ElementState)
-        return dynamics(at.time, at.state, guess=None if at.guess is None else dynamics.element.guesses(at.guess))
-
-    def right_hand_side(self, time: float, state: Array, previous: Evaluation | None) -> Evaluation:
-        return self.dynamics(time, state, previous)
-
-    def between(self, step: Step[Evaluation], time: float, state: Array) -> tuple[Array, Evaluation]:
-        """As for any run; motions of axle and rails are those with their mean rates over the step."""
-        if self.dynamics.structure is None:
-            return super().between(step, time, state)
-        rates = self.dynamics.split(step.x - step.x0).motions / (step.t - step.t0)
-        return with_motions_at_rates(self.dynamics, time, state, rates, step.end)
-
-    def linearisation(self, differences: ContactDifferences | None) -> Jacobian:
-        return Jacobian(self.dynamics, self.cost.steps, differences=differences)
-
-    def warm_starts(self, evaluation: Evaluation) -> WarmStarts | None:
-        return None if evaluation.guess is None else self.dynamics.element.state_of(evaluation.guess)
-
-    def check(self, time: float, state: Array) -> None:
-        self.limits.check(self.dynamics, time, state)
-
-    def describe(self, time: float, state: Array) -> str:
-        return describe_position(self.dynamics, time, state)
+    Parameters:
+        dynamics: equations of motion.
+        steps: settings, of which atol, if it is a number, is that of positions and deflections, m and rad. Explicit
+            methods, limited by stability, use it for rates, too; for implicit ones see `VehicleDynamics.tolerances`.
+    """
+    atol = steps.atol
+    if isinstance(atol, float | int) and isinstance(steps.tableau, RosenbrockCoefficients):
+        atol = dynamics.tolerances(atol)
+    return replace(steps, atol=atol, max_step=min(steps.max_step, longest_step(dynamics)))
 
 
-def longest_step(dynamics: Dynamics) -> float:
+def longest_step(dynamics: VehicleDynamics) -> float:
     """Longest step s: a third of the time from sleeper to sleeper, where these are discrete."""
     if dynamics.structure is None:
         return np.inf
     return dynamics.structure.period / (3.0 * max(dynamics.speed_profile.speeds.values))
-
-
-def tolerances(method: str, atol: float | Array, size: int = 2 * COUNT, velocities: int = 0) -> float | Array:
-    """Absolute tolerance of each component of the state.
-
-    Parameters:
-        method: name of the integration method.
-        atol: an array is returned unchanged; a number is that of positions and deflections, m and rad. Explicit
-            methods, limited by stability, use it for rates, too; for implicit ones see
-            `wheelrail.vehicle.dynamics.state.graded`.
-        size: of the state.
-        velocities: number of rates at its end.
-    """
-    if isinstance(atol, float | int) and isinstance(METHODS[method], RosenbrockCoefficients):
-        return graded(atol, size, velocities)
-    return atol

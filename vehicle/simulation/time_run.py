@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any, Generic, Protocol, TypeVar
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import deferred_interrupts
-from wheelrail.vehicle.dynamics.contact_differences import ContactDifferences
 from wheelrail.vehicle.integration.integrate import FirstStep, Step, StepSettings, StepTooSmall, integrate
-from wheelrail.vehicle.integration.problem import E, HasDerivatives, StepFailure
+from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
+from wheelrail.vehicle.multibody.structure_motions import with_motions_at_rates
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints, WarmStarts
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
 from wheelrail.vehicle.simulation.history import RunCost
-from wheelrail.vehicle.simulation.limits import OutOfBounds
+from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, describe_position
 from wheelrail.vehicle.simulation.recorder import Recorder
-from wheelrail.vehicle.steady.equilibrium import EquilibriumError
-from wheelrail.vehicle.track.speed_profile import SpeedProfile
+from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
 
 Progress = Callable[[float, Mapping[str, float]], None]
 
@@ -46,35 +44,7 @@ class Recording:
             raise ValueError(f"interval = {self.interval} s: must be positive, or None for all accepted steps")
 
 
-class RunDynamics(Protocol):
-    """Equations of motion of a run, a dataclass."""
-
-    @property
-    def contact(self) -> VehicleContact: ...
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def speed_profile(self) -> SpeedProfile: ...
-
-
-C = TypeVar("C", contravariant=True)
-
-
-class Linearisation(Protocol[C]):
-    """Jacobian of the equations of motion, with the contact differences that it uses again."""
-
-    @property
-    def differences(self) -> ContactDifferences | None: ...
-
-    def __call__(self, time: float, state: Array, at: C) -> HasDerivatives: ...
-
-
-D = TypeVar("D", bound=RunDynamics)
-
-
-class TimeRun(ABC, Generic[D, E]):
+class TimeRun:
     """A run in progress, resumed from the latest checkpoint if there is one: its cost and recorded rows.
 
     Parameters:
@@ -82,19 +52,22 @@ class TimeRun(ABC, Generic[D, E]):
         span: start and end, s.
         steps: method, tolerances and bounds of the steps.
         recording: rows and checkpoints.
+        limits: bounds beyond which the run ends.
         progress: called at each accepted step with the completed fraction and statistics.
 
-    Subclasses define what belongs to their equations of motion. Raises ValueError for a checkpoint of another state.
+    Raises ValueError for a checkpoint of another state.
     """
 
     def __init__(
         self,
-        dynamics: D,
+        dynamics: VehicleDynamics,
         span: tuple[float, float],
         steps: StepSettings,
         recording: Recording,
+        limits: Limits,
         progress: Progress | None,
     ) -> None:
+        self.limits = limits
         self.span, self.steps, self.progress, self.checkpoints = span, steps, progress, recording.checkpoints
         self.latest = self.checkpoints.latest if self.checkpoints else None
         if self.latest is not None and self.latest.state.shape != (dynamics.size,):
@@ -102,51 +75,33 @@ class TimeRun(ABC, Generic[D, E]):
         self.cost = (
             deepcopy(self.latest.cost) if self.latest else RunCost(contact={side: ContactCost() for side in SIDES})
         )
-        self.uncounted: D = dynamics
-        self.dynamics: D = self._counted(dynamics)
-        self.recorder = self.recorder_of(recording.interval)
+        self.uncounted = dynamics
+        self.dynamics = replace(dynamics, contact=CountedContact(dynamics.contact, self.cost.contact))
+        self.recorder = Recorder(self.between, recording.interval)
         self.recorder.rows = list(self.latest.rows) if self.latest else []
         self.began = perf_counter() - self.cost.seconds
 
-    def _counted(self, dynamics: Any) -> Any:
-        """The equations of motion with a contact that counts its calls."""
-        return replace(dynamics, contact=CountedContact(dynamics.contact, self.cost.contact))
+    def between(self, step: Step[VehicleEvaluation], time: float, state: Array) -> tuple[Array, VehicleEvaluation]:
+        """State and evaluation at a time s within a step, from the state of its dense output. Raises StepFailure.
 
-    @abstractmethod
-    def recorder_of(self, interval: float | None) -> Recorder[E, Any]:
-        """Recorder of rows at an interval, s, or at accepted steps."""
+        Motions of axles and rails are those with their mean rates over the step.
+        """
+        if self.dynamics.structure is None:
+            return state, self.dynamics(time, state, step.end)
+        rates = (step.x - step.x0)[self.dynamics.coordinates.size :] / (step.t - step.t0)
+        return with_motions_at_rates(self.dynamics, time, state, rates, step.end)
 
-    @abstractmethod
-    def equilibrium(self, time: float) -> Array:
-        """State of rest at a time, s. Raises EquilibriumError."""
+    def _first(self, at: Checkpoint) -> VehicleEvaluation:
+        """Evaluation at a checkpoint, from its guess; it counts once, also when it is repeated for a resumed run."""
+        dynamics = self.uncounted if at is self.latest else self.dynamics
+        guesses = None if at.guess is None else {n: dynamics.element.guesses(sides) for n, sides in at.guess.items()}
+        return dynamics(at.time, at.state, guess=guesses)
 
-    @abstractmethod
-    def evaluate(self, dynamics: D, at: Checkpoint) -> E:
-        """Evaluation at a checkpoint, from its guess. Raises StepFailure."""
-
-    @abstractmethod
-    def right_hand_side(self, time: float, state: Array, previous: E | None) -> E:
-        """Evaluation of the equations of motion. Raises StepFailure."""
-
-    def between(self, step: Step[E], time: float, state: Array) -> tuple[Array, E]:
-        """State and evaluation at a time s within a step, from the state of its dense output. Raises StepFailure."""
-        return state, self.right_hand_side(time, state, step.end)
-
-    @abstractmethod
-    def linearisation(self, differences: ContactDifferences | None) -> Linearisation[E]:
-        """Jacobian that starts from contact differences."""
-
-    @abstractmethod
-    def warm_starts(self, evaluation: E) -> WarmStarts | None:
+    def _warm_starts(self, evaluation: VehicleEvaluation) -> WarmStarts | None:
         """Warm starts of the contact solves of an evaluation, as plain data."""
-
-    @abstractmethod
-    def check(self, time: float, state: Array) -> None:
-        """Raises OutOfBounds beyond the limits."""
-
-    @abstractmethod
-    def describe(self, time: float, state: Array) -> str:
-        """Position in words, for the status of a run with a failed contact solve."""
+        if evaluation.guess is None:
+            return None
+        return {name: self.dynamics.element.state_of(sides) for name, sides in evaluation.guess.items()}
 
     @property
     def seconds(self) -> float:
@@ -161,7 +116,7 @@ class TimeRun(ABC, Generic[D, E]):
         except KeyboardInterrupt:
             return "interrupted"
         except StepTooSmall as error:
-            return f"failed: {error}; {self.describe(*self.recorder.latest)}"
+            return f"failed: {error}; {describe_position(self.dynamics, *self.recorder.latest)}"
         except (StepFailure, EquilibriumError, OutOfBounds) as error:
             return f"failed: {error}"
         finally:
@@ -170,19 +125,18 @@ class TimeRun(ABC, Generic[D, E]):
 
     def _start(self, initial: Array | None) -> Checkpoint:
         time = self.span[0]
-        state = self.equilibrium(time) if initial is None else initial.astype(float)
+        state = equilibrium(self.dynamics, time=time).state if initial is None else initial.astype(float)
         return Checkpoint(time, state, None, 1.0, None, None, self.cost, self.recorder.rows)
 
     def _integrate(self, at: Checkpoint) -> None:
         """Integrates from a checkpoint to the end of the span."""
-        # the evaluation counts once, also when it is repeated for a resumed run
-        first = self.evaluate(self.uncounted if at is self.latest else self.dynamics, at)
-        jacobian = self.linearisation(at.differences)
+        first = self._first(at)
+        jacobian = VehicleJacobian(self.dynamics, self.cost.steps, differences=at.differences)
         self.recorder.begin(at.time, at.state, first)
         if self.checkpoints is not None and at is not self.latest:
             self.checkpoints.write(replace(at, cost=deepcopy(self.cost), rows=self.recorder.rows))
         steps = integrate(
-            self.right_hand_side,
+            self.dynamics,
             at.time,
             at.state,
             self.span[1],
@@ -196,7 +150,7 @@ class TimeRun(ABC, Generic[D, E]):
             if self.checkpoints is not None and count % self.checkpoints.every == 0 and step.t < self.span[1]:
                 self.checkpoints.write(self._checkpoint(step, jacobian))
 
-    def _checkpoint(self, step: Step[E], jacobian: Linearisation[E]) -> Checkpoint:
+    def _checkpoint(self, step: Step[VehicleEvaluation], jacobian: VehicleJacobian) -> Checkpoint:
         """Checkpoint at the end of a step."""
         self.cost.seconds = self.seconds
         return Checkpoint(
@@ -204,16 +158,16 @@ class TimeRun(ABC, Generic[D, E]):
             step.x,
             step.following,
             step.error,
-            self.warm_starts(step.end),
+            self._warm_starts(step.end),
             jacobian.differences,
             deepcopy(self.cost),
             self.recorder.rows,
         )
 
-    def _accept(self, step: Step[E]) -> None:
+    def _accept(self, step: Step[VehicleEvaluation]) -> None:
         """Records a step. Raises OutOfBounds beyond the limits."""
         self.recorder.add(step)
-        self.check(step.t, step.x)
+        self.limits.check(self.dynamics, step.t, step.x)
         if self.progress is not None:
             t0, t1 = self.span
             distance = self.dynamics.speed_profile(step.t).distance

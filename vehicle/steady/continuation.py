@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
-from wheelrail.vehicle.dynamics.state import graded
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 
@@ -18,19 +17,19 @@ RAMP, DECAY = 3.0, 6.0  # s: transition into the curve; then until the slowest s
 TOLERANCE = 3e-3
 
 
-def is_curved(dynamics: Dynamics, time: float) -> bool:
+def is_curved(dynamics: VehicleDynamics, time: float) -> bool:
     """Whether the track at a time s is not straight and level."""
     line, s = dynamics.track, dynamics.speed_profile(time).distance
     return any(function(s)[0] != 0.0 for function in (line.curvature, line.superelevation, line.gradient))
 
 
-def transient_into_curve(dynamics: Dynamics, time: float, start: Array) -> Array:
-    """State (20 + m,) at the end of a run at constant speed from straight level track into a curve.
+def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -> Array:
+    """State (2 c + m + w k,) at the end of a run at constant speed from straight level track into a curve.
 
     Parameters:
         dynamics: equations of motion.
         time: s, at which the speed, curvature, cant and gradient are taken.
-        start: (20 + m,) initial state on straight level track.
+        start: (2 c + m + w k,) initial state on straight level track.
 
     Raises StepFailure and StepTooSmall.
     """
@@ -41,9 +40,8 @@ def transient_into_curve(dynamics: Dynamics, time: float, start: Array) -> Array
         for function in (line.curvature, line.superelevation, line.gradient)
     )
     transient = replace(dynamics, track=Track(curvature, superelevation, gradient, line.base), speed=speed)
-    state, settings = start, StepSettings(ROS34PW2.name, TOLERANCE, graded(1e-3 * TOLERANCE, transient.size))
-    for step in integrate(
-        transient, 0.0, start, RAMP + DECAY, settings, jacobian=Jacobian(transient, StepStatistics())
-    ):
+    state, settings = start, StepSettings(ROS34PW2.name, TOLERANCE, transient.tolerances(1e-3 * TOLERANCE))
+    jacobian = VehicleJacobian(transient, StepStatistics())
+    for step in integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian):
         state = step.x
     return state

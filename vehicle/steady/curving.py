@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.results.result import Patch
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
-from wheelrail.vehicle.dynamics.state import COUNT
+from wheelrail.vehicle.multibody.equations import wheelset_wrenches
+from wheelrail.vehicle.multibody.plane_wagon import COUNT, WHEELSET, WagonOutputs, wagon_dynamics
+from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
-from wheelrail.vehicle.wagon.suspension import SuspensionForces
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 if TYPE_CHECKING:
     from wheelrail.contact.loading.structure import Structure
-
-OUTWARDS: dict[Side, float] = {"left": 1.0, "right": -1.0}
 
 
 @dataclass(frozen=True)
@@ -33,44 +31,50 @@ class SteadyCurving:
     Parameters:
         curve: curve and speed.
         equilibrium: state and contacts.
-        suspension: forces of the suspension.
-        yaw_reaction: N m, constraint moment about the wheelset's vertical axis.
+        outputs: reaction, and deflections and forces of the suspension.
 
     Forces on the wheels in N, by side; positions of the bodies (3,): y, z m (z from the nominal height), roll rad.
     """
 
     curve: ConstantCurve
     equilibrium: Equilibrium
-    suspension: SuspensionForces = field(repr=False)
-    yaw_reaction: float
+    outputs: WagonOutputs
 
     @classmethod
-    def of(cls, dynamics: Dynamics, curve: ConstantCurve, solution: Equilibrium) -> SteadyCurving:
-        frame = dynamics.track.frame(0.0, curve.speed)
-        _, yaw_reaction = dynamics.accelerations(frame, solution.state, Wrench.of(solution.contacts))
-        position = solution.state[:9].reshape(3, 3)
-        return cls(curve, solution, dynamics.suspension.forces(position, np.zeros((3, 3))), yaw_reaction.item())
+    def of(cls, curve: ConstantCurve, solution: Equilibrium) -> SteadyCurving:
+        at, wrenches = np.array([solution.time]), wheelset_wrenches(solution.contacts)
+        return cls(curve, solution, WagonOutputs.of(solution.dynamics, at, solution.state[None], wrenches))
+
+    @cached_property
+    def forces(self) -> WheelsetForces:
+        """Forces of both wheels."""
+        at = self.equilibrium
+        return wheelset_forces(at.dynamics, at.state, at.contacts, at.time)[WHEELSET]
+
+    @property
+    def yaw_reaction(self) -> float:
+        """Constraint moment about the wheelset's vertical axis, N m."""
+        return self.outputs.yaw_reaction.item()
 
     @property
     def wheel_load(self) -> dict[Side, float]:
         """Vertical force Q on each wheel, upwards, N."""
-        return {side: float(self.equilibrium.contacts[side].force[2]) for side in SIDES}
+        return {side: wheel.vertical for side, wheel in self.forces.wheels.items()}
 
     @property
     def guiding_force(self) -> dict[Side, float]:
         """Lateral force Y of each wheel on its rail, towards the field side, N."""
-        return {side: -OUTWARDS[side] * float(self.equilibrium.contacts[side].force[1]) for side in SIDES}
+        return {side: wheel.guiding for side, wheel in self.forces.wheels.items()}
 
     @property
     def derailment_quotient(self) -> dict[Side, float]:
-        """Y / Q; infinite or NaN for an unloaded wheel."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return {s: float(np.divide(self.guiding_force[s], self.wheel_load[s])) for s in SIDES}
+        """Y / Q; infinite for an unloaded wheel."""
+        return {side: wheel.derailment_quotient for side, wheel in self.forces.wheels.items()}
 
     @property
     def lateral_force(self) -> float:
         """Lateral force of both rails on the wheelset, N."""
-        return float(sum(self.equilibrium.contacts[side].force[1] for side in SIDES))
+        return self.forces.track_shifting
 
     @property
     def unloading(self) -> float:
@@ -81,12 +85,12 @@ class SteadyCurving:
     @property
     def secondary_deflection(self) -> float:
         """Lateral deflection of the secondary springs, car body relative to bogie, mean of both sides, m."""
-        return self.suspension.secondary_deflection
+        return self.outputs.secondary_deflection.item()
 
     @property
     def bumpstop_force(self) -> float:
         """Force of the bumpstop on the car body, N."""
-        return float(self.suspension.force[-1, 0]) + 0.0  # never -0
+        return self.outputs.bumpstop_force.item() + 0.0  # never -0
 
     @property
     def car_body(self) -> Array:
@@ -103,7 +107,7 @@ class SteadyCurving:
     @cached_property
     def patches(self) -> dict[Side, tuple[Patch, ...]]:
         """Contact patches by side."""
-        return {side: tuple(self.equilibrium.contacts[side].patches) for side in SIDES}
+        return {side: wheel.patches for side, wheel in self.forces.wheels.items()}
 
 
 def curving(
@@ -125,9 +129,9 @@ def curving(
 
     Raises EquilibriumError.
     """
-    dynamics = Dynamics(wagon, curve.track, contact, curve.speed, structure)
+    dynamics = wagon_dynamics(wagon, curve.track, contact, curve.speed, structure)
     guess = None if before is None else _scaled_guess(before, curve)
-    return SteadyCurving.of(dynamics, curve, equilibrium(dynamics, guess=guess))
+    return SteadyCurving.of(curve, equilibrium(dynamics, guess=guess))
 
 
 def curving_over(

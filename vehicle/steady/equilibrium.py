@@ -1,4 +1,4 @@
-"""Static equilibrium on straight track, or steady position in a curve of constant radius and cant."""
+"""Steady position of a vehicle on straight track or in a curve of constant radius and cant."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from functools import partial
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Contacts, Dynamics
-from wheelrail.vehicle.dynamics.static_residual import StaticResidual, size_of
 from wheelrail.vehicle.integration.integrate import StepTooSmall
 from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.multibody.coordinates import X
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts
 from wheelrail.vehicle.steady.continuation import is_curved, transient_into_curve
+from wheelrail.vehicle.steady.static_start import StaticStart
+from wheelrail.vehicle.steady.steady_problem import SteadyProblem
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
 
@@ -23,100 +26,117 @@ class EquilibriumError(RuntimeError):
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """Equilibrium of the wagon.
+    """Steady position of a vehicle.
 
     Parameters:
-        state: (20 + m + k,) as in `wheelrail.vehicle.dynamics.state`.
-        contacts: results by side.
+        dynamics: equations of motion, at constant speed on a smooth track of constant curvature, cant and gradient.
+        time: s, that of its distance along this track.
+        state: (2 c + m + w k,).
+        contacts: results by wheelset and side.
         iterations: Newton steps.
-        residual: largest unbalanced force over the axle load.
+        residual: largest unbalanced force over the mean wheel load.
     """
 
+    dynamics: VehicleDynamics
+    time: float
     state: Array
-    contacts: Contacts
+    contacts: WheelContacts
     iterations: int
     residual: float
 
 
 def equilibrium(
-    dynamics: Dynamics,
+    dynamics: VehicleDynamics,
     *,
     time: float = 0.0,
     guess: Array | None = None,
-    tolerance: float = 1e-6,
+    tolerance: float = 1e-7,
     acceptable: float = 1e-4,
-    max_iterations: int = 30,
+    max_iterations: int = 60,
 ) -> Equilibrium:
     """State without acceleration at constant speed, curvature, cant and gradient on smooth rails.
 
     Parameters:
         dynamics: equations of motion.
         time: s, at which speed, curvature, cant and gradient are taken.
-        guess: (20 + m + k,) initial state; None: upright bodies at the static height.
+        guess: (2 c + m + w k,) initial state; None: upright bodies at the height at which the contacts carry them.
         tolerance: of the residual.
         acceptable: residual that is accepted when the iteration stalls, limited by the accuracy of the contact.
         max_iterations: Newton steps.
 
-    Damped Newton with the contact's tangent or, without one, with four differences of the contact. The damping
-    decreases with the residual (pseudo-transient continuation), to pass the steep rise of the force at a flange. If the
-    iteration fails from both starts, as between tread and flange, a transient run into the curve gives the initial
-    guess. Raises EquilibriumError.
+    Damped Newton with the contact's tangent or, without one, with differences of the contact. The damping decreases
+    with the residual (pseudo-transient continuation), to pass the steep rise of the force at a flange. If the iteration
+    fails from both starts, as between tread and flange, a transient run into the curve gives the initial guess. Raises
+    EquilibriumError, also where the position along the track is undetermined.
     """
-    equations = StaticResidual(dynamics, dynamics.frame(time).steady())
-    starts: list[Callable[[], Array]] = [equations.static]
+    if dynamics.vehicle.speed_hold is None and not dynamics.coordinates.held[:, X].any():
+        raise EquilibriumError("no equilibrium: without a speed_hold the position along the track is undetermined")
+    problem = SteadyProblem.of(dynamics, time)
+    starts: list[Callable[[], Array]] = [StaticStart(problem)]
     if guess is not None:
-        starts.insert(0, partial(equations.unknown, guess))
+        starts.insert(0, partial(problem.at_rest, guess))
     if is_curved(dynamics, time):
         straight = replace(dynamics, track=Track(), speed=dynamics.speed_profile(time).speed)
-        starts.append(lambda: equations.unknown(transient_into_curve(dynamics, time, equilibrium(straight).state)))
+        starts.append(lambda: problem.at_rest(transient_into_curve(dynamics, time, equilibrium(straight).state)))
     for number, start in enumerate(starts, start=1):
         try:
-            return _newton(equations, start(), tolerance, acceptable, max_iterations)
+            return _newton(problem, start(), tolerance, acceptable, max_iterations)
         except (StepFailure, StepTooSmall, EquilibriumError) as error:
             if number == len(starts):
                 raise EquilibriumError(f"no equilibrium: {error}") from error
     raise AssertionError("no start")
 
 
+def curve_dynamics(dynamics: VehicleDynamics, curve: ConstantCurve) -> VehicleDynamics:
+    """The vehicle at the speed of a curve on its track."""
+    return replace(dynamics, track=curve.track, speed=curve.speed)
+
+
 def _newton(
-    equations: StaticResidual, unknown: Array, tolerance: float, acceptable: float, max_iterations: int
+    problem: SteadyProblem, state: Array, tolerance: float, acceptable: float, max_iterations: int
 ) -> Equilibrium:
     """Newton's method from one start. Raises EquilibriumError, or StepFailure when no step reduces the residual."""
-    contacts = equations.contacts(unknown, None)
-    residual = equations.residual(unknown, contacts)
-    damping, best = 0.0, Equilibrium(equations.state(unknown), contacts, 0, size_of(residual))
+    contacts = problem.contacts(state, None)
+    residual = problem.residual(state, contacts)
+    damping, best = 0.0, Equilibrium(problem.dynamics, problem.time, state, contacts, 0, _size(residual))
     for iteration in range(1, max_iterations + 1):
         stalled = best.residual <= acceptable and iteration > best.iterations + 4
         if best.residual <= tolerance or stalled:
             return best
-        unknown, contacts, new, damping = _step(equations, unknown, contacts, residual, damping)
-        damping *= min(0.5, size_of(new) / size_of(residual))
+        state, contacts, new, damping = _step(problem, state, contacts, residual, damping)
+        damping *= min(0.5, _size(new) / _size(residual))
         residual = new
-        if size_of(residual) < best.residual:
-            best = Equilibrium(equations.state(unknown), contacts, iteration, size_of(residual))
+        if _size(residual) < best.residual:
+            best = replace(best, state=state, contacts=contacts, iterations=iteration, residual=_size(residual))
     if best.residual <= acceptable:
         return best
-    raise EquilibriumError(f"residual of {best.residual:.3g} axle loads after {max_iterations} Newton steps")
+    raise EquilibriumError(f"residual of {best.residual:.3g} wheel loads after {max_iterations} Newton steps")
 
 
 def _step(
-    equations: StaticResidual, unknown: Array, contacts: Contacts, residual: Array, damping: float
-) -> tuple[Array, Contacts, Array, float]:
-    """The next unknown, contacts, residual and damping.
+    problem: SteadyProblem, state: Array, contacts: WheelContacts, residual: Array, damping: float
+) -> tuple[Array, WheelContacts, Array, float]:
+    """The next state, contacts, residual and damping.
 
     The residual may temporarily increase up to threefold: a monotonic decrease stalls where a second contact begins.
     Raises StepFailure when no damping satisfies this bound.
     """
-    jacobian, size = equations.jacobian(unknown, contacts, residual), size_of(residual)
+    jacobian, size = problem.jacobian(state, contacts), _size(residual)
     while damping < 1e6:
         try:
-            change = np.linalg.solve(damping * np.diag(1.0 / equations.large) - jacobian, residual)
-            change /= max(1.0, size_of(change / equations.large))
-            new_contacts = equations.contacts(unknown + change, contacts)
-            new = equations.residual(unknown + change, new_contacts)
-            if size_of(new) < 3.0 * size:
-                return unknown + change, new_contacts, new, damping
+            change = np.linalg.solve(damping * np.diag(1.0 / problem.largest) - jacobian, residual)
+            change /= max(1.0, _size(change / problem.largest))
+            new_state = state.copy()
+            new_state[problem.unknowns] += change
+            new_contacts = problem.contacts(new_state, contacts)
+            new = problem.residual(new_state, new_contacts)
+            if _size(new) < 3.0 * size:
+                return new_state, new_contacts, new, damping
         except (StepFailure, np.linalg.LinAlgError):  # singular, e.g. without friction: the spin is undetermined
             pass
         damping = max(4.0 * damping, 1e-2 * size)
-    raise StepFailure(f"Newton's method stalled at a residual of {size:.3g} axle loads")
+    raise StepFailure(f"Newton's method stalled at a residual of {size:.3g} wheel loads")
+
+
+def _size(vector: Array) -> float:
+    return float(np.max(np.abs(vector)))

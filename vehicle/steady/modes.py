@@ -1,32 +1,25 @@
-"""Linear modes of the wagon about an equilibrium."""
+"""Linear modes of a vehicle about an equilibrium."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.contact.kinematics.frames import Side
-from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT, PITCH
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.track.track import Track
-from wheelrail.vehicle.wagon.wagon import Wagon
 
 AT_REST = 5e-2  # of the motions of axle and rails in a mode: largest motion of the bodies that is not a mode of theirs
 
 
 @dataclass(frozen=True)
 class Mode:
-    """A motion Re(shape exp(eigenvalue t)) of n coordinates, the ten of the plane wagon by default.
+    """A motion Re(shape exp(eigenvalue t)) of n coordinates.
 
     Parameters:
         eigenvalue: 1/s.
@@ -38,7 +31,7 @@ class Mode:
     eigenvalue: complex
     shape: NDArray[np.complex128]
     energy_fraction: Array
-    names: tuple[str, ...] = COORDINATES
+    names: tuple[str, ...]
 
     @property
     def frequency(self) -> float:
@@ -65,7 +58,7 @@ class Mode:
         return f"{self.frequency:9.4g} Hz  damping {self.damping:7.4f}  {self.main_coordinates}"
 
 
-def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.0) -> list[Mode]:
+def modes(dynamics: VehicleDynamics, at: Equilibrium | None = None, *, time: float = 0.0) -> list[Mode]:
     """Linear modes in ascending order of frequency; one of each complex conjugate pair.
 
     Parameters:
@@ -73,59 +66,58 @@ def modes(dynamics: Dynamics, at: Equilibrium | None = None, *, time: float = 0.
         at: equilibrium at the time; None: computed.
         time: s, at which speed and track are taken.
 
-    The contact is linearised by its tangent, creep forces included, or by differences. The zero mode of the rolling
-    angle is left out, and so is the decay of motions of axle and rails that hardly moves the bodies. Raises
-    EquilibriumError, and StepFailure where a contact solve fails.
+    The contact is linearised by its tangent, creep forces included, or by central differences. Motions of which no
+    force depends on the coordinates, as of the wheelsets' angles of rolling, are left out, and so is the decay of
+    motions of axle and rails that hardly moves the bodies. Raises EquilibriumError, and StepFailure where a contact
+    solve fails.
     """
     solution = at or equilibrium(dynamics, time=time)
-    return _modes_of(dynamics, _matrix(dynamics, time, solution), fixed=())
+    linearise = VehicleJacobian(solution.dynamics, StepStatistics(), central=True)
+    evaluation = VehicleEvaluation(np.zeros_like(solution.state), solution.contacts)
+    matrix = linearise(solution.time, solution.state, evaluation).by_state
+    return _modes_of(solution.dynamics, matrix, fixed=np.empty(0, dtype=np.int64))
 
 
-def fixed_wheelset_modes(wagon: Wagon) -> list[Mode]:
-    """Modes of car body and bogie on straight level track with a fixed wheelset, without a contact model."""
-    dynamics = Dynamics(wagon, Track(), _ConstantLoad(wagon.wheel_load), speed=1.0)
-    state = np.zeros(dynamics.size)
-    contacts = dynamics.solve_contacts(dynamics.track.frame(0.0, 1.0), state, None)
-    return _modes_of(dynamics, _matrix(dynamics, 0.0, Equilibrium(state, contacts, 0, 0.0)), fixed=range(6, COUNT))
+def held_wheelset_modes(dynamics: VehicleDynamics) -> list[Mode]:
+    """Modes of the bodies above wheelsets that are held on straight level track, without the contact.
+
+    Parameters:
+        dynamics: equations of motion, of which track, contact and structure are not used.
+    """
+    straight = replace(dynamics, track=Track(), structure=None)
+    coordinates, n = straight.coordinates, straight.size
+    wrenches = np.zeros((len(coordinates.wheelset_bodies), 6))
+    matrix = np.zeros((n, n))
+    matrix[: coordinates.count, coordinates.count : 2 * coordinates.count] = np.eye(coordinates.count)
+    bodies = straight.bodies.derivatives(straight.speed_profile(0.0), 0.0, np.zeros(n), wrenches)
+    matrix[coordinates.count :] = bodies.by_state
+    fixed = np.concatenate([coordinates.of_body(body) for body in coordinates.wheelset_bodies.tolist()])
+    return _modes_of(straight, matrix, fixed=fixed)
 
 
-@dataclass(frozen=True)
-class _ConstantLoad(VehicleContact):
-    """A constant load N on each wheel."""
-
-    load: float
-
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        return ContactResult(np.array([0.0, 0.0, self.load]), np.zeros(3), status="converged")
-
-
-def _matrix(dynamics: Dynamics, time: float, at: Equilibrium) -> Array:
-    evaluation = Evaluation(np.zeros_like(at.state), at.contacts, 0.0)
-    return Jacobian(dynamics, StepStatistics(), central=True)(time, at.state, evaluation).by_state
-
-
-def _modes_of(dynamics: Dynamics, matrix: Array, *, fixed: Iterable[int]) -> list[Mode]:
+def _modes_of(dynamics: VehicleDynamics, matrix: Array, *, fixed: NDArray[np.int64]) -> list[Mode]:
     """Modes of the first-order system with some coordinates (and their rates) fixed."""
-    removed = {i + part for i in fixed for part in (0, COUNT)}
-    free = [i for i in range(len(matrix)) if i not in removed]
+    coordinates, c, m = dynamics.coordinates, dynamics.coordinates.count, dynamics.coordinates.size
+    rolling = np.setdiff1d(coordinates.rolling_angles, fixed)
+    free = np.setdiff1d(np.arange(len(matrix)), np.concatenate([fixed, c + fixed, rolling]))
     values, vectors = np.linalg.eig(matrix[np.ix_(free, free)])
     shapes = np.zeros((len(matrix), len(values)), dtype=complex)
     shapes[free] = vectors
-    first = len(matrix) - dynamics.motions
-    last = len(matrix) - (0 if dynamics.structure is None else dynamics.structure.velocities)
-    all_modes = [
-        _mode(dynamics, complex(values[i]), shapes[:COUNT, i])
-        for i in np.argsort(np.abs(values), kind="stable")
-        if np.abs(shapes[:COUNT, i]).max() > AT_REST * np.abs(shapes[first:last, i]).max(initial=0.0)
-    ]
-    return [
-        m
-        for m in all_modes
-        if m.eigenvalue.imag >= 0.0 and not (m.eigenvalue == 0.0 and m.energy_fraction[PITCH] == 1.0)
-    ]
+    moving = values != 0.0
+    shapes[np.ix_(rolling, moving)] = shapes[np.ix_(c + rolling, moving)] / values[moving]
+    largest = np.abs(shapes[:c]).max(axis=0)
+    positions = np.ones(dynamics.motion_count, dtype=bool)
+    if dynamics.structure is not None:
+        size = dynamics.structure.size
+        positions.reshape(-1, size)[:, size - dynamics.structure.velocities :] = False
+    beside = np.abs(shapes[m:][positions]).max(axis=0, initial=0.0)
+    shown = (values.imag >= 0.0) & (largest > AT_REST * beside)
+    order = np.argsort(np.abs(values), kind="stable")
+    return [_mode(dynamics, complex(values[i]), shapes[:, i]) for i in order if shown[i]]
 
 
-def _mode(dynamics: Dynamics, value: complex, shape: NDArray[np.complex128]) -> Mode:
-    mass, roll, pitch, _, _ = dynamics.constants
-    energy = np.append(np.stack([mass, mass, roll], axis=1).ravel(), pitch[2]) * np.abs(shape) ** 2
-    return Mode(value, shape / shape[np.argmax(np.abs(shape))], energy / energy.sum())
+def _mode(dynamics: VehicleDynamics, value: complex, vector: NDArray[np.complex128]) -> Mode:
+    c = dynamics.coordinates.count
+    energy = dynamics.coordinates.inertia * np.abs(vector[:c]) ** 2
+    shape = vector[:c]
+    return Mode(value, shape / shape[np.argmax(np.abs(shape))], energy / energy.sum(), dynamics.coordinates.names)

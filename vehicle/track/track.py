@@ -1,17 +1,16 @@
-"""Track geometry: alignment, track frame and centre line."""
+"""Track geometry: alignment and centre line."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import asin, cos, sin, sqrt
+from math import cos
 
 import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.track.alignment import Segment, track_functions
-from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.irregularity import Irregularities
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction, Shape
 
@@ -119,51 +118,6 @@ class Track:
         """
         functions = track_functions(segments, corner=corner)
         return cls(functions.curvature, functions.superelevation, functions.gradient, base, irregularities)
-
-    def angle(self, s: float) -> tuple[float, float, float]:
-        """Roll rad of the rail plane about the tangent, positive raises the left rail, and two derivatives in s."""
-        h, dh, ddh = (-value / self.base for value in self.superelevation(s))
-        root = sqrt(1.0 - h * h)
-        return asin(h), dh / root, ddh / root + h * dh * dh / root**3
-
-    def frame(self, s: float, speed: float, acceleration: float = 0.0) -> Frame:
-        """Track frame at a distance.
-
-        Parameters:
-            s: m.
-            speed: m/s.
-            acceleration: m/s2.
-
-        Orientation Rz(heading) Ry(-gradient) Rx(angle); with the rotation k per length, w = V k and
-        dw/dt = V' k + V^2 k'.
-        """
-        p, dp, ddp = self.angle(s)
-        a, da, dda = self.gradient(s)
-        curvature, dcurvature, _ = self.curvature(s)
-        ca, sa, cp, sp = cos(a), sin(a), cos(p), sin(p)
-        turn = curvature * ca  # heading per arc length
-        dturn = dcurvature * ca - curvature * da * sa
-        across, dacross = turn * ca, dturn * ca - turn * da * sa  # component normal to the tangent
-        k = (dp + turn * sa, across * sp - da * cp, across * cp + da * sp)
-        dk = (
-            ddp + dturn * sa + turn * da * ca,
-            dacross * sp + across * dp * cp - dda * cp + da * dp * sp,
-            dacross * cp - across * dp * sp + dda * sp + da * dp * cp,
-        )
-        v2 = speed * speed
-        return Frame(
-            speed,
-            acceleration,
-            rate=(speed * k[0], speed * k[1], speed * k[2]),
-            rate_dot=(
-                acceleration * k[0] + v2 * dk[0],
-                acceleration * k[1] + v2 * dk[1],
-                acceleration * k[2] + v2 * dk[2],
-            ),
-            down=(-sa, -ca * sp, -ca * cp),
-            rails=self.irregularities.rails(s) if self.irregularities else None,
-            distance=s,
-        )
 
     def heading(self, s: float) -> float:
         """Angle of the tangent in plan relative to s = 0, rad, by Gauss quadrature over each smooth piece."""

@@ -1,7 +1,4 @@
-"""Masses, suspension parameters, force laws and force elements of the wagon.
-
-`Wagon` holds the data; `Suspension` computes the forces between its bodies.
-"""
+"""Masses, suspension parameters and force laws of the wagon."""
 
 import lazy_loader
 

@@ -64,25 +64,33 @@ class ForceLaw:
 
     def __call__(self, value: float | Array) -> Array:
         """Force N at deflections m or velocities m/s (...), with their sign."""
-        i, offset = self._located(value)
-        force = self.slopes[i] * offset + self.forces[i]
+        i, point, offset = self._located(value)
+        force = self.slopes[i] * offset + self.forces[point]
         return np.asarray(np.copysign(force, value) if self.odd else force)
 
     def energy(self, value: float | Array) -> Array:
         """Integral (...) of the force from 0, J, exact."""
-        i, offset = self._located(value)
-        return np.asarray(self.energies[i] + (self.forces[i] + 0.5 * self.slopes[i] * offset) * offset)
+        i, point, offset = self._located(value)
+        return np.asarray(self.energies[point] + (self.forces[point] + 0.5 * self.slopes[i] * offset) * offset)
+
+    @cached_property
+    def mirrored(self) -> ForceLaw:
+        """The law of the mirror image of an element: of deflections and forces with the opposite sign, bit for bit."""
+        return self if self.odd else ForceLaw(tuple((0.0 - x, 0.0 - f) for x, f in reversed(self.points)))
 
     @cached_property
     def inverse(self) -> ForceLaw:
         """Deflection or velocity over force; raises ValueError for a law that does not increase strictly."""
         return ForceLaw(tuple((f, x) for x, f in self.points))
 
-    def _located(self, value: float | Array) -> tuple[NDArray[np.int64], Array]:
-        """Index of the piece and distance from its start; of an odd law for the absolute value."""
+    def _located(self, value: float | Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+        """Index of the piece, of its end that is nearer to zero, and distance from there; of an odd law for the
+        absolute value.
+        """
         magnitude = np.abs(value) if self.odd else np.asarray(value)
         i = np.searchsorted(self.abscissae[1:-1], magnitude, side="right")
-        return np.asarray(i), np.asarray(magnitude - self.abscissae[i])
+        point = i + (self.abscissae[i] < 0.0)
+        return np.asarray(i), np.asarray(point), np.asarray(magnitude - self.abscissae[point])
 
     def __rmul__(self, factor: float) -> ForceLaw:
         return ForceLaw(tuple((x, factor * f) for x, f in self.points))

@@ -204,7 +204,7 @@ def hunting(
     check_picture(picture)
     from wheelrail.scenes.builders.vehicle_file import load_vehicle
     from wheelrail.scenes.runs.hunting import draw_bifurcation, fold_line, hunting_of, hunting_table
-    from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch
+    from wheelrail.vehicle.simulation.limit_cycle import CycleSearch
 
     speeds, cycles = speed or [checked.vehicle.first_speed], []
     with (

@@ -9,16 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lagrange import Energies
+from plane import in_frame, wrench_of
 from scipy.integrate import solve_ivp
+from track_frame import Frame, frame_at
 
 from benchmarks.exudyn.linear_contact import LinearContact
 from benchmarks.exudyn.report import EVERY, REFERENCE, initial, ours, relative, theirs
-from wheelrail.vehicle.dynamics.equations import Dynamics, Wrench
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
-from wheelrail.vehicle.track.frame import Frame
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -38,32 +38,38 @@ def lagrange() -> Lagrange:
 def test_equations_of_motion(lagrange: Lagrange, s: float) -> None:
     """Random states with large rolls, in a curve with varying cant on a gradient; also with prescribed frames."""
     rng = np.random.default_rng(int(s))
-    dynamics = Dynamics(WAGON, CURVE, CONTACT, V)
-    frames = [CURVE.frame(s, V), Frame(V, 0.0, *(tuple((x * rng.normal(size=3)).tolist()) for x in (0.3, 1.0, 1.0)))]
+    dynamics = wagon_dynamics(WAGON, CURVE, CONTACT, V)
+    down = rng.normal(size=3)
+    rates = (x * rng.normal(size=3) for x in (0.3, 1.0))
+    frames = [frame_at(CURVE, s, V), Frame(V, 0.0, *rates, down / np.linalg.norm(down))]
     scale = np.tile([0.05, 0.02, 0.05, 0.02, 0.02, 0.05, 0.01, 1e-3, 0.01, 1.0], 2)
     for frame in frames:
         for _ in range(5):
             state = scale * rng.normal(size=2 * COUNT)
-            contacts = dynamics.solve_contacts(frame, state, None)
-            here = dynamics.accelerations(frame, state, Wrench.of(contacts))[0]
-            there = lagrange(frame, state, dynamics.rolling_rate(frame))
+            wheelset = replace(
+                dynamics.wheelset_states(s / V, state)["wheelset"], frame_rate=tuple(frame.rate.tolist())
+            )
+            contacts = {"wheelset": dynamics.solve_wheelset("wheelset", wheelset, None)}
+            here, _ = in_frame(dynamics, frame, state, wrench_of(contacts))
+            there = lagrange(frame, state, V / WAGON.radius)
             np.testing.assert_allclose(here, there, rtol=1e-11, atol=1e-11 * np.abs(there).max())
 
 
 def test_run_through_a_transition(lagrange: Lagrange) -> None:
     """A run against an integration of order 8 of Lagrange's equations: 1e-6 of each channel's maximum."""
     end = 1.0
-    dynamics, steps = Dynamics(WAGON, CURVE, CONTACT, V), StepSettings("ode45", 1e-7, 1e-10)
+    dynamics, steps = wagon_dynamics(WAGON, CURVE, CONTACT, V), StepSettings("ode45", 1e-7, 1e-10)
     history = simulate(dynamics, (0.0, end), initial=0.3 * initial(), steps=steps, recording=Recording(0.1))
     nominal = V / WAGON.radius
 
     def rate(time: float, state: np.ndarray) -> np.ndarray:
-        return np.concatenate([state[COUNT:], lagrange(CURVE.frame(V * time, V), state, nominal)])
+        return np.concatenate([state[COUNT:], lagrange(frame_at(CURVE, V * time, V), state, nominal)])
 
     there = solve_ivp(rate, (0.0, end), 0.3 * initial(), method="DOP853", t_eval=history.time, rtol=1e-9, atol=1e-13)
     assert history.status == "completed"
     assert history.distance[-1] == pytest.approx(40.0)  # within the transition, its end at 45 m
-    assert np.abs(history.outputs.bumpstop_force).max() > 500.0
+    bumpstop = list(dynamics.vehicle.elements).index("bumpstop")
+    assert max(abs(forces.element_force[bumpstop, 1]) for forces in history.suspension()) > 500.0
     assert relative(history.state[:, :9], there.y[:9].T).max() < 1e-6
 
 

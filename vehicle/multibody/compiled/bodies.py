@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.support.arrays import Array, Complex
+from wheelrail.support.arrays import Array, Complex, Nodes
 from wheelrail.vehicle.multibody.compiled.sections import Section
 from wheelrail.vehicle.multibody.compiled.vectors import (
     Matrix,
@@ -18,6 +18,7 @@ from wheelrail.vehicle.multibody.compiled.vectors import (
     analytic,
     body_rotation,
     cross,
+    dot,
     multiply,
     product,
     rotate,
@@ -37,7 +38,8 @@ class BodyArrays(NamedTuple):
         wheelset: (n,) 1 for wheelsets, otherwise 0.
         radius: nominal rolling radius, m.
         gravity: m/s2.
-        held: index of the body whose place the speed hold keeps; -1: none.
+        held: (n, 6) 1 for held coordinates, otherwise 0.
+        kept: index of the body whose place the speed hold keeps; -1: none.
         hold_stiffness, hold_damping: N/m and N s/m.
     """
 
@@ -48,7 +50,8 @@ class BodyArrays(NamedTuple):
     wheelset: Array
     radius: float
     gravity: float
-    held: int
+    held: Nodes
+    kept: int
     hold_stiffness: float
     hold_damping: float
 
@@ -119,24 +122,81 @@ def motion_of(bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, 
     )
 
 
+class Acceleration(NamedTuple):
+    """Second derivatives of three coordinates, and generalised forces that hold those that are held, otherwise 0."""
+
+    values: Vector
+    reactions: Vector
+
+
 @analytic
-def translation(bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, force: Vector) -> Vector:
-    """Accelerations m/s2 along the path, in y and in z of body i under a force N in its track frame."""
-    rate = frame.frame_rate
+def constrained(
+    directions: Matrix, momenta: Matrix, right: Vector, held: tuple[int, int, int], nominal: Vector
+) -> Acceleration:
+    """Solution x of d_k . (sum_j m_j x_j - right) = 0 for free coordinates k, x_k nominal for held ones.
+
+    Parameters:
+        directions: vectors d_k of the velocities that belong to the coordinates.
+        momenta: vectors m_k, mass or inertia times d_k.
+        right: force or moment without what the accelerations cause.
+        held: 1 where a coordinate is held.
+        nominal: second derivatives of held coordinates.
+    """
+    one, zero = 1.0 + 0.0 * right[0], 0.0 * right[0]
+    a = rotate_back(momenta, directions[0]) if held[0] == 0 else (one, zero, zero)
+    b = rotate_back(momenta, directions[1]) if held[1] == 0 else (zero, one, zero)
+    c = rotate_back(momenta, directions[2]) if held[2] == 0 else (zero, zero, one)
+    p = dot(directions[0], right) if held[0] == 0 else nominal[0]
+    q = dot(directions[1], right) if held[1] == 0 else nominal[1]
+    r = dot(directions[2], right) if held[2] == 0 else nominal[2]
+    normal = cross(b, c)
+    x = add(add(scale(p, normal), scale(q, cross(c, a))), scale(r, cross(a, b)))
+    x = scale(1.0 / dot(a, normal), x)
+    misfit = subtract(rotate(momenta, x), right)
+    return Acceleration(
+        x,
+        (
+            held[0] * dot(directions[0], misfit),
+            held[1] * dot(directions[1], misfit),
+            held[2] * dot(directions[2], misfit),
+        ),
+    )
+
+
+@analytic
+def translation(
+    bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, force: Vector, path: complex
+) -> Acceleration:
+    """Accelerations m/s2 along the path, in y and in z of body i under a force N in its track frame.
+
+    path: acceleration of the reference motion, m/s2.
+    """
+    rate, zero = frame.frame_rate, 0.0 * path
     inertial = scale(frame.speed * frame.speed, cross(section.rate_slope, frame.offset))
     inertial = add(inertial, cross(rate, cross(rate, frame.offset)))
     inertial = add(inertial, scale(2.0, cross(rate, frame.offset_rate)))
-    inertial = add(inertial, (0.0 * frame.speed, frame.speed * rate[2], -frame.speed * rate[1]))
-    free, lever = subtract(scale(1.0 / bodies.mass[i], force), inertial), cross(section.rate, frame.offset)
-    path = free[0] / (1.0 + lever[0])
-    return path, free[1] - path * lever[1], free[2] - path * lever[2]
+    inertial = add(inertial, (zero, frame.speed * rate[2], -frame.speed * rate[1]))
+    lever = cross(section.rate, frame.offset)
+    along = (1.0 + lever[0], lever[1], lever[2])
+    directions = (along, (zero, 1.0 + zero, zero), (zero, zero, 1.0 + zero))
+    held, mass = (bodies.held[i, 0], bodies.held[i, 1], bodies.held[i, 2]), bodies.mass[i]
+    free = subtract(scale(1.0 / mass, force), inertial)
+    solved = constrained(directions, directions, free, held, (path, zero, zero))
+    return Acceleration(solved.values, scale(mass, solved.reactions))
 
 
 @analytic
 def rotation(
-    bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, rate: Complex, moment: Vector, path: complex
-) -> Vector:
-    """Second derivatives rad/s2 of roll, pitch and yaw of body i.
+    bodies: BodyArrays,
+    i: int,
+    section: Section,
+    frame: FrameMotion,
+    rate: Complex,
+    moment: Vector,
+    path: complex,
+    rolling: complex,
+) -> Acceleration:
+    """Second derivatives rad/s2 of roll, pitch and yaw of body i; the pitch of a wheelset with nominal rolling.
 
     Parameters:
         bodies, i: all bodies, and index of this one.
@@ -144,20 +204,25 @@ def rotation(
         rate: (6,) of the coordinates.
         moment: N m in the track frame.
         path: acceleration along the path, m/s2.
+        rolling: second derivative of the nominal pitch, rad/s2.
     """
-    zero = 0.0 * path
-    yaw_rate, roll_rate, spin = (zero, zero, rate[5]), scale(rate[3], frame.roll_axis), scale(frame.spin, frame.axle)
+    zero, axes = 0.0 * path, frame.rotation
+    vertical = (zero, zero, 1.0 + zero)
+    yaw_rate, roll_rate, spin = scale(rate[5], vertical), scale(rate[3], frame.roll_axis), scale(frame.spin, frame.axle)
     before_roll = add(frame.frame_rate, yaw_rate)
     before_spin = add(before_roll, roll_rate)
     bias = add(scale(path, section.rate), scale(frame.speed * frame.speed, section.rate_slope))
     bias = add(bias, cross(frame.frame_rate, yaw_rate))
     bias = add(bias, add(cross(before_roll, roll_rate), cross(before_spin, spin)))
     inertia = (bodies.inertia[i, 0], bodies.inertia[i, 1], bodies.inertia[i, 2])
-    angular = rotate_back(frame.rotation, add(before_spin, spin))
-    right = subtract(rotate_back(frame.rotation, moment), cross(angular, multiply(inertia, angular)))
-    x, y, z = subtract(
-        rotate(frame.rotation, (right[0] / inertia[0], right[1] / inertia[1], right[2] / inertia[2])), bias
+    angular = rotate_back(axes, add(before_spin, spin))
+    free = subtract(rotate_back(axes, moment), cross(angular, multiply(inertia, angular)))
+    free = subtract(free, multiply(inertia, rotate_back(axes, bias)))
+    roll, pitch, yaw = (
+        rotate_back(axes, frame.roll_axis),
+        rotate_back(axes, frame.axle),
+        rotate_back(axes, vertical),
     )
-    cos_yaw, sin_yaw, sin_roll = frame.roll_axis[0], frame.roll_axis[1], frame.axle[2]
-    pitch = (cos_yaw * y - sin_yaw * x) / np.sqrt(1.0 - sin_roll * sin_roll)
-    return cos_yaw * x + sin_yaw * y, pitch, z - sin_roll * pitch
+    momenta = (multiply(inertia, roll), multiply(inertia, pitch), multiply(inertia, yaw))
+    held = (bodies.held[i, 3], bodies.held[i, 4], bodies.held[i, 5])
+    return constrained((roll, pitch, yaw), momenta, free, held, (zero, rolling, zero))

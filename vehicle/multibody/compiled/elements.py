@@ -95,7 +95,8 @@ def law_force(laws: LawArrays, law: int, value: complex) -> complex:
     while i < last and x.real >= laws.abscissae[i + 1]:
         i += 1
     slope = (laws.forces[i + 1] - laws.forces[i]) / (laws.abscissae[i + 1] - laws.abscissae[i])
-    force: complex = sign * (slope * (x - laws.abscissae[i]) + laws.forces[i])
+    point = i if laws.abscissae[i] >= 0.0 else i + 1  # the end nearer to zero: mirrored laws agree bit for bit
+    force: complex = sign * (slope * (x - laws.abscissae[point]) + laws.forces[point])
     return force
 
 

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.support.arrays import Array, Complex
+from wheelrail.support.arrays import Array, Complex, Nodes
 from wheelrail.vehicle.multibody.compiled.bodies import (
+    Acceleration,
     BodyArrays,
     Motion,
     Travel,
@@ -43,6 +44,13 @@ def load(values: Complex) -> Vector:
 
 
 @analytic
+def store_solved(values: Complex, solved: Acceleration, nominal: Vector, held: Nodes) -> None:
+    """Fill three values: second derivatives less nominal ones, reactions where coordinates are held."""
+    for k in range(3):
+        values[k] = solved.reactions[k] if held[k] else solved.values[k] - nominal[k]
+
+
+@analytic
 def add_to(values: Complex, vector: Vector) -> None:
     """Add to three values."""
     store(values, add(load(values), vector))
@@ -68,7 +76,7 @@ def sections(vehicle: VehicleArrays, distance: complex, reference: complex, stat
         vehicle: bodies and track.
         distance: of the reference motion, m.
         reference: distance of the common axes, m.
-        state: (2 c + m,).
+        state: (12 n + m,) with held coordinates.
     """
     result = np.empty((len(vehicle.bodies.mass), 6, 3), np.complex128)
     for i in range(len(result)):
@@ -156,26 +164,29 @@ def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series
 
 @analytic
 def accelerations(vehicle: VehicleArrays, rows: Complex, travel: Travel, state: Complex, wrenches: Complex) -> Complex:
-    """Accelerations (c,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
+    """Accelerations (6 n,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
 
     Parameters:
         vehicle: bodies and elements.
         rows: (n, 6, 3), see `sections`.
         travel: reference motion.
-        state: (2 c + m,).
+        state: (12 n + m,) with held coordinates.
         wrenches: (n, 2, 3) N and N m, contact forces and moments about the bodies' centres, in their track frames.
+
+    In place of the accelerations of held coordinates, which are zero, stand the generalised forces N or N m of their
+    constraints.
     """
     n = len(vehicle.bodies.mass)
     result = np.empty(len(state) - 6 * n, np.complex128)
     motions = motions_of(vehicle, rows, travel, state)
     total = suspension(vehicle, motions, state[12 * n :], result[6 * n :], -1)
     for i in range(n):
-        store_acceleration(vehicle, rows[i], travel, state, total[i], wrenches[i], i, result[6 * i : 6 * i + 6])
+        store_accelerations(vehicle, rows[i], travel, state, total[i], wrenches[i], i, result[6 * i : 6 * i + 6])
     return result
 
 
 @analytic
-def store_acceleration(
+def store_accelerations(
     vehicle: VehicleArrays,
     rows: Complex,
     travel: Travel,
@@ -185,91 +196,93 @@ def store_acceleration(
     i: int,
     values: Complex,
 ) -> None:
-    """Fill the accelerations (6,) of the coordinates of body i.
+    """Fill the accelerations (6,) of the coordinates of body i, or reactions where they are held.
 
     Parameters:
         vehicle: bodies.
         rows: (6, 3), section of the track at the body.
         travel: reference motion.
-        state: (2 c + m,).
+        state: (12 n + m,) with held coordinates.
         total, wrench: (2, 3) force and moment of the suspension, in common axes, and of contacts, in the track frame.
         i: number of the body.
         values: filled.
     """
-    bodies, c = vehicle.bodies, 6 * len(vehicle.bodies.mass)
+    bodies, c, along = vehicle.bodies, 6 * len(vehicle.bodies.mass), travel.acceleration
+    zero, rolling = 0.0 * along, bodies.wheelset[i] * along / bodies.radius
     section, q, rate = section_of(rows), state[6 * i : 6 * i + 6], state[c + 6 * i : c + 6 * i + 6]
     force = load(total[0])
     force = (force[0], force[1], force[2] - bodies.gravity * bodies.mass[i])
-    if bodies.held == i:
+    if bodies.kept == i:
         size = -bodies.hold_stiffness * q[0] - bodies.hold_damping * rate[0]
         force = add(force, scale(size, section.axes[0]))
     force = add(rotate_back(section.axes, force), load(wrench[0]))
     moment = add(rotate_back(section.axes, load(total[1])), load(wrench[1]))
     frame = frame_motion(bodies, i, travel, section, q, rate)
-    path, y, z = translation(bodies, i, section, frame, force)
-    roll, pitch, yaw = rotation(bodies, i, section, frame, rate, moment, path)
-    pitch -= bodies.wheelset[i] * travel.acceleration / bodies.radius
-    store(values[:3], (path - travel.acceleration, y, z))
-    store(values[3:], (roll, pitch, yaw))
+    linear = translation(bodies, i, section, frame, force, along)
+    angular = rotation(bodies, i, section, frame, rate, moment, linear.values[0], rolling)
+    store_solved(values[:3], linear, (along, zero, zero), bodies.held[i, :3])
+    store_solved(values[3:], angular, (zero, rolling, zero), bodies.held[i, 3:])
 
 
 @analytic
-def derivatives(vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Complex, wrenches: Complex) -> Array:
-    """Derivatives (2 c + m + 7, c + m) of the accelerations at a real state by complex steps, exact but for round-off.
+def derivatives(
+    vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Complex, columns: Nodes, wrenches: Complex
+) -> Array:
+    """Derivatives (s + 7, 6 n + m) of the accelerations at a real state by complex steps, exact but for round-off.
 
     Parameters:
         vehicle: bodies, elements and track.
         travel, rates: reference motion, and its derivative by time.
-        state: (2 c + m,).
+        state: (12 n + m,) with held coordinates.
+        columns: (s,) indices of its components by which the derivatives are taken.
         wrenches: (n, 2, 3) N and N m, see `accelerations`.
 
-    Rows: by the components of the state; by the three forces and moments on the wheelsets, on all at once; by time.
+    Rows: by these components; by the three forces and moments on the wheelsets, on all at once; by time.
     Of an analytic function f, f(x + i h) = f(x) + i h f'(x) for small h, without cancellation; W. Squire, G. Trapp,
     SIAM Review 40 (1998) 110-112, doi:10.1137/S003614459631241X.
     """
-    n, size = len(vehicle.bodies.mass), len(state)
+    n, size = len(vehicle.bodies.mass), len(columns)
     c, step, reference = 6 * n, STEP * 1j, travel.distance
-    result, rows = np.zeros((size + 7, size - c)), sections(vehicle, travel.distance, travel.distance, state)
-    motions, rates_of = motions_of(vehicle, rows, travel, state), np.zeros(size - 2 * c, np.complex128)
+    result, rows = np.zeros((size + 7, len(state) - c)), sections(vehicle, travel.distance, travel.distance, state)
+    motions, rates_of = motions_of(vehicle, rows, travel, state), np.zeros(len(state) - 2 * c, np.complex128)
     total = suspension(vehicle, motions, state[2 * c :], rates_of, -1)
     own_rows, own_motion, values = rows.copy(), motions.copy(), np.empty(6, np.complex128)
-    for j in range(2 * c):  # one body moves: its elements, it and its neighbours feel it
-        body = j % c // 6
-        point = state.copy()
-        point[j] += step
-        if j < c and j % 6 == 0:
-            store_section(vehicle, travel.distance, reference, point, body, own_rows[body])
-        store_motion(vehicle, own_rows[body], travel, point, body, own_motion[body])
-        rates_of[:] = 0.0
-        change = suspension(vehicle, own_motion, point[2 * c :], rates_of, body)
-        for i in range(n):
-            moved = i == body
-            for k in range(3):
-                moved = moved or change[i, 0, k] != 0.0 or change[i, 1, k] != 0.0
-                change[i, 0, k] = complex(total[i, 0, k].real, change[i, 0, k].imag)
-                change[i, 1, k] = complex(total[i, 1, k].real, change[i, 1, k].imag)
-            if moved:
-                store_acceleration(vehicle, own_rows[i], travel, point, change[i], wrenches[i], i, values)
-                for k in range(6):
-                    result[j, 6 * i + k] = values[k].imag / STEP
-        for k in range(size - 2 * c):
-            result[j, c + k] = rates_of[k].imag / STEP
-        own_rows[body], own_motion[body] = rows[body], motions[body]
-    for j in range(2 * c, size + 7):
-        point, contact, at = state.copy(), wrenches.copy(), travel
-        if j < size:
-            point[j] += step
-        elif j < size + 6:
+    for k in range(size + 7):
+        point, contact, at, here = state.copy(), wrenches.copy(), travel, rows
+        if k < size:
+            point[columns[k]] += step
+        if k < size and columns[k] < 2 * c:  # one body moves: its elements, it and its neighbours feel it
+            j, body = columns[k], columns[k] % c // 6
+            if j < c and j % 6 == 0:
+                store_section(vehicle, travel.distance, reference, point, body, own_rows[body])
+            store_motion(vehicle, own_rows[body], travel, point, body, own_motion[body])
+            rates_of[:] = 0.0
+            change = suspension(vehicle, own_motion, point[2 * c :], rates_of, body)
             for i in range(n):
-                contact[i, (j - size) // 3, (j - size) % 3] += vehicle.bodies.wheelset[i] * step
-        else:
+                moved = i == body
+                for d in range(3):
+                    moved = moved or change[i, 0, d] != 0.0 or change[i, 1, d] != 0.0
+                    change[i, 0, d] = complex(total[i, 0, d].real, change[i, 0, d].imag)
+                    change[i, 1, d] = complex(total[i, 1, d].real, change[i, 1, d].imag)
+                if moved:
+                    store_accelerations(vehicle, own_rows[i], travel, point, change[i], wrenches[i], i, values)
+                    for d in range(6):
+                        result[k, 6 * i + d] = values[d].imag / STEP
+            for m in range(len(rates_of)):
+                result[k, c + m] = rates_of[m].imag / STEP
+            own_rows[body], own_motion[body] = rows[body], motions[body]
+            continue
+        if size <= k < size + 6:
+            for i in range(n):
+                contact[i, (k - size) // 3, (k - size) % 3] += vehicle.bodies.wheelset[i] * step
+        elif k == size + 6:
             at = Travel(
                 travel.distance + step * rates.distance,
                 travel.speed + step * rates.speed,
                 travel.acceleration + step * rates.acceleration,
             )
-            rows = sections(vehicle, at.distance, reference, point)
-        rate = accelerations(vehicle, rows, at, point, contact)
-        for k in range(size - c):
-            result[j, k] = rate[k].imag / STEP
+            here = sections(vehicle, at.distance, reference, point)
+        rate = accelerations(vehicle, here, at, point, contact)
+        for j in range(len(rate)):
+            result[k, j] = rate[j].imag / STEP
     return result

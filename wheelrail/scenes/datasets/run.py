@@ -13,13 +13,12 @@ from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.datasets.patches import means, patch_variables
 from wheelrail.support.arrays import Array
 from wheelrail.support.version import commit, versions
-from wheelrail.vehicle.dynamics.state import COORDINATES, COUNT
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, WagonOutputs, outward
 from wheelrail.vehicle.track.irregularity import QUANTITIES
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
     from wheelrail.vehicle.simulation.history import History, RunCost
 
 AXES = ("longitudinal", "lateral", "vertical")
@@ -43,13 +42,15 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
 
     every: dict[str, Any] = {
         **_motion(history),
-        **wheel_variables(history.outputs.force, history.outputs.moment, history.outputs.approach),
+        **wheel_variables(history.force[:, 0], history.moment[:, 0], history.approach[:, 0]),
         **patch_variables(
-            [patches for pair in history.patches for patches in pair], ("time", "side"), (len(history), len(SIDES))
+            [patches for row in history.rows for patches in row.patches[0]],
+            ("time", "side"),
+            (len(history), len(SIDES)),
         ),
         "in_contact": (
             ("time", "side"),
-            np.array(history.contact_status) == "converged",
+            np.array([row.contact_status[0] for row in history.rows]) == "converged",
             means("1", "whether wheel and rail are in contact"),
         ),
         **cost_variables(history.cost),
@@ -57,7 +58,7 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
     attributes = {
         "title": "Vehicle run on finite-element wheel-rail contact",
         "frame": "moving track frame: x forward, y to the left, z upwards; forces act on the wheels",
-        "nominal_radius": history.radius,
+        "nominal_radius": history.dynamics.vehicle.radius,
     }
     return Dataset(every, coords=run_coordinates(history), attrs=attributes | run_attributes(history, scene))
 
@@ -78,7 +79,7 @@ def cost_variables(cost: RunCost) -> dict[str, Any]:
     }
 
 
-def run_coordinates(history: History | VehicleHistory) -> dict[str, Any]:
+def run_coordinates(history: History) -> dict[str, Any]:
     """Coordinates of every run: time, distance, side, edge of a patch."""
     return {
         "time": ("time", history.time, {"units": "s", "long_name": "time"}),
@@ -88,7 +89,7 @@ def run_coordinates(history: History | VehicleHistory) -> dict[str, Any]:
     }
 
 
-def run_attributes(history: History | VehicleHistory, scene: str) -> dict[str, Any]:
+def run_attributes(history: History, scene: str) -> dict[str, Any]:
     """Status, statistics and provenance of every run; scene: its text."""
     steps = history.cost.steps
     return {
@@ -120,43 +121,63 @@ def irregularity_variables(values: Array | None) -> dict[str, Any]:
 def _motion(history: History) -> dict[str, Any]:
     """Coordinates of the bodies and their rates, and the track."""
     variables: dict[str, Any] = {}
-    state = history.state.copy()
-    state[:, 9] += history.distance / history.radius
-    state[:, 9 + COUNT] += history.speeds / history.radius
+    state, (pitch,) = history.state.copy(), history.dynamics.coordinates.rolling_angles
+    state[:, pitch] += history.distance / history.dynamics.vehicle.radius
+    state[:, pitch + COUNT] += history.speeds / history.dynamics.vehicle.radius
     for index, name in enumerate(COORDINATES):
         turns = name.endswith(("roll", "pitch"))
         text = name.replace("_", " ") + (", above the nominal height" if name.endswith("z") else "")
         variables[name] = ("time", state[:, index], means("rad" if turns else "m", text))
         rate = state[:, COUNT + index]
         variables[f"{name}_rate"] = ("time", rate, means("rad/s" if turns else "m/s", f"rate of {text}"))
-    if history.series_deflection.size:
+    if history.series.size:
         text = "outward deflection of the series springs of the Maxwell elements, left side, then right side"
-        variables["series_deflection"] = (("time", "series"), history.series_deflection, means("m", text))
+        series = outward(history.dynamics, history.series)
+        variables["series_deflection"] = (("time", "series"), series, means("m", text))
     variables |= _structure_motion(history)
-    variables["speed"] = ("time", history.speeds, means("m/s", "speed along the track"))
-    variables |= irregularity_variables(history.irregularities)
-    for source, name, units, text in (
-        (history, "curvature", "1/m", "curvature of the track, positive to the left"),
-        (history, "lift", "m", "height of the right rail above the left"),
-        (history.outputs, "yaw_reaction", "N m", "reaction moment of the constrained yaw of the wheelset"),
-        (
-            history.outputs,
-            "secondary_deflection",
+    variables |= track_variables(history)
+    wrenches = np.concatenate([history.force, history.moment], axis=3).sum(axis=2)[:, 0]
+    outputs = WagonOutputs.of(history.dynamics, history.time, history.state, wrenches)
+    texts = {
+        "yaw_reaction": ("N m", "reaction moment of the constrained yaw of the wheelset"),
+        "secondary_deflection": (
             "m",
             "displacement of the car body against the bogie at the secondary springs, positive to the left",
         ),
-        (history.outputs, "bumpstop_deflection", "m", "deflection of the lateral bumpstop, positive to the left"),
-        (history.outputs, "bumpstop_force", "N", "force of the bumpstop on the car body, positive to the left"),
-    ):
-        variables[name] = ("time", getattr(source, name), means(units, text))
+        "bumpstop_deflection": ("m", "deflection of the lateral bumpstop, positive to the left"),
+        "bumpstop_force": ("N", "force of the bumpstop on the car body, positive to the left"),
+    }
+    for name, values in outputs._asdict().items():
+        variables[name] = ("time", values, means(*texts[name]))
     return variables
+
+
+def track_variables(history: History) -> dict[str, Any]:
+    """Speed and track at the distance of the reference motion."""
+    track, distances = history.dynamics.track, history.distance.tolist()
+    irregularities = track.irregularities
+    return {
+        "speed": ("time", history.speeds, means("m/s", "speed along the track")),
+        **irregularity_variables(None if irregularities is None else irregularities.at(history.distance)),
+        "curvature": (
+            "time",
+            np.array([track.curvature(s)[0] for s in distances]),
+            means("1/m", "curvature of the track, positive to the left"),
+        ),
+        "lift": (
+            "time",
+            np.array([track.superelevation(s)[0] for s in distances]),
+            means("m", "height of the right rail above the left"),
+        ),
+    }
 
 
 def _structure_motion(history: History) -> dict[str, Any]:
     """Motions of hubs and rails, where they are elastic."""
-    if history.structure is None:
+    structure = history.dynamics.structure
+    if structure is None:
         return {}
-    elastic, motion = history.structure.pairs.flexibility, history.structure_motion
+    elastic, motion = structure.pairs.flexibility, history.motions[:, 0]
     hubs = motion[:, :12].reshape(-1, 2, 6) * [np.ones(6), MIRRORED_HUB]
     rails = motion[:, 12:18].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
     units = {"hub": "m and rad, x, y, z, then about x, y, z", "rail": "m and rad, y, z, then roll about the foot"}
@@ -167,7 +188,7 @@ def _structure_motion(history: History) -> dict[str, Any]:
     if elastic.rails is not None:
         text = "motion of the rail on its pads"
         variables["rail_motion"] = (("time", "side", "rail_component"), rails, means(units["rail"], text))
-    if history.structure.velocities:
+    if structure.velocities:
         sleepers = motion[:, 18:22].reshape(-1, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
         text = "motion of the sleepers under the wheel, across and normal to the foot of the rail"
         variables["sleeper_motion"] = (("time", "side", "sleeper_component"), sleepers, means("m", text))

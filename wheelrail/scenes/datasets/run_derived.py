@@ -10,23 +10,19 @@ from wheelrail.contact.stress.shakedown import load_factor, surface_fatigue_inde
 from wheelrail.vehicle.simulation.energy_balance import POWERS, energy_balance
 
 if TYPE_CHECKING:
-    from xarray import Dataset
-
-    from wheelrail.vehicle.simulation.history import History
-    from wheelrail.vehicle.track.track import Track
-    from wheelrail.vehicle.wagon.wagon import Wagon
-if TYPE_CHECKING:
     from xarray import DataArray, Dataset
 
+    from wheelrail.vehicle.simulation.history import History
 
-def with_energy(data: Dataset, history: History, wagon: Wagon, track: Track) -> Dataset:
+
+def with_energy(data: Dataset, history: History) -> Dataset:
     """Results with mechanical energy, power and work by cause, and attribute energy_balance_error.
 
     Parameters:
         data: Dataset of the run.
-        history, wagon, track: of the run.
+        history: of the run.
     """
-    balance = energy_balance(history, wagon, track)
+    balance = energy_balance(history)
     energy = {"units": "J", "long_name": "kinetic and elastic energy, spin relative to nominal rolling"}
     by_cause = ("time", "cause")
     added = data.assign(

@@ -10,19 +10,19 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.scenes.datasets.patches import means, patch_variables
 from wheelrail.scenes.datasets.run import (
     cost_variables,
-    irregularity_variables,
     run_attributes,
     run_coordinates,
+    track_variables,
     wheel_variables,
 )
 from wheelrail.scenes.datasets.run_derived import wear
-from wheelrail.vehicle.multibody.coordinates import COORDINATES
+from wheelrail.vehicle.multibody.vehicle import COORDINATES
 from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
 
-    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
+    from wheelrail.vehicle.simulation.history import History
 
 BY_WHEEL = ("time", "wheelset", "side")
 BY_ELEMENT = ("time", "element", "axis")
@@ -36,7 +36,7 @@ COORDINATE_TEXTS = {
 }
 
 
-def vehicle_dataset(history: VehicleHistory, *, scene: str, vehicle: str, shear_yield: float) -> Dataset:
+def vehicle_dataset(history: History, *, scene: str, vehicle: str, shear_yield: float) -> Dataset:
     """Dataset over time, body, wheelset, side (left, right), element, axis, patch (padded with NaN), edge (low, high).
 
     Parameters:
@@ -51,7 +51,7 @@ def vehicle_dataset(history: VehicleHistory, *, scene: str, vehicle: str, shear_
     statuses = np.array([row.contact_status for row in history.rows])
     variables = {
         **_motion(history),
-        **_track(history),
+        **track_variables(history),
         **wheel_variables(history.force, history.moment, history.approach, BY_WHEEL),
         **patch_variables(wheels, BY_WHEEL, (len(history), len(names), len(SIDES))),
         "in_contact": (BY_WHEEL, statuses == "converged", means("1", "whether wheel and rail are in contact")),
@@ -100,7 +100,7 @@ def guiding_variables(data: Dataset) -> dict[str, DataArray]:
     }
 
 
-def _motion(history: VehicleHistory) -> dict[str, Any]:
+def _motion(history: History) -> dict[str, Any]:
     """Coordinates of the bodies and their rates."""
     variables: dict[str, Any] = {}
     position, rate, series = history.dynamics.coordinates.split(history.state)
@@ -115,27 +115,7 @@ def _motion(history: VehicleHistory) -> dict[str, Any]:
     return variables
 
 
-def _track(history: VehicleHistory) -> dict[str, Any]:
-    """The track at the distance of the reference motion."""
-    track, distances = history.dynamics.track, history.distance.tolist()
-    irregularities = track.irregularities
-    return {
-        "speed": ("time", history.speeds, means("m/s", "speed along the track")),
-        "curvature": (
-            "time",
-            np.array([track.curvature(s)[0] for s in distances]),
-            means("1/m", "curvature of the track, positive to the left"),
-        ),
-        "lift": (
-            "time",
-            np.array([track.superelevation(s)[0] for s in distances]),
-            means("m", "height of the right rail above the left"),
-        ),
-        **irregularity_variables(None if irregularities is None else irregularities.at(history.distance)),
-    }
-
-
-def _suspension(history: VehicleHistory) -> dict[str, Any]:
+def _suspension(history: History) -> dict[str, Any]:
     """Deflections and forces of the suspension elements."""
     states = history.suspension()
     deflection = "displacement of the upper point of the element relative to the lower one, in the element's axes"

@@ -22,7 +22,7 @@ from typing import IO, Any
 from wheelrail.scenes.runs.checkpoint_format import checksum_of, entries, entry
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
-from wheelrail.vehicle.simulation.recorder import RunRow
+from wheelrail.vehicle.simulation.row import Row
 
 HEADER_LIMIT = 10_000_000  # bytes; larger than that of any scene
 
@@ -65,7 +65,7 @@ class CheckpointFile:
         process has locked it, Unreadable for checkpoints of other classes or values.
         """
         checkpoint: Checkpoint | None = None
-        rows: list[RunRow] = []
+        rows: list[Row] = []
         with ExitStack() as failure:
             stream = failure.enter_context(open(self.path, "r+b", buffering=0))
             if not _lock(stream):

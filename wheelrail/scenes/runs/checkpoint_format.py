@@ -16,11 +16,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from wheelrail.support.plain_data import NotPlainData, decode, encode
-from wheelrail.vehicle.multibody.runs.history import VehicleRow
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint
 from wheelrail.vehicle.simulation.history import RunCost
-from wheelrail.vehicle.simulation.recorder import is_array
-from wheelrail.vehicle.simulation.row import Row
+from wheelrail.vehicle.simulation.row import Row, is_array
 
 LENGTH, CHECKSUM_SIZE = struct.Struct(">Q"), hashlib.sha256().digest_size
 PACKAGES = ("wheelrail.contact", "wheelrail.vehicle")  # of the classes in a checkpoint
@@ -74,6 +72,7 @@ def _usable(at: Checkpoint) -> bool:
         and is_array(at.state, shape)
         and len(shape) == 1
         and isinstance(at.cost, RunCost)
+        and isinstance(at.guess, dict | None)
         and isinstance(at.rows, list)
-        and all(isinstance(row, Row | VehicleRow) and row.is_valid(shape) for row in at.rows)
+        and all(isinstance(row, Row) and row.is_valid(shape) for row in at.rows)
     )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
-    from wheelrail.vehicle.multibody.runs.limit_cycle import CycleSearch, LimitCycle
+    from wheelrail.vehicle.simulation.limit_cycle import CycleSearch, LimitCycle
 
 
 def hunting_of(
@@ -37,7 +37,7 @@ def hunting_of(
 
     Raises SceneError for a scene without a kick, RunFailed without an equilibrium.
     """
-    from wheelrail.vehicle.multibody.runs.limit_cycle import bisected_fold, limit_cycles
+    from wheelrail.vehicle.simulation.limit_cycle import bisected_fold, limit_cycles
 
     if not scene.kick:
         raise SceneError("kick: missing: must give lateral velocities of bodies, m/s")
@@ -53,7 +53,7 @@ def hunting_of(
 
 def fold_line(cycles: Sequence[LimitCycle]) -> str:
     """The nonlinear critical speed in words, with its bracket."""
-    from wheelrail.vehicle.multibody.runs.limit_cycle import fold_bracket
+    from wheelrail.vehicle.simulation.limit_cycle import fold_bracket
 
     bracket = fold_bracket(cycles)
     if bracket is None:
@@ -95,7 +95,7 @@ def draw_bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str], fil
 def _bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Figure:
     from matplotlib.figure import Figure
 
-    from wheelrail.vehicle.multibody.runs.limit_cycle import fold_bracket
+    from wheelrail.vehicle.simulation.limit_cycle import fold_bracket
 
     figure = Figure(figsize=(5.2, 3.6), layout="constrained")
     ax = figure.subplots()

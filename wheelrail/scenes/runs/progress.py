@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
     from wheelrail.vehicle.simulation.history import History
     from wheelrail.vehicle.simulation.time_run import Progress
 
@@ -88,7 +87,7 @@ def case_bar(console: Console, cases: int) -> Iterator[Callable[[bool], None]]:
         yield done
 
 
-def costs(history: History | VehicleHistory) -> RenderableType:
+def costs(history: History) -> RenderableType:
     """Solver statistics by side, as in Tables 5 to 7 of the paper."""
     from rich.table import Table
 

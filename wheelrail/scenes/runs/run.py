@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
-    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
     from wheelrail.vehicle.simulation.checkpoint import Checkpoint
     from wheelrail.vehicle.simulation.history import History
 
@@ -39,7 +38,7 @@ class RunOutcome:
         resumable: whether the run was interrupted after a checkpoint.
     """
 
-    history: History | VehicleHistory
+    history: History
     files: tuple[Path, ...]
     resumable: bool = False
 
@@ -104,7 +103,7 @@ def run_scene(
 
 def simulate_scene(
     scene: RunScene, text: str, console: Console, vehicle: Path | None = None
-) -> tuple[History | VehicleHistory, Dataset | None]:
+) -> tuple[History, Dataset | None]:
     """Simulate a scene without writing files: its history and its Dataset; None for a run without a step."""
     history = _simulated(scene, console, vehicle)
     return history, run_dataset(history, text, scene, vehicle) if len(history) else None
@@ -116,7 +115,7 @@ def _simulated(
     file: Path | None = None,
     checkpoint_file: CheckpointFile | None = None,
     start: Checkpoint | None = None,
-) -> History | VehicleHistory:
+) -> History:
     """History of a scene; checkpoints are appended to a file, the run continues from start.
 
     Parameters:
@@ -133,8 +132,8 @@ def _simulated(
     vehicle = None if file is None else vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
         contact, structure = run_contact(scene)
-    from wheelrail.vehicle.dynamics.equations import Dynamics
     from wheelrail.vehicle.integration.integrate import StepSettings
+    from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
     from wheelrail.vehicle.simulation.simulate import simulate
     from wheelrail.vehicle.simulation.time_run import Recording
@@ -154,7 +153,7 @@ def _simulated(
         if vehicle is not None:
             return simulate_on_track(scene, vehicle, parallel, end, recording, progress)
         return simulate(
-            Dynamics(wagon(scene), track(scene), parallel, speed, structure),
+            wagon_dynamics(wagon(scene), track(scene), parallel, speed, structure),
             (0.0, end),
             steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
             recording=recording,
@@ -162,9 +161,7 @@ def _simulated(
         )
 
 
-def write_results(
-    history: History | VehicleHistory, text: str, folder: Path, scene: RunScene, vehicle: Path | None
-) -> Iterator[Path]:
+def write_results(history: History, text: str, folder: Path, scene: RunScene, vehicle: Path | None) -> Iterator[Path]:
     """Write results, then figures; yields the files."""
     from wheelrail.scenes.datasets.netcdf import write
 
@@ -182,7 +179,7 @@ def write_results(
             return
 
 
-def run_dataset(history: History | VehicleHistory, text: str, scene: RunScene, file: Path | None = None) -> Dataset:
+def run_dataset(history: History, text: str, scene: RunScene, file: Path | None = None) -> Dataset:
     """Dataset of a run with wear; of the plane wagon with the energy balance.
 
     Parameters:
@@ -195,17 +192,15 @@ def run_dataset(history: History | VehicleHistory, text: str, scene: RunScene, f
     from wheelrail.scenes.datasets.run_derived import wear, with_energy
     from wheelrail.scenes.runs.resume import inputs
     from wheelrail.scenes.runs.vehicle_run import vehicle_run_dataset
-    from wheelrail.vehicle.simulation.history import History
 
     facts = {"inputs": json.dumps(inputs(scene, file)), "sampling": _sampling(scene.output.interval)}
-    if not isinstance(history, History):
-        assert file is not None
+    if file is not None:
         return vehicle_run_dataset(history, text, scene, file).assign_attrs(facts)
     data = dataset(history, scene=text)
     data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(facts)
     if scene.output.interval:  # the work between samples is unknown
         return data
-    return with_energy(data, history, wagon(scene), track(scene))
+    return with_energy(data, history)
 
 
 def _sampling(interval: float) -> str:

@@ -29,13 +29,13 @@ def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
 
     Raises RunFailed without an equilibrium.
     """
-    from wheelrail.vehicle.dynamics.equations import Dynamics
+    from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
     from wheelrail.vehicle.steady.modes import modes
     from wheelrail.vehicle.track.track import Track
 
     vehicle, (contact, structure) = wagon(scene), run_contact(scene)
     with failures_as_run_failed():
-        return [modes(Dynamics(vehicle, Track(), contact, speed, structure)) for speed in speeds]
+        return [modes(wagon_dynamics(vehicle, Track(), contact, speed, structure)) for speed in speeds]
 
 
 def curve_of(scene: RunScene) -> ConstantCurve:

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.contact.results.vehicle_contact import VehicleContact
-    from wheelrail.vehicle.multibody.runs.history import VehicleHistory
     from wheelrail.vehicle.multibody.vehicle import Vehicle
+    from wheelrail.vehicle.simulation.history import History
     from wheelrail.vehicle.simulation.time_run import Progress, Recording
 
 
@@ -34,7 +34,7 @@ def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
 
 def simulate_on_track(
     scene: RunScene, vehicle: Vehicle, contact: VehicleContact, end: float, recording: Recording, progress: Progress
-) -> VehicleHistory:
+) -> History:
     """Motion of a vehicle along the track of a scene.
 
     Parameters:
@@ -47,29 +47,29 @@ def simulate_on_track(
 
     Raises RunFailed when a kicked vehicle has no equilibrium to start from.
     """
+    from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
-    from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
-    from wheelrail.vehicle.multibody.runs.limit_cycle import kicked
-    from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
+    from wheelrail.vehicle.simulation.limit_cycle import kicked
+    from wheelrail.vehicle.simulation.simulate import simulate
+    from wheelrail.vehicle.steady.equilibrium import equilibrium
 
     dynamics, initial = VehicleDynamics(vehicle, track(scene), contact, scene.vehicle.speed_profile), None
     resumed = recording.checkpoints is not None and recording.checkpoints.latest is not None
     if scene.kick and not resumed:
         with failures_as_run_failed():
             at_start = replace(dynamics, speed=scene.vehicle.first_speed)
-            initial = kicked(dynamics.coordinates, vehicle_equilibrium(at_start).state, scene.kick)
-    return simulate_vehicle(
+            initial = kicked(dynamics.coordinates, equilibrium(at_start).state, scene.kick)
+    return simulate(
         dynamics,
         (0.0, end),
         initial=initial,
-        rtol=scene.solver.rtol,
-        atol=scene.solver.atol,
+        steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
         recording=recording,
         progress=progress,
     )
 
 
-def vehicle_run_dataset(history: VehicleHistory, text: str, scene: RunScene, file: Path) -> Dataset:
+def vehicle_run_dataset(history: History, text: str, scene: RunScene, file: Path) -> Dataset:
     """Dataset of a run with wear and forces of running safety.
 
     Parameters:

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
-    from wheelrail.vehicle.multibody.equilibrium import VehicleEquilibrium
-    from wheelrail.vehicle.multibody.modes import CriticalSpeed
     from wheelrail.vehicle.multibody.wheel_forces import WheelForces, WheelsetForces
+    from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
+    from wheelrail.vehicle.steady.equilibrium import Equilibrium
     from wheelrail.vehicle.steady.modes import Mode
     from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
@@ -45,7 +45,7 @@ def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynami
 
 def vehicle_modes_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[list[Mode]]:
     """Linear modes on straight level track at speeds (n,) m/s. Raises RunFailed without an equilibrium, SceneError."""
-    from wheelrail.vehicle.multibody.modes import modes_over_speed
+    from wheelrail.vehicle.steady.critical_speed import modes_over_speed
 
     dynamics = vehicle_dynamics(scene, file, speeds[0])
     with failures_as_run_failed():
@@ -54,7 +54,7 @@ def vehicle_modes_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> li
 
 def critical_speed_of(scene: RunScene, file: Path, speeds: tuple[float, float]) -> CriticalSpeed | None:
     """Linear critical speed on straight level track within a range, m/s; None without one. Raises as above."""
-    from wheelrail.vehicle.multibody.modes import critical_speed
+    from wheelrail.vehicle.steady.critical_speed import critical_speed
 
     dynamics = vehicle_dynamics(scene, file, speeds[0])
     try:
@@ -64,22 +64,22 @@ def critical_speed_of(scene: RunScene, file: Path, speeds: tuple[float, float]) 
         raise RunFailed(str(error)) from error
 
 
-def straight_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[VehicleEquilibrium]:
+def straight_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[Equilibrium]:
     """Equilibrium on straight level track at speeds (n,) m/s. Raises as above."""
-    from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
+    from wheelrail.vehicle.steady.equilibrium import equilibrium
 
     dynamics = vehicle_dynamics(scene, file, speeds[0])
     with failures_as_run_failed():
-        return [vehicle_equilibrium(replace(dynamics, speed=speed)) for speed in speeds]
+        return [equilibrium(replace(dynamics, speed=speed)) for speed in speeds]
 
 
-def curve_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[VehicleEquilibrium]:
+def curve_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[Equilibrium]:
     """Steady position in the sharpest curve of the scene at speeds (n,) m/s. Raises as above."""
-    from wheelrail.vehicle.multibody.equilibrium import curve_dynamics, vehicle_equilibrium
+    from wheelrail.vehicle.steady.equilibrium import curve_dynamics, equilibrium
 
     dynamics, curve = vehicle_dynamics(scene, file, speeds[0]), curve_of(scene)
     with failures_as_run_failed():
-        return [vehicle_equilibrium(curve_dynamics(dynamics, replace(curve, speed=speed))) for speed in speeds]
+        return [equilibrium(curve_dynamics(dynamics, replace(curve, speed=speed))) for speed in speeds]
 
 
 def critical_speed_lines(critical: CriticalSpeed | None, speeds: tuple[float, float]) -> list[str]:
@@ -125,7 +125,7 @@ _ROWS = (
 )
 
 
-def wheelsets_table(at: VehicleEquilibrium, curve: ConstantCurve | None = None) -> Table:
+def wheelsets_table(at: Equilibrium, curve: ConstantCurve | None = None) -> Table:
     """Table of attitude and forces with one column per wheelset; curve for its title."""
     from rich.table import Table
 
@@ -143,7 +143,7 @@ def wheelsets_table(at: VehicleEquilibrium, curve: ConstantCurve | None = None) 
     return table
 
 
-def bodies_table(at: VehicleEquilibrium) -> Table:
+def bodies_table(at: Equilibrium) -> Table:
     """Table of the positions of all bodies."""
     from rich.table import Table
 

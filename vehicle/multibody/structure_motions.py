@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.dynamics.equations import Dynamics, Evaluation
-from wheelrail.vehicle.dynamics.jacobian import Jacobian
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 
 TOLERANCE = 1e-8  # m and rad, of motions that follow constant loads: 10 N on a contact
 MAX_STEPS = 8  # Newton steps; 2 suffice from states within a step of the integration
 
 
 def with_motions_at_rates(
-    dynamics: Dynamics, time: float, state: Array, rates: Array, previous: Evaluation
-) -> tuple[Array, Evaluation]:
+    dynamics: VehicleDynamics, time: float, state: Array, rates: Array, previous: VehicleEvaluation
+) -> tuple[Array, VehicleEvaluation]:
     """State whose motions of axle and rails have given rates under the loads of the contacts, and its evaluation.
 
     Interpolated motions are not accurate enough: wheel and rail both move, and an error of 10 um between them is one of
@@ -24,18 +24,19 @@ def with_motions_at_rates(
     Parameters:
         dynamics: equations of motion, with a structure.
         time: s.
-        state: (20 + m + k,), of which the last k are a first approximation.
-        rates: (k,) m/s and rad/s.
+        state: (2 c + m + w k,), of which the last w k are a first approximation.
+        rates: (w k,) m/s and rad/s.
         previous: evaluation nearby, whose contacts are the initial guess.
 
     Raises StepFailure when a contact solve fails, and without convergence.
     """
     assert dynamics.structure is not None
-    state, first, jacobian = state.copy(), len(state) - dynamics.motions, Jacobian(dynamics, StepStatistics())
+    state, first, jacobian = state.copy(), dynamics.coordinates.size, VehicleJacobian(dynamics, StepStatistics())
     for _ in range(MAX_STEPS):
         evaluation = dynamics(time, state, previous)
         error = evaluation.rate[first:] - rates
-        if np.abs(np.linalg.solve(dynamics.structure.by_motions, error)).max() <= TOLERANCE:
+        misplaced = np.linalg.solve(dynamics.structure.by_motions, error.reshape(-1, dynamics.structure.size).T)
+        if np.abs(misplaced).max() <= TOLERANCE:
             return state, evaluation
         slopes = jacobian(time, state, evaluation).by_state[first:, first:]
         state[first:] -= np.linalg.solve(slopes, error)

@@ -17,7 +17,7 @@ class ContactDifferences:
     """Contact tangents by differences, used several times.
 
     Parameters:
-        tangents: (2, 6, 9) of one wheelset, or (w, 2, 6, 9) of several.
+        tangents: (w, 2, 6, 9) of w wheelsets.
         age: Jacobians made with them, after the first.
     """
 

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
 from wheelrail.vehicle.multibody.coordinates import Coordinates, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.equilibrium import vehicle_equilibrium
-from wheelrail.vehicle.multibody.runs.history import VehicleHistory
-from wheelrail.vehicle.multibody.runs.simulate import simulate_vehicle
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.equilibrium import equilibrium
 
 SAMPLE = 1e-3  # s, of the interpolated displacements: 150 samples a period at 6 Hz
 
@@ -26,7 +28,7 @@ class CycleSearch:
         tolerance: of the amplitudes of two windows one after another, relative.
         smallest: m, amplitude below which the motion has died out.
         longest: s, after which the search ends.
-        rtol, atol: tolerances of the steps, see `simulate_vehicle`. Larger ones damp small cycles: with 3e-3 and 3e-5
+        rtol, atol: tolerances of the steps, see `simulate`. Larger ones damp small cycles: with 3e-3 and 3e-5
             those of the Manchester vehicle vanish 2 m/s above the speed of these and of half of them.
     """
 
@@ -98,7 +100,7 @@ def limit_cycles(
     for speed in speeds:
         at = replace(dynamics, speed=speed)
         if state is None:
-            state = kicked(at.coordinates, vehicle_equilibrium(at).state, kick)
+            state = kicked(at.coordinates, equilibrium(at).state, kick)
         cycle = limit_cycle(at, state, search)
         yield cycle
         if cycle.status.startswith("failed"):
@@ -152,9 +154,10 @@ def limit_cycle(dynamics: VehicleDynamics, initial: Array, search: CycleSearch |
     """
     search = search or CycleSearch()
     state, before, duration = initial, np.inf, 0.0
+    steps = StepSettings(ROS34PW2.name, search.rtol, search.atol)
     while True:
         span = (0.0, search.window)
-        history = simulate_vehicle(dynamics, span, initial=state, rtol=search.rtol, atol=search.atol)
+        history = simulate(dynamics, span, initial=state, steps=steps)
         if history.status != "completed":
             return _cycle(history, history.status, duration)
         state, duration = history.state[-1], duration + search.window
@@ -168,7 +171,7 @@ def limit_cycle(dynamics: VehicleDynamics, initial: Array, search: CycleSearch |
         before = largest
 
 
-def _cycle(history: VehicleHistory, status: str, duration: float) -> LimitCycle:
+def _cycle(history: History, status: str, duration: float) -> LimitCycle:
     """Figures of the last window."""
     amplitude = _amplitudes(history)
     time, displacement = _displacements(history)
@@ -192,13 +195,13 @@ def _mean(time: Array, values: Array) -> float:
     return float(trapezoid(values, time) / (time[-1] - time[0])) if len(time) > 1 else float("nan")
 
 
-def _amplitudes(history: VehicleHistory) -> Array:
+def _amplitudes(history: History) -> Array:
     """(w,) m."""
     _, displacement = _displacements(history)
     return np.asarray(0.5 * np.ptp(displacement, axis=0))
 
 
-def _displacements(history: VehicleHistory) -> tuple[Array, Array]:
+def _displacements(history: History) -> tuple[Array, Array]:
     """Times (n,) s and lateral displacements (n, w) m of the wheelsets, interpolated with their velocities."""
     from scipy.interpolate import CubicHermiteSpline
 

@@ -1,5 +1,0 @@
-"""State, equations of motion, static residual and Jacobian of the wagon."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

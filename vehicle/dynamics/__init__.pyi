@@ -1,1 +1,0 @@
-from .equations import Dynamics as Dynamics

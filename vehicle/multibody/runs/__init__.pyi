@@ -1,1 +1,0 @@
-from .history import VehicleHistory as VehicleHistory
