@@ -9,8 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from wheelrail.contact.models.table.force_table import ForceTable
-from wheelrail.contact.models.table.lookup import FrictionTable, NormalTable
+from wheelrail.contact.models.table.force_table import ForceTable, FrictionTable, NormalTable
 from wheelrail.contact.tables.errors import TableErrors, table_errors
 from wheelrail.contact.tables.nodes import Nodes, Trial
 from wheelrail.contact.tables.samples import TableSampler
@@ -122,13 +121,13 @@ class TableBuilder:
         values = np.array([completed(rows_of_place, level) for rows_of_place in values])
         touch = values[:, 0].copy()
         touch[:, 0] += (values[:, 0, 0] - values[:, 1, 0]) * level[0] / (level[1] - level[0])
-        values = np.concatenate([touch[:, None], values], axis=1).reshape(len(places), -1)
-        return NormalTable(y, roll, yaw, np.concatenate([[0.0], level]), np.ascontiguousarray(values))
+        values = np.concatenate([touch[:, None], values], axis=1)
+        return NormalTable(y, roll, yaw, np.concatenate([[0.0], level]), values.ravel())
 
     def _without_friction(self, normal: NormalTable) -> ForceTable:
         node = np.zeros(1)
         return ForceTable(
-            self.sampler.frame, normal, FrictionTable(node, node, node, node, node, node, np.zeros((1, 6)), 0.0)
+            self.sampler.frame, normal, FrictionTable(node, node, node, node, node, node, np.zeros(6), 0.0)
         )
 
     def _friction_nodes(self, normal: NormalTable) -> Nodes:
@@ -165,7 +164,7 @@ class TableBuilder:
             lines = forces.reshape(len(longitudinal), len(lateral), -1)
             for force in np.concatenate([completed(line, lateral) for line in lines]):
                 rows.append(self.sampler.friction_row(task.at, force))
-        return FrictionTable(y, roll, yaw, level, longitudinal, lateral, np.array(rows), self.sampler.coefficient)
+        return FrictionTable(y, roll, yaw, level, longitudinal, lateral, np.concatenate(rows), self.sampler.coefficient)
 
     def _errors_of_trials(self, table: ForceTable, trials: Sequence[Trial]) -> Array:
         """Lengths (n,) of the errors at trials; zero where the model failed."""
