@@ -113,7 +113,7 @@ def test_an_axis_of_one_node_gets_its_ends() -> None:
     nodes = Nodes({"roll": np.array([0.0])}, {"roll": (-1.0, 1.0)})
     trials = nodes.trials(np.random.default_rng(0))
     assert nodes.refine(trials, np.ones(len(trials)), 0.1)
-    assert nodes.axes["roll"].tolist() == [-1.0, 0.0, 1.0]
+    assert nodes.axes["roll"].tolist() == [-1.0, 1.0]
 
 
 @pytest.mark.parametrize("failed", [[], [0], [1, 2], [0, 3, 4]])
