@@ -20,8 +20,8 @@ import numpy as np
 
 from benchmarks.common.machine import machine_description
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
+from wheelrail.contact.models.table.force import table_force
 from wheelrail.contact.models.table.force_table import ForceTable
-from wheelrail.contact.models.table.lookup import table_force
 from wheelrail.contact.models.table.model import TableContact
 from wheelrail.scenes.datasets.force_table import force_tables
 from wheelrail.scenes.datasets.netcdf import read
@@ -38,7 +38,7 @@ def look_ups(normal: Any, friction: Any, place: Any, pose: Any, twists: Any, ste
     total, origin = 0.0, pose[0].copy()
     for _ in range(count):
         origin += steps
-        total += table_force(normal, friction, place, (origin, pose[1]), twists)[0][2]
+        total += table_force(normal, friction, place, (origin, pose[1]), twists)[2]
     return total
 
 
@@ -47,7 +47,7 @@ def middle(table: ForceTable) -> tuple[Pose, RigidMotion]:
     y, roll, yaw = (low + 0.51 * (high - low) for low, high in table.ranges.values())
     normal = table.normal
     place = (len(normal.y) // 2 * len(normal.roll) + len(normal.roll) // 2) * len(normal.yaw) + len(normal.yaw) // 2
-    heights = normal.rows[place].reshape(len(normal.level), -1)[:, 0]
+    heights = normal.values.reshape(-1, len(normal.level), 9)[place, :, 0]
     pose = table.frame.pose(y, float(heights[len(heights) // 2]), roll, yaw)
     spin = 1.001 * SPEED / table.frame.radius
     wheel = Twist(np.array([0.0, 0.02, 0.0]), spin * pose.rotation[:, 1], pose.origin)
@@ -69,11 +69,8 @@ def costs(table: ForceTable) -> dict[str, float]:
     """Processor times, us."""
     pose, motion = middle(table)
     contact = TableContact(table)
-    twists = tuple(
-        part for body in (motion.wheel, motion.rail) for part in (body.velocity, body.rotation, body.reference)
-    )
-    place, steps = (table.frame.radius, table.frame.lateral), np.array([0.0, 1e-9, -1e-12])
-    arguments = table.normal, table.friction, place, (pose.origin, pose.rotation), twists, steps, CALLS
+    steps = np.array([0.0, 1e-9, -1e-12])
+    arguments = *table.arguments(pose, motion), steps, CALLS
     return {
         "compiled look-up": microseconds(lambda: look_ups(*arguments), CALLS),
         "derivative (6 x 12)": microseconds(lambda: [table.derivative(pose, motion) for _ in range(20)], 20),

@@ -9,8 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from wheelrail.contact.models.table.force_table import ForceTable
-from wheelrail.contact.models.table.lookup import FrictionTable, NormalTable
+from wheelrail.contact.models.table.force_table import ForceTable, FrictionTable, NormalTable
 from wheelrail.contact.tables.errors import TableErrors, table_errors
 from wheelrail.contact.tables.nodes import Nodes, Trial
 from wheelrail.contact.tables.samples import TableSampler
@@ -25,7 +24,7 @@ LEVELS, CREEPAGES = 6, 7  # nodes of the load without friction, and of each cree
 SPACING, SPACING_FRICTION = 5e-4, 1e-3  # m, of nodes over y
 SAMPLES = 200  # fresh points after the tests
 TURN = 5e-3  # 1/m, largest rotation rate about z over speed there: a curve of 200 m, or 0.1 rad/s at 20 m/s
-ROUNDS = 5  # of tests with half the threshold of the round before
+ROUNDS, MARGIN = 5, 0.9  # of tests; threshold of the next one, over that in proportion to the error
 
 
 class NoSolution(RuntimeError):
@@ -56,9 +55,10 @@ class TableBuilder:
         table = self._without_friction(self._refined_normal())
         if not self.sampler.coefficient > 0.0:
             return table, self.errors(table, 0)
-        nodes, threshold = self._friction_nodes(table.normal), self.tolerance
+        nodes, rows = self._friction_nodes(table.normal), dict[tuple[float, ...], Array]()
+        threshold = self.tolerance / np.sqrt(len(nodes.axes))  # squares of the errors of all axes add up
         for count in range(ROUNDS):
-            table = self._refined_friction(table.normal, nodes, threshold, count)
+            table = self._refined_friction(table.normal, nodes, rows, threshold, count)
             errors = self.errors(table, count)
             log.info(
                 "error at %d fresh points: %.2g %% of the load RMS, %.2g %% worst",
@@ -68,7 +68,7 @@ class TableBuilder:
             )
             if errors.rms <= self.tolerance:
                 break
-            threshold *= 0.5
+            threshold *= MARGIN * self.tolerance / errors.rms
             nodes.sound.clear()
         return table, errors
 
@@ -100,7 +100,7 @@ class TableBuilder:
             table = self._normal(nodes, rows)
             trials = nodes.trials(random)
             errors = self._errors_of_trials(self._without_friction(table), trials)
-            if not nodes.refine(trials, errors, 0.5 * self.tolerance):
+            if not nodes.refine(trials, errors, 0.5 * self.tolerance / np.sqrt(len(nodes.axes))):
                 return table
 
     def _normal(self, nodes: Nodes, rows: dict[tuple[float, ...], Array]) -> NormalTable:
@@ -122,13 +122,13 @@ class TableBuilder:
         values = np.array([completed(rows_of_place, level) for rows_of_place in values])
         touch = values[:, 0].copy()
         touch[:, 0] += (values[:, 0, 0] - values[:, 1, 0]) * level[0] / (level[1] - level[0])
-        values = np.concatenate([touch[:, None], values], axis=1).reshape(len(places), -1)
-        return NormalTable(y, roll, yaw, np.concatenate([[0.0], level]), np.ascontiguousarray(values))
+        values = np.concatenate([touch[:, None], values], axis=1)
+        return NormalTable(y, roll, yaw, np.concatenate([[0.0], level]), values.ravel())
 
     def _without_friction(self, normal: NormalTable) -> ForceTable:
         node = np.zeros(1)
         return ForceTable(
-            self.sampler.frame, normal, FrictionTable(node, node, node, node, node, node, np.zeros((1, 6)), 0.0)
+            self.sampler.frame, normal, FrictionTable(node, node, node, node, node, node, np.zeros(6), 0.0)
         )
 
     def _friction_nodes(self, normal: NormalTable) -> Nodes:
@@ -146,26 +146,44 @@ class TableBuilder:
         ends = {"y": ranges.y, "roll": ranges.roll, "yaw": ranges.yaw, "level": ranges.levels}
         return Nodes(axes, {**ends, "longitudinal": ranges.creepages, "lateral": ranges.creepages})
 
-    def _refined_friction(self, normal: NormalTable, nodes: Nodes, threshold: float, seed: int) -> ForceTable:
+    def _refined_friction(
+        self, normal: NormalTable, nodes: Nodes, rows: dict[tuple[float, ...], Array], threshold: float, seed: int
+    ) -> ForceTable:
         random = np.random.default_rng([3, seed])
         while True:
-            table = replace(self._without_friction(normal), friction=self._friction(normal, nodes))
+            table = replace(self._without_friction(normal), friction=self._friction(normal, nodes, rows))
             trials = nodes.trials(random)
             if not nodes.refine(trials, self._errors_of_trials(table, trials), threshold):
                 return table
 
-    def _friction(self, normal: NormalTable, nodes: Nodes) -> FrictionTable:
+    def _friction(self, normal: NormalTable, nodes: Nodes, rows: dict[tuple[float, ...], Array]) -> FrictionTable:
+        """Table at the nodes.
+
+        Parameters:
+            normal: contact without friction.
+            nodes: of all axes.
+            rows: force and moment (6,) by node, to which those of new nodes are added.
+        """
         y, roll, yaw, level, longitudinal, lateral = nodes.axes.values()
-        creepages = tuple((float(np.sinh(a)), float(np.sinh(b))) for a in longitudinal for b in lateral)
-        places = product(y.tolist(), roll.tolist(), yaw.tolist(), level.tolist())
-        tasks = [ForceTask(self.sampler.at_level(normal, *place), creepages) for place in places]
+        path = to_and_fro(longitudinal, lateral)
+        places = list(product(y.tolist(), roll.tolist(), yaw.tolist(), level.tolist()))
+        new = {place: own for place in places if (own := [pair for pair in path if (*place, *pair) not in rows])}
+        points = {place: self.sampler.at_level(normal, *place) for place in places}
+        tasks = [
+            ForceTask(points[place], tuple((float(np.sinh(a)), float(np.sinh(b))) for a, b in pairs))
+            for place, pairs in new.items()
+        ]
         results = self.solve(tasks, f"with friction, {_times(nodes.shape)} points")
-        rows = []
-        for task, forces in zip(tasks, results, strict=True):
-            lines = forces.reshape(len(longitudinal), len(lateral), -1)
-            for force in np.concatenate([completed(line, lateral) for line in lines]):
-                rows.append(self.sampler.friction_row(task.at, force))
-        return FrictionTable(y, roll, yaw, level, longitudinal, lateral, np.array(rows), self.sampler.coefficient)
+        for (place, pairs), forces in zip(new.items(), results, strict=True):
+            rows |= {(*place, *pair): force for pair, force in zip(pairs, forces, strict=True)}
+        values = []
+        for place in places:
+            for a in longitudinal.tolist():
+                line = completed(np.array([rows[*place, a, b] for b in lateral.tolist()]), lateral)
+                values += [self.sampler.friction_row(points[place], force) for force in line]
+        return FrictionTable(
+            y, roll, yaw, level, longitudinal, lateral, np.concatenate(values), self.sampler.coefficient
+        )
 
     def _errors_of_trials(self, table: ForceTable, trials: Sequence[Trial]) -> Array:
         """Lengths (n,) of the errors at trials; zero where the model failed."""
@@ -202,6 +220,14 @@ def completed(rows: Array, nodes: Array) -> Array:
     fraction = ((nodes - known[place]) / (known[place + 1] - known[place]))[:, None]
     between = (1.0 - fraction) * values[place] + fraction * values[place + 1]
     return np.where(solved[:, None], rows, between)
+
+
+def to_and_fro(inner: Array, outer: Array) -> list[tuple[float, float]]:
+    """Pairs of nodes, each beside the one before: a solve starts from a close one.
+
+    The lateral creepage, the outer one, moves the patch of a flange: it changes least often.
+    """
+    return [(a, b) for i, b in enumerate(outer.tolist()) for a in inner[:: -1 if i % 2 else 1].tolist()]
 
 
 def _spaced(ends: tuple[float, float], spacing: float) -> Array:

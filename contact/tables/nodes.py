@@ -10,7 +10,7 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 
-DRAWS = 3  # random values of the other coordinates for every test
+DRAWS = 3  # random values of the other coordinates for every test, on the axis with most intervals
 FINEST = 512  # smallest interval: this part of the axis
 
 
@@ -48,31 +48,38 @@ class Nodes:
         return tuple(len(nodes) for nodes in self.axes.values())
 
     def trials(self, random: np.random.Generator) -> list[Trial]:
-        """Trials of all intervals that are not known to be sound."""
+        """Trials of all intervals that are not known to be sound.
+
+        All axes have as many: errors in a small part of the other axes are found on short and long ones alike.
+        """
+        intervals = {axis: list(self._intervals(axis)) for axis in self.axes}
+        most = max(map(len, intervals.values()))
         return [
             Trial(axis, (low, high), {**self._random_nodes(random), axis: middle})
-            for axis in self.axes
-            for low, high, middle in self._intervals(axis)
+            for axis, own in intervals.items()
+            for low, high, middle in own
             if (axis, low, high) not in self.sound
-            for _ in range(DRAWS)
+            for _ in range(DRAWS * most // len(own))
         ]
 
     def refine(self, trials: list[Trial], errors: Array, threshold: float) -> bool:
-        """Bisect the intervals of trials with an error above a threshold; returns whether there are any."""
-        worst: dict[tuple[str, float, float], float] = {}
+        """Bisect the intervals of trials with errors above a threshold, RMS; returns whether there are any.
+
+        One node becomes the two ends.
+        """
+        squares: dict[tuple[str, float, float], list[float]] = {}
         for trial, error in zip(trials, errors, strict=True):
-            key = (trial.axis, *trial.interval)
-            worst[key] = max(worst.get(key, 0.0), float(error))
+            squares.setdefault((trial.axis, *trial.interval), []).append(float(error) ** 2)
         new: dict[str, set[float]] = {}
-        for (axis, low, high), error in worst.items():
+        for (axis, low, high), own in squares.items():
             first, last = self.ends[axis]
-            if error <= threshold or high - low <= (last - first) / FINEST:
+            if sum(own) <= threshold**2 * len(own) or high - low <= (last - first) / FINEST:
                 self.sound.add((axis, low, high))
             else:
-                single = len(self.axes[axis]) == 1
-                new.setdefault(axis, set()).update(self.ends[axis] if single else (0.5 * (low + high),))
+                new.setdefault(axis, set()).add(0.5 * (low + high))
         for axis, points in new.items():
-            self.axes[axis] = np.array(sorted({*self.axes[axis].tolist(), *points}))
+            own = self.axes[axis].tolist()
+            self.axes[axis] = np.array(sorted({*own, *points}) if len(own) > 1 else self.ends[axis])
         return bool(new)
 
     def _intervals(self, axis: str) -> Iterator[tuple[float, float, float]]:

@@ -9,24 +9,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.load_search import LoadError, Results, find_depth_for_load
-from wheelrail.contact.models.table.force_table import TreadFrame
-from wheelrail.contact.models.table.lookup import (
-    ARM,
-    COLUMNS,
-    COUPLE,
-    DIRECTION,
-    POINT,
-    NormalTable,
-    contact_at,
-    heights_at,
-    position_weights,
-    scale_of_creepage,
-)
+from wheelrail.contact.models.table.force import ARM, scale_of_creepage
+from wheelrail.contact.models.table.force_table import NormalTable, TreadFrame
+from wheelrail.contact.models.table.lookup import contact_of_level
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -100,7 +89,7 @@ class TableSampler:
             pose = self.frame.pose(y, -depth, roll, yaw)
             return (self.frictionless(pose, self.rolling(pose), earlier[0] if earlier else None),)
 
-        rows, guess = np.full((len(loads), COLUMNS), np.nan), None
+        rows, guess = np.full((len(loads), 9), np.nan), None
         depth = next((depth for depth in STARTS if np.isfinite(lowered(depth, None)[0].approach)), 0.0)
         for row, load in zip(rows, loads, strict=True):
             try:
@@ -132,17 +121,12 @@ class TableSampler:
 
     def at_level(self, table: NormalTable, y: float, roll: float, yaw: float, level: float) -> TableContactPoint:
         """Contact without friction where the table has a level of the load."""
-        heights = heights_at(table, position_weights(table, y, roll, yaw))
-        k = int(np.argmin(np.abs(table.level - level)))
-        z = float(heights[k])
-        if table.level[k] != level:
-            ends = heights[min(k + 1, len(heights) - 1)], heights[k - 1]
-            z = float(brentq(lambda at: contact_at(table, y, at, roll, yaw)[0] - level, *ends, xtol=1e-12))
-        _, values, _ = contact_at(table, y, z, roll, yaw)
+        values = contact_of_level(table.grid, y, roll, yaw, level)
+        z = float(values[0])
         load, pose = level**1.5, self.frame.pose(y, z, roll, yaw)
-        point = self._tread(pose) + values[POINT : POINT + 3]
-        force = load * np.array([values[DIRECTION + 1], values[DIRECTION], 1.0])
-        vectors = (tuple(vector.tolist()) for vector in (point, force, load * values[COUPLE:]))
+        point = self._tread(pose) + values[1:4]
+        force = load * np.array([values[5], values[4], 1.0])
+        vectors = (tuple(vector.tolist()) for vector in (point, force, load * values[6:]))
         return TableContactPoint((y, z, roll, yaw), level, *vectors)
 
     def motion(self, at: TableContactPoint, creepage: tuple[float, float], turn: float = 0.0) -> RigidMotion:

@@ -13,8 +13,7 @@ from small_strips import few_strips
 from standard_pair import MOUNTING, wheel_on_rail
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.models.table.force_table import ForceTable, TreadFrame
-from wheelrail.contact.models.table.lookup import COLUMNS, FrictionTable, NormalTable
+from wheelrail.contact.models.table.force_table import ForceTable, FrictionTable, NormalTable, TreadFrame
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.track.track import Track
@@ -39,10 +38,10 @@ def vehicle() -> None:
     dynamics = VehicleDynamics(load_vehicle(), Track(), LinearCreep(), 30.0)
     dynamics.accelerations(0.0, np.zeros(dynamics.size), np.zeros((4, 6)))
     node, ends = np.zeros(1), np.array([0.0, 1.0])
-    rows = np.zeros((1, 2 * COLUMNS))
-    rows[0, [0, COLUMNS]] = 1.0, -1.0  # heights m without load and at the larger level
-    normal = NormalTable(node, node, node, ends, rows)
-    friction = FrictionTable(node, node, node, ends, node, node, np.zeros((2, 6)), 0.3)
+    values = np.zeros(2 * 9)
+    values[[0, 9]] = 1.0, -1.0  # heights m without load and at the larger level
+    normal = NormalTable(node, node, node, ends, values)
+    friction = FrictionTable(node, node, node, ends, node, node, np.zeros(2 * 6), 0.3)
     table = ForceTable(TreadFrame(MOUNTING.radius, 0.0), normal, friction)
     pose, motion = MOUNTING.left_pair(STATE)
     table.force(pose, motion)

@@ -170,6 +170,16 @@ def call(context: Any, at: Any, arguments: Any) -> Any:
     return types.void(at, arguments), generate
 
 
+@intrinsic  # type: ignore[untyped-decorator]
+def fma(context: Any, a: Any, b: Any, c: Any) -> Any:
+    """Compiled: a * b + c with one rounding, an instruction of the processor where it has one."""
+
+    def generate(_: Any, builder: Any, __: Any, values: Any) -> Any:
+        return builder.fma(*values)
+
+    return types.float64(types.float64, types.float64, types.float64), generate
+
+
 @cache
 def announce_first_compilation() -> None:
     """Log that machine code is compiled, if there is none of these sources yet: for strips it takes minutes."""

@@ -2,18 +2,77 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.models.table.lookup import FrictionTable, NormalTable, table_force, tread_position
+from wheelrail.contact.models.table.force import table_derivative, table_force
+from wheelrail.contact.models.table.interpolation import Grid
 from wheelrail.support.arrays import Array
 
-STEP = 1e-30  # of complex arguments: their squares vanish, and derivatives are exact to round-off
 UNITS = {"y": "m", "roll": "rad", "yaw": "rad"}
+
+
+@dataclass(frozen=True, eq=False)
+class NormalTable:
+    """Contact without friction.
+
+    Parameters:
+        y, roll, yaw: nodes m, rad, rad.
+        level: nodes of (vertical load / N)^(2/3) from 0.
+        values: (y * roll * yaw * level * 9,): height m of the tread above the nominal one; point of the resultant from
+            the tread, m; lateral force, longitudinal force over the vertical one; moment about that point over it, m.
+
+    The tread is the lowest point of the rolling circle, (0, 0, -radius) in the axes of the wheel without spin.
+    """
+
+    y: Array
+    roll: Array
+    yaw: Array
+    level: Array
+    values: Array
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The table for compiled code."""
+        return _grid(9, self.values, self.y, self.roll, self.yaw, self.level)
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionTable:
+    """Change of force and moment by friction.
+
+    Parameters:
+        y, roll, yaw, level: nodes as for `NormalTable`.
+        longitudinal, lateral: nodes of asinh(creepage / scale), see
+            `wheelrail.contact.models.table.force.scale_of_creepage`.
+        values: (y * roll * yaw * level * longitudinal * lateral * 6,): change of force along x, along the lateral
+            tangent and along the normal, and of the moment about the same point in the axes of the track over
+            `wheelrail.contact.models.table.force.ARM`, all over friction coefficient times vertical load.
+        coefficient: of friction; 0: the values are not read.
+    """
+
+    y: Array
+    roll: Array
+    yaw: Array
+    level: Array
+    longitudinal: Array
+    lateral: Array
+    values: Array
+    coefficient: float
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The table for compiled code."""
+        return _grid(6, self.values, self.y, self.roll, self.yaw, self.level, self.longitudinal, self.lateral)
+
+
+def _grid(columns: int, values: Array, *axes: Array) -> Grid:
+    return Grid(np.concatenate(axes), tuple(map(len, axes)), values, columns)
 
 
 @dataclass(frozen=True)
@@ -41,19 +100,14 @@ class TreadFrame:
         rotation = np.array([[c, -s * level, s * roll], [s, c * level, -c * roll], [0.0, roll, level]])
         return Pose(np.array([0.0, y + self.lateral, z]) + self.radius * rotation[:, 2], rotation)
 
-    def position(self, pose: Pose) -> dict[str, float]:
-        """Values of y, z, roll and yaw of a pose, see `pose`."""
-        values = tread_position(pose.origin, pose.rotation, self.radius, self.lateral)
-        return {name: value.real for name, value in zip(("y", "z", "roll", "yaw"), values, strict=True)}
 
-
-@dataclass(frozen=True)
-class TableForce:
+class TableForce(NamedTuple):
     """Force from a table.
 
     Parameters:
         values: force N and moment N m (6,) about the rail's origin; zero without contact.
-        level: (vertical load without friction / N)^(2/3), negative without contact.
+        position: y m, roll and yaw rad, z m of the tread, see `TreadFrame.pose`.
+        level: (vertical load without friction / N)^(2/3), not positive without contact.
         depth: below the height at which wheel and rail touch, m.
         speed: rolling speed, m/s; 1 without friction or contact.
         point: (3,) m of the resultant without friction.
@@ -61,11 +115,12 @@ class TableForce:
     """
 
     values: Array
+    position: list[float]
     level: float
     depth: float
     speed: float
-    point: Array
-    resultant: Array
+    point: list[float]
+    resultant: list[float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,53 +137,39 @@ class ForceTable:
     normal: NormalTable
     friction: FrictionTable
 
-    @property
+    @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Smallest and largest y, m, roll and yaw, rad."""
         nodes = {"y": self.normal.y, "roll": self.normal.roll, "yaw": self.normal.yaw}
         return {name: (float(values[0]), float(values[-1])) for name, values in nodes.items()}
 
-    @property
+    @cached_property
     def loads(self) -> tuple[float, float]:
         """Smallest vertical load with values of its own, and the largest, N."""
         return float(self.normal.level[1] ** 1.5), float(self.normal.level[-1] ** 1.5)
 
-    def outside(self, pose: Pose) -> str:
-        """The first variable of a pose outside its range, with value and range; empty where there is none."""
-        position = self.frame.position(pose)
-        for name, (low, high) in self.ranges.items():
-            if not low <= position[name] <= high:
-                value, unit = position[name], UNITS[name]
+    def outside(self, position: Sequence[float]) -> str:
+        """The first of y, roll and yaw outside its range, with value and range; empty where there is none."""
+        for (name, (low, high)), value in zip(self.ranges.items(), position, strict=False):
+            if not low <= value <= high:
+                unit = UNITS[name]
                 return f"table: {name} of the wheel = {value:.4g} {unit}: must be from {low:.4g} to {high:.4g} {unit}"
         return ""
 
     def force(self, pose: Pose, motion: RigidMotion) -> TableForce:
-        """Force at a pose within the range."""
-        return TableForce(*self._looked_up(pose.origin, pose.rotation, _twists(motion)))
+        """Force at a pose; beyond the ranges interpolants continue, see `outside`."""
+        values = table_force(*self.arguments(pose, motion))
+        numbers = values.tolist()
+        level, depth, speed = numbers[10:13]
+        return TableForce(values[:6], numbers[6:10], level, depth, speed, numbers[13:16], numbers[16:19])
 
     def derivative(self, pose: Pose, motion: RigidMotion) -> Array:
         """Derivative (6, 12) of force and moment, see `wheelrail.contact.results.result.ContactResult.tangent`."""
-        columns = np.zeros((6, 12))
-        for k in range(12):
-            origin, rotation, twists = pose.origin + 0j, pose.rotation + 0j, [part + 0j for part in _twists(motion)]
-            change = 1j * STEP * np.eye(3)[k % 3]
-            if k < 3:
-                origin, twists[2] = origin + change, twists[2] + change
-            elif k < 6:
-                rotation = rotation + np.cross(change, rotation, axisb=0, axisc=0)
-                twists[2] = twists[2] + np.cross(change, twists[2] - origin)
-            else:
-                twists[k // 3 - 2] = twists[k // 3 - 2] + change
-            columns[:, k] = self._looked_up(origin, rotation, tuple(twists))[0].imag / STEP
-        return columns
+        return table_derivative(*self.arguments(pose, motion))
 
-    def _looked_up(self, origin: NDArray[Any], rotation: NDArray[Any], twists: tuple[NDArray[Any], ...]) -> Any:
-        """Results of `table_force`, of real or of complex arrays."""
-        place = self.frame.radius, self.frame.lateral
-        return table_force(self.normal, self.friction, place, (origin, np.ascontiguousarray(rotation)), twists)
-
-
-def _twists(motion: RigidMotion) -> tuple[Array, ...]:
-    """Velocity, angular velocity and reference of wheel and rail."""
-    wheel, rail = motion.wheel, motion.rail
-    return wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
+    def arguments(self, pose: Pose, motion: RigidMotion) -> Any:
+        """Arguments of `table_force`."""
+        friction, place = (self.friction.grid, self.friction.coefficient), (self.frame.radius, self.frame.lateral)
+        wheel, rail = motion.wheel, motion.rail
+        twists = wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
+        return self.normal.grid, friction, place, (pose.origin, np.ascontiguousarray(pose.rotation)), twists

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.models.table.force_table import ForceTable, TableForce
-from wheelrail.contact.results.result import ContactResult, Patch
+from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
 from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.support.arrays import Array
 
@@ -30,9 +30,9 @@ class TableContact:
     table: ForceTable
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
-        if outside := self.table.outside(pose):
-            return ContactResult.failed(outside)
         force = self.table.force(pose, motion)
+        if outside := self.table.outside(force.position):
+            return ContactResult.failed(outside)
         if force.level <= 0.0:
             return ContactResult.separated(force.depth)
         high = self.table.loads[1]
@@ -47,7 +47,7 @@ class TableContact:
         return ContactResult(
             force=force.values[:3],
             moment=force.values[3:],
-            patches=(_patch(force),),
+            patches=LazyPatches(partial(_patches, force)),
             approach=force.depth,
             status="converged",
             force_tangent=ContactTangent(_Derivative(self.table, pose, motion)),
@@ -68,12 +68,12 @@ class _Derivative:
         return self.table.derivative(self.pose, self.motion)
 
 
-def _patch(force: TableForce) -> Patch:
+def _patches(force: TableForce) -> tuple[Patch]:
     """The resultant as a patch."""
-    normal = np.array([0.0, *force.resultant[1:]]) / np.hypot(*force.resultant[1:])
+    normal = np.array([0.0, *force.resultant[1:]]) / np.hypot(force.resultant[1], force.resultant[2])
     lateral = np.array([0.0, normal[2], -normal[1]])
     load = force.values[:3]
-    return Patch(
+    patch = Patch(
         area=UNKNOWN,
         max_pressure=UNKNOWN,
         normal_force=float(load @ normal),
@@ -84,11 +84,12 @@ def _patch(force: TableForce) -> Patch:
         wheel_s=UNKNOWN,
         rail_s=UNKNOWN,
         wheel_y=UNKNOWN,
-        rail_y=float(force.point[1]),
+        rail_y=force.point[1],
         wheel_band=(UNKNOWN, UNKNOWN),
         rail_band=(UNKNOWN, UNKNOWN),
-        x=float(force.point[0]),
+        x=force.point[0],
         stick_area=UNKNOWN,
         creepage=(UNKNOWN, UNKNOWN, UNKNOWN),
         frictional_power=UNKNOWN,
     )
+    return (patch,)

@@ -67,7 +67,7 @@ def _stage_variables(name: str, stage: str, table: Any) -> dict[str, Variable]:
         dim: Variable(dim, values, {"units": NODES[axis][0], "long_name": NODES[axis][1]})
         for dim, axis, values in zip(dims, axes, nodes, strict=True)
     }
-    values = table.rows.reshape(*map(len, nodes), -1)
+    values = table.values.reshape(*map(len, nodes), -1)
     variables[f"{name}_values"] = Variable([*dims, f"{stage}_value"], values, {"long_name": VALUES[stage]})
     return variables
 
@@ -95,8 +95,7 @@ def force_tables(data: Dataset, name: str) -> dict[str, ForceTable]:
 
     Raises SceneError for a Dataset of anything else.
     """
-    from wheelrail.contact.models.table.force_table import ForceTable, TreadFrame
-    from wheelrail.contact.models.table.lookup import FrictionTable, NormalTable
+    from wheelrail.contact.models.table.force_table import ForceTable, FrictionTable, NormalTable, TreadFrame
 
     if data.attrs.get("kind") != KIND:
         raise SceneError(f"{name}: not a table of contact forces; wheelrail table makes one")
@@ -111,8 +110,6 @@ def force_tables(data: Dataset, name: str) -> dict[str, ForceTable]:
 
 
 def _stage(data: Dataset, name: str, stage: str) -> dict[str, Any]:
-    """Nodes by axis, and rows, of one stage."""
-    nodes = {axis: np.ascontiguousarray(data[f"{name}_{axis}"].values) for axis in STAGES[stage]}
-    values = data[f"{name}_values"].values
-    rows = np.prod(values.shape[:3]) if stage == "normal" else np.prod(values.shape[:-1])
-    return {**nodes, "rows": np.ascontiguousarray(values.reshape(rows, -1))}
+    """Nodes by axis, and values, of one stage."""
+    arrays = {axis: data[f"{name}_{axis}"].values for axis in STAGES[stage]} | {"values": data[f"{name}_values"].values}
+    return {key: np.ascontiguousarray(array).ravel() for key, array in arrays.items()}
