@@ -500,7 +500,7 @@ def test_inputs_of_a_run_hold_only_what_it_uses() -> None:
     assert (elastic["bodies"], elastic["points"], elastic["strips"], elastic["cells"]) == (
         "waveguide",
         "lattice",
-        8,
+        6,
         10,
     )
     assert "segments" not in elastic["track"]
