@@ -53,7 +53,7 @@ class StripSurfaces(Protocol):
         """Length on the surface at s over length on the rolling circle."""
 
 
-NEXT = 2e-4  # m: points closer than that have neighbouring closest points
+NEXT = 1e-3  # m: points closer than that have neighbouring closest points
 
 
 class ProjectedPoints(NamedTuple):

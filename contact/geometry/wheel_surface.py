@@ -8,6 +8,45 @@ from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearest_sa
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
+Place = tuple[float, float, float]
+
+
+@compiled
+def on_circle(
+    z: complex, t: complex, radius: float, origin: Array, rotation: Array, x: float
+) -> tuple[Place, Place, Place]:
+    """Point m, forward axis and outward normal at x m along the circle of a profile's point z with the tangent t."""
+    r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
+    back, down, inward, low = r * sine, r * cosine, t.real * sine, t.real * cosine
+    y, axial = z.real, t.imag
+    return (
+        (
+            origin[0] + rotation[0, 0] * back + rotation[0, 1] * y - rotation[0, 2] * down,
+            origin[1] + rotation[1, 0] * back + rotation[1, 1] * y - rotation[1, 2] * down,
+            origin[2] + rotation[2, 0] * back + rotation[2, 1] * y - rotation[2, 2] * down,
+        ),
+        (
+            rotation[0, 0] * cosine + rotation[0, 2] * sine,
+            rotation[1, 0] * cosine + rotation[1, 2] * sine,
+            rotation[2, 0] * cosine + rotation[2, 2] * sine,
+        ),
+        (
+            rotation[0, 0] * inward - rotation[0, 1] * axial - rotation[0, 2] * low,
+            rotation[1, 0] * inward - rotation[1, 1] * axial - rotation[1, 2] * low,
+            rotation[2, 0] * inward - rotation[2, 1] * axial - rotation[2, 2] * low,
+        ),
+    )
+
+
+@compiled
+def write_frame(point: Place, forward: Place, normal: Place, points: Array, axes: Array, i: int) -> None:
+    """Write a point and its axes, longitudinal, lateral and outward, into row i of (n, 3) m and (n, 3, 3)."""
+    for c in range(3):
+        points[i, c], axes[i, 0, c], axes[i, 2, c] = point[c], forward[c], normal[c]
+    axes[i, 1, 0] = forward[1] * normal[2] - forward[2] * normal[1]
+    axes[i, 1, 1] = forward[2] * normal[0] - forward[0] * normal[2]
+    axes[i, 1, 2] = forward[0] * normal[1] - forward[1] * normal[0]
+
 
 @compiled
 def wheel_place(
@@ -24,15 +63,7 @@ def wheel_place(
         i: row.
     """
     z, t, _ = local(wheel, s, piece(wheel, s))
-    r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
-    for c in range(3):
-        forward, axle, up = rotation[c, 0], rotation[c, 1], rotation[c, 2]
-        points[i, c] = origin[c] + forward * (r * sine) + axle * z.real - up * (r * cosine)
-        axes[i, 2, c] = forward * (t.real * sine) - axle * t.imag - up * (t.real * cosine)
-        axes[i, 0, c] = forward * cosine + up * sine
-    for c in range(3):
-        after, last = (c + 1) % 3, (c + 2) % 3
-        axes[i, 1, c] = axes[i, 0, after] * axes[i, 2, last] - axes[i, 0, last] * axes[i, 2, after]
+    write_frame(*on_circle(z, t, radius, origin, rotation, x), points, axes, i)
 
 
 @compiled

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array, Complex
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, fma
 
 SPACING = 1e-4  # m, of the samples, and the longest step
 STRIDE = 8  # samples between those of the first, coarse search
@@ -51,7 +51,14 @@ class Shape(NamedTuple):
 @compiled
 def piece(shape: Shape, s: float) -> int:
     """Index of the piece that contains s."""
-    return int(np.searchsorted(shape.breaks[1:-1], s, side="right"))
+    low, high = 0, len(shape.middles) - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if shape.breaks[middle] <= s:
+            low = middle
+        else:
+            high = middle - 1
+    return low
 
 
 @compiled
@@ -61,9 +68,9 @@ def local(shape: Shape, s: float, j: int) -> tuple[complex, complex, complex]:
     x, table = s - shape.middles[j], shape.table
     y, z, dy, dz, ddy, ddz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for n in range(7, -1, -1):
-        y, z = y * x + table[j, 0, n].real, z * x + table[j, 0, n].imag
-        dy, dz = dy * x + table[j, 1, n].real, dz * x + table[j, 1, n].imag
-        ddy, ddz = ddy * x + table[j, 2, n].real, ddz * x + table[j, 2, n].imag
+        y, z = fma(y, x, table[j, 0, n].real), fma(z, x, table[j, 0, n].imag)
+        dy, dz = fma(dy, x, table[j, 1, n].real), fma(dz, x, table[j, 1, n].imag)
+        ddy, ddz = fma(ddy, x, table[j, 2, n].real), fma(ddz, x, table[j, 2, n].imag)
     return complex(y, z), complex(dy, dz), complex(ddy, ddz)
 
 
@@ -106,9 +113,8 @@ def nearer_sample(shape: Shape, q: complex, at: int) -> int:
 
 
 @compiled
-def _newton(shape: Shape, q: complex, s: float, j: int) -> tuple[float, float, float]:
-    """Point minus curve along tangent and normal, and Newton's step for the least distance."""
-    z, t, k = local(shape, s, j)
+def _newton(z: complex, t: complex, k: complex, q: complex) -> tuple[float, float, float]:
+    """Point q minus curve along tangent and normal, and Newton's step for the least distance, from `local` values."""
     away = q - z
     along = t.real * away.real + t.imag * away.imag
     # |q - z|^2 / 2 has the slope -along and the second derivative 1 - Re(conj(z'') (q - z))
@@ -122,7 +128,8 @@ def foot(shape: Shape, q: complex, start: float) -> tuple[float, float, bool]:
     first, last = shape.breaks[0], shape.breaks[-1]
     s = start
     for _ in range(_FAST):
-        _along, across, step = _newton(shape, q, s, piece(shape, s))
+        z, t, k = local(shape, s, piece(shape, s))
+        _along, across, step = _newton(z, t, k, q)
         s = min(max(s + min(max(step, -SPACING), SPACING), first), last)
         if abs(step) < SMALL_STEP:
             return s, across, True
@@ -136,7 +143,8 @@ def _held(shape: Shape, q: complex, s: float) -> tuple[float, float, bool]:
     j, stationary = piece(shape, s), False
     along, across = 0.0, 0.0
     for _ in range(_SAFE):
-        along, across, step = _newton(shape, q, s, j)
+        z, t, k = local(shape, s, j)
+        along, across, step = _newton(z, t, k, q)
         low, high = shape.breaks[j], shape.breaks[j + 1]
         new = min(max(s + min(max(step, -SPACING), SPACING), low), high)
         converged = abs(step) < SMALL_STEP or new == s

@@ -14,7 +14,7 @@ from wheelrail.contact.models.lattice.system.surface import (
     SurfaceData,
     SurfaceFrames,
     frames,
-    penetration,
+    penetration_changes,
 )
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
@@ -113,14 +113,14 @@ def speed_change(
     for i in range(n):
         total += depth[i] * depth[i] * width[i]
     for side in range(2):
-        points = penetration(surface, motion.origin, motion.rotation, s + (2 * side - 1) * GAUSS * width, x)
+        points = penetration_changes(surface, motion.origin, motion.rotation, s + (2 * side - 1) * GAUSS * width, x)
         for i in range(n):
             forward = motion.speed
             for body in (motion.wheel, motion.rail):
                 _cross(body[1], at.point[i] - body[2], velocity)
                 forward += 0.5 * (_dot(at.axes[i, 0], velocity) + _dot(at.axes[i, 0], body[0]))
             for k in range(6):
-                change[k] -= points.pose[i, k] * depth[i] * width[i] * forward / total
+                change[k] -= points.depth[i, k] * depth[i] * width[i] * forward / total
     for i in range(n):
         for k in range(CHANGES):
             change[k] -= flow[k, i] * depth[i] * depth[i] * width[i] / total

@@ -66,8 +66,8 @@ class LatticeTangent:
         total = np.zeros((*x.shape, 6))
         for side in (-GAUSS, GAUSS):
             s = problem.middle[state.strips] + side * problem.width[state.strips]
-            at = problem.penetration(np.repeat(s, x.shape[1]), x.ravel())
-            total += 0.5 * at.pose.reshape(total.shape)
+            at = problem.penetration_changes(np.repeat(s, x.shape[1]), x.ravel())
+            total += 0.5 * at.depth.reshape(total.shape)
         return total
 
     def _by_pose(self, evaluation: Evaluation, rho: Array) -> Array:
@@ -112,7 +112,8 @@ class LatticeTangent:
         lower body there: these move along x with the former, which depend on the normals at the latter.
         """
         problem, own, data = self.problem, self.solution.state.strips, self.problem.data
-        foot, fixed = problem.lines.foot[own], problem.lines.foot_pose[own]
+        foot = problem.lines.foot[own]
+        fixed = problem.penetration_changes(problem.middle[own], problem.crest[0][own]).foot
         crest = crest_changes(problem.surface, data.rotation, foot, fixed)
         if not problem.surface.revolves:
             return crest, fixed

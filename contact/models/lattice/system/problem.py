@@ -35,11 +35,13 @@ from wheelrail.contact.models.lattice.system.surface import (
     ContactLines,
     Motion,
     Penetration,
+    PenetrationChanges,
     SurfaceData,
     contact_lines,
     frames,
     motion_data,
     penetration,
+    penetration_changes,
 )
 from wheelrail.support.arrays import Array, Nodes
 
@@ -161,6 +163,11 @@ class LatticeProblem:
         """Undeformed penetration at points (n,)."""
         data = self.data
         return penetration(self.surface, data.origin, data.rotation, np.ascontiguousarray(s), np.ascontiguousarray(x))
+
+    def penetration_changes(self, s: Array, x: Array) -> PenetrationChanges:
+        """Derivatives of `penetration` and of the closest points by the pose."""
+        data = self.data
+        return penetration_changes(self.surface, data.origin, data.rotation, s, x)
 
     @cached_property
     def reach(self) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import curvature
 from wheelrail.contact.geometry.strip_surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
-from wheelrail.contact.geometry.wheel_surface import wheel_place
+from wheelrail.contact.geometry.wheel_surface import Place, on_circle, write_frame
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array
@@ -59,16 +59,42 @@ class Penetration(NamedTuple):
     Parameters:
         depth: (n,) m; -inf beyond the ends of the rail.
         slope: (n,) its derivative along x.
-        pose: (n, 6) its derivative by translation and rotation of the wheel's frame.
         foot: (n,) m, arc length of the closest points on the lower body.
-        foot_pose: (n, 6) its derivative by the pose.
     """
 
     depth: Array
     slope: Array
-    pose: Array
     foot: Array
-    foot_pose: Array
+
+
+class PenetrationChanges(NamedTuple):
+    """Derivatives (n, 6) of the penetration and of the closest points at n points by the pose of the wheel's frame."""
+
+    depth: Array
+    foot: Array
+
+
+class Projection(NamedTuple):
+    """A point of a wheel, projected on the rail: `project`.
+
+    Parameters:
+        depth: m, penetration; -inf beyond the ends of the rail.
+        foot: m, arc length of the closest point.
+        sample: number of the nearest sample of the rail.
+        point, normal: of the wheel, m.
+        gradient: derivative of the penetration by the point's position across and upwards, for a fixed normal.
+        away: m, from the closest point to the point.
+        moves: derivative of foot by the point's position across and upwards.
+    """
+
+    depth: float
+    foot: float
+    sample: int
+    point: Place
+    normal: Place
+    gradient: complex
+    away: complex
+    moves: complex
 
 
 NO_SHAPE = Shape(np.zeros(2), np.zeros(1), np.zeros((1, 3, 8), dtype=complex), np.zeros(1), np.zeros(1, dtype=complex))
@@ -98,39 +124,83 @@ def _field(body: Twist) -> tuple[Array, Array, Array]:
 
 
 @compiled
-def penetration(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array) -> Penetration:
-    """`Penetration` of points s, x (n,) m across and along.
+def project(rail: Shape, point: Place, normal: Place, sample: int) -> Projection:
+    """Projection of a point with an outward normal; sample: that nearest to a neighbour, -1 without one.
 
     With the closest point r(sigma) of the rail, (q - r) r' = 0, and the wheel's normal w the penetration is (q - r) w.
     """
+    q = complex(point[1], point[2])
+    sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
+    at, _, inside = foot(rail, q, rail.samples[sample])
+    on_rail, t, k = local(rail, at, piece(rail, at))
+    away, w = q - on_rail, complex(normal[1], normal[2])
+    moves = t * (1.0 / (1.0 - (away.real * k.real + away.imag * k.imag)))
+    gradient = w - (t.real * w.real + t.imag * w.imag) * moves
+    depth = away.real * w.real + away.imag * w.imag if inside else -np.inf
+    return Projection(depth, at, sample, point, normal, gradient, away, moves)
+
+
+@compiled
+def _turned(at: Projection, origin: Array) -> Place:
+    """Derivative of the penetration by rotation of the wheel about the axes of space through its origin."""
+    rx, ry, rz = at.point[0] - origin[0], at.point[1] - origin[1], at.point[2] - origin[2]
+    wx, wy, wz = at.normal
+    g, away = at.gradient, at.away
+    return (
+        ry * g.imag - rz * g.real + wy * away.imag - wz * away.real,
+        -rx * g.imag - wx * away.imag,
+        rx * g.real + wx * away.real,
+    )
+
+
+@compiled
+def penetration(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array) -> Penetration:
+    """`Penetration` of points s, x (n,) m across and along; fastest where neighbours share s."""
     n = len(s)
-    result = Penetration(np.empty(n), np.empty(n), np.zeros((n, 6)), np.empty(n), np.zeros((n, 6)))
-    point, axes = np.empty((1, 3)), np.empty((1, 3, 3))
-    last, sample = complex(np.inf, 0.0), 0
+    result = Penetration(np.empty(n), np.empty(n), np.empty(n))
+    (ax, ay), (bx, by) = surface.upper, surface.lower
+    z, t, sample, last = 0j, 0j, -1, np.inf
     for i in range(n):
         if not surface.revolves:
-            _quadrics(surface, origin, s[i], x[i], result, i)
+            dx, ds = x[i] - origin[0], s[i] - origin[1]
+            result.depth[i] = -origin[2] - ax * dx * dx - ay * ds * ds - bx * x[i] * x[i] - by * s[i] * s[i]
+            result.slope[i] = -2 * ax * dx - 2 * bx * x[i]
+            result.foot[i] = s[i]
             continue
-        wheel_place(surface.wheel, surface.radius, origin, rotation, s[i], x[i], point, axes, 0)
-        q = complex(point[0, 1], point[0, 2])
-        rail = surface.rail
-        sample = nearer_sample(rail, q, sample) if abs(q - last) < NEXT else nearest_sample(rail, q)
-        last = q
-        result.foot[i], _, inside = foot(rail, q, rail.samples[sample])
-        on_rail, t, k = local(rail, result.foot[i], piece(rail, result.foot[i]))
-        away = q - on_rail
-        wx, wy, wz = axes[0, 2]
-        result.depth[i] = away.real * wy + away.imag * wz if inside else -np.inf
-        moves = 1.0 / (1.0 - (away.real * k.real + away.imag * k.imag))
-        along = (t.real * wy + t.imag * wz) * moves
-        change = result.pose[i]
-        _carried(point[0], origin, wy - along * t.real, wz - along * t.imag, change)
-        change[3] += wy * away.imag - wz * away.real
-        change[4] -= wx * away.imag
-        change[5] += wx * away.real
-        _carried(point[0], origin, moves * t.real, moves * t.imag, result.foot_pose[i])
-        about_axle = rotation[0, 1] * change[3] + rotation[1, 1] * change[4] + rotation[2, 1] * change[5]
-        result.slope[i] = -about_axle / surface.radius
+        if s[i] != last:
+            z, t, _ = local(surface.wheel, s[i], piece(surface.wheel, s[i]))
+            sample = sample if abs(s[i] - last) < NEXT else -1
+            last = s[i]
+        point, _, normal = on_circle(z, t, surface.radius, origin, rotation, x[i])
+        at = project(surface.rail, point, normal, sample)
+        turned, sample = _turned(at, origin), at.sample
+        about_axle = rotation[0, 1] * turned[0] + rotation[1, 1] * turned[1] + rotation[2, 1] * turned[2]
+        result.depth[i], result.slope[i], result.foot[i] = at.depth, -about_axle / surface.radius, at.foot
+    return result
+
+
+@compiled
+def penetration_changes(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array) -> PenetrationChanges:
+    """`PenetrationChanges` at points s, x (n,) m across and along."""
+    n = len(s)
+    result = PenetrationChanges(np.zeros((n, 6)), np.zeros((n, 6)))
+    if not surface.revolves:
+        ax, ay = surface.upper
+        for i in range(n):
+            result.depth[i, 0] = 2 * ax * (x[i] - origin[0])
+            result.depth[i, 1], result.depth[i, 2] = 2 * ay * (s[i] - origin[1]), -1.0
+        return result
+    for i in range(n):
+        z, t, _ = local(surface.wheel, s[i], piece(surface.wheel, s[i]))
+        point, _, normal = on_circle(z, t, surface.radius, origin, rotation, x[i])
+        at = project(surface.rail, point, normal, -1)
+        rx, ry, rz = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
+        result.depth[i, 1], result.depth[i, 2] = at.gradient.real, at.gradient.imag
+        result.depth[i, 3], result.depth[i, 4], result.depth[i, 5] = _turned(at, origin)
+        moves = result.foot[i]
+        moves[1], moves[2] = at.moves.real, at.moves.imag
+        moves[3] = ry * at.moves.imag - rz * at.moves.real
+        moves[4], moves[5] = -rx * at.moves.imag, rx * at.moves.real
     return result
 
 
@@ -165,16 +235,16 @@ def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float) -> fl
     The equation is x = -R arctan(f / u), where f and u are the components of the rail's normal n along the wheel's
     forward and upward axes; n changes with the closest point on the rail.
     """
-    rail, radius = surface.rail, surface.radius
-    point, axes, x, sample = np.empty((1, 3)), np.empty((1, 3, 3)), 0.0, -1
+    rail, radius, x, sample = surface.rail, surface.radius, 0.0, -1
+    profile, tangent, _ = local(surface.wheel, s, piece(surface.wheel, s))
     for _ in range(CREST_STEPS):
-        wheel_place(surface.wheel, radius, origin, rotation, s, x, point, axes, 0)
-        q = complex(point[0, 1], point[0, 2])
+        point, axis, _ = on_circle(profile, tangent, radius, origin, rotation, x)
+        q = complex(point[1], point[2])
         sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
         at, _, _ = foot(rail, q, rail.samples[sample])
         z, t, k = local(rail, at, piece(rail, at))
         away = q - z
-        moved = (t.real * axes[0, 0, 1] + t.imag * axes[0, 0, 2]) / (1.0 - (away.real * k.real + away.imag * k.imag))
+        moved = (t.real * axis[1] + t.imag * axis[2]) / (1.0 - (away.real * k.real + away.imag * k.imag))
         forward = rotation[2, 0] * t.real - rotation[1, 0] * t.imag
         up = rotation[2, 2] * t.real - rotation[1, 2] * t.imag
         forward_change = (rotation[2, 0] * k.real - rotation[1, 0] * k.imag) * moved
@@ -221,25 +291,6 @@ def crest_changes(surface: SurfaceData, rotation: Array, feet: Array, feet_chang
     return change
 
 
-@compiled
-def _quadrics(surface: SurfaceData, origin: Array, s: float, x: float, result: Penetration, i: int) -> None:
-    """Write the penetration of two quadrics at a point into row i."""
-    (ax, ay), (bx, by) = surface.upper, surface.lower
-    dx, ds = x - origin[0], s - origin[1]
-    result.depth[i] = -origin[2] - ax * dx * dx - ay * ds * ds - bx * x * x - by * s * s
-    result.slope[i] = -2 * ax * dx - 2 * bx * x
-    result.pose[i, 0], result.pose[i, 1], result.pose[i, 2] = 2 * ax * dx, 2 * ay * ds, -1.0
-    result.foot[i] = s
-
-
-@compiled
-def _carried(point: Array, origin: Array, gy: float, gz: float, change: Array) -> None:
-    """Derivative (6,) of (0, gy, gz) times a point that moves with a frame."""
-    rx, ry, rz = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
-    change[0], change[1], change[2] = 0.0, gy, gz
-    change[3], change[4], change[5] = ry * gz - rz * gy, -rx * gz, rx * gy
-
-
 class SurfaceFrames(NamedTuple):
     """Points (n, 3) m of the upper body and its axes (n, 3, 3) there: longitudinal, lateral and outward.
 
@@ -260,12 +311,17 @@ def frames(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Ar
     if surface.revolves:
         for c in range(3):
             turn[c] = -rotation[c, 1] / surface.radius
+    z, t, last = 0j, 0j, np.inf
     for i in range(n):
         if surface.revolves:
-            wheel_place(surface.wheel, surface.radius, origin, rotation, s[i], x[i], point, axes, i)
-            for c in range(3):
-                a, b = (c + 1) % 3, (c + 2) % 3
-                forward[i, c] = turn[a] * (point[i, b] - origin[b]) - turn[b] * (point[i, a] - origin[a])
+            if s[i] != last:
+                z, t, _ = local(surface.wheel, s[i], piece(surface.wheel, s[i]))
+                last = s[i]
+            write_frame(*on_circle(z, t, surface.radius, origin, rotation, x[i]), point, axes, i)
+            rx, ry, rz = point[i, 0] - origin[0], point[i, 1] - origin[1], point[i, 2] - origin[2]
+            forward[i, 0] = turn[1] * rz - turn[2] * ry
+            forward[i, 1] = turn[2] * rx - turn[0] * rz
+            forward[i, 2] = turn[0] * ry - turn[1] * rx
         else:
             point[i, 0], point[i, 1] = x[i], s[i]
             axes[i, 0, 0], axes[i, 1, 1], axes[i, 2, 2], forward[i, 0] = 1.0, 1.0, -1.0, 1.0
@@ -319,7 +375,6 @@ class ContactLines(NamedTuple):
         x: (K,) m, its place along x.
         curvature: (K,) 1/m, relative curvature along x there.
         foot: (K,) m, arc length of the closest points on the lower body; NaN where the penetration is negative.
-        foot_pose: (K, 6) its derivative by the pose.
         level: (K, 3) longitudinal axis.
         speed: m/s at which both materials flow backwards, the mean weighted by the squared penetration; 0 without
             penetration.
@@ -329,7 +384,6 @@ class ContactLines(NamedTuple):
     x: Array
     curvature: Array
     foot: Array
-    foot_pose: Array
     level: Array
     speed: float
 
@@ -364,7 +418,7 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
     for k in range(len(inside)):
         depth[inside[k]] = 0.5 * (sides[2 * k] + sides[2 * k + 1])
         x[inside[k]], curvature[inside[k]] = at[1][k], at[2][k]
-    foot, foot_pose, level = np.full(K, np.nan), np.zeros((K, 6)), np.zeros((K, 3))
+    foot, level = np.full(K, np.nan), np.zeros((K, 3))
     touching = np.flatnonzero(depth > 0.0)
     s, along = middle[touching], x[touching]
     closest = penetration(surface, motion.origin, motion.rotation, s, along)
@@ -373,7 +427,7 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
     total, weights = 0.0, 0.0
     for k in range(len(touching)):
         i = touching[k]
-        foot[i], foot_pose[i], level[i] = closest.foot[k], closest.foot_pose[k], places.axes[k, 0]
+        foot[i], level[i] = closest.foot[k], places.axes[k, 0]
         weight = depth[i] * depth[i] * width[i]
         total, weights = total - weight * flow[k], weights + weight
-    return ContactLines(depth, x, curvature, foot, foot_pose, level, total / weights if weights > 0.0 else 0.0)
+    return ContactLines(depth, x, curvature, foot, level, total / weights if weights > 0.0 else 0.0)
