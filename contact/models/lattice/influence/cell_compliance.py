@@ -56,11 +56,11 @@ def cell_operator(tables: PairTables, grid: StripGrid, basis: StripBasis, rolls:
     S, R = grid.x.shape
     n = S * (R - 3)
     A = np.zeros((3, n, 3, n))
-    G, H, K = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((R, R, 3, 3))
+    G, K = np.empty((R, R, 8)), np.empty((R, R, 3, 3))
     inside = True
     for i in range(S):
         for j in range(i, S):
-            inside = inside and look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, H)
+            inside = inside and look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, None)
             _matrix(G, 1.0, K)
             _add_cells(K, grid.width[j], (i, j), grid.length[i], basis, A)
             if i != j:
@@ -88,12 +88,12 @@ def normal_displacements(
     n, C = edges.shape[0], edges.shape[1] - 1
     S, M = jumps.shape[0], jumps.shape[1] - 1
     displacement = np.zeros((n, C))
-    G, H = np.empty((C + 1, M + 1, 8)), np.empty((C + 1, M + 1, 8))
+    G = np.empty((C + 1, M + 1, 8))
     for i in range(n):
         for j in range(S):
             first, last = min(strips[i], grid.strip[j]), max(strips[i], grid.strip[j])
             turn = 1.0 if strips[i] == first else -1.0  # reciprocity: the transposed table at the opposite distance
-            if not look_up(tables, first, last, turn * edges[i], turn * grid.x[j, : M + 1], G, H):
+            if not look_up(tables, first, last, turn * edges[i], turn * grid.x[j, : M + 1], G, None):
                 return False, displacement
             before = 0.0
             for r in range(C + 1):

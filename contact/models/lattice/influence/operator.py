@@ -17,11 +17,10 @@ from wheelrail.contact.models.lattice.influence.body_correction import pair_mean
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.vectors import (
-    add_polynomial,
     bits,
     difference,
     double,
-    polynomial,
+    polynomials,
     products,
     weighted,
 )
@@ -51,47 +50,48 @@ class StripGrid(NamedTuple):
 
 
 @compiled
-def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: Array, H: Array) -> bool:
-    """Write G (R, C, 8) and its slope H at the distances of boundaries rows (R,) on strip i and columns (C,) on j >= i.
+def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: Array, H: Array | None) -> bool:
+    """Write G (R, C, 8), and its slope H unless None, at the distances of boundaries rows (R,) on strip i and columns
+    (C,) on j >= i.
 
     False where they are farther apart than the table reaches.
     """
-    first, inverse = tables.first[i, j], tables.inverse[i, j]
-    last = tables.cells[i, j]
-    start, values, slopes = tables.values.ctypes.data + BLOCK * first, G.ctypes.data, H.ctypes.data
-    wide = G.shape[1]
+    whole = len(tables.smooth.values) == 0
+    smooth = tables.values if whole else pair_mean(tables.smooth, tables.place[i], tables.place[j])
+    start, last, inverse = (
+        tables.values.ctypes.data + BLOCK * tables.first[i, j],
+        tables.cells[i, j],
+        tables.inverse[i, j],
+    )
+    smooth_start, smooth_last, smooth_inverse = smooth.ctypes.data, len(smooth), 1.0 / SMOOTH_START
+    to, wide = G.ctypes.data, G.shape[1]
     for r in range(len(rows)):
         for c in range(len(columns)):
             x = rows[r] - columns[c]
-            z = abs(x) * inverse + 1.0
+            sign, away = np.copysign(1.0, x), abs(x)
+            z = away * inverse + 1.0
             top = bits(z) >> SHIFT
             cell = top - BIAS
             if cell >= last:
                 return False
-            sign = 1.0 if x >= 0.0 else -1.0
             at = VECTOR * (r * wide + c)
-            polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
-    if not len(tables.smooth.values):
-        return True
-    return _add_smooth(pair_mean(tables.smooth, tables.place[i], tables.place[j]), rows, columns, G, H)
-
-
-@compiled
-def _add_smooth(table: Array, rows: Array, columns: Array, G: Array, H: Array) -> bool:
-    """Add the deviation of the lower body to `look_up`, from its table (cells, DEGREE + 1, 8)."""
-    start, values, slopes = table.ctypes.data, G.ctypes.data, H.ctypes.data
-    inverse, last, wide = 1.0 / SMOOTH_START, len(table), G.shape[1]
-    for r in range(len(rows)):
-        for c in range(len(columns)):
-            x = rows[r] - columns[c]
-            z = abs(x) * inverse + 1.0
+            own = start + BLOCK * cell, z - double(top << SHIFT), inverse
+            if whole:
+                if H is None:
+                    polynomials((own,), sign, to + at, None)
+                else:
+                    polynomials((own,), sign, to + at, H.ctypes.data + at)
+                continue
+            z = away * smooth_inverse + 1.0
             top = bits(z) >> SHIFT
             cell = top - BIAS
-            if cell >= last:
+            if cell >= smooth_last:
                 return False
-            sign = 1.0 if x >= 0.0 else -1.0
-            at = VECTOR * (r * wide + c)
-            add_polynomial(start + BLOCK * cell, z - double(top << SHIFT), sign, inverse, values + at, slopes + at)
+            other = smooth_start + BLOCK * cell, z - double(top << SHIFT), smooth_inverse
+            if H is None:
+                polynomials((own, other), sign, to + at, None)
+            else:
+                polynomials((own, other), sign, to + at, H.ctypes.data + at)
     return True
 
 
@@ -134,10 +134,10 @@ def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[
     """Whether all distances lie in the tables, and V (S, M + 3, 3) by jumps (S, M + 1, 3) of traction times width."""
     S, R = grid.x.shape
     V = np.zeros((S, R, 3))
-    G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
+    G, sums = np.empty((R, R, 8)), np.empty((3, 8))
     for i in range(S):
         for j in range(i, S):
-            if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, H):
+            if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, None):
                 return False, V
             _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
             if i != j:

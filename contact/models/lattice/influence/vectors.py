@@ -77,37 +77,39 @@ def double(context: Any, x: Any) -> Any:
     return types.float64(types.int64), generate
 
 
-def _polynomial(adds: bool) -> Any:
-    @intrinsic  # type: ignore[untyped-decorator]
-    def polynomial(context: Any, table: Any, u: Any, even: Any, slope: Any, values: Any, slopes: Any) -> Any:
-        def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
-            ir = _ir()
-            table, u, even, slope, values, slopes = arguments
-            fma, at = _fma(builder), _splat(builder, u)
+@intrinsic  # type: ignore[untyped-decorator]
+def polynomials(context: Any, parts: Any, sign: Any, values: Any, slopes: Any) -> Any:
+    """Write values (8,), and slopes (8,) unless None, of sums of polynomials of degree 5.
+
+    Parameters:
+        parts: (address of coefficients (6, 8), u, du/dx) of each.
+        sign: of x; the first five components are even in x, the others odd, and u belongs to |x|.
+        values, slopes: addresses.
+    """
+
+    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        ir = _ir()
+        fma, mask = _fma(builder), ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * 5 + [WIDTH] * 3)
+        one, signs = _splat(builder, ir.Constant(ir.DoubleType(), 1.0)), _splat(builder, arguments[1])
+        value = slope = None
+        for p in range(len(parts)):
+            table, u, inverse = (builder.extract_value(builder.extract_value(arguments[0], p), k) for k in range(3))
             coefficient = [_load(builder, _offset(builder, table, BYTES * k)) for k in range(6)]
-            value = derivative = coefficient[5]
-            for k in (4, 3, 2, 1):
-                value = builder.call(fma, [value, at, coefficient[k]])
-                derivative = builder.call(fma, [derivative, at, value])
-            value = builder.call(fma, [value, at, coefficient[0]])
-            mask = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * 5 + [WIDTH] * 3)
-            one = _splat(builder, ir.Constant(ir.DoubleType(), 1.0))
-            signs = builder.shuffle_vector(one, _splat(builder, even), mask)
-            factor = _splat(builder, builder.fmul(slope, even))
-            factors = builder.shuffle_vector(factor, _splat(builder, slope), mask)
-            for result, by, to in ((value, signs, values), (derivative, factors, slopes)):
-                product = builder.fmul(result, by)
-                _store(builder, builder.fadd(product, _load(builder, to)) if adds else product, to)
-            return ctx.get_dummy_value()
+            at, derivative = _splat(builder, u), coefficient[5]
+            own = coefficient[5]
+            for k in (4, 3, 2, 1, 0):
+                if k < 4:
+                    derivative = builder.call(fma, [derivative, at, own])
+                own = builder.call(fma, [own, at, coefficient[k]])
+            derivative = builder.fmul(derivative, _splat(builder, inverse))
+            value = own if value is None else builder.fadd(value, own)
+            slope = derivative if slope is None else builder.fadd(slope, derivative)
+        _store(builder, builder.fmul(value, builder.shuffle_vector(one, signs, mask)), arguments[2])
+        if not isinstance(slopes, types.NoneType):
+            _store(builder, builder.fmul(slope, builder.shuffle_vector(signs, one, mask)), arguments[3])
+        return ctx.get_dummy_value()
 
-        return types.void(table, u, even, slope, values, slopes), generate
-
-    return polynomial
-
-
-# Write, or add, values and slopes (8,) of polynomials of degree 5, coefficients (6, 8) at the address table, at u. The
-# first five values are multiplied by 1 and the others by even; their slopes by slope even and slope.
-polynomial, add_polynomial = _polynomial(False), _polynomial(True)
+    return types.void(parts, sign, values, slopes), generate
 
 
 @intrinsic  # type: ignore[untyped-decorator]
