@@ -188,51 +188,43 @@ def _load_strip(
 
 
 @compiled
-def _add_column(
-    g: Array, turn: float, factor: float, c: int, component: int, basis: StripBasis, rolls: bool, row: Array
-) -> None:
-    """Add to a row of a block the component of displacement by tractions and modes on cell c, from values g (8,)."""
-    M = len(basis.marks) - 1
-    if component == 0:
-        along, across, normal = g[XX], g[XT], turn * (g[XN] + g[ROLL])
-    elif component == 1:
-        along, across, normal = g[XT], g[TT], g[TN] + turn * g[TN_TURN]
-    else:
-        along, across, normal = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
-    at = 0
-    if rolls:
-        row[c] += factor * along
-        row[M + c] += factor * across
-        at = 2 * M
-    for m in range(basis.mean.shape[1]):
-        row[at + m] -= factor * normal * basis.loads[c, m]  # pressure acts against the outward normal
-
-
-@compiled
 def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasis, rolls: bool, A: Array) -> None:
     """Add to the block A of a displaced strip, of a length m, and the loaded one of the work space."""
     M, R = len(basis.marks) - 1, work.cells.shape[1]
-    modes = basis.mean.shape[1]
+    modes, moments = basis.mean.shape[1], len(basis.moment_edges)
     at = 2 * M if rolls else 0
     over = 1.0 / length
     per_slip = over**basis.slip_power
-    cells, out = work.cells.ctypes.data, work.out.ctypes.data
+    cells, g, out = work.cells.ctypes.data, work.out, work.out.ctypes.data
     moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
-    for k in range(len(basis.moment_edges)):
-        row = A[at + k]
-        for c in range(M):
-            weighted(cells + VECTOR * c * R, VECTOR, moment + 8 * k * (M + 1), M + 1, out)
-            _add_column(work.out, turn, over, c, 2, basis, rolls, row)
-        for end in range(2):
+    for c in range(M):
+        column = cells + VECTOR * c * R
+        for k in range(moments):
+            weighted(column, VECTOR, moment + 8 * k * (M + 1), M + 1, out)
+            if rolls:
+                A[at + k, c] -= over * turn * g[XN]
+                A[at + k, M + c] += over * (g[TN] - turn * g[TN_TURN])
+            normal = over * g[NN]
+            for m in range(modes):
+                A[at + k, at + m] -= normal * basis.loads[c, m]  # pressure acts against the outward normal
+        if rolls:
+            for r in range(M):
+                weighted(column + VECTOR * r, VECTOR, slip + 32 * r, 4, out)
+                A[r, c] += per_slip * g[XX]
+                A[r, M + c] += per_slip * g[XT]
+                A[M + r, c] += per_slip * g[XT]
+                A[M + r, M + c] += per_slip * g[TT]
+                first = per_slip * turn * (g[XN] + g[ROLL])
+                second = per_slip * (g[TN] + turn * g[TN_TURN])
+                for m in range(modes):
+                    A[r, at + m] -= first * basis.loads[c, m]
+                    A[M + r, at + m] -= second * basis.loads[c, m]
+    for end in range(2):
+        for k in range(moments):
             for e in range(M + 1):
-                row[at + modes + end] += over * basis.moment_edges[k, e] * work.ends[end, e, 2]
-    if rolls:
-        for r in range(M):
-            for c in range(M):
-                weighted(cells + VECTOR * (c * R + r), VECTOR, slip + 32 * r, 4, out)
-                _add_column(work.out, turn, per_slip, c, 0, basis, rolls, A[r])
-                _add_column(work.out, turn, per_slip, c, 1, basis, rolls, A[M + r])
-            for end in range(2):
+                A[at + k, at + modes + end] += over * basis.moment_edges[k, e] * work.ends[end, e, 2]
+        if rolls:
+            for r in range(M):
                 for k in range(4):
                     weight = per_slip * basis.slip_edges[r, k]
                     A[r, at + modes + end] += weight * work.ends[end, r + k, 0]
