@@ -12,7 +12,6 @@ from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, curvature
 from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.geometry.wheel_surface import wheel_place
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
-from wheelrail.contact.kinematics.creepage import level_axes
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.kinematics.sensitivity import QuadricSensitivity, WheelPointSensitivity
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
@@ -61,13 +60,15 @@ class ProjectedPoints(NamedTuple):
 
     Parameters:
         penetration: (n,) m, undeformed penetration; -inf beyond the rail's ends.
-        foot: (n,) m, arc length of the closest points on the rail.
+        foot: (n, 2) m, arc length and lateral position of the closest points on the rail.
+        level: (n, 3) longitudinal axes in the rail's surface, perpendicular to the axle.
         point: (n, 3) m.
         axes: (n, 3, 3), rows longitudinal, lateral and outward.
     """
 
     penetration: Array
     foot: Array
+    level: Array
     point: Array
     axes: Array
 
@@ -75,21 +76,33 @@ class ProjectedPoints(NamedTuple):
 @compiled
 def projected(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
-) -> tuple[Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array]:
     """`ProjectedPoints` of points s, x (n,) m of a wheel revolved about y, with a radius m, on an extruded rail."""
     n = len(s)
-    overlap, feet, points, axes = np.empty(n), np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    overlap, feet, level, points, axes = (
+        np.empty(n),
+        np.empty((n, 2)),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 3, 3)),
+    )
     last, sample = complex(np.inf, 0.0), 0
     for i in range(n):
         wheel_place(wheel, radius, origin, rotation, s[i], x[i], points, axes, i)
         q = complex(points[i, 1], points[i, 2])
         sample = nearer_sample(rail, q, sample) if abs(q - last) < NEXT else nearest_sample(rail, q)
         last = q
-        feet[i], _, inside = foot(rail, q, rail.samples[sample])
-        on_rail, _, _ = local(rail, feet[i], piece(rail, feet[i]))
+        feet[i, 0], _, inside = foot(rail, q, rail.samples[sample])
+        on_rail, t, _ = local(rail, feet[i, 0], piece(rail, feet[i, 0]))
+        feet[i, 1] = on_rail.real
         away = (q.real - on_rail.real) * axes[i, 2, 1] + (q.imag - on_rail.imag) * axes[i, 2, 2]
         overlap[i] = away if inside else -np.inf
-    return overlap, feet, points, axes
+        # axle times the rail's normal (0, -t_z, t_y)
+        forward = rotation[1, 1] * t.real + rotation[2, 1] * t.imag
+        size = np.sqrt(forward * forward + rotation[0, 1] * rotation[0, 1])
+        level[i, 0] = forward / size
+        level[i, 1], level[i, 2] = -rotation[0, 1] * t.real / size, -rotation[0, 1] * t.imag / size
+    return overlap, feet, level, points, axes
 
 
 @compiled
@@ -134,7 +147,9 @@ class ProfileStrips:
         """
         x = np.zeros_like(s)
         for _ in range(2 if pose.rotation[1, 0] != 0 else 0):
-            across = np.column_stack([np.zeros_like(s), self.rail.normal(self._seen(pose, s, x).foot)]) @ pose.rotation
+            across = (
+                np.column_stack([np.zeros_like(s), self.rail.normal(self._seen(pose, s, x).foot[:, 0])]) @ pose.rotation
+            )
             x = -self.radius * np.arctan(across[:, 0] / across[:, 2])
         depth = self._seen(pose, s, x).penetration
         r, nr = self.wheel.point(s)[:, 1] + self.radius, self.wheel.normal(s)[:, 1]
@@ -149,8 +164,8 @@ class ProfileStrips:
     def places(self, pose: Pose, layout: StripLayout) -> SurfacePoints:
         edges = layout.edges
         x = 0.5 * (edges[:, 1:] + edges[:, :-1])
-        s = np.broadcast_to(layout.middle[:, None], x.shape)
-        at = self._seen(pose, s, x)
+        s = np.repeat(layout.middle, x.shape[1])
+        at = self._seen(pose, s, x.ravel())
         length = np.diff(edges) * self.along(layout.middle)[:, None]
         return SurfacePoints(
             point=at.point,
@@ -159,9 +174,9 @@ class ProfileStrips:
             penetration=at.penetration,
             wheel_rotation=pose.rotation,
             step=length.ravel(),
-            wheel_place=np.stack([s.ravel(), self.wheel.point(s.ravel())[:, 0]], axis=1),
-            rail_place=np.stack([at.foot, self.rail.point(at.foot)[:, 0]], axis=1),
-            level=level_axes(pose.rotation[:, 1], self.rail.normal(at.foot)),
+            wheel_place=np.column_stack([s, np.repeat(self.wheel.point(layout.middle)[:, 0], x.shape[1])]),
+            rail_place=at.foot,
+            level=at.level,
             sensitivity=self._follows,
         )
 

@@ -52,14 +52,3 @@ def shift(points: SurfacePoints, motion: RigidMotion) -> Array:
     if points.level is not None:
         slip[0] = ((points.axes[:, 0] * wheel) - points.level * rail).sum(axis=1)
     return np.asarray(slip.ravel())
-
-
-def level_axes(axle: Array, normal: Array) -> Array:
-    """Longitudinal axes (n, 3) in an extruded rail's surface, perpendicular to the axle.
-
-    Parameters:
-        axle: (3,) direction of the wheel's axle, to the left.
-        normal: (n, 2) of the rail's profile, upward.
-    """
-    forward = np.cross(axle, np.column_stack([np.zeros(len(normal)), normal]))
-    return np.asarray(forward / np.linalg.norm(forward, axis=1)[:, None])

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 from scipy import ndimage
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
-from wheelrail.contact.kinematics.creepage import shift
-from wheelrail.contact.kinematics.frames import RigidMotion, cross
+from wheelrail.contact.kinematics.frames import RigidMotion
+from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
+from wheelrail.contact.results.patch_sums import PatchPoints, patch_sums
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch, Statistics
 from wheelrail.support.arrays import Array, Mask, Nodes
 
@@ -48,7 +49,7 @@ def assemble_result(
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=LazyPatches(partial(_patches, work, patch, forces, pressure)),
+        patches=LazyPatches(partial(work.patches, patch, pressure)),
         fields=Fields(
             node,
             patch,
@@ -93,32 +94,24 @@ class FrictionalWork:
         """Points stick where the traction (n, 2) Pa is below a bound (n,) Pa, the largest possible one."""
         return cls(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
 
-    @cached_property
-    def power(self) -> Array:
-        """Power (n,) W of the tractions on the rigid slip.
-
-        In steady rolling its sum over the patch is the frictional heat, as the power of the elastic slip sums to zero.
-        Sums of traction times slip converge to the same value, from 7 % below with 12 x 16 cells.
-        """
-        if self.speed == 0.0:
-            return np.zeros(len(self.points.area))
-        slip = shift(self.points, self.motion).reshape(2, -1)
-        return np.asarray(-self.points.area * np.einsum("nk,kn->n", self.traction, slip))
-
-    def creepage(self, point: Array, axes: Array) -> tuple[float, float, float]:
-        """Longitudinal and lateral creepage, and spin 1/m, at a point (3,) m; axes (3, 3) forward, left and upward."""
-        if self.speed == 0.0:
-            return 0.0, 0.0, 0.0
-        wheel, rail = self.motion.wheel, self.motion.rail
-        slip = axes @ (wheel.at(point) - rail.at(point)) / self.speed
-        return float(slip[0]), float(slip[1]), float(axes[2] @ (wheel.rotation - rail.rotation)) / self.speed
-
-
-def _patches(work: FrictionalWork, patch: Nodes, forces: Array, pressure: Array) -> tuple[Patch, ...]:
-    """All patches, by decreasing load."""
-    return tuple(
-        patch_resultants(work, patch == k, forces=forces, pressure=pressure) for k in range(patch.max(initial=-1) + 1)
-    )
+    def patches(self, patch: Nodes, pressure: Array) -> tuple[Patch, ...]:
+        """All patches (n,), by decreasing load, from pressures (n,) Pa."""
+        points, velocities = self.points, RigidVelocities.of(self.motion)
+        parts = (
+            points.point,
+            points.axes,
+            points.axes[:, 0] if points.level is None else points.level,
+            points.area,
+            points.step,
+            points.wheel_place,
+            points.rail_place,
+            pressure,
+            self.traction,
+            self.sticks,
+        )
+        cells = PatchPoints(*(np.ascontiguousarray(part) for part in parts))
+        count = patch.max(initial=-1) + 1
+        return tuple(patch_sums(patch == k, cells, velocities, self.speed).patch for k in range(count))
 
 
 def connected(nodes: Nodes, loaded: Mask, grid: tuple[int, int]) -> Nodes:
@@ -138,56 +131,3 @@ def components(nodes: Nodes, grid: tuple[int, int]) -> Nodes:
     occupied[i, j] = True
     labels, _ = ndimage.label(occupied, structure=np.ones((3, 3)))
     return np.asarray(labels[i, j] - 1)
-
-
-def patch_resultants(work: FrictionalWork, inside: Mask, *, forces: Array, pressure: Array) -> Patch:
-    """One patch: resultants, position, contact angle, and semi-axes from the second moments of the pressure.
-
-    Parameters:
-        work: points, tangential tractions and motion.
-        inside: (n,), points of the patch.
-        forces: (n, 3) N, of all points.
-        pressure: (n,) Pa.
-    """
-    points = work.points
-    area, p = points.area[inside], pressure[inside]
-    weight = p * area
-    total = weight.sum()
-    force = forces[inside].sum(axis=0)
-    upward = -(weight[:, None] * points.axes[inside, 2]).sum(axis=0)
-    upward /= np.linalg.norm(upward)
-    forward = np.array([1.0, 0.0, 0.0]) - upward[0] * upward
-    forward /= np.linalg.norm(forward)
-    left = cross(upward, forward)
-    x, (wheel_s, wheel_y), (rail_s, rail_y) = (
-        weight @ points.point[inside, 0] / total,
-        weight @ points.wheel_place[inside] / total,
-        weight @ points.rail_place[inside] / total,
-    )
-    along = points.point[inside, 0] - x
-    across = points.wheel_place[inside, 0] - wheel_s
-    # half the width of the surface that belongs to a point
-    half = 0.5 * area / points.step[inside] * np.abs(points.axes[inside, 2, 2])
-    wheel_band, rail_band = (
-        (float((place[inside, 1] - half).min()), float((place[inside, 1] + half).max()))
-        for place in (points.wheel_place, points.rail_place)
-    )
-    return Patch(
-        area=float(area.sum()),
-        max_pressure=float(p.max()),
-        normal_force=float(force @ upward),
-        force=force,
-        tangential_force=(float(force @ forward), float(force @ left)),
-        semi_axes=(float(np.sqrt(5 * (weight @ along**2) / total)), float(np.sqrt(5 * (weight @ across**2) / total))),
-        contact_angle=float(np.arctan2(-upward[1], upward[2])),
-        wheel_s=float(wheel_s),
-        rail_s=float(rail_s),
-        wheel_y=float(wheel_y),
-        rail_y=float(rail_y),
-        wheel_band=wheel_band,
-        rail_band=rail_band,
-        x=float(x),
-        stick_area=float(area[work.sticks[inside]].sum()),
-        creepage=work.creepage(weight @ points.point[inside] / total, np.stack([forward, left, upward])),
-        frictional_power=float(work.power[inside].sum()),
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -10,9 +10,10 @@ import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.models.standard.forces import RigidVelocities, StripTractions
+from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
+from wheelrail.contact.models.standard.forces import StripTractions
 from wheelrail.contact.models.standard.normal import StripPressures
-from wheelrail.contact.models.standard.patch_sums import patch_sums
+from wheelrail.contact.results.patch_sums import PatchPoints, patch_sums
 from wheelrail.contact.results.result import Fields, Patch
 from wheelrail.support.arrays import Array, Nodes
 
@@ -64,33 +65,27 @@ class StripContacts:
 
     def patches(self) -> tuple[Patch, ...]:
         """All patches, by decreasing load."""
-        on_wheel, on_rail = self.surfaces.profiles(self.strips.s, self.point)
-        speed = float(self.cells.speed.mean()) if self.cells.traction.any() else 0.0
+        cells, m = self.cells, self.count
+        axes = np.repeat(self.axes, m, axis=0)
+        on_wheel, on_rail = (np.repeat(place, m, axis=0) for place in self.surfaces.profiles(self.strips.s, self.point))
+        level = np.ascontiguousarray(axes[:, 0])
+        points = PatchPoints(
+            cells.point,
+            axes,
+            level,
+            cells.area,
+            cells.length,
+            on_wheel,
+            on_rail,
+            cells.pressure,
+            cells.traction,
+            cells.sticks,
+        )
+        speed = float(cells.speed.mean()) if cells.traction.any() else 0.0
         velocities, patches = RigidVelocities.of(self.motion), []
         for contact in np.argsort(self.rank):
             own = self.strips.contact == contact
-            sums = patch_sums(own, self.cells, self.axes, on_wheel, on_rail, velocities, speed)
-            forward, left, normal = (sums.axes @ sums.force).tolist()
-            semi_axes, bands, creepage = sums.semi_axes.tolist(), sums.bands.tolist(), sums.creepage.tolist()
-            (wheel_s, wheel_y), (rail_s, rail_y) = sums.wheel.tolist(), sums.rail.tolist()
-            patch = Patch(
-                area=sums.area,
-                max_pressure=float((self.strips.scale[own] * self.strips.half[own]).max()),
-                normal_force=normal,
-                force=sums.force,
-                tangential_force=(forward, left),
-                semi_axes=(semi_axes[0], semi_axes[1]),
-                contact_angle=float(np.arctan2(-sums.axes[2, 1], sums.axes[2, 2])),
-                wheel_s=wheel_s,
-                rail_s=rail_s,
-                wheel_y=wheel_y,
-                rail_y=rail_y,
-                wheel_band=(bands[0], bands[1]),
-                rail_band=(bands[2], bands[3]),
-                x=float(sums.point[0]),
-                stick_area=sums.stick_area,
-                creepage=(creepage[0], creepage[1], creepage[2]),
-                frictional_power=sums.power,
-            )
-            patches.append(patch)
+            peak = float((self.strips.scale[own] * self.strips.half[own]).max())
+            sums = patch_sums(np.repeat(own, m), points, velocities, speed)
+            patches.append(replace(sums.patch, max_pressure=peak))
         return tuple(patches)

@@ -16,9 +16,10 @@ from wheelrail.contact.geometry.rigid_search import Lines
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.geometry.wheel_surface import wheel_points
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.force_derivatives import force_derivatives
-from wheelrail.contact.models.standard.forces import RigidVelocities, StripFrames, StripFriction, strip_forces
+from wheelrail.contact.models.standard.forces import StripFrames, StripFriction, strip_forces
 from wheelrail.contact.models.standard.normal import StripPressures, virtual_penetration
 from wheelrail.contact.models.standard.pressure_derivatives import virtual_penetration_derivatives
 from wheelrail.contact.models.standard.region_derivatives import region_derivatives
