@@ -17,7 +17,7 @@ from wheelrail.contact.geometry.strip_layout import marks
 from wheelrail.contact.models.lattice.influence.slip_difference import AHEAD, upstream
 from wheelrail.support.arrays import Array
 
-MODES = 3  # two are within 5e-5 of six in the force of frictionless contacts
+MODES = 3  # as `vectors.products` takes; two are within 5e-5 of six in the force of frictionless contacts
 MOMENTS = MODES + 2
 STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
 ORDER = 16  # of the Gauss rules below
@@ -34,6 +34,7 @@ class StripBasis(NamedTuple):
         row_marks: (M + 3,) the same with two more cells ahead, for the upstream difference of the slip.
         mean: (M, MODES) mean of the pressure modes over the cells.
         loads: (M, MODES) the same corrected for the variation within the cells, to compute displacements.
+        load_edges: (M + 1, MODES) their jumps at the marks.
         moments: (MOMENTS, M) weights of cell means in the moments of the gap.
         moment_edges: (MOMENTS, M + 1) weights of an antiderivative at the marks in the moments of a displacement, times
             the length of the strip.
@@ -49,6 +50,7 @@ class StripBasis(NamedTuple):
     row_marks: Array
     mean: Array
     loads: Array
+    load_edges: Array
     moments: Array
     moment_edges: Array
     slip_edges: Array
@@ -91,12 +93,13 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     shifts = tangential == "shift"
     here = np.outer([1.0, 0.0, 0.0], np.ones(len(edges) - 1))
     difference = here if shifts else np.stack(upstream(middle[None]))[:, 0]
-    fixed = np.ascontiguousarray  # loops take addresses
+    fixed, loads = np.ascontiguousarray, _loads(edges, mean)  # loops take addresses
     return StripBasis(
         edges,
         row_marks,
         fixed(mean),
-        fixed(_loads(edges, mean)),
+        fixed(loads),
+        np.diff(loads, axis=0, prepend=0.0, append=0.0),
         fixed(moments),
         fixed(_edge_weights(moments / np.diff(edges))),
         fixed(_slip_edges(difference, np.diff(row_marks))),

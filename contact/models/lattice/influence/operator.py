@@ -18,7 +18,6 @@ from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, T
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.vectors import (
     bits,
-    difference,
     double,
     polynomials,
     products,
@@ -145,90 +144,110 @@ def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[
     return True, V
 
 
-class LoadedColumns(NamedTuple):
-    """Work space: table values by unit forces per length on the cells of a strip, and by its ends.
+class WorkSpace(NamedTuple):
+    """Work space of blocks.
 
     Parameters:
-        cells: (M, R, 8) differences of G over the cells.
-        ends: (2, R, 3) antiderivative by both ends.
-        slopes: (R, 3) its derivative by the boundaries of the displaced strip.
+        edges: (M + 1, 8) weighted table values at the cell boundaries of the loaded strip.
         sums: (3, 8).
-        jumps: (2, M + 1, 3), times the change of the boundaries by either end.
-        out: (8,).
+        jumps: (M + 1, 3) N/m, times the change of the boundaries by one end.
+        end: (R, 3) antiderivative by that end.
     """
 
-    cells: Array
-    ends: Array
-    slopes: Array
+    edges: Array
     sums: Array
     jumps: Array
-    out: Array
+    end: Array
 
 
 @compiled
-def _load_strip(
-    G: Array, H: Array, jumps: Array, grid: StripGrid, j: int, basis: StripBasis, turn: float, work: LoadedColumns
+def _add_loads(
+    G: Array, width: float, length: float, basis: StripBasis, turn: float, rolls: bool, work: WorkSpace, A: Array
 ) -> None:
-    """Fill the work space for a loaded strip j, which belongs to the columns of G and H, with turn = -1 to the rows."""
-    M, R, wide = len(basis.marks) - 1, work.cells.shape[1], G.shape[1]
-    row, column = (wide, 1) if turn > 0.0 else (1, wide)
-    start, out = G.ctypes.data, work.cells.ctypes.data
-    for c in range(M):
-        for r in range(R):
-            first = start + VECTOR * (r * row + c * column)
-            difference(first, first + VECTOR * column, grid.width[j], out + VECTOR * (c * R + r))
-    stretch = grid.stretch[j]
-    for e in range(M + 1):
-        for k in range(3):
-            work.jumps[0, e, k] = -stretch * (1.0 - basis.marks[e]) * jumps[e, k]
-            work.jumps[1, e, k] = -stretch * basis.marks[e] * jumps[e, k]
-    work.ends[:] = 0.0
-    for end in range(2):
-        _antiderivative(H, work.jumps[end], turn, turn, work.sums, work.ends[end])
+    """Add slips and moments of a strip by tractions and pressure modes on another one.
+
+    Parameters:
+        G: (R, C, 8), rows of the displaced strip; with turn = -1, of the loaded one.
+        width, length: m, of the loaded and of the displaced strip.
+        A: block of the strips.
+    """
+    M, moments, modes, wide = len(basis.marks) - 1, len(basis.moment_edges), basis.mean.shape[1], G.shape[1]
+    row, column = (VECTOR * wide, VECTOR) if turn > 0.0 else (VECTOR, VECTOR * wide)
+    at = 2 * M if rolls else 0
+    start, edges, e, s = G.ctypes.data, work.edges.ctypes.data, work.edges, work.sums
+    loads, sums = basis.load_edges.ctypes.data, work.sums.ctypes.data
+    moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
+    factor = width / length
+    for k in range(moments):
+        for c in range(M + 1):
+            weighted(start + c * column, row, moment + 8 * k * (M + 1), M + 1, edges + VECTOR * c)
+        products(edges, VECTOR, loads, M + 1, sums)
+        for m in range(modes):  # pressure acts against the outward normal
+            A[at + k, at + m] -= factor * s[m, NN]
+        for c in range(M if rolls else 0):
+            A[at + k, c] -= factor * turn * (e[c, XN] - e[c + 1, XN])
+            A[at + k, M + c] += factor * (e[c, TN] - e[c + 1, TN] - turn * (e[c, TN_TURN] - e[c + 1, TN_TURN]))
+    if not rolls:
+        return
+    factor = width / length**basis.slip_power
+    for r in range(M):
+        for c in range(M + 1):
+            weighted(start + r * row + c * column, row, slip + 32 * r, 4, edges + VECTOR * c)
+        products(edges, VECTOR, loads, M + 1, sums)
+        for m in range(modes):
+            A[r, at + m] -= factor * turn * (s[m, XN] + s[m, ROLL])
+            A[M + r, at + m] -= factor * (s[m, TN] + turn * s[m, TN_TURN])
+        for c in range(M):
+            both = factor * (e[c, XT] - e[c + 1, XT])
+            A[r, c] += factor * (e[c, XX] - e[c + 1, XX])
+            A[r, M + c] += both
+            A[M + r, c] += both
+            A[M + r, M + c] += factor * (e[c, TT] - e[c + 1, TT])
 
 
 @compiled
-def _add_block(work: LoadedColumns, turn: float, length: float, basis: StripBasis, rolls: bool, A: Array) -> None:
-    """Add to the block A of a displaced strip, of a length m, and the loaded one of the work space."""
-    M, R = len(basis.marks) - 1, work.cells.shape[1]
-    modes, moments = basis.mean.shape[1], len(basis.moment_edges)
+def _add_ends(
+    H: Array,
+    jumps: Array,
+    stretch: float,
+    length: float,
+    basis: StripBasis,
+    turn: float,
+    rolls: bool,
+    work: WorkSpace,
+    A: Array,
+) -> None:
+    """Add slips and moments of a strip by the ends of another one, whose boundaries they move.
+
+    Parameters:
+        H: slope of G, see `_add_loads`.
+        jumps: (M + 1, 3) N/m, of the loaded strip.
+        stretch, length: of the loaded strip, and m of the displaced one.
+        A: block of the strips.
+    """
+    M, moments, modes = len(basis.marks) - 1, len(basis.moment_edges), basis.mean.shape[1]
     at = 2 * M if rolls else 0
-    over = 1.0 / length
-    per_slip = over**basis.slip_power
-    cells, g, out = work.cells.ctypes.data, work.out, work.out.ctypes.data
-    moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
-    for c in range(M):
-        column = cells + VECTOR * c * R
-        for k in range(moments):
-            weighted(column, VECTOR, moment + 8 * k * (M + 1), M + 1, out)
-            if rolls:
-                A[at + k, c] -= over * turn * g[XN]
-                A[at + k, M + c] += over * (g[TN] - turn * g[TN_TURN])
-            normal = over * g[NN]
-            for m in range(modes):
-                A[at + k, at + m] -= normal * basis.loads[c, m]  # pressure acts against the outward normal
-        if rolls:
-            for r in range(M):
-                weighted(column + VECTOR * r, VECTOR, slip + 32 * r, 4, out)
-                A[r, c] += per_slip * g[XX]
-                A[r, M + c] += per_slip * g[XT]
-                A[M + r, c] += per_slip * g[XT]
-                A[M + r, M + c] += per_slip * g[TT]
-                first = per_slip * turn * (g[XN] + g[ROLL])
-                second = per_slip * (g[TN] + turn * g[TN_TURN])
-                for m in range(modes):
-                    A[r, at + m] -= first * basis.loads[c, m]
-                    A[M + r, at + m] -= second * basis.loads[c, m]
+    over, per_slip = 1.0 / length, 1.0 / length**basis.slip_power
     for end in range(2):
+        for c in range(M + 1):
+            moved = -stretch * (basis.marks[c] if end else 1.0 - basis.marks[c])
+            for k in range(3):
+                work.jumps[c, k] = moved * jumps[c, k]
+        work.end[:] = 0.0
+        _antiderivative(H, work.jumps, turn, turn, work.sums, work.end)
+        column = at + modes + end
         for k in range(moments):
-            for e in range(M + 1):
-                A[at + k, at + modes + end] += over * basis.moment_edges[k, e] * work.ends[end, e, 2]
-        if rolls:
-            for r in range(M):
-                for k in range(4):
-                    weight = per_slip * basis.slip_edges[r, k]
-                    A[r, at + modes + end] += weight * work.ends[end, r + k, 0]
-                    A[M + r, at + modes + end] += weight * work.ends[end, r + k, 1]
+            total = 0.0
+            for c in range(M + 1):
+                total += basis.moment_edges[k, c] * work.end[c, 2]
+            A[at + k, column] += over * total
+        for r in range(M if rolls else 0):
+            along, across = 0.0, 0.0
+            for k in range(4):
+                along += basis.slip_edges[r, k] * work.end[r + k, 0]
+                across += basis.slip_edges[r, k] * work.end[r + k, 1]
+            A[r, column] += per_slip * along
+            A[M + r, column] += per_slip * across
 
 
 @compiled
@@ -280,22 +299,20 @@ def operator(
     A = np.zeros((S * block, S * block))
     V, slopes = np.zeros((S, R, 3)), np.zeros((S, R, 3))
     G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
-    work = LoadedColumns(
-        np.empty((M, R, 8)), np.empty((2, R, 3)), np.empty((R, 3)), sums, np.empty((2, M + 1, 3)), np.empty(8)
-    )
+    work = WorkSpace(np.empty((M + 1, 8)), sums, np.empty((M + 1, 3)), np.empty((R, 3)))
     for i in range(S):
         own = slice(i * block, (i + 1) * block)
         for j in range(i, S):
             if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, H):
                 return False, A, V
             other = slice(j * block, (j + 1) * block)
-            _load_strip(G, H, jumps[j], grid, j, basis, 1.0, work)
-            _add_block(work, 1.0, grid.length[i], basis, rolls, A[own, other])
+            _add_loads(G, grid.width[j], grid.length[i], basis, 1.0, rolls, work, A[own, other])
+            _add_ends(H, jumps[j], grid.stretch[j], grid.length[i], basis, 1.0, rolls, work, A[own, other])
             _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
             _antiderivative(H, jumps[j], 1.0, 1.0, sums, slopes[i])
             if i != j:
-                _load_strip(G, H, jumps[i], grid, i, basis, -1.0, work)
-                _add_block(work, -1.0, grid.length[j], basis, rolls, A[other, own])
+                _add_loads(G, grid.width[i], grid.length[j], basis, -1.0, rolls, work, A[other, own])
+                _add_ends(H, jumps[i], grid.stretch[i], grid.length[j], basis, -1.0, rolls, work, A[other, own])
                 _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
                 _antiderivative(H, jumps[i], -1.0, -1.0, sums, slopes[j])
     for i in range(S):

@@ -157,16 +157,3 @@ def weighted(context: Any, g: Any, stride: Any, weights: Any, count: Any, out: A
         return ctx.get_dummy_value()
 
     return types.void(g, stride, weights, count, out), generate
-
-
-@intrinsic  # type: ignore[untyped-decorator]
-def difference(context: Any, first: Any, second: Any, factor: Any, out: Any) -> Any:
-    """Write (first - second) factor of vectors (8,)."""
-
-    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
-        first, second, factor, out = arguments
-        change = builder.fsub(_load(builder, first), _load(builder, second))
-        _store(builder, builder.fmul(change, _splat(builder, factor)), out)
-        return ctx.get_dummy_value()
-
-    return types.void(first, second, factor, out), generate
