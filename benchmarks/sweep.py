@@ -8,7 +8,9 @@ every force and moment, relative to the load (moments: to the load on one nomina
 positions; the largest second difference, that over eight times the distance divided by 64 (the curvature of the
 function), and the largest ratio of the former to three times the latter nearby plus 2e-5 of the load; the largest
 difference between solves that start from the result of the position before and from none; and, at every n-th position,
-the largest error of the tangent against differences, over the largest entry of its row.
+the largest error of the tangent over the largest entry of its row, against central differences, and against differences
+of second order to that side of a coordinate where it is smaller: where a cell starts to slide or a strip comes or goes
+the force has a kink, and one of its slopes is the tangent.
 """
 
 from __future__ import annotations
@@ -104,28 +106,33 @@ class Sweep:
         return state, cold, float(difference.max())
 
     def tangent_errors(self, state: WheelsetState, result: ContactResult) -> list[float]:
-        """Largest errors of the tangent over the largest entry of its row, pose and rates apart, by `DISTANCES`.
-
-        Raises Unsolved.
+        """Largest errors of the tangent over the largest entry of its row, pose and rates apart: against central
+        differences, then against one-sided ones, by `DISTANCES`. Raises Unsolved.
         """
         tangent = self.contact.tangent(state, "left", result)
         rates = np.array([name.endswith("rate") for name in state.coordinates])
-        errors = []
+        here = _wrench(self.solved(state, result))
+        central, one_sided = [], []
         for distance in DISTANCES:
-            by_difference = np.empty_like(tangent)
+            differences = np.empty((3, *tangent.shape))  # central, behind and ahead
             for k, name in enumerate(state.coordinates):
                 h = distance * (RATES if rates[k] else 1.0)
-                ahead, behind = (
-                    _wrench(self.solved(replace(state, **{name: getattr(state, name) + sign * h}), result))
-                    for sign in (1, -1)
+                two_behind, behind, ahead, two_ahead = (
+                    _wrench(self.solved(replace(state, **{name: getattr(state, name) + n * h}), result))
+                    for n in (-2, -1, 1, 2)
                 )
-                by_difference[:, k] = (ahead - behind) / (2 * h)
-            error = np.abs(tangent - by_difference)
-            columns = (~rates, rates) if np.any(by_difference[:, rates]) else (~rates,)
-            errors.append(
-                max(float((error[:, own].max(1) / np.abs(by_difference[:, own]).max(1)).max()) for own in columns)
-            )
-        return errors
+                differences[0, :, k] = (ahead - behind) / (2 * h)
+                differences[1, :, k] = (3 * here - 4 * behind + two_behind) / (2 * h)
+                differences[2, :, k] = (4 * ahead - 3 * here - two_ahead) / (2 * h)
+            error = np.zeros(differences.shape)
+            for own in (~rates, rates):
+                largest = np.abs(tangent[:, own]).max(axis=1, keepdims=True)
+                with np.errstate(invalid="ignore"):  # without friction nothing depends on velocities
+                    error[..., own] = np.nan_to_num(np.abs(differences - tangent)[..., own] / largest)
+            by_column = error.max(axis=1)
+            central.append(float(by_column[0].max()))
+            one_sided.append(float(by_column[1:].min(axis=0).max()))
+        return central + one_sided
 
 
 def _wrench(result: ContactResult) -> Array:
@@ -141,7 +148,7 @@ class Record:
         patches: their numbers.
         difference: of warm and cold solves, N.
         seconds: of each position.
-        tangents: positions m, and errors by `DISTANCES`.
+        tangents: positions m, and errors by `Sweep.tangent_errors`.
         unsolved: positions without a solution, and why.
     """
 
@@ -223,12 +230,13 @@ def report(record: Record, positions: Array, scale: Array) -> Array:
     print(f"warm and cold solves differ by at most {max(record.difference):.1e} N, {LOAD:g} N on the wheel")
     if record.tangents:
         values = np.array(record.tangents)
-        for k, distance in enumerate(DISTANCES, start=1):
+        kinds = [(kind, distance) for kind in ("central", "one-sided") for distance in DISTANCES]
+        for k, (kind, distance) in enumerate(kinds, start=1):
             at = values[values[:, k].argmax(), 0]
             median, beyond = np.median(values[:, k]), np.count_nonzero(values[:, k] > 1e-4)
             print(
-                f"tangents, differences over {distance:g} m: median {median:.1e}, largest {values[:, k].max():.1e} "
-                f"(y = {1e3 * at:.3f} mm), {beyond} of {len(values)} above 1e-4"
+                f"tangents, {kind} differences over {distance:g} m: median {median:.1e}, largest "
+                f"{values[:, k].max():.1e} (y = {1e3 * at:.3f} mm), {beyond} of {len(values)} above 1e-4"
             )
     print(f"{1e3 * np.median(record.seconds):.0f} ms a position, {sum(record.seconds):.0f} s in all")
     return second

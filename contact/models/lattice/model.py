@@ -22,7 +22,7 @@ from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.chords import chords
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
-from wheelrail.contact.models.lattice.solver.entry import entering
+from wheelrail.contact.models.lattice.solver.entry import entering, penetrating
 from wheelrail.contact.models.lattice.solver.factors import back_substitution
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.system.friction import CellFriction
@@ -142,7 +142,7 @@ class LatticeContact:
             return None
         if not earlier.factors.fit(earlier.state.values, self._block, self.resolution.cells):
             return None
-        remain = problem.depth[earlier.state.strips] > 0
+        remain = problem.near[earlier.state.strips]
         if not remain.any():
             return None
         state = earlier.state.at(remain)
@@ -201,4 +201,7 @@ class LatticeContact:
     def _from_cells(self, problem: LatticeProblem, cells: int, count: IterationCount) -> LatticeSolution:
         """Solution from complementarity on a number of equal cells along each strip."""
         state = cold_start(problem, self.laws, cells, IterationCount())
+        apart = penetrating(problem, state, set(problem.candidates.tolist()))
+        if len(apart.strips):
+            state = cold_start(problem, self.laws, cells, IterationCount(), (apart.strips, apart.ends))
         return LatticeNewton(problem, self.tolerance, count).solve(state, iterations=ITERATIONS)

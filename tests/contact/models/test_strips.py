@@ -94,7 +94,7 @@ def test_cells_of_any_size_and_position(bodies: Bodies, place: float) -> None:
     fine, width, length = 8, 1.5e-3, 0.4e-3
     edges = length * np.arange(4)
     pairs = LatticeTables(pair(bodies=bodies).operators, 1e-3 * place + width * np.arange(3))
-    tables = pairs.of(np.arange(2), None, 5e-3)
+    tables = pairs.of(np.arange(2), pairs.at(np.arange(2), None, 5e-3))
     found = np.empty((2, 2, 8, 3, 3))
     for i, j in ((0, 0), (0, 1), (1, 1)):
         G, slope = np.empty((4, 4, 8)), np.empty((4, 4, 8))

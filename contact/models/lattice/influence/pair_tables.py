@@ -47,7 +47,7 @@ from wheelrail.contact.models.lattice.influence.pair_samples import (
     start_of,
 )
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes
 
 GROWTH = 1.5  # of the storage
 
@@ -69,6 +69,13 @@ class PairTables(NamedTuple):
     first: Nodes
     cells: Nodes
     inverse: Array
+    place: Nodes
+    smooth: PairMeans
+
+
+class PoseMeans(NamedTuple):
+    """Part of the tables that depends on the pose: `PairTables.place` and `PairTables.smooth`."""
+
     place: Nodes
     smooth: PairMeans
 
@@ -100,7 +107,6 @@ class LatticeTables:
         K = len(self.middle)
         self._first, self._count = np.full((K, K), -1), np.zeros((K, K), dtype=int)
         self._inverse = np.zeros((K, K))
-        self._place = np.zeros(K, dtype=int)
         self._complete: set[bytes] = set()  # strips all of whose pairs have tables
 
     @cached_property
@@ -124,8 +130,16 @@ class LatticeTables:
         """Whether the compliance depends on where the strips lie on the lower body."""
         return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)
 
-    def of(self, strips: Nodes, feet: Array | None, reach: float) -> PairTables:
-        """Tables of all pairs of some strips.
+    def of(self, strips: Nodes, at: PoseMeans) -> PairTables:
+        """Tables of all pairs of some strips (C,) at a pose."""
+        key = strips.tobytes()
+        if key not in self._complete:
+            self._add(strips)
+            self._complete.add(key)
+        return PairTables(self._values, self._first, self._count, self._inverse, at.place, at.smooth)
+
+    def at(self, strips: Nodes, feet: Array | None, reach: float) -> PoseMeans:
+        """What the tables of some strips take from a pose.
 
         Parameters:
             strips: (C,) numbers of the strips, ascending.
@@ -134,18 +148,21 @@ class LatticeTables:
 
         Raises OutsideSurface beyond the lines of the lower body.
         """
-        key = strips.tobytes()
-        if key not in self._complete:
-            self._add(strips)
-            self._complete.add(key)
-        smooth, place = NO_MEANS, self._place
-        if feet is not None:
-            lower = self._corrections[1]
-            assert lower is not None
-            smooth = self._means(lower, strips, feet[strips], lower.grid.cells_up_to(reach))
-            place = np.zeros(len(self.middle), dtype=int)
-            place[strips] = np.arange(len(strips))
-        return PairTables(self._values, self._first, self._count, self._inverse, place, smooth)
+        place = np.zeros(len(self.middle), dtype=int)
+        if feet is None:
+            return PoseMeans(place, NO_MEANS)
+        lower = self._corrections[1]
+        assert lower is not None
+        place[strips] = np.arange(len(strips))
+        return PoseMeans(place, self._means(lower, strips, feet[strips], lower.grid.cells_up_to(reach)))
+
+    def covers(self, feet: Array) -> Mask:
+        """Whether the lines of the lower body carry strips with middles (K,) m there; not where these are NaN."""
+        lower = self._corrections[1]
+        if lower is None or not self.moves:
+            return np.isfinite(feet)
+        bounds = lower.body.bounds
+        return np.asarray((feet - 0.5 * self.width >= bounds[0]) & (feet + 0.5 * self.width <= bounds[-1]))
 
     def deviation_of(self, which: int, strips: Nodes, feet: Array | None, reach: float) -> PairTables | None:
         """Tables of the deviation from a half-space of the upper (0) or lower (1) body alone, as `of`; None for a

@@ -23,10 +23,22 @@ WIDENINGS = 4  # of the cells until no pressure is left at their ends
 OPTIONS = NewtonOptions(tolerance=1e-3)  # of a start
 
 
-def cold_start(problem: LatticeProblem, laws: ContactLaws, cells: int, count: IterationCount) -> LatticeState:
-    """First strips and ends, from cells along every strip. Raises OutsideSurface, NotConverged."""
+def cold_start(
+    problem: LatticeProblem,
+    laws: ContactLaws,
+    cells: int,
+    count: IterationCount,
+    more: tuple[Nodes, Array] | None = None,
+) -> LatticeState:
+    """First strips and ends, from cells along every strip that penetrates, and along more strips (n,) between ends
+    (n, 2) m. Raises OutsideSurface, NotConverged.
+    """
     strips = problem.candidates
     ends = first_ends(problem, strips)
+    if more is not None:
+        strips, ends = np.append(strips, more[0]), np.vstack([ends, more[1]])
+        order = np.argsort(strips)
+        strips, ends = strips[order], ends[order]
     basis = equal_cells(cells, problem.tangential)
     for _ in range(WIDENINGS):
         pressure, tractions = _solved(problem, basis, strips, ends, laws, count)
@@ -34,7 +46,7 @@ def cold_start(problem: LatticeProblem, laws: ContactLaws, cells: int, count: It
         cut = pressure[:, [0, -1]] > 0
         if not cut.any():
             break
-        ends = ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0]
+        ends = np.clip(ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0], *problem.window)
     if state is None:
         raise NotConverged("the cells of the first strips carry no pressure")
     return state
@@ -49,7 +61,7 @@ def _solved(
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
     grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch, strips)
-    inside, matrix = cell_operator(problem.pairs, grid, basis, problem.rolls)
+    inside, matrix = cell_operator(problem.pairs(strips), grid, basis, problem.rolls)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     place = (ends[:, :1] + length * 0.5 * (basis.marks[1:] + basis.marks[:-1])).ravel()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
@@ -10,18 +12,31 @@ from wheelrail.contact.models.lattice.influence.cell_compliance import cell_oper
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.solver.cold_start import state_of_cells
-from wheelrail.contact.models.lattice.solver.remaining import Probes, excess, remaining
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.solver.remaining import Probes, Remaining, excess, remaining
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem, with_next
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.active_set import normal_contact
 from wheelrail.contact.solvers.options import IterationCount
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes
 
 PROBES = equal_cells(12)  # along an unloaded strip
 EXCESS = 1e-7  # of the approach: least penetration of a strip that enters
 UNCERTAIN = 1e-5  # of the approach: penetration that a strip may leave unloaded, where it cannot stay loaded either
 MARGIN = 1.5  # half length of the cells of a strip that enters over that of a parabola of its remaining penetration
 WIDENINGS = 4  # of these cells until they cover the remaining penetration
+
+
+class Overlaps(NamedTuple):
+    """Unloaded strips (n,) whose surfaces penetrate, and the middles and half lengths (n,) m of where they do."""
+
+    strips: Nodes
+    middle: Array
+    half: Array
+
+    @property
+    def ends(self) -> Array:
+        """Ends (n, 2) m."""
+        return np.column_stack([self.middle - self.half, self.middle + self.half])
 
 
 def entering(
@@ -31,18 +46,54 @@ def entering(
 
     Raises OutsideSurface, NotConverged.
     """
-    loaded = {*state.strips.tolist(), *barred}
-    free = np.array([strip for strip in problem.candidates.tolist() if strip not in loaded], dtype=int)
-    if not len(free):
-        return None
-    rest = remaining(state.values, problem.of(state.strips), _probes(problem, PROBES), problem.lines, free)
+    new = penetrating(problem, state, barred, least)
+    return _pressed(problem, state, new) if len(new.strips) else None
+
+
+def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], least: float = EXCESS) -> Overlaps:
+    """Unloaded strips that penetrate by more than a least fraction of the approach. Raises OutsideSurface."""
+    rest = _remaining(problem, state, barred)
     if not rest.inside:
         raise OutsideSurface(TOO_LONG)
     enters = rest.depth > least * problem.approach
-    if not enters.any():
-        return None
     half = np.minimum(MARGIN * np.sqrt(2 * rest.depth[enters] / rest.curvature[enters]), rest.half[enters])
-    return _pressed(problem, state, rest.strips[enters], rest.place[enters], half)
+    return Overlaps(rest.strips[enters], rest.place[enters], half)
+
+
+def _remaining(problem: LatticeProblem, state: LatticeState, barred: set[int]) -> Remaining:
+    """Remaining penetration of the strips that may enter: of those that are probed at first or next to loaded ones, and
+    of further ones as long as it grows from strip to strip.
+    """
+    taken = np.zeros(len(problem.depth), dtype=np.bool_)
+    taken[state.strips] = True
+    known = problem.probed | problem.near & with_next(taken)
+    taken[list(barred)] = True
+    while True:
+        free = np.flatnonzero(known & ~taken)
+        data = problem.of(state.strips)._replace(tables=problem.pairs(np.flatnonzero(known | taken)))
+        rest = remaining(state.values, data, _probes(problem, PROBES), problem.lines, free)
+        further = _further(free, rest.highest, known | taken) & problem.near
+        if not further.any():
+            return rest
+        known |= further
+
+
+def _further(free: Nodes, highest: Array, known: Mask) -> Mask:
+    """Strips (K,) that are not known, next to ones of free (n,) towards which the remaining penetration grows or where
+    it is positive.
+
+    Parameters:
+        free: (n,) numbers of unloaded strips.
+        highest: (n,) m, their remaining penetration.
+        known: (K,) strips where it is known, or that are loaded.
+    """
+    depth = np.zeros(len(known) + 2)  # one more strip on either side
+    depth[1 + free] = highest
+    further = np.zeros(len(depth), dtype=np.bool_)
+    for side in (-1, 1):
+        grows = highest > np.minimum(depth[1 + free - side], 0.0)
+        further[1 + free[grows] + side] = True
+    return further[1:-1] & ~known
 
 
 def remaining_penetration(
@@ -51,7 +102,8 @@ def remaining_penetration(
     """Penetration (n, C) m of unloaded strips (n,) that the tractions of the loaded ones leave, means over equal cells
     from low to high (n,) m. Raises OutsideSurface.
     """
-    inside, depth = excess(state.values, problem.of(state.strips), _probes(problem, cells), strips, low, high)
+    data = problem.of(state.strips)._replace(tables=problem.pairs(np.union1d(state.strips, strips)))
+    inside, depth = excess(state.values, data, _probes(problem, cells), strips, low, high)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     return np.where(np.isfinite(depth), depth, -problem.approach)
@@ -61,24 +113,21 @@ def _probes(problem: LatticeProblem, cells: StripBasis) -> Probes:
     return Probes(problem.middle, problem.width, problem.tables.stretch, cells)
 
 
-def _pressed(
-    problem: LatticeProblem, state: LatticeState, new: Nodes, middle: Array, half: Array
-) -> LatticeState | None:
-    """Strips new (n,) under their remaining penetration, by complementarity on cells around middles (n,) m, while the
-    loaded strips do not change.
-    """
-    low, high = middle - half, middle + half
+def _pressed(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -> LatticeState | None:
+    """Strips under their remaining penetration, by complementarity on cells, while the loaded strips do not change."""
+    new, (low, high) = overlaps.strips, overlaps.ends.T
     for widening in range(WIDENINGS):
         depth = remaining_penetration(problem, state, new, low, high)
         cut = depth[:, [0, -1]] > 0
         if not cut.any() or widening == WIDENINGS - 1:
             break
         length = high - low
-        low, high = low - 0.5 * cut[:, 0] * length, high + 0.5 * cut[:, 1] * length
+        low = np.maximum(low - 0.5 * cut[:, 0] * length, problem.window[0])
+        high = np.minimum(high + 0.5 * cut[:, 1] * length, problem.window[1])
     stretch = problem.tables.stretch[new]
     x = stretch[:, None] * (low[:, None] + (high - low)[:, None] * PROBES.row_marks)
     grid = StripGrid(x, stretch * (high - low), problem.width[new], stretch, new)
-    inside, matrix = cell_operator(problem.pairs, grid, PROBES, False)
+    inside, matrix = cell_operator(problem.pairs(new), grid, PROBES, False)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     pressure, _ = normal_contact(matrix, depth.ravel(), depth.ravel() > 0, IterationCount())

@@ -27,6 +27,7 @@ class Remaining(NamedTuple):
         place: (n,) m, of the maximum.
         curvature: (n,) 1/m there.
         half: (n,) m, half length of the probed range.
+        highest: (m,) m, maximum on all m unloaded strips, from fewer places.
     """
 
     inside: bool
@@ -35,6 +36,7 @@ class Remaining(NamedTuple):
     place: Array
     curvature: Array
     half: Array
+    highest: Array
 
 
 class Probes(NamedTuple):
@@ -86,7 +88,9 @@ def excess(
 
 @compiled
 def _maximum(values: Array, low: float, high: float) -> tuple[float, float, float]:
-    """Maximum, its place and the curvature by a parabola through the largest of values (C,) and its neighbours."""
+    """Maximum, its place and the curvature of the parabola with the largest of means (C,) over cells and the next ones:
+    at the middle of a cell it is higher than its mean by a third of what it falls within half a cell.
+    """
     C = len(values)
     step = (high - low) / C
     k = min(max(int(np.argmax(values)), 1), C - 2)
@@ -97,7 +101,8 @@ def _maximum(values: Array, low: float, high: float) -> tuple[float, float, floa
     curvature = max((2.0 * middle - left - right) / (step * step), 1e-2)
     slope = (right - left) / (2.0 * step)
     offset = min(max(slope / curvature, -step), step)
-    return middle + slope * offset - 0.5 * curvature * offset * offset, place + offset, curvature
+    top = middle + curvature * step * step / 24.0
+    return top + slope * offset - 0.5 * curvature * offset * offset, place + offset, curvature
 
 
 @compiled
@@ -112,23 +117,24 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
         for i in range(S):
             if abs(strip - data.places.strip[i]) < abs(strip - data.places.strip[near]):
                 near = i
-        middle, half = lines.x[strip], np.sqrt(2.0 * lines.depth[strip] / lines.curvature[strip])
+        middle, half = lines.x[strip], max(np.sqrt(2.0 * max(lines.depth[strip], 0.0) / lines.curvature[strip]), extent)
         if abs(strip - data.places.strip[near]) <= NEXT_TO:
             middle = 0.5 * (values[near, last] + values[near, last - 1])
             half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent)
         low[k], high[k] = middle - half, middle + half
     inside, first = excess(values, data, probes, free, low, high)
     close = np.zeros(n, dtype=np.bool_)
-    place = np.empty(n)
+    place, highest = np.empty(n), np.empty(n)
     for k in range(n):
-        depth, place[k], _ = _maximum(first[k], low[k], high[k])
-        close[k] = depth + 2.0 * (depth - first[k].max()) > 0.0
-    strips, place, half = free[close], place[close], 0.5 * (high[close] - low[close])
+        highest[k], place[k], curvature = _maximum(first[k], low[k], high[k])
+        half = 0.5 * (high[k] - low[k]) / first.shape[1]
+        close[k] = highest[k] + 0.5 * curvature * half * half > 0.0  # as uncertain as what it falls within half a cell
+    strips, place, probed = free[close], place[close], 0.5 * (high[close] - low[close])
     # once more around the maximum: the penetration beside a loaded strip is flatter than a parabola
     C = first.shape[1]
-    low, high = place - 2.0 * half / C, place + 2.0 * half / C
+    low, high = place - 2.0 * probed / C, place + 2.0 * probed / C
     found, second = excess(values, data, probes, strips, low, high)
-    deepest, curvature = np.empty(len(strips)), np.empty(len(strips))
+    deepest, bend = np.empty(len(strips)), np.empty(len(strips))
     for k in range(len(strips)):
-        deepest[k], place[k], curvature[k] = _maximum(second[k], low[k], high[k])
-    return Remaining(inside and found, strips, deepest, place, curvature, half)
+        deepest[k], place[k], bend[k] = _maximum(second[k], low[k], high[k])
+    return Remaining(inside and found, strips, deepest, place, bend, probed, highest)

@@ -19,7 +19,7 @@ from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.residual_call import ResidualCode
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
-from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables
+from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables, PoseMeans
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.system.equations import (
     EquationData,
@@ -43,7 +43,7 @@ from wheelrail.contact.models.lattice.system.surface import (
     penetration,
     penetration_changes,
 )
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes
 
 NO_FRICTION = ResidualCode(0, np.zeros(0), 0.0)
 OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
@@ -141,6 +141,20 @@ class LatticeProblem:
         return inside
 
     @cached_property
+    def near(self) -> Mask:
+        """Strips (K,) that displacements may bring into contact: friction on a tread can close the gap of a flange."""
+        return self.tables.covers(self.lines.foot) | (self.depth > 0)
+
+    @cached_property
+    def probed(self) -> Mask:
+        """Strips (K,) to look at first: those that penetrate or lie where the gap is smallest, and the next ones on
+        either side.
+        """
+        depth = np.pad(self.depth, 1, constant_values=-np.inf)
+        smallest = (self.depth >= depth[:-2]) & (self.depth >= depth[2:])
+        return self.near & with_next(smallest & self.near | (self.depth > 0))
+
+    @cached_property
     def speed(self) -> float:
         """Rolling speed m/s: mean over all strips, weighted by the squared penetration. Raises NotRolling."""
         if not self.rolls:
@@ -170,11 +184,17 @@ class LatticeProblem:
         return penetration_changes(self.surface, data.origin, data.rotation, s, x)
 
     @cached_property
+    def window(self) -> tuple[float, float]:
+        """Range m of x in which there may be contact: twice the region of penetration."""
+        x, bend = (values[self.probed] for values in self.crest)
+        half = np.sqrt(2 * np.maximum(self.depth[self.probed], 0.0) / bend)
+        low, high = float((x - half).min()), float((x + half).max())
+        return 1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low
+
+    @property
     def reach(self) -> float:
-        """Longest distance m along x in the contact: twice the region of penetration."""
-        x, bend = (values[self.candidates] for values in self.crest)
-        half = np.sqrt(2 * self.depth[self.candidates] / bend)
-        return float(2 * ((x + half).max() - (x - half).min()))
+        """Longest distance m along x in the contact."""
+        return self.window[1] - self.window[0]
 
     def places(self, strips: Nodes) -> StripPlaces:
         """Places of some strips (S,)."""
@@ -182,16 +202,21 @@ class LatticeProblem:
         return StripPlaces(self.middle[strips], width, stretch, self.lines.level[strips], strips)
 
     @cached_property
-    def pairs(self) -> PairTables:
-        """Tables of the pairs of all strips that penetrate. Raises OutsideSurface."""
-        return self.tables.of(self.candidates, self.lines.foot if self.tables.moves else None, self.reach)
+    def _means(self) -> PoseMeans:
+        feet = self.lines.foot if self.tables.moves else None
+        return self.tables.at(np.flatnonzero(self.near), feet, self.reach)
+
+    def pairs(self, strips: Nodes) -> PairTables:
+        """Tables of the pairs of some strips (S,). Raises OutsideSurface."""
+        return self.tables.of(strips, self._means)
 
     def of(self, strips: Nodes) -> EquationData:
         """Data of the equations of some strips (S,), stored. Raises OutsideSurface."""
         key = strips.tobytes()
         if key not in self._stored:
             law = NO_FRICTION if self.law is None else self.law.code
-            self._stored[key] = EquationData(self.pairs, self.surface, self.data, self.places(strips), self.basis, law)
+            data = self.surface, self.data, self.places(strips), self.basis, law
+            self._stored[key] = EquationData(self.pairs(strips), *data)
         return self._stored[key]
 
     @cached_property
@@ -233,3 +258,11 @@ class LatticeProblem:
     def cell_middles(self) -> Array:
         """Middles (M,) of the cells, from 0 to 1."""
         return np.asarray(0.5 * (self.basis.marks[1:] + self.basis.marks[:-1]))
+
+
+def with_next(chosen: Mask) -> Mask:
+    """Those strips of a mask (K,) and the next ones on either side."""
+    more = chosen.copy()
+    more[1:] |= chosen[:-1]
+    more[:-1] |= chosen[1:]
+    return more

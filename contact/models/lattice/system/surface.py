@@ -374,7 +374,7 @@ class ContactLines(NamedTuple):
         depth: (K,) m, penetration at their x, the mean over the width; -inf far from contact.
         x: (K,) m, its place along x.
         curvature: (K,) 1/m, relative curvature along x there.
-        foot: (K,) m, arc length of the closest points on the lower body; NaN where the penetration is negative.
+        foot: (K,) m, arc length of the closest points on the lower body; NaN where the gap exceeds `MARGIN`.
         level: (K, 3) longitudinal axis.
         speed: m/s at which both materials flow backwards, the mean weighted by the squared penetration; 0 without
             penetration.
@@ -390,7 +390,7 @@ class ContactLines(NamedTuple):
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
 BETWEEN = 4  # strips between those at which the penetration is estimated first
-MARGIN = 3e-4  # m, by which it may be larger in between
+MARGIN = 3e-4  # m, by which it may be larger in between, and largest gap that displacements may close
 
 
 @compiled
@@ -419,7 +419,7 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
         depth[inside[k]] = 0.5 * (sides[2 * k] + sides[2 * k + 1])
         x[inside[k]], curvature[inside[k]] = at[1][k], at[2][k]
     foot, level = np.full(K, np.nan), np.zeros((K, 3))
-    touching = np.flatnonzero(depth > 0.0)
+    touching = np.flatnonzero(depth > -MARGIN)
     s, along = middle[touching], x[touching]
     closest = penetration(surface, motion.origin, motion.rotation, s, along)
     places = frames(surface, motion.origin, motion.rotation, s, along)
@@ -428,6 +428,6 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
     for k in range(len(touching)):
         i = touching[k]
         foot[i], level[i] = closest.foot[k], places.axes[k, 0]
-        weight = depth[i] * depth[i] * width[i]
+        weight = max(depth[i], 0.0) ** 2 * width[i]
         total, weights = total - weight * flow[k], weights + weight
     return ContactLines(depth, x, curvature, foot, level, total / weights if weights > 0.0 else 0.0)

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
@@ -18,9 +19,13 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.lattice.influence.basis import equal_cells
 from wheelrail.contact.models.lattice.model import ITERATIONS, START_CELLS, LatticeContact
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
-from wheelrail.contact.models.lattice.solver.newton import LatticeNewton
+from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
+from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
+from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
 
@@ -190,3 +195,40 @@ def _flowing(creepage: tuple[float, float, float]) -> RigidMotion:
     return RigidMotion(
         Twist(SPEED * (back + half), SPEED * turn, origin), Twist(SPEED * (back - half), -SPEED * turn, origin)
     )
+
+
+@pytest.mark.parametrize(("y", "z", "yaw"), [(4.5e-3, 0.12e-3, 15e-3), (4.4e-3, 0.107e-3, 5e-3)])
+def test_friction_closes_a_gap(y: float, z: float, yaw: float) -> None:
+    """Friction on the tread moves the flange of finite bodies towards the rail: strips are loaded that would not
+    penetrate the undeformed rail, and no unloaded one penetrates the deformed one.
+    """
+    model = pair(0.6, "waveguide")
+    place = left(rolling(y, z, yaw=yaw))
+    result, problem = model(*place), model.problem(*place)
+    assert result.status == "converged"
+    state = start(result)
+    assert (problem.depth[state.strips] < -1e-6).any()
+    free = np.setdiff1d(np.flatnonzero(problem.near), state.strips)
+    x = problem.lines.x[free]
+    rest = remaining_penetration(problem, state, free, x - 8e-3, x + 8e-3, cells=equal_cells(32))
+    assert rest.max() < 1e-5 * result.approach
+
+
+def test_strips_on_both_sides_of_the_undeformed_rail() -> None:
+    """Steps of 0.2 um through the pose at which the outer loaded strip of the flange ceases to penetrate the undeformed
+    rail: the force bends by less than 1e-5 of the load.
+    """
+    model, state = pair(0.6, "waveguide"), rolling(4.77e-3, 0.15e-3, yaw=5e-3)
+    outer = int(start(model(*left(state))).strips[0])
+
+    def depth(z: float) -> float:
+        return float(model.problem(*left(replace(state, z=z))).depth[outer])
+
+    z = brentq(depth, state.z - 5e-5, state.z + 5e-5, xtol=1e-12)
+    forces = [model(*left(replace(state, z=z + k * 2e-7))).force for k in (-1, 0, 1)]
+    assert np.abs(np.diff(forces, 2, axis=0)).max() < 1e-5 * np.linalg.norm(forces[1])
+
+
+def start(result: ContactResult) -> LatticeState:
+    assert isinstance(result.warm_start, LatticeSolution)
+    return result.warm_start.state
