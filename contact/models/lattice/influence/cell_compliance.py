@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
-from wheelrail.contact.models.lattice.influence.operator import StripGrid, look_up
+from wheelrail.contact.models.lattice.influence.operator import VECTOR, StripGrid, look_up
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.contact.models.lattice.influence.vectors import products
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
@@ -88,20 +89,17 @@ def normal_displacements(
     n, C = edges.shape[0], edges.shape[1] - 1
     S, M = jumps.shape[0], jumps.shape[1] - 1
     displacement = np.zeros((n, C))
-    G = np.empty((C + 1, M + 1, 8))
+    G, sums = np.empty((C + 1, M + 1, 8)), np.empty((3, 8))
     for i in range(n):
         for j in range(S):
             first, last = min(strips[i], grid.strip[j]), max(strips[i], grid.strip[j])
             turn = 1.0 if strips[i] == first else -1.0  # reciprocity: the transposed table at the opposite distance
             if not look_up(tables, first, last, turn * edges[i], turn * grid.x[j, : M + 1], G, None):
                 return False, displacement
-            before = 0.0
+            start, loads, out, before = G.ctypes.data, jumps[j].ctypes.data, sums.ctypes.data, 0.0
             for r in range(C + 1):
-                total = 0.0
-                for e in range(M + 1):
-                    g = G[r, e]
-                    total += g[NN] * jumps[j, e, 2] - turn * g[XN] * jumps[j, e, 0]
-                    total += (g[TN] - turn * g[TN_TURN]) * jumps[j, e, 1]
+                products(start + VECTOR * r * (M + 1), VECTOR, loads, M + 1, out)
+                total = sums[2, NN] + sums[1, TN] - turn * (sums[0, XN] + sums[1, TN_TURN])
                 if r > 0:
                     displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])
                 before = total

@@ -19,7 +19,8 @@ from wheelrail.contact.solvers.active_set import normal_contact
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.support.arrays import Array, Mask, Nodes
 
-PROBES = equal_cells(12)  # along an unloaded strip
+FIRST = equal_cells(6)  # along an unloaded strip, to find where its maximum is
+PROBES = equal_cells(12)  # around the maximum
 EXCESS = 1e-7  # of the approach: least penetration of a strip that enters
 UNCERTAIN = 1e-5  # of the approach: penetration that a strip may leave unloaded, where it cannot stay loaded either
 MARGIN = 1.5  # half length of the cells of a strip that enters over that of a parabola of its remaining penetration
@@ -71,7 +72,7 @@ def _remaining(problem: LatticeProblem, state: LatticeState, barred: set[int]) -
     while True:
         free = np.flatnonzero(known & ~taken)
         data = problem.of(state.strips)._replace(tables=problem.pairs(np.flatnonzero(known | taken)))
-        rest = remaining(state.values, data, _probes(problem, PROBES), problem.lines, free)
+        rest = remaining(state.values, data, _probes(problem), problem.lines, free)
         further = _further(free, rest.highest, known | taken) & problem.near
         if not further.any():
             return rest
@@ -103,14 +104,14 @@ def remaining_penetration(
     from low to high (n,) m. Raises OutsideSurface.
     """
     data = problem.of(state.strips)._replace(tables=problem.pairs(np.union1d(state.strips, strips)))
-    inside, depth = excess(state.values, data, _probes(problem, cells), strips, low, high)
+    inside, depth = excess(state.values, data, _probes(problem), cells, strips, low, high)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     return np.where(np.isfinite(depth), depth, -problem.approach)
 
 
-def _probes(problem: LatticeProblem, cells: StripBasis) -> Probes:
-    return Probes(problem.middle, problem.width, problem.tables.stretch, cells)
+def _probes(problem: LatticeProblem) -> Probes:
+    return Probes(problem.middle, problem.width, problem.tables.stretch, FIRST, PROBES)
 
 
 def _pressed(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -> LatticeState | None:

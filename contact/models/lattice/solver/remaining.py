@@ -40,28 +40,30 @@ class Remaining(NamedTuple):
 
 
 class Probes(NamedTuple):
-    """Where the remaining penetration is evaluated, and the loaded strips.
+    """Where the remaining penetration is evaluated.
 
     Parameters:
         middle, width: (K,) m, of all strips of the lattice.
         stretch: (K,).
-        basis: of equal cells along the probed range.
+        first, second: equal cells along the probed range, and along the part of it around the maximum.
     """
 
     middle: Array
     width: Array
     stretch: Array
-    basis: StripBasis
+    first: StripBasis
+    second: StripBasis
 
 
 @compiled
 def excess(
-    values: Array, data: EquationData, probes: Probes, strips: Nodes, low: Array, high: Array
+    values: Array, data: EquationData, probes: Probes, basis: StripBasis, strips: Nodes, low: Array, high: Array
 ) -> tuple[bool, Array]:
-    """Remaining penetration (n, C) m, means over equal cells from low to high (n,) m along strips (n,) that are not
-    loaded; values (S, block) of the loaded ones. The flag is as in `Remaining`; beyond the lower body it is -inf.
+    """Remaining penetration (n, C) m, means over the cells of a basis from low to high (n,) m along strips (n,) that
+    are not loaded; values (S, block) of the loaded ones. The flag is as in `Remaining`; beyond the lower body it is
+    -inf.
     """
-    basis, motion = probes.basis, data.motion
+    motion = data.motion
     n, C, count = len(strips), len(basis.marks) - 1, len(basis.stations)
     edges, s, x = np.empty((n, C + 1)), np.empty(2 * n * count), np.empty(2 * n * count)
     for i in range(n):
@@ -122,7 +124,7 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
             middle = 0.5 * (values[near, last] + values[near, last - 1])
             half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent)
         low[k], high[k] = middle - half, middle + half
-    inside, first = excess(values, data, probes, free, low, high)
+    inside, first = excess(values, data, probes, probes.first, free, low, high)
     close = np.zeros(n, dtype=np.bool_)
     place, highest = np.empty(n), np.empty(n)
     for k in range(n):
@@ -133,7 +135,7 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
     # once more around the maximum: the penetration beside a loaded strip is flatter than a parabola
     C = first.shape[1]
     low, high = place - 2.0 * probed / C, place + 2.0 * probed / C
-    found, second = excess(values, data, probes, strips, low, high)
+    found, second = excess(values, data, probes, probes.second, strips, low, high)
     deepest, bend = np.empty(len(strips)), np.empty(len(strips))
     for k in range(len(strips)):
         deepest[k], place[k], bend[k] = _maximum(second[k], low[k], high[k])
