@@ -29,7 +29,7 @@ OF_ELEMENTS = ("laws", "surface_size", "strips", "cells")  # keys that the stand
 class RobustnessCase:
     """A run: radius m and cant m of the curve after `tangent` and `transition` m, seed of irregularities of the class
     high or None, initial rates m/s or rad/s by coordinate, added to the equilibrium; whether it is compared with a run
-    at a tenth of the tolerances; time limit s if different from the default.
+    at a tenth of the tolerances.
     """
 
     name: str
@@ -45,7 +45,6 @@ class RobustnessCase:
     kick: dict[str, float] = field(default_factory=dict)
     again: bool = False
     quick: bool = False
-    patience: float | None = None
 
     @property
     def span(self) -> tuple[float, float]:
@@ -135,7 +134,6 @@ def cases() -> list[RobustnessCase]:
                 seconds=5.0,
                 again=cheap,
                 quick=cheap,
-                patience=None if cheap else 80.0,
             ),
             RobustnessCase("overturning, low friction", model, 60.0, 0.05, 500.0, 0.0, 20.0, seconds=5.0, quick=cheap),
             RobustnessCase("blow aside", model, 45.0, 0.6, seconds=0.2, kick={"wheelset_y": -2.0}, quick=cheap),
