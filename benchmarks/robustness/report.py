@@ -85,7 +85,7 @@ def row(done: Done) -> dict[str, str]:
         "run": case.name if case.seed is None else f"{case.name}, seed {case.seed}",
         "contact": case.model,
         "m/s": f"{case.speed:g}",
-        "mu": f"{case.friction:g}",
+        "mu": case.mu,
         "radius m": f"{case.radius:g}",
         "status": done.history.status.removeprefix("failed: ").replace("interrupted", "stopped, too slow"),
         "m": f"{f.metres:.1f}",
@@ -141,7 +141,7 @@ def main() -> None:
     for case in chosen:
         with console.status(f"{case.name}, {case.model}"):
             runs.append(examined(case))
-        text = f"{case.name}, {case.model}, {case.speed:g} m/s, mu {case.friction:g}: {runs[-1].seconds:.1f} s"
+        text = f"{case.name}, {case.model}, {case.speed:g} m/s, mu {case.mu}: {runs[-1].seconds:.1f} s"
         console.print(f"{text}, {runs[-1].history.status}", highlight=False)
     rows = [row(done) for done in runs]
     print(f"{machine_description()}; {process_time() - began:.0f} s of processor time in all\n")

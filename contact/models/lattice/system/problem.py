@@ -177,7 +177,13 @@ class LatticeProblem:
     @cached_property
     def pairs(self) -> PairTables:
         """Tables of the pairs of all strips that penetrate. Raises OutsideSurface."""
-        return self.tables.of(self.candidates, self.lines.foot if self.tables.moves else None, self.reach)
+        feet = self.tables.on_lines(self.lines.foot) if self.tables.moves else None
+        return self.tables.of(self.candidates, feet, self.reach)
+
+    def check_loaded(self, strips: Nodes) -> None:
+        """Raise OutsideSurface where loaded strips (S,) lie beyond the lines of the lower body, as unloaded ones may."""
+        if self.tables.moves:
+            self.tables.check_on_lines(strips, self.lines.foot)
 
     def of(self, strips: Nodes) -> EquationData:
         """Data of the equations of some strips (S,), stored. Raises OutsideSurface."""
