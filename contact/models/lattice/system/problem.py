@@ -181,7 +181,7 @@ class LatticeProblem:
         return self.tables.of(self.candidates, feet, self.reach)
 
     def check_loaded(self, strips: Nodes) -> None:
-        """Raise OutsideSurface where loaded strips (S,) lie beyond the lines of the lower body, as unloaded ones may."""
+        """Raise OutsideSurface where loaded strips (S,) lie beyond the lower body's lines, as unloaded ones may."""
         if self.tables.moves:
             self.tables.check_on_lines(strips, self.lines.foot)
 
