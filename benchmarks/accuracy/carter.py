@@ -11,6 +11,7 @@ from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model,
 from benchmarks.common.reference_table import TableSection, measure, reference
 from wheelrail.contact.analytical.carter import carter
 from wheelrail.contact.laws.material import Material
+from wheelrail.contact.results.patch_moments import stick_lengths
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -93,7 +94,9 @@ def carter_section(quick: bool, say: Say) -> TableSection:
         expected, _ = exact(x, y)
         force_ratio = float((along @ area) / (friction * pressure @ area))
         exact_means = _mean_over_band(pair, exact, friction)
-        stick_fraction = float(area[total < friction * pressure * (1 - 1e-6)].sum() / area.sum())
+        shape = -1, model.resolution.cells  # of strips in the band
+        margin = np.where(total < friction * pressure * (1 - 1e-6), friction * pressure - total, 0.0)
+        stick_fraction = float(stick_lengths(margin.reshape(shape), area.reshape(shape)).sum() / area.sum())
         error = 100 * (along - expected) / unit
         rms = float(np.sqrt(error**2 @ area / area.sum()))
         forces.append(100 * (force_ratio - exact_means[0]))

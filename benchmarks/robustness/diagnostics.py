@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
@@ -82,8 +83,10 @@ def _integral(values: Array | list[float], time: Array) -> float:
 
 
 def names_cause(status: str) -> bool:
-    """Whether the status of a run that ended early names overturning or derailment."""
-    return "overturns" in status or "left the rails" in status
+    """Whether the status of a run that ended early names overturning, derailment, or a wheel that is pressed into the
+    rail beyond the range of the contact, by several mm of the undeformed profiles.
+    """
+    return any(cause in status for cause in ("overturns", "left the rails", TOO_LONG))
 
 
 def _mean_load(history: History, wagon: Wagon, track: Track) -> float:

@@ -13,22 +13,20 @@ from wheelrail.contact.results.patch_area import patch_area
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 
-RESIDUAL = 1e-6  # of the largest traction: by as much the solver may miss it where points slip
+HALF_ELLIPSE = 32 / (3 * np.pi**2)  # length times integral of the square over square of the integral
 
 
-def sharpened(result: ContactResult, layout: StripLayout, bound: Array) -> ContactResult:
+def sharpened(result: ContactResult, layout: StripLayout, margin: Array) -> ContactResult:
     """The result with semi-axes, area and stick area interpolated within cells.
 
-    bound (n,) Pa: the largest possible traction.
+    margin (n,) Pa: from the traction to the largest possible one, zero under slip.
     """
     assert result.fields is not None
-    return replace(result, patches=LazyPatches(partial(_sharpened, result.patches, result.fields, layout, bound)))
+    return replace(result, patches=LazyPatches(partial(_sharpened, result.patches, result.fields, layout, margin)))
 
 
-def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bound: Array) -> tuple[Patch, ...]:
-    p, area = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area))
-    left = (bound - np.hypot(*fields.traction.T)).reshape(p.shape)
-    left[left < RESIDUAL * bound.reshape(p.shape)] = 0.0
+def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, margin: Array) -> tuple[Patch, ...]:
+    p, area, left = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area, margin))
     labels = fields.patch.reshape(p.shape).max(axis=1)
     corrected = []
     for k, patch in enumerate(patches):
@@ -38,31 +36,29 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, bo
         load = p[own] * length
         bounds = np.append(layout.sides[own, 0], layout.sides[own, 1][-1])
         axes = (spread(p[own], x, length, load, layout.marks), lateral_spread(load.sum(axis=1) * width, s, width))
-        stick = stick_lengths(left[own], length) @ (area[own, 0] / length[:, 0])
-        strips = area[own].sum(axis=1)
-        smooth = patch_area(strips / width, bounds)
-        sticks = float(stick) * smooth / float(strips.sum())
-        corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=sticks))
+        lengths = area[own].sum(axis=1) / width
+        smooth = patch_area(lengths, bounds)
+        sticks = stick_area(lengths * stick_lengths(left[own], length) / length.sum(axis=1), bounds)
+        corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=min(sticks, smooth)))
     return tuple(corrected)
 
 
-def stick_lengths(left: Array, length: Array) -> Array:
+def stick_lengths(margin: Array, length: Array) -> Array:
     """Lengths (S,) m of the stick zones of strips, from the margins (S, M) Pa of the tractions to their bounds, zero
     under slip, and the lengths (S, M) m of the cells.
 
-    The margin grows as a square root from the slip zone (Cattaneo, Carter), so its square is extrapolated to zero.
+    Over the stick zone the margin is half an ellipse (Carter, Cattaneo), whose length follows from the integrals of the
+    margin and of its square: cells that barely stick count little, so that the length does not jump with their number.
     """
-    total = (length * (left > 0)).sum(axis=1)
-    for values, lengths in ((left, length), (left[:, ::-1], length[:, ::-1])):
-        (outer, last, inner), (beyond, own, _) = (
-            (part[:, :-2], part[:, 1:-1], part[:, 2:]) for part in (values, lengths)
-        )
-        first = (outer == 0) & (last > 0) & (inner > last)
-        ratio = np.divide(inner, last, out=np.full_like(last, 2.0), where=first)
-        apart = 0.5 * (lengths[:, 1:-1] + lengths[:, 2:])
-        reach = np.clip(apart / (ratio**2 - 1) - 0.5 * own, -0.5 * own, 0.5 * beyond)
-        total += np.where(first, reach, 0.0).sum(axis=1)
-    return np.asarray(total)
+    first, second = ((margin**k * length).sum(axis=1) for k in (1, 2))
+    lengths = HALF_ELLIPSE * np.divide(first**2, second, out=np.zeros_like(first), where=second > 0)
+    return np.asarray(np.minimum(lengths, length.sum(axis=1)))
+
+
+def stick_area(lengths: Array, bounds: Array) -> float:
+    """Area m2 of stick zones from their lengths (S,) m in adjacent strips with lateral bounds (S + 1,) m."""
+    sides = np.flatnonzero(np.diff(lengths > 0, prepend=False, append=False))
+    return sum(patch_area(lengths[i:j], bounds[i : j + 1]) for i, j in sides.reshape(-1, 2).tolist())
 
 
 def spread(p: Array, x: Array, length: Array, weight: Array, marks: Array) -> float:

@@ -122,6 +122,7 @@ class LatticeContact:
             if not len(problem.candidates):
                 return ContactResult.separated(approach)
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
+            problem.check_loaded(solution.state.strips)
             statistics = Statistics(
                 newton=count.newton,
                 linear=count.linear,

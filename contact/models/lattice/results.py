@@ -60,25 +60,26 @@ class SolutionDetails:
         evaluation = problem.evaluate(state, self.solution.factors.rho)
         S, M = evaluation.pressure.shape
         layout, places = problem.layout(state), problem.cell_places(state)
-        pressure = evaluation.pressure.ravel()
-        q, slip = np.zeros((S * M, 2)), np.zeros((S * M, 2))
-        bound = np.zeros(S * M)
+        q, slip, margin = np.zeros((S * M, 2)), np.zeros((S * M, 2)), np.zeros(S * M)
         if problem.law is not None:
             q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
             slip = evaluation.slip.transpose(0, 2, 1).reshape(-1, 2)
-            bound = problem.law.functions.coefficient(np.hypot(*slip.T) * problem.speed, pressure) * pressure
+            rho = self.solution.factors.rho
+            margin = problem.law.margins(
+                state.tractions, evaluation.slip, evaluation.pressure, rho, problem.speed
+            ).ravel()
         grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
         result = assemble_result(
-            FrictionalWork.below(bound, places, q, problem.motion, 0.0 if problem.shifts else problem.speed),
+            FrictionalWork(places, q, margin > 0, problem.motion, 0.0 if problem.shifts else problem.speed),
             node=np.arange(S * M),
             patch=np.repeat(connected(layout, np.ones((S, M))), M),
-            pressure=pressure,
+            pressure=evaluation.pressure.ravel(),
             slip=slip,
             displacement=_displacement(evaluation.V, grid.x),
             approach=problem.approach,
             statistics=Statistics(),
         )
-        return self._with_material(_with_peaks(sharpened(result, layout, bound), layout, state.modes), layout)
+        return self._with_material(_with_peaks(sharpened(result, layout, margin), layout, state.modes), layout)
 
     def _with_material(self, result: ContactResult, layout: StripLayout) -> ContactResult:
         """The result with the material of both bodies that touches, and the inclination of their common surface."""

@@ -13,6 +13,7 @@ import pytest
 from half_space import Cells, HalfSpaces
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.friction import FallingFriction, FrictionLaw
@@ -416,3 +417,26 @@ def test_no_contact_and_laws_that_do_not_fit() -> None:
         replace(ellipse(), laws=ContactLaws.penalty())
     with pytest.raises(ValueError, match="at least 4"):
         ellipse(strips=3)
+
+
+def test_unloaded_strips_may_lie_beyond_the_meshed_rail() -> None:
+    """On the gauge face the undeformed wheel overlaps more of the rail than it touches."""
+    contact = wheelset(0.3, "waveguide")
+    assert isinstance(contact.model, LatticeContact)
+    lines = contact.model.operators.lower.bounds
+    y = 8.4e-3 + 0.1e-3 * np.arange(10)
+    beyond, forces = [], []
+    for place in y:
+        state = rolling(float(place), 1e-3)
+        problem = contact.model.problem(*contact.mounting.left_pair(state))
+        beyond.append(problem.lines.foot[problem.candidates].min() < lines[0])
+        result = contact(state, "left")
+        assert result.ok
+        forces.append(result.force)
+    assert beyond[-1]
+    assert not beyond[0]
+    # no step where the first strip passes the end of the lines
+    jumps = np.abs(np.diff(forces, n=3, axis=0)).max(axis=0)
+    assert (jumps < 2e-3 * np.abs(forces[-1])).all()
+    with pytest.raises(OutsideSurface, match="beyond the part"):
+        problem.check_loaded(problem.candidates)

@@ -13,6 +13,7 @@ from scipy.special import k0, k1
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.elasticity.half_space import strip_flexibility
+from wheelrail.contact.geometry.strip_layout import marks
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.material import Material
@@ -29,7 +30,7 @@ from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.contact.results.patch_area import patch_area
-from wheelrail.contact.results.patch_moments import stick_lengths
+from wheelrail.contact.results.patch_moments import stick_area, stick_lengths
 from wheelrail.contact.results.result import ContactResult, LazyPatches
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
@@ -124,15 +125,37 @@ def test_upstream_slip_is_exact_for_parabolas() -> None:
 
 
 def test_stick_ends_within_a_cell() -> None:
-    # the remainder to the bound is proportional to sqrt(e - x) up to e = 0.63
-    edges = np.linspace(0, 1, 11)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    left = np.sqrt(np.maximum(0.63 - middle, 0))
-    margins = np.stack([left, left[::-1], np.zeros(10), np.ones(10)])
-    lengths = stick_lengths(margins, np.tile(np.diff(edges), (4, 1)))
-    assert lengths[:2] == pytest.approx(0.63, abs=5e-3)
-    assert lengths[2] == 0.0
-    assert lengths[3] == pytest.approx(1.0)
+    # means over cells of half an ellipse that ends anywhere
+    edges = marks(12, rolling=True)
+    ends = np.linspace(0.05, 0.75, 281)
+    t = np.clip((edges - ends[:, None]) / (1 - ends[:, None]) * 2 - 1, -1.0, 1.0)
+    integral = t * np.sqrt(1 - t**2) + np.arcsin(t)
+    margins = (1 - ends)[:, None] * np.diff(integral) / np.diff(edges)
+    lengths = stick_lengths(margins, np.tile(np.diff(edges), (len(ends), 1)))
+    assert lengths == pytest.approx(1 - ends, abs=0.02)
+    assert np.abs(np.diff(lengths)).max() < 4 * 2.5e-3  # no jump by a cell
+    assert (stick_lengths(np.array([[0.0, 0.0], [1.0, 1.0]]), np.ones((2, 2))) == [0.0, 2.0]).all()
+
+
+def test_stick_area_of_separate_zones() -> None:
+    bounds = np.arange(12.0)
+    ellipse = np.sqrt(np.diff(bounds[:6] ** 2 / 2 * 5 - bounds[:6] ** 3 / 3))
+    one = stick_area(ellipse, bounds[:6])
+    assert one == pytest.approx(patch_area(ellipse, bounds[:6]))
+    assert stick_area(np.concatenate([ellipse, [0.0], ellipse]), bounds) == pytest.approx(2 * one)
+    assert stick_area(np.zeros(4), bounds[:5]) == 0.0
+
+
+@pytest.mark.parametrize("creepage", [(1e-3, 0.0, 0.0), (3e-4, 5e-4, 0.0), (0.0, 2e-4, 0.6)])
+def test_stick_area_hardly_depends_on_cells(creepage: tuple[float, float, float]) -> None:
+    depth = loaded(pair())[0]
+    fractions = [
+        patch.stick_area / patch.area
+        for fineness in (LatticeResolution(), LatticeResolution(28, 24))
+        for patch in pair(0.3, resolution=fineness)(hertz_pose(depth), flowing(*creepage), None).patches
+    ]
+    assert 0.1 < fractions[1] < 0.9
+    assert fractions[0] == pytest.approx(fractions[1], abs=0.01)
 
 
 @pytest.mark.parametrize("ratio", [0.4, 1.0, 3.0])

@@ -146,7 +146,7 @@ class LatticeTables:
             feet: (K,) m, arc length of the strips' middles on the lower body; None where it does not matter.
             reach: m, longest distance along x.
 
-        Raises OutsideSurface beyond the lines of the lower body.
+        Raises OutsideSurface beyond the lines of the lower body, see `on_lines`.
         """
         place = np.zeros(len(self.middle), dtype=int)
         if feet is None:
@@ -163,6 +163,19 @@ class LatticeTables:
             return np.isfinite(feet)
         bounds = lower.body.bounds
         return np.asarray((feet - 0.5 * self.width >= bounds[0]) & (feet + 0.5 * self.width <= bounds[-1]))
+
+    def on_lines(self, feet: Array) -> Array:
+        """Arc lengths (K,) m of the strips' middles on the lower body, those beyond its lines moved to the last ones.
+
+        There a deviation from a half-space is a guess, which serves to find that a strip remains without load.
+        """
+        bounds, half = self.operators.lower.bounds, 0.5 * self.width
+        return np.asarray(np.clip(feet, bounds[0] + half, bounds[-1] - half))
+
+    def check_on_lines(self, strips: Nodes, feet: Array) -> None:
+        """Raise OutsideSurface for strips (S,) beyond the lines of the lower body; feet (K,) m as for `of`."""
+        half = 0.5 * self.width[strips]
+        self.operators.lower.window(float((feet[strips] - half).min()), float((feet[strips] + half).max()))
 
     def deviation_of(self, which: int, strips: Nodes, feet: Array | None, reach: float) -> PairTables | None:
         """Tables of the deviation from a half-space of the upper (0) or lower (1) body alone, as `of`; None for a

@@ -38,6 +38,16 @@ class CellFriction:
         """The residual F (2, n) Pa for compiled code."""
         return ResidualCode.of(self.functions, self.regularisation)
 
+    def margins(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
+        """Margins (S, M) Pa from the tractions to their bounds where cells stick, b rho + eps > |y|; zero under slip.
+
+        Parameters as for `slopes`.
+        """
+        q, s, p, r = _by_point(tractions, slip, pressure, rho)
+        bound = self.functions.coefficient(np.hypot(*s) * speed, p) * p
+        sticks = np.hypot(*(r * q - s)) < r * bound + self.regularisation
+        return np.where(sticks, np.maximum(bound - np.hypot(*q), 0.0), 0.0).reshape(pressure.shape)
+
     def slopes(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
         """Slopes (S, M, 12) of F by traction (4), slip (4), pressure (2), speed (2).
 

@@ -203,12 +203,17 @@ class LatticeProblem:
 
     @cached_property
     def _means(self) -> PoseMeans:
-        feet = self.lines.foot if self.tables.moves else None
+        feet = self.tables.on_lines(self.lines.foot) if self.tables.moves else None
         return self.tables.at(np.flatnonzero(self.near), feet, self.reach)
 
     def pairs(self, strips: Nodes) -> PairTables:
         """Tables of the pairs of some strips (S,). Raises OutsideSurface."""
         return self.tables.of(strips, self._means)
+
+    def check_loaded(self, strips: Nodes) -> None:
+        """Raise OutsideSurface where loaded strips (S,) lie beyond the lower body's lines, as unloaded ones may."""
+        if self.tables.moves:
+            self.tables.check_on_lines(strips, self.lines.foot)
 
     def of(self, strips: Nodes) -> EquationData:
         """Data of the equations of some strips (S,), stored. Raises OutsideSurface."""
