@@ -62,7 +62,7 @@ def stiffness(dynamics: VehicleDynamics) -> float:
     """Vertical stiffness N/m of one wheel on straight track, as the motions of axle and rails follow the loads."""
     rest = equilibrium(dynamics)
     states = dynamics.wheelset_states(0.0, rest.state)
-    (tangents,) = VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts)[..., :-1]
+    (tangents,) = VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts).values[..., :-1]
     by_z, by_motions = tangents[0, 2, 1], tangents[0, 2, 9:]
     if dynamics.structure is None:
         return -float(by_z)

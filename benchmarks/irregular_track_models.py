@@ -79,7 +79,7 @@ def contact_stiffness() -> float:
     dynamics = replace(cases()["pads"], track=Track())
     rest = equilibrium(dynamics)
     states = dynamics.wheelset_states(0.0, rest.state)
-    return -float(VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts)[0, 0, 2, 1])
+    return -float(VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts).values[0, 0, 2, 1])
 
 
 def exact_force(speed: float) -> Array:

@@ -131,7 +131,7 @@ def test_bounce_is_that_on_the_receptance_of_the_track() -> None:
     tangents = VehicleJacobian(straight, StepStatistics()).tangents(
         straight.wheelset_states(0.0, at.state), at.contacts
     )
-    stiffness = -tangents[0, 0, 2, 1]
+    stiffness = -tangents.values[0, 0, 2, 1]
     omega = -1j * bounce.eigenvalue
     compliance = track().receptance(omega / (2 * np.pi))[1, 1] + 1 / stiffness
     mass = 0.5 * Wagon().wheelset.mass

@@ -12,10 +12,10 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
 from wheelrail.vehicle.integration.problem import E, Linearise, RightHandSide, StepFailure, StepMethod
-from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, RosenbrockCoefficients, RosenbrockW
+from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, RosenbrockPair, RosenbrockW
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
-METHODS: dict[str, Tableau | RosenbrockCoefficients] = {**EXPLICIT, ROS34PW2.name: ROS34PW2}
+METHODS: dict[str, Tableau | RosenbrockPair] = {**EXPLICIT, ROSENBROCK.name: ROSENBROCK}
 
 
 class StepTooSmall(RuntimeError):
@@ -79,7 +79,7 @@ class StepSettings:
             raise ValueError("steps: must satisfy rtol >= 0, atol > 0 and 0 < min_step <= max_step")
 
     @property
-    def tableau(self) -> Tableau | RosenbrockCoefficients:
+    def tableau(self) -> Tableau | RosenbrockPair:
         return METHODS[self.method]
 
     def scale(self, magnitude: Array) -> Array:
@@ -166,7 +166,7 @@ def integrate(
 
 def _method(
     rhs: RightHandSide[E],
-    tableau: Tableau | RosenbrockCoefficients,
+    tableau: Tableau | RosenbrockPair,
     jacobian: Linearise[E] | None,
     counts: StepStatistics,
 ) -> StepMethod[E]:

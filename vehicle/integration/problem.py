@@ -20,13 +20,16 @@ class HasRate(Protocol):
 
 
 class HasDerivatives(Protocol):
-    """Derivatives of the rate with respect to the state (n, n) and time (n,); approximations are allowed."""
+    """Derivatives of the rate with respect to the state (n, n) and time (n,), exact or approximate."""
 
     @property
     def by_state(self) -> Array: ...
 
     @property
     def by_time(self) -> Array: ...
+
+    @property
+    def exact(self) -> bool: ...
 
 
 E = TypeVar("E", bound=HasRate)

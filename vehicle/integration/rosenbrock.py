@@ -1,10 +1,11 @@
-"""Linearly implicit Runge-Kutta (Rosenbrock-W) methods: one factorisation a step, no iteration, any Jacobian."""
+"""Linearly implicit Runge-Kutta (Rosenbrock) methods: one factorisation a step, no iteration."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Generic
 
 import numpy as np
@@ -57,6 +58,11 @@ class RosenbrockCoefficients:
         return np.asarray(self.full_alpha.sum(axis=1))
 
     @cached_property
+    def repeats(self) -> tuple[bool, ...]:
+        """Whether a stage has the state of the one before it, and needs no evaluation of its own."""
+        return (False, *(after == (*before, 0.0) for before, after in pairwise([(), *self.alpha])))
+
+    @cached_property
     def full_alpha(self) -> Array:
         """(s, s), strictly lower triangular."""
         return _square(self.alpha)
@@ -95,10 +101,29 @@ def _square(rows: Rows) -> Array:
     return full
 
 
+# J. Lang, D. Teleaga, IEEE Transactions on Magnetics 44 (2008) 1238-1241, DOI 10.1109/TMAG.2007.914837: order 3 for
+# stiff problems with the exact Jacobian, stiffly accurate, one evaluation fewer. The companion is another one: of order
+# 2 for stiff problems as well, so that errors are not overestimated there, and with half the diagonal as last weight.
+ROS3PL = RosenbrockCoefficients(
+    name="ROS3PL",
+    order=3,
+    error_order=2,
+    diagonal=0.43586652150845899942,
+    alpha=((0.5,), (0.5, 0.5), (0.5, 0.5, 0.0)),
+    gamma=(
+        (-0.5,),
+        (-0.79156480420464204, 0.35244216792751432),
+        (-0.49788969914518677, 0.38607515441580453, -0.32405197677907682),
+    ),
+    weights=(0.0021103008548132300, 0.88607515441580453, -0.32405197677907682, 0.43586652150845900),
+    companion=(-0.31097505409134775, 1.1978953206508080, -0.10485352731368979, 0.21793326075422950),
+)
+
+
 # J. Rang, L. Angermann, BIT Numerical Mathematics 45 (2005) 761-787, DOI 10.1007/s10543-005-0035-y: order 3 with any
-# approximation of the Jacobian, stiffly accurate.
+# approximation of the Jacobian, stiffly accurate. With the exact one both methods agree on linear problems.
 ROS34PW2 = RosenbrockCoefficients(
-    name="rosenbrock",
+    name="ROS34PW2",
     order=3,
     error_order=2,
     diagonal=0.43586652150845899942,
@@ -113,6 +138,35 @@ ROS34PW2 = RosenbrockCoefficients(
 )
 
 
+@dataclass(frozen=True)
+class RosenbrockPair:
+    """Two methods of equal orders: one for exact Jacobians, and one for approximate ones.
+
+    Parameters:
+        name: of the pair.
+        exact, approximate: coefficients.
+
+    Raises ValueError for different orders.
+    """
+
+    name: str
+    exact: RosenbrockCoefficients
+    approximate: RosenbrockCoefficients
+
+    def __post_init__(self) -> None:
+        orders = {(m.order, m.error_order) for m in (self.exact, self.approximate)}
+        if len(orders) > 1:
+            raise ValueError(f"{self.name}: both methods must have the same orders")
+
+    @property
+    def error_order(self) -> int:
+        """Order of the embedded companions."""
+        return self.exact.error_order
+
+
+ROSENBROCK = RosenbrockPair("rosenbrock", ROS3PL, ROS34PW2)
+
+
 @dataclass
 class RosenbrockW(Generic[E]):
     """`StepMethod` with s solves of one factorised matrix 1/(h g) - A in the unknowns u = h gamma k (Hairer and Wanner,
@@ -120,7 +174,7 @@ class RosenbrockW(Generic[E]):
 
     Parameters:
         rhs: right-hand side.
-        tableau: coefficients.
+        methods: coefficients; those of a step are chosen by its Jacobian.
         counts: statistics to which evaluations and factorisations are added.
         jacobian: linearisation of the right-hand side.
 
@@ -128,21 +182,22 @@ class RosenbrockW(Generic[E]):
     """
 
     rhs: RightHandSide[E]
-    tableau: RosenbrockCoefficients
+    methods: RosenbrockPair
     counts: StepStatistics
     jacobian: Linearise[E] | None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         if self.jacobian is None:
-            raise ValueError(f"{self.tableau.name}: jacobian must be given for a linearly implicit method")
+            raise ValueError(f"{self.methods.name}: jacobian must be given for a linearly implicit method")
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
-        method, evaluation, unknowns = self.tableau, start, np.zeros((self.tableau.stages, len(x)))
         linear = self._linear(t, x, start)
-        solve = self._factorised(linear.by_state, h)
+        method = self.methods.exact if linear.exact else self.methods.approximate
+        evaluation, unknowns = start, np.zeros((method.stages, len(x)))
+        solve = self._factorised(linear.by_state, h * method.diagonal)
         for i in range(method.stages):
-            if i > 0:
+            if i > 0 and not method.repeats[i]:
                 self.counts.evaluations += 1
                 evaluation = self.rhs(t + method.nodes[i] * h, x + method.shifts[i, :i] @ unknowns[:i], evaluation)
             coupling = (method.inverse[i, :i] / h) @ unknowns[:i]
@@ -161,9 +216,9 @@ class RosenbrockW(Generic[E]):
             self.linear = (start, self.jacobian(t, x, start))
         return self.linear[1]
 
-    def _factorised(self, by_state: Array, h: float) -> Callable[[Array], Array]:
+    def _factorised(self, by_state: Array, shift: float) -> Callable[[Array], Array]:
         from scipy.linalg import lu_factor, lu_solve
 
         self.counts.factorisations += 1
-        factors: Any = lu_factor(np.eye(len(by_state)) / (h * self.tableau.diagonal) - by_state, check_finite=False)
+        factors: Any = lu_factor(np.eye(len(by_state)) / shift - by_state, check_finite=False)
         return lambda right: np.asarray(lu_solve(factors, right, check_finite=False))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,10 +41,19 @@ class VehicleLinearisation:
     Parameters:
         by_state: (n, n).
         by_time: (n,) at constant contact forces, but for the motion of irregular rails.
+        exact: whether those of the contact forces are tangents of this state.
     """
 
     by_state: Array
     by_time: Array
+    exact: bool = True
+
+
+class ContactTangents(NamedTuple):
+    """Derivatives (w, 2, 6, 10 + k) of force and moment of each wheel; whether they are the contact model's own."""
+
+    values: Array
+    exact: bool
 
 
 @dataclass
@@ -82,16 +92,16 @@ class VehicleJacobian:
         d, c, m = self.dynamics, self.dynamics.coordinates.count, self.dynamics.coordinates.size
         travel, (_, _, jerk) = d.speed_profile(time), d.speed_profile.speeds(time)
         bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
-        result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size))
-        result.by_state[:c, c : 2 * c] = np.eye(c)
-        result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
         states = d.wheelset_states(time, state)
         tangents, rails = self.tangents(states, at.contacts), self._rail_rates(time, state, states)
-        for i, tangent in enumerate(tangents):
+        result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size), tangents.exact)
+        result.by_state[:c, c : 2 * c] = np.eye(c)
+        result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
+        for i, tangent in enumerate(tangents.values):
             own = d.coordinates.of_body(int(d.coordinates.wheelset_bodies[i]))
             self._add(result, i, c + own, bodies.by_wrench[:, own].T @ tangent, rails)
         if d.structure is not None:
-            self._add_structures(result, travel, state, states, at.contacts, tangents, rails)
+            self._add_structures(result, travel, state, states, at.contacts, tangents.values, rails)
         return result
 
     def _rail_rates(self, time: float, state: Array, states: Mapping[str, WheelsetState]) -> Array | None:
@@ -155,15 +165,16 @@ class VehicleJacobian:
         free = [k for k, index in enumerate(indices) if index is not None]
         return [index for index in indices if index is not None], free
 
-    def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
-        """Derivatives (w, 2, 6, 10 + k) of force and moment of each wheel by the wheelset's coordinates, the motions of
-        its hubs and rails if these move, and the speed.
+    def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> ContactTangents:
+        """Derivatives of force and moment of each wheel by the wheelset's coordinates, the motions of its hubs and
+        rails if these move, and the speed.
 
         With friction that does not depend on speed, forces depend on the ratio of all rates, that of the track frame
         included, to the speed V: dF/dV = -sum(rate dF/drate) / V. Raises StepFailure where hubs and rails move and the
         contact has no tangent.
         """
         tangents = self._analytical_tangents(states, contacts)
+        exact = tangents is not None
         if tangents is None and self.dynamics.structure is not None:
             raise StepFailure("the contact has no tangent, which elastic axles and rails on pads need")
         if tangents is None:
@@ -173,7 +184,7 @@ class VehicleJacobian:
         speeds = np.array([s.speed for s in states.values()])
         by_rates = tangents[..., FIRST_RATE : FIRST_RATE + len(names)]
         by_speed = -np.einsum("wsij,wj->wsi", by_rates, rates / speeds[:, None])
-        return np.concatenate([tangents, by_speed[..., None]], axis=-1)
+        return ContactTangents(np.concatenate([tangents, by_speed[..., None]], axis=-1), exact)
 
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
         """Tangents (w, 2, 6, 9 + k) of the contact model; None if it has none. Raises StepFailure when one fails."""

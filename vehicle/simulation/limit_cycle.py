@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
-from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
+from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK
 from wheelrail.vehicle.multibody.coordinates import Coordinates, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.simulation.history import History
@@ -154,7 +154,7 @@ def limit_cycle(dynamics: VehicleDynamics, initial: Array, search: CycleSearch |
     """
     search = search or CycleSearch()
     state, before, duration = initial, np.inf, 0.0
-    steps = StepSettings(ROS34PW2.name, search.rtol, search.atol)
+    steps = StepSettings(ROSENBROCK.name, search.rtol, search.atol)
     while True:
         span = (0.0, search.window)
         history = simulate(dynamics, span, initial=state, steps=steps)

@@ -8,13 +8,13 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
-from wheelrail.vehicle.integration.rosenbrock import ROS34PW2, RosenbrockCoefficients
+from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, RosenbrockPair
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import LIMITS, Limits
 from wheelrail.vehicle.simulation.time_run import Progress, Recording, TimeRun
 
-IMPLICIT = StepSettings(ROS34PW2.name, 3e-3, 3e-5)
+IMPLICIT = StepSettings(ROSENBROCK.name, 3e-3, 3e-5)
 
 
 def simulate(
@@ -64,7 +64,7 @@ def step_settings(dynamics: VehicleDynamics, steps: StepSettings) -> StepSetting
             methods, limited by stability, use it for rates, too; for implicit ones see `VehicleDynamics.tolerances`.
     """
     atol = steps.atol
-    if isinstance(atol, float | int) and isinstance(steps.tableau, RosenbrockCoefficients):
+    if isinstance(atol, float | int) and isinstance(steps.tableau, RosenbrockPair):
         atol = dynamics.tolerances(atol)
     return replace(steps, atol=atol, max_step=min(steps.max_step, longest_step(dynamics)))
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
-from wheelrail.vehicle.integration.rosenbrock import ROS34PW2
+from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
@@ -40,7 +40,7 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
         for function in (line.curvature, line.superelevation, line.gradient)
     )
     transient = replace(dynamics, track=Track(curvature, superelevation, gradient, line.base), speed=speed)
-    state, settings = start, StepSettings(ROS34PW2.name, TOLERANCE, transient.tolerances(1e-3 * TOLERANCE))
+    state, settings = start, StepSettings(ROSENBROCK.name, TOLERANCE, transient.tolerances(1e-3 * TOLERANCE))
     jacobian = VehicleJacobian(transient, StepStatistics())
     for step in integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian):
         state = step.x
