@@ -82,6 +82,7 @@ def replaced(old: str, new: str) -> Callable[[str], str]:
             lambda text: text.replace("9.5, -1.0, 0.8275", "9.5, 1.0, 0.8275"),
             "bodies.car_body: must be carried by vert",
         ),
+        (replaced("x = 0.0\n", 'x = 0.0\nheld = ["y", "sway"]\n'), "bodies.car_body.held"),
         (lambda text: "[bodies]", "elements: missing"),
     ],
 )
@@ -109,6 +110,20 @@ def test_commands() -> None:
     assert "no linear critical speed from 40 m/s to 45 m/s" in wheelrail("critical", "--from", "40", "--to", "45")
     assert "54.55  54.55" in wheelrail("equilibrium", "--speed", "30")
     assert "Linear modes on straight track at 30 m/s" in wheelrail("modes", "--speed", "30")
+
+
+def test_commands_on_cooperriders_bogie(tmp_path: Path) -> None:
+    scene, vehicle = SCENE.with_name("cooperrider.toml"), SCENE.with_name("cooperrider_bogie.toml")
+
+    def stdout(command: str, *options: str) -> str:
+        outcome = CliRunner().invoke(app, [command, str(scene), "--vehicle", str(vehicle), *options])
+        assert outcome.exit_code == 0, outcome.stderr
+        return outcome.stdout
+
+    assert "66.60  66.60  66.60  66.60" in stdout("equilibrium")
+    assert "linear critical speed: 28.44 m/s" in stdout("critical", "--from", "20", "--to", "40")
+    assert "wheelset_2" in stdout("curving")
+    assert "completed at 300.0 m" in stdout("run", "--out", str(tmp_path))
 
 
 def test_invalid_arguments_of_commands(tmp_path: Path) -> None:
