@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,11 @@ class WheelsetContact(VehicleContact):
     def of(self, side: Side) -> WheelsetContact:
         """Contact whose model and mounting are those of a side."""
         return self.right if side == "right" and self.right is not None else self
+
+    def changed(self, change: Callable[[ContactModel], ContactModel]) -> WheelsetContact:
+        """The contact with the models of both sides changed by a function."""
+        right = None if self.right is None else self.right.changed(change)
+        return replace(self, model=change(self.model), right=right)
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         own, left_state = self.of(side), state if side == "left" else state.mirrored()

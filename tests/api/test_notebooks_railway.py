@@ -48,10 +48,13 @@ def test_hunting() -> None:
         CELLS=6,
         BODIES="half-space",
         DURATION=0.1,
+        PLACES=2,
     )
     growth = names["growth"]
     assert growth.loc[62.0, "standard"] < 0.0 < growth.loc[66.0, "standard"]
     assert (growth["elastic"] < 0.0).all()
+    assert names["critical"].loc["standard", "mean"] == pytest.approx(63.72, abs=0.02)
+    assert len(names["by_place"]["elastic"]) == 2
     moves = {name: np.diff(places) for name, places in names["centres"].items()}  # mm for 0.1 mm
     assert moves["standard"][0] < -0.1 < 0.1 < moves["standard"][1]
     assert (moves["elastic"] < -0.4).all()

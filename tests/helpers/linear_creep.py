@@ -36,6 +36,10 @@ class LinearCreep(VehicleContact):
         wheel = np.array([0.0, state.y_rate, state.z_rate]) + np.cross(rotation, arm)
         rail = -np.array([state.speed, 0.0, 0.0]) - np.cross(state.frame_rate, centre + arm)
         creepage = (wheel - rail) / state.speed
-        lateral = -self.lateral_creep * creepage[1] - self.lateral * state.y
-        force = np.array([-self.longitudinal_creep * creepage[0], lateral, load])
+        along, across = self.creep_force(float(creepage[0]), float(creepage[1]))
+        force = np.array([along, across - self.lateral * state.y, load])
         return ContactResult(force, np.cross(arm, force), status="converged")
+
+    def creep_force(self, along: float, across: float) -> tuple[float, float]:
+        """Longitudinal and lateral creep force N by the creepages."""
+        return -self.longitudinal_creep * along, -self.lateral_creep * across

@@ -122,7 +122,7 @@ def test_examples_are_printed_unchanged() -> None:
 def test_unknown_example_is_an_error() -> None:
     outcome = CliRunner().invoke(app, ["example", "herz"])
     assert outcome.exit_code == 2
-    assert outcome.stderr.startswith("NAME = 'herz': must be one of curve, full_curve, hertz, ")
+    assert outcome.stderr.startswith("NAME = 'herz': must be one of cooperrider, cooperrider_bogie, curve, ")
 
 
 def requirement(text: str) -> tuple[str, str]:

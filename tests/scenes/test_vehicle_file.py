@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from wheelrail.cli.main import app
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
+from wheelrail.scenes.runs.vehicle_steady import critical_speed_lines
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.multibody.vehicle import SuspensionElement
+from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
+from wheelrail.vehicle.steady.modes import Mode
 from wheelrail.vehicle.wagon.wagon import BOGIE, BUMPSTOP, CAR_BODY, PRIMARY, SECONDARY, WHEELSET
 
 SCENE = Path(__file__).parents[2] / "scenes" / "vehicle.toml"
@@ -82,6 +86,7 @@ def replaced(old: str, new: str) -> Callable[[str], str]:
             lambda text: text.replace("9.5, -1.0, 0.8275", "9.5, 1.0, 0.8275"),
             "bodies.car_body: must be carried by vert",
         ),
+        (replaced("x = 0.0\n", 'x = 0.0\nheld = ["y", "sway"]\n'), "bodies.car_body.held"),
         (lambda text: "[bodies]", "elements: missing"),
     ],
 )
@@ -109,6 +114,42 @@ def test_commands() -> None:
     assert "no linear critical speed from 40 m/s to 45 m/s" in wheelrail("critical", "--from", "40", "--to", "45")
     assert "54.55  54.55" in wheelrail("equilibrium", "--speed", "30")
     assert "Linear modes on straight track at 30 m/s" in wheelrail("modes", "--speed", "30")
+
+
+def test_critical_speed_on_strips_is_a_mean_over_their_places(tmp_path: Path) -> None:
+    """Two places of few strips on half-spaces, and text for given values."""
+    scene = tmp_path / "strips.toml"
+    few = {"strips = 8 ": 'bodies = "half-space"\nstrips = 6 ', "cells = 10 ": "cells = 6 "}
+    text = SCENE.with_name("vehicle_elastic.toml").read_text(encoding="utf-8")
+    for old, new in few.items():
+        assert old in text
+        text = text.replace(old, new)
+    scene.write_text(text, encoding="utf-8")
+    options = ["--vehicle", str(MANCHESTER), "--from", "60", "--to", "110", "--places", "2"]
+    outcome = CliRunner().invoke(app, ["critical", str(scene), *options])
+    assert outcome.exit_code == 0, outcome.stderr
+    assert "mean of 2 places of the strips" in outcome.stdout
+    mode = Mode(complex(0.0, 35.0), np.ones(1, dtype=complex), np.ones(1), ("wheelset_y",))
+    found = [CriticalSpeed(speed, mode) for speed in (81.0, 82.0, 84.0)]
+    first, *_ = critical_speed_lines(found, (60.0, 110.0))
+    assert first == (
+        "linear critical speed: 82.33 ± 0.88 m/s (296.4 km/h), mean of 3 places of the strips (81.00 to 84.00 m/s)"
+    )
+    assert "at 1 of 4 places of the strips" in critical_speed_lines([*found, None], (60.0, 110.0))[0]
+
+
+def test_commands_on_cooperriders_bogie(tmp_path: Path) -> None:
+    scene, vehicle = SCENE.with_name("cooperrider.toml"), SCENE.with_name("cooperrider_bogie.toml")
+
+    def stdout(command: str, *options: str) -> str:
+        outcome = CliRunner().invoke(app, [command, str(scene), "--vehicle", str(vehicle), *options])
+        assert outcome.exit_code == 0, outcome.stderr
+        return outcome.stdout
+
+    assert "66.60  66.60  66.60  66.60" in stdout("equilibrium")
+    assert "linear critical speed: 28.44 m/s" in stdout("critical", "--from", "20", "--to", "40")
+    assert "wheelset_2" in stdout("curving")
+    assert "completed at 300.0 m" in stdout("run", "--out", str(tmp_path))
 
 
 def test_invalid_arguments_of_commands(tmp_path: Path) -> None:

@@ -178,7 +178,8 @@ def test_hunting_command(tmp_path: Path) -> None:
 def test_table_and_picture_state_the_bracket_of_the_fold() -> None:
     """Motions in the order of a bisection; the bracket is that of the two nearest ones."""
     known = {70.0: "limit cycle", 60.0: "dies out", 65.0: "limit cycle", 62.5: "dies out", 63.75: "not settled"}
-    cycles = [LimitCycle(v, s, np.ones(1), 6.0, np.ones(1), 1.0, 1.0, np.zeros(0)) for v, s in known.items()]
+    one = np.ones(1)
+    cycles = [LimitCycle(v, v - 64.0, s, one, 6.0, one, 1.0, 1.0, np.zeros(0)) for v, s in known.items()]
     assert fold_line(cycles).endswith("between 62.5 m/s (dies out) and 65 m/s (limit cycle)")
     assert [*hunting_table(cycles, ["wheelset"]).columns[0].cells] == ["70", "65", "63.75", "62.5", "60"]
     (axes,) = _bifurcation(cycles, ["wheelset"]).axes

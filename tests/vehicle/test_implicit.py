@@ -128,6 +128,28 @@ def test_third_order_whatever_the_jacobian(share: float, exact: bool) -> None:
     assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(3.0, abs=0.25)
 
 
+def test_the_method_damps_an_oscillation_as_it_says() -> None:
+    """x'' = -w^2 x in fixed steps: the decay of energy, and the step at which it is 0.01 1/s."""
+    w = 39.4
+    matrix = np.array([[0.0, w], [-w, 0.0]])
+    longest = ROS34PW2.longest_step(w, 0.01)
+    assert ROS34PW2.damping(w, longest) == pytest.approx(0.01, rel=1e-6)
+    assert ROS34PW2.longest_step(w, 1e3) == pytest.approx(np.pi / w)
+    for h in (0.02, longest):
+        fixed = StepSettings("rosenbrock", atol=1e9, max_step=h, min_step=h / 2)
+        *_, last = integrate(
+            lambda t, x, previous: Rate(matrix @ x),
+            0.0,
+            np.array([1.0, 0.0]),
+            50 * h,
+            fixed,
+            jacobian=lambda t, x, at: VehicleLinearisation(matrix, np.zeros(2)),
+            first=FirstStep(length=h),
+        )
+        decay = -np.log(np.hypot(*last.x)) / (50 * h)
+        assert decay == pytest.approx(ROS34PW2.damping(w, h), rel=1e-6)
+
+
 def test_stiffness_does_not_bound_the_step() -> None:
     """x' = -s (x - cos t) - sin t: as many steps at s = 1e3 as at 1e8, and the solution is cos t."""
     taken = []

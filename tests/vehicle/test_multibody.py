@@ -251,6 +251,27 @@ def test_a_cubic_spring_limits_hunting_to_the_amplitude_of_its_describing_functi
         next(limit_cycles(dynamics, speeds, {"bogie": 0.1}))
 
 
+def test_cycles_that_grow_from_zero_vanish_at_the_linear_critical_speed() -> None:
+    """A stiffening spring: amplitudes grow with the root of the speed above it, from a motion below `smallest`; all of
+    them are below atol.
+    """
+    vehicle = suspended()
+    critical = critical_speed(suspended_dynamics(10.0), (20.0, 150.0), interval=40.0)
+    assert critical is not None
+    contact = CubicSpring(load=vehicle.mean_wheel_load, lateral=0.0, cubic=5e11)
+    dynamics = VehicleDynamics(vehicle, Track(), contact, 10.0)
+    search = CycleSearch(window=0.25, smallest=1e-4, rtol=1e-3, atol=1e-2)
+    speeds = (1.06 * critical.speed, 0.97 * critical.speed)
+    cycles = list(limit_cycles(dynamics, speeds, {"wheelset": 3e-3}, search))
+    assert [cycle.status for cycle in cycles] == ["limit cycle", "dies out"]
+    cycles += bisected_fold(dynamics, cycles, 0.015 * critical.speed, search)
+    bracket = fold_bracket(cycles)
+    assert bracket is not None
+    assert bracket[1].speed < critical.speed < bracket[0].speed
+    assert bracket[1].growth < 0.0 < bracket[0].growth
+    assert bracket[0].speed - bracket[1].speed < 0.02 * critical.speed
+
+
 def test_frequency_of_a_sampled_sine() -> None:
     time = np.arange(0.0, 1.0, 1e-3)
     assert frequency_of(time, 3.0 + np.sin(2 * np.pi * 6.2 * time + 1.0)) == pytest.approx(6.2, abs=1e-3)

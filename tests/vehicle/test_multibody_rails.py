@@ -25,10 +25,12 @@ from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
 from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.limit_cycle import CycleSearch
 from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate
-from wheelrail.vehicle.steady.critical_speed import critical_speed
+from wheelrail.vehicle.steady.critical_speed import critical_speed, least_damped
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
+from wheelrail.vehicle.steady.modes import modes
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -129,6 +131,22 @@ def test_hunting_above_the_critical_speed_is_a_small_steady_cycle() -> None:
         assert 0.95 * low < amplitude < 1.05 * high
     lateral = np.abs(run.force[late, :, :, 1].sum(axis=2)).max()
     assert 1e-3 * lateral == pytest.approx(1.4, abs=0.1)
+
+
+def test_a_small_motion_grows_as_its_mode_in_the_steps_of_a_search() -> None:
+    """20 µm, twice the absolute tolerance, 1.3 m/s above the linear critical speed: the mode grows by 0.34 1/s."""
+    model = dynamics(65.0)
+    coordinates, at = model.coordinates, equilibrium(model)
+    mode = least_damped(modes(model, at))
+    places = [coordinates.index(f"wheelset_{i}", Y) for i in (1, 2, 3, 4)]
+    shape = 20e-6 * mode.shape / np.abs(mode.shape[places]).max()
+    initial, count = at.state.copy(), coordinates.count
+    initial[:count] += shape.real
+    initial[count : 2 * count] += (mode.eigenvalue * shape).real
+    run = simulate(model, (0.0, 1.0), initial=initial, steps=CycleSearch().steps(mode))
+    lateral = np.array([[run.state[i, places], run.state[i, count + np.array(places)]] for i in (0, -1)])
+    size = [np.hypot(y, rate / mode.eigenvalue.imag).max() for y, rate in lateral]
+    assert np.log(size[1] / size[0]) == pytest.approx(mode.eigenvalue.real, abs=0.04)
 
 
 def test_elastic_contact_in_two_processes_has_the_same_bits() -> None:

@@ -93,6 +93,31 @@ class RosenbrockCoefficients:
         b, companion = np.array(self.weights), np.array(self.companion)
         return np.asarray(np.stack([b, b - companion]) @ self.inverse)
 
+    def damping(self, frequency: float, step: float) -> float:
+        """Damping 1/s that the method adds to an undamped oscillation, with the exact Jacobian.
+
+        Parameters:
+            frequency: angular, 1/s.
+            step: s.
+        """
+        z, ones = 1j * frequency * step, np.ones(self.stages)
+        stages = np.linalg.solve(np.eye(self.stages) - z * (self.full_alpha + self.full_gamma), ones)
+        return float(-np.log(abs(1.0 + z * np.dot(self.weights, stages))) / step)
+
+    def longest_step(self, frequency: float, damping: float) -> float:
+        """Longest step s, up to half a period, that adds at most some damping to an oscillation.
+
+        Parameters:
+            frequency: angular, 1/s.
+            damping: 1/s.
+        """
+        from scipy.optimize import brentq
+
+        half = np.pi / frequency
+        if self.damping(frequency, half) <= damping:
+            return half
+        return float(brentq(lambda h: self.damping(frequency, h) - damping, 1e-3 * half, half))
+
 
 def _square(rows: Rows) -> Array:
     full = np.zeros((len(rows) + 1, len(rows) + 1))

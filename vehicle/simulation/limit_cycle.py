@@ -14,7 +14,9 @@ from wheelrail.vehicle.multibody.coordinates import Coordinates, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.critical_speed import least_damped
 from wheelrail.vehicle.steady.equilibrium import equilibrium
+from wheelrail.vehicle.steady.modes import Mode, modes
 
 SAMPLE = 1e-3  # s, of the interpolated displacements: 150 samples a period at 6 Hz
 
@@ -26,10 +28,11 @@ class CycleSearch:
     Parameters:
         window: s, over which an amplitude is the largest displacement; several periods.
         tolerance: of the amplitudes of two windows one after another, relative.
-        smallest: m, amplitude below which the motion has died out.
+        smallest: m, amplitude below which the linear modes decide: the motion dies out where they decay; where one
+            grows, a motion that decreases has a cycle of at most this amplitude.
         longest: s, after which the search ends.
-        rtol, atol: tolerances of the steps, see `simulate`. Larger ones damp small cycles: with 3e-3 and 3e-5
-            those of the Manchester vehicle vanish 2 m/s above the speed of these and of half of them.
+        rtol, atol: tolerances of the steps, see `simulate`. Steps are also short enough that the method's own damping
+            of the least damped mode does not exceed half of what `tolerance` can tell.
     """
 
     window: float = 1.0
@@ -39,6 +42,16 @@ class CycleSearch:
     rtol: float = 1e-3
     atol: float = 1e-5
 
+    def steps(self, mode: Mode) -> StepSettings:
+        """Settings of the steps of a motion near a mode.
+
+        The error of a step does not limit a motion below atol, whose steps grow until the method damps it: by 0.3 1/s
+        at eight steps a period.
+        """
+        damping = 0.5 * self.tolerance / self.window
+        longest = ROSENBROCK.exact.longest_step(mode.eigenvalue.imag, damping)
+        return StepSettings(ROSENBROCK.name, self.rtol, self.atol, max_step=longest)
+
 
 @dataclass(frozen=True)
 class LimitCycle:
@@ -46,6 +59,7 @@ class LimitCycle:
 
     Parameters:
         speed: m/s.
+        growth: 1/s of a small motion: the real part of the least damped mode of lateral motion and yaw.
         status: "limit cycle", "dies out", "not settled", or "failed: ..." with the reason.
         amplitude: (w,) m, half the difference of the extreme lateral displacements.
         frequency: Hz, of the wheelset with the largest amplitude; NaN if it died out.
@@ -56,6 +70,7 @@ class LimitCycle:
     """
 
     speed: float
+    growth: float
     status: str
     amplitude: Array
     frequency: float
@@ -73,12 +88,14 @@ def kicked(coordinates: Coordinates, state: Array, velocities: Mapping[str, floa
         state: (2 c + m,).
         velocities: m/s to the left, by body.
 
-    Raises ValueError for an unknown body.
+    Raises ValueError for an unknown body, and for one that is held laterally.
     """
     result = state.copy()
     for body, velocity in velocities.items():
         if body not in coordinates.vehicle.names:
             raise ValueError(f'no body "{body}"; must be one of {", ".join(coordinates.vehicle.names)}')
+        if "y" in coordinates.vehicle.bodies[body].held:
+            raise ValueError(f"{body}: held laterally; its velocity must not be given")
         result[coordinates.count + coordinates.index(body, Y)] += velocity
     return result
 
@@ -94,7 +111,7 @@ def limit_cycles(
         kick: lateral velocities m/s to the left, by body, added to the equilibrium at the first speed.
         search: when a motion counts as a limit cycle.
 
-    A motion that fails is the last one. Raises EquilibriumError, ValueError for an unknown body.
+    A motion that fails is the last one. Raises EquilibriumError, ValueError for an unknown body or one that is held.
     """
     state: Array | None = None
     for speed in speeds:
@@ -151,33 +168,44 @@ def limit_cycle(dynamics: VehicleDynamics, initial: Array, search: CycleSearch |
         dynamics: equations of motion on straight track at constant speed.
         initial: (2 c + m,).
         search: when it ends.
+
+    Raises EquilibriumError, and ValueError for a vehicle without such modes.
     """
     search = search or CycleSearch()
     state, before, duration = initial, np.inf, 0.0
-    steps = StepSettings(ROSENBROCK.name, search.rtol, search.atol)
+    mode = least_damped(m for m in modes(dynamics) if _is_lateral(m))
+    steps, growth = search.steps(mode), mode.eigenvalue.real
     while True:
         span = (0.0, search.window)
         history = simulate(dynamics, span, initial=state, steps=steps)
         if history.status != "completed":
-            return _cycle(history, history.status, duration)
+            return _cycle(history, history.status, growth, duration)
         state, duration = history.state[-1], duration + search.window
         largest = float(_amplitudes(history).max())
-        if largest < search.smallest:
-            return _cycle(history, "dies out", duration)
-        if abs(largest - before) <= search.tolerance * largest:
-            return _cycle(history, "limit cycle", duration)
+        small, falling = largest < search.smallest, largest <= before < np.inf
+        if small and growth < 0.0:
+            return _cycle(history, "dies out", growth, duration)
+        if abs(largest - before) <= search.tolerance * largest or (small and falling):
+            return _cycle(history, "limit cycle", growth, duration)
         if duration >= search.longest:
-            return _cycle(history, "not settled", duration)
+            return _cycle(history, "not settled", growth, duration)
         before = largest
 
 
-def _cycle(history: History, status: str, duration: float) -> LimitCycle:
+def _is_lateral(mode: Mode) -> bool:
+    """Whether most of the kinetic energy is in lateral motion and yaw, not in vibrations on the contacts."""
+    lateral = [name.endswith(("_y", "_yaw")) for name in mode.names]
+    return float(mode.energy_fraction[lateral].sum()) > 0.5
+
+
+def _cycle(history: History, status: str, growth: float, duration: float) -> LimitCycle:
     """Figures of the last window."""
     amplitude = _amplitudes(history)
     time, displacement = _displacements(history)
     alive = status in ("limit cycle", "not settled")
     return LimitCycle(
         history.dynamics.speed_profile(0.0).speed,
+        growth,
         status,
         amplitude,
         frequency_of(time, displacement[:, np.argmax(amplitude)]) if alive else np.nan,

@@ -112,7 +112,8 @@ def above_one_another(dynamics: VehicleDynamics) -> Array:
         if not carried:
             break
         for name in carried:
-            offset[name] = _carried_offset(dynamics, name, offset, curvature)
+            held = "y" in vehicle.bodies[name].held
+            offset[name] = 0.0 if held else _carried_offset(dynamics, name, offset, curvature)
     for name, y in offset.items():
         if y != 0.0:
             state[coordinates.index(name, Y)] = y

@@ -159,15 +159,21 @@ def critical(
     highest: Annotated[
         float, typer.Option("--to", metavar="V", min=1.0, max=200.0, help="Highest speed, m/s.")
     ] = 100.0,
+    places: Annotated[
+        int, typer.Option("--places", metavar="N", min=1, max=64, help="Places of the strips to average over.")
+    ] = 4,
 ) -> None:
-    """Linear critical speed of a vehicle in three dimensions on straight track, with frequency and mode."""
+    """Linear critical speed of a vehicle in three dimensions on straight track, with frequency and mode.
+
+    With contact on strips the mean of several places of these on the wheel, with its standard error.
+    """
     checked = load_run(scene)
     if not lowest < highest:
         raise rejected(f"--from {lowest:g}: must be less than --to {highest:g}")
-    from wheelrail.scenes.runs.vehicle_steady import critical_speed_lines, critical_speed_of
+    from wheelrail.scenes.runs.vehicle_steady import critical_speed_lines, critical_speeds_of
 
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("modes over speed"):
-        found = critical_speed_of(checked, vehicle, (lowest, highest))
+        found = critical_speeds_of(checked, vehicle, (lowest, highest), places)
     print_results(*critical_speed_lines(found, (lowest, highest)))
 
 

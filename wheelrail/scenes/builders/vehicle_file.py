@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AllowInfNan, Field, Strict, ValidationError
 
@@ -34,10 +34,13 @@ Series = Annotated[float, Strict(), AllowInfNan(True), q.Range(1e3, inf, "N/m, i
 Rotational = Annotated[q.Finite, q.Range(0.0, 1e10, "N m/rad")]
 
 
+Coordinate = Literal["x", "y", "z", "roll", "pitch", "yaw"]
+
+
 class VehicleBodyTable(SceneTable):
     """A rigid body: mass, kg, inertia about x, y and z, kg m2, place of its centre, m.
 
-    The height of a wheelset is its rolling radius.
+    The height of a wheelset is its rolling radius. Held coordinates follow the track at constant speed.
     """
 
     mass: Mass
@@ -45,6 +48,7 @@ class VehicleBodyTable(SceneTable):
     x: Along
     height: Height
     wheelset: bool = False
+    held: Annotated[tuple[Coordinate, ...], Strict(False)] = ()
 
 
 class ElementTable(SceneTable):

@@ -71,13 +71,20 @@ def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Tab
     table = Table(title=title, title_justify="left")
     for name in ("speed [m/s]", "status", *(f"{name} y [mm]" for name in wheelsets)):
         table.add_column(name, justify="left" if name == "status" else "right")
-    for name in ("frequency [Hz]", "sum of Y [kN]", "frictional power [kW]", "duration [s]"):
+    for name in (
+        "growth of small motions [1/s]",
+        "frequency [Hz]",
+        "sum of Y [kN]",
+        "frictional power [kW]",
+        "duration [s]",
+    ):
         table.add_column(name, justify="right")
     for cycle in sorted(cycles, key=lambda c: -c.speed):
         table.add_row(
             f"{cycle.speed:g}",
             cycle.status,
             *(fixed(1e3 * value, 3) for value in cycle.amplitude),
+            fixed(cycle.growth, 3),
             fixed(cycle.frequency, 3) if np.isfinite(cycle.frequency) else "-",
             fixed(1e-3 * float(cycle.track_shifting.max()), 2),
             fixed(1e-3 * cycle.frictional_power, 3),

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wheelrail.scenes.builders.vehicle import vehicle_on
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.datasets.number_text import fixed, significant
@@ -52,14 +54,30 @@ def vehicle_modes_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> li
         return modes_over_speed(dynamics, speeds)
 
 
-def critical_speed_of(scene: RunScene, file: Path, speeds: tuple[float, float]) -> CriticalSpeed | None:
-    """Linear critical speed on straight level track within a range, m/s; None without one. Raises as above."""
+def critical_speeds_of(
+    scene: RunScene, file: Path, speeds: tuple[float, float], places: int
+) -> list[CriticalSpeed | None]:
+    """Linear critical speeds on straight level track within a range, None without one: of strips, one for each place of
+    their lattice, otherwise a single one.
+
+    Parameters:
+        scene: of a run; its wagon is not used.
+        file: vehicle file.
+        speeds: lowest and highest of the range, m/s.
+        places: of the lattice, evenly over the width of a strip.
+
+    Raises as above.
+    """
+    from wheelrail.contact.models.strip_places import at_places
     from wheelrail.vehicle.steady.critical_speed import critical_speed
 
     dynamics = vehicle_dynamics(scene, file, speeds[0])
     try:
         with failures_as_run_failed():
-            return critical_speed(dynamics, speeds)
+            return [
+                critical_speed(replace(dynamics, contact=contact), speeds)
+                for contact in at_places(dynamics.contact, places)
+            ]
     except ValueError as error:
         raise RunFailed(str(error)) from error
 
@@ -82,20 +100,29 @@ def curve_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) ->
         return [equilibrium(curve_dynamics(dynamics, replace(curve, speed=speed))) for speed in speeds]
 
 
-def critical_speed_lines(critical: CriticalSpeed | None, speeds: tuple[float, float]) -> list[str]:
+def critical_speed_lines(found: Sequence[CriticalSpeed | None], speeds: tuple[float, float]) -> list[str]:
     """Critical speed, frequency, wavelength and mode as lines of text.
 
     Parameters:
-        critical: result.
-        speeds: range in which it was looked for, m/s.
+        found: results, one for each place of the strips: their mean with its standard error.
+        speeds: range in which they were looked for, m/s.
     """
     low, high = (f"{speed:g} m/s" for speed in speeds)
-    if critical is None:
-        return [f"no linear critical speed from {low} to {high}: all modes above 0.8 Hz are damped"]
-    if critical.speed == speeds[0]:
-        return [f"already unstable at {low}: {critical.mode}"]
+    known = [one for one in found if one is not None]
+    if len(known) < len(found):
+        some = "" if not known else f" at {len(found) - len(known)} of {len(found)} places of the strips"
+        return [f"no linear critical speed from {low} to {high}{some}: all modes above 0.8 Hz are damped"]
+    lowest = min(known, key=lambda one: one.speed)
+    if lowest.speed == speeds[0]:
+        return [f"already unstable at {low}: {lowest.mode}"]
+    values = np.array([one.speed for one in known])
+    critical = known[int(np.argmin(np.abs(values - values.mean())))]
+    error, places = "", ""
+    if len(values) > 1:
+        error = f" ± {values.std(ddof=1) / np.sqrt(len(values)):.2f}"
+        places = f", mean of {len(values)} places of the strips ({values.min():.2f} to {values.max():.2f} m/s)"
     return [
-        f"linear critical speed: {critical.speed:.2f} m/s ({3.6 * critical.speed:.1f} km/h)",
+        f"linear critical speed: {values.mean():.2f}{error} m/s ({3.6 * values.mean():.1f} km/h){places}",
         f"frequency: {critical.mode.frequency:.3f} Hz, wavelength: {critical.wavelength:.2f} m",
         f"kinetic energy in: {critical.mode.main_coordinates}",
     ]
