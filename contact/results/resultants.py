@@ -97,19 +97,19 @@ class FrictionalWork:
     def patches(self, patch: Nodes, pressure: Array) -> tuple[Patch, ...]:
         """All patches (n,), by decreasing load, from pressures (n,) Pa."""
         points, velocities = self.points, RigidVelocities.of(self.motion)
-        parts = (
-            points.point,
-            points.axes,
-            points.axes[:, 0] if points.level is None else points.level,
-            points.area,
-            points.step,
-            points.wheel_place,
-            points.rail_place,
-            pressure,
-            self.traction,
-            self.sticks,
+        fixed = np.ascontiguousarray  # machine code is for one layout
+        cells = PatchPoints(
+            fixed(points.point),
+            fixed(points.axes),
+            fixed(points.axes[:, 0] if points.level is None else points.level),
+            fixed(points.area),
+            fixed(points.step),
+            fixed(points.wheel_place),
+            fixed(points.rail_place),
+            fixed(pressure),
+            fixed(self.traction),
+            fixed(self.sticks),
         )
-        cells = PatchPoints(*(np.ascontiguousarray(part) for part in parts))
         count = patch.max(initial=-1) + 1
         return tuple(patch_sums(patch == k, cells, velocities, self.speed).patch for k in range(count))
 

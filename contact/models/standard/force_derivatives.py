@@ -10,15 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
+from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, creepages, rolling_speed
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
 from wheelrail.contact.models.standard.fastsim import foundation
-from wheelrail.contact.models.standard.forces import (
-    RigidVelocities,
-    StripFrames,
-    creepages,
-    half_ellipse_means,
-    rolling_speed,
-)
+from wheelrail.contact.models.standard.forces import StripFrames, half_ellipse_means
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.pressure_derivatives import PressureDerivatives
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives, rigid_motions

@@ -13,6 +13,7 @@ import numpy as np
 
 from wheelrail.contact.geometry.rigid_surfaces import RigidPair, RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.laws.pointwise import FrictionFunctions
@@ -21,7 +22,6 @@ from wheelrail.contact.models.standard.forces import (
     FASTSIM,
     NO_FRICTION,
     POLACH,
-    RigidVelocities,
     StripFrames,
     StripFriction,
     slip_velocities,
