@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
+from wheelrail.contact.models.lattice.system.problem import TOO_DEEP
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
@@ -86,7 +87,7 @@ def names_cause(status: str) -> bool:
     """Whether the status of a run that ended early names overturning, derailment, or a wheel that is pressed into the
     rail beyond the range of the contact, by several mm of the undeformed profiles.
     """
-    return any(cause in status for cause in ("overturns", "left the rails", TOO_LONG))
+    return any(cause in status for cause in ("overturns", "left the rails", TOO_LONG, TOO_DEEP))
 
 
 def _mean_load(history: History, wagon: Wagon, track: Track) -> float:

@@ -41,6 +41,7 @@ WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearl
 MATRICES = 3  # of the size of the Jacobian: operator, Jacobian, factors
 SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
+DEEPEST = 3e-3  # m, approach of a wheel: 1.2 mm carries 1.8 MN; beyond, tens of strips take half a second
 START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
 ITERATIONS = 25  # from such a start: 99.9 % of random poses need at most 21
 
@@ -118,6 +119,8 @@ class LatticeContact:
         approach = problem.approach
         if approach <= 0:
             return ContactResult.failed(TOO_DEEP) if problem.too_deep else ContactResult.separated(approach)
+        if problem.surface.revolves and approach > DEEPEST:
+            return ContactResult.failed(TOO_DEEP, approach)
         try:
             if not len(problem.candidates):
                 return ContactResult.separated(approach)
