@@ -18,7 +18,7 @@ from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, COMPONENTS, DEGREE, REACH, PairGrid
-from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.cache import cached, digest
 from wheelrail.support.compiled import compiled
 
@@ -197,10 +197,10 @@ def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
 
 
 @compiled
-def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array) -> None:
+def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array, start: int = 0) -> None:
     """Add the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair of strips from those of lines (ns, ns, ..).
 
-    row, column: (n,) weights of the lines from the first in both strips.
+    row, column: (n,) weights of the lines from the first in both strips; start: the first cell.
     """
     total = to.ravel()
     for k in range(len(row)):
@@ -209,27 +209,27 @@ def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array
         for m in range(len(column)):
             weight = row[k] * column[m]
             if weight != 0.0:
-                values = lines[first + k, first + m, : len(to)].ravel()
+                values = lines[first + k, first + m, start : start + len(to)].ravel()
                 for c in range(len(total)):
                     total[c] += weight * values[c]
 
 
 class PairMeans(NamedTuple):
-    """Coefficients of the pairs i <= j of C strips, the means over them, computed when a pair is first looked up.
+    """Coefficients of the pairs i <= j of C strips, the means over them, computed as far as a pair is looked up.
 
     Parameters:
         lines: (ns, ns, cells, DEGREE + 1, COMPONENTS) coefficients of pairs of lines.
         first: line from which on the weights count.
         share: (C, n) weights of the lines in the strips.
         values: (C (C + 1) / 2, cells, DEGREE + 1, COMPONENTS), those of a pair in row j (j + 1) / 2 + i.
-        known: (C (C + 1) / 2,) whether they are computed.
+        known: (C (C + 1) / 2,) number of cells that are computed.
     """
 
     lines: Array
     first: int
     share: Array
     values: Array
-    known: Mask
+    known: Nodes
 
 
 NO_MEANS = PairMeans(
@@ -237,25 +237,26 @@ NO_MEANS = PairMeans(
     0,
     np.zeros((0, 0)),
     np.zeros((0, 0, DEGREE + 1, COMPONENTS)),
-    np.zeros(0, dtype=np.bool_),
+    np.zeros(0, dtype=np.int64),
 )
 
 
 def pair_means(lines: Array, first: int, share: Array, cells: int) -> PairMeans:
     """Means over strips with weights (C, n), of the first cells."""
     pairs = len(share) * (len(share) + 1) // 2
-    return PairMeans(lines, first, share, np.empty((pairs, cells, *lines.shape[3:])), np.zeros(pairs, dtype=np.bool_))
+    return PairMeans(lines, first, share, np.empty((pairs, cells, *lines.shape[3:])), np.zeros(pairs, dtype=np.int64))
 
 
 @compiled
-def pair_mean(means: PairMeans, i: int, j: int) -> Array:
-    """Coefficients (cells, DEGREE + 1, COMPONENTS) of a pair i <= j."""
+def pair_mean(means: PairMeans, i: int, j: int, cells: int) -> Array:
+    """Coefficients (.., DEGREE + 1, COMPONENTS) of a pair i <= j, valid in some first cells."""
     row = j * (j + 1) // 2 + i
     values: Array = means.values[row]
-    if not means.known[row]:
-        values[:] = 0.0
-        add_pair_mean(means.lines, means.first, means.share[i], means.share[j], values)
-        means.known[row] = True
+    known, cells = means.known[row], min(cells, len(values))
+    if known < cells:
+        values[known:cells] = 0.0
+        add_pair_mean(means.lines, means.first, means.share[i], means.share[j], values[known:cells], known)
+        means.known[row] = cells
     return values
 
 

@@ -56,7 +56,9 @@ def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: 
     False where they are farther apart than the table reaches.
     """
     whole = len(tables.smooth.values) == 0
-    smooth = tables.values if whole else pair_mean(tables.smooth, tables.place[i], tables.place[j])
+    farthest = max(abs(rows[0] - columns[-1]), abs(rows[-1] - columns[0]))
+    far = (bits(farthest / SMOOTH_START + 1.0) >> SHIFT) - BIAS + 1  # cells up to there
+    smooth = tables.values if whole else pair_mean(tables.smooth, tables.place[i], tables.place[j], far)
     start, last, inverse = (
         tables.values.ctypes.data + BLOCK * tables.first[i, j],
         tables.cells[i, j],

@@ -196,7 +196,7 @@ class LatticeTables:
         cells = lower.grid.cells_up_to(reach)
         for motion in motions.T:
             values = pair_mean_slopes(between, lines.start, share, motion[:, None] * by_place, cells)
-            known = np.ones(len(values), dtype=np.bool_)
+            known = np.full(len(values), cells)
             yield self._of_deviation(lower, strips, PairMeans(between, lines.start, share, values, known))
 
     def _of_deviation(self, body: BodyCorrection, strips: Nodes, smooth: PairMeans) -> PairTables:
