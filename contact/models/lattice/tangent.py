@@ -149,7 +149,8 @@ class LatticeTangent:
         jumps = force_jumps(state.values, problem.of(state.strips).places, problem.basis, problem.rolls)
         motions, size, amounts = np.linalg.svd(self._touching[1], full_matrices=False)
         principal = np.flatnonzero(size > NEGLIGIBLE * size[0])
-        tables = problem.tables.slopes(state.strips, problem.lines.foot, motions[:, principal], problem.reach)
+        reach = float(np.ptp(grid.x))
+        tables = problem.tables.slopes(state.strips, problem.lines.foot, motions[:, principal], reach)
         for k, slope in zip(principal, tables, strict=True):
             _, V = antiderivatives(slope, grid, jumps)
             slip, moment = slips_and_moments(V, grid, problem.basis)
