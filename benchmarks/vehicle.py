@@ -79,9 +79,9 @@ def run_row(scene: RunScene, dynamics: VehicleDynamics, seconds: float | None) -
     """Status, steps, contact solves, and processor time of a run per simulated second; its errors."""
     end, solver = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length), scene.solver
     start = process_time()
-    history = simulate(dynamics, (0.0, end), steps=StepSettings("rosenbrock", solver.rtol, solver.atol))
+    history = simulate(dynamics, (0.0, end), steps=StepSettings(solver.method, solver.rtol, solver.atol))
     spent, cost = process_time() - start, history.cost
-    tight = simulate(dynamics, (0.0, end), steps=StepSettings("rosenbrock", 0.1 * solver.rtol, 0.1 * solver.atol))
+    tight = simulate(dynamics, (0.0, end), steps=StepSettings(solver.method, 0.1 * solver.rtol, 0.1 * solver.atol))
     solves = sum(side.solves for side in cost.contact.values())
     contact = sum(side.seconds for side in cost.contact.values())
     span = float(history.time[-1])

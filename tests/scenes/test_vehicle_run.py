@@ -135,7 +135,7 @@ def test_report(whole: Path, tmp_path: Path) -> None:
 def test_explicit_methods_are_refused(tmp_path: Path) -> None:
     refused = command(tmp_path, method='"ode45"')
     assert refused.exit_code == 2
-    assert 'solver.method = "ode45": must be "rosenbrock" with a vehicle file' in refused.stderr
+    assert 'solver.method = "ode45": must be "rosenbrock" or "rosenbrock4" with a vehicle file' in refused.stderr
     assert not (tmp_path / "run.nc").exists()
 
 

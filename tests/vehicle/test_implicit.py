@@ -22,7 +22,7 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.progress import costs
 from wheelrail.scenes.schema.tables import SolverTable
 from wheelrail.vehicle.integration.integrate import FirstStep, StepSettings, integrate
-from wheelrail.vehicle.integration.rosenbrock import ROS3PL, ROS34PW2, RosenbrockPair
+from wheelrail.vehicle.integration.rosenbrock import ROS3PL, ROS34PW2, SHAMPINE4
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.contact_differences import REUSED
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
@@ -76,8 +76,23 @@ def test_both_methods_agree_on_linear_problems() -> None:
     growth = np.abs(functions[0])[:, 0]
     assert growth.max() <= 1 + 1e-12  # .. stable on the imaginary axis, hence on its left
     assert growth[-1] < 1e-9
-    with pytest.raises(ValueError, match="orders"):
-        RosenbrockPair("", ROS3PL, replace(ROS34PW2, error_order=1))
+
+
+def test_order_conditions_of_order_four() -> None:
+    """Of solution and companion, with the exact Jacobian (Hairer, Wanner, Solving ODEs II, table IV.7.1); A-stable."""
+    m = SHAMPINE4
+    alpha, beta, one = m.nodes, m.full_alpha + m.full_gamma, np.ones(m.stages)
+    third = [(one, 1.0), (beta @ one, 1 / 2), (alpha**2, 1 / 3), (beta @ beta @ one, 1 / 6)]
+    fourth = [alpha**3, alpha * (m.full_alpha @ beta @ one), beta @ alpha**2, beta @ beta @ beta @ one]
+    for vector, value in [*third, *zip(fourth, (1 / 4, 1 / 8, 1 / 12, 1 / 24), strict=True)]:
+        assert m.weights @ vector == pytest.approx(value, abs=1e-15)
+    for vector, value in third:
+        assert m.companion @ vector == pytest.approx(value, abs=1e-15)
+    z = 1j * np.logspace(-2, 6, 400)
+    growth = [1 + s * np.array(m.weights) @ np.linalg.solve(np.eye(m.stages) - s * beta, one) for s in z]
+    assert np.abs(growth).max() <= 1 + 1e-12
+    assert abs(growth[-1]) == pytest.approx(1 / 3, abs=1e-4)
+    assert m.repeats == (False, False, False, True)
 
 
 def test_order_conditions_with_any_matrix() -> None:
@@ -110,22 +125,25 @@ def slope(t: float, x: np.ndarray) -> VehicleLinearisation:
     return VehicleLinearisation(by_state, np.array([0.0, 2 * np.cos(2 * t), -np.sin(t)]))
 
 
-@pytest.mark.parametrize(("share", "exact"), [(1.0, True), (1.0, False), (0.6, False), (0.0, False)])
-def test_third_order_whatever_the_jacobian(share: float, exact: bool) -> None:
+@pytest.mark.parametrize(
+    ("method", "share", "order"),
+    [("rosenbrock", 1.0, 3), ("rosenbrock", 0.6, 3), ("rosenbrock", 0.0, 3), ("rosenbrock4", 1.0, 4)],
+)
+def test_order_whatever_the_jacobian(method: str, share: float, order: int) -> None:
     """Exact, 40 % off, or zero, with respect to state and time."""
     start = np.array([0.0, 1.0, 1.0])
     solution = solve_ivp(lambda t, x: driven(t, x).rate, (0, 4), start, method="DOP853", rtol=1e-13, atol=1e-14)
 
     def jacobian(t: float, x: np.ndarray, at: Rate) -> VehicleLinearisation:
         full = slope(t, x)
-        return VehicleLinearisation(share * full.by_state, share * full.by_time, exact)
+        return VehicleLinearisation(share * full.by_state, share * full.by_time, exact=share == 1.0)
 
     lengths, errors = 4.0 / np.array([32, 64, 128, 256]), []
     for h in lengths:
-        fixed = StepSettings("rosenbrock", atol=1e9, max_step=h, min_step=h / 2)
+        fixed = StepSettings(method, atol=1e9, max_step=h, min_step=h / 2)
         *_, last = integrate(driven, 0.0, start, 4.0, fixed, jacobian=jacobian, first=FirstStep(length=h))
         errors.append(np.abs(last.x - solution.y[:, -1]).max())
-    assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(3.0, abs=0.25)
+    assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(order, abs=0.25)
 
 
 def test_the_method_damps_an_oscillation_as_it_says() -> None:

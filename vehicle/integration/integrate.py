@@ -12,10 +12,10 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
 from wheelrail.vehicle.integration.problem import E, Linearise, RightHandSide, StepFailure, StepMethod
-from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, RosenbrockPair, RosenbrockW
+from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, ROSENBROCK4, RosenbrockPair, RosenbrockW
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
-METHODS: dict[str, Tableau | RosenbrockPair] = {**EXPLICIT, ROSENBROCK.name: ROSENBROCK}
+METHODS: dict[str, Tableau | RosenbrockPair] = {**EXPLICIT, **{pair.name: pair for pair in (ROSENBROCK, ROSENBROCK4)}}
 
 
 class StepTooSmall(RuntimeError):

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
     """Vehicle of a file, for a run of a scene. Raises SceneError, also for an explicit method or a kick of no body."""
-    if scene.solver.method != "rosenbrock":
-        text = f'solver.method = "{scene.solver.method}": must be "rosenbrock" with a vehicle file'
+    if scene.solver.method not in ("rosenbrock", "rosenbrock4"):
+        text = f'solver.method = "{scene.solver.method}": must be "rosenbrock" or "rosenbrock4" with a vehicle file'
         raise SceneError(f"{text}: the spin of its wheelsets on the creep forces is stiff")
     vehicle = vehicle_on(scene, file)
     for body in scene.kick or {}:

@@ -294,7 +294,7 @@ def _on_wheels(radius: float) -> Wagon:
 class SolverTable(SceneTable):
     """Time integration method and tolerances; with two workers the right-hand contact runs in its own process."""
 
-    method: Literal["ode23", "ode45", "rosenbrock"] = "ode23"
+    method: Literal["ode23", "ode45", "rosenbrock", "rosenbrock4"] = "ode23"
     rtol: q.Tolerance = 1e-3
     atol: q.Tolerance = 1e-6
     workers: q.OneOrTwo = 1
