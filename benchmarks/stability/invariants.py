@@ -125,6 +125,7 @@ def limits(case: SampledCase) -> dict[str, float]:
     return LIMITS | LATTICE if case.laws.exact_normal else LIMITS
 
 
-def broken(case: SampledCase, values: dict[str, float]) -> list[str]:
-    """Names of the values beyond their limits."""
-    return [name for name, limit in limits(case).items() if not values[name] <= limit]
+def broken(case: SampledCase, values: dict[str, float], rough: bool = False) -> list[str]:
+    """Names of the values beyond their limits, but for the remaining penetration where strips are too few."""
+    beyond = [name for name, limit in limits(case).items() if not values[name] <= limit]
+    return [name for name in beyond if not (rough and name in LATTICE)]

@@ -33,8 +33,8 @@ EARLIER = ((3e-4, 1.0, 1.0), (3e-3, 0.3, -1.0))  # m aside, fraction of the load
 class SolveOutcome:
     """Outcome of a case: kind "converged", "no answer" (with the reason) or "failed"; seconds of the solve; load N, the
     vertical part of the pressure; values of `findings` and those beyond their limits; status of its twin, if any, and
-    relative differences of force and area from it; history, the largest relative difference of the force by starts from
-    earlier results, inf where one fails.
+    relative differences of force and area from it; rough, whether the result says that it has too few strips; history,
+    the largest relative difference of the force by starts from earlier results, inf where one fails.
     """
 
     case: SampledCase
@@ -49,6 +49,7 @@ class SolveOutcome:
     twin: str = ""
     force_differs: float = np.nan
     area_differs: float = np.nan
+    rough: bool = False
     history: float = np.nan
 
     @property
@@ -80,8 +81,13 @@ def solve(case: SampledCase, *, twin: bool = False) -> SolveOutcome:
         return replace(outcome, kind="no answer") if legitimate(result.status) else outcome
     values = findings(case, depth, result, model)
     outcome = replace(
-        outcome, kind="converged", load=vertical_load(result), figures=values, broken=tuple(broken(case, values))
+        outcome,
+        kind="converged",
+        load=vertical_load(result),
+        figures=values,
+        rough=any(patch.rough for patch in result.patches),
     )
+    outcome = replace(outcome, broken=tuple(broken(case, values, outcome.rough)))
     if outcome.strips:
         outcome = replace(outcome, history=history(case, depth, result, model))
     if not twin or (not outcome.strips and case.size == SIZES[0]):
