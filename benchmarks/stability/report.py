@@ -67,9 +67,11 @@ def show(outcomes: list[SolveOutcome]) -> str:
             f"| factorisations and Newton steps | {_spread(newton)} | | |",
             f"| load kN | {_spread(1e-3 * np.array([o.load for o in converged]))} | | |",
         ]
-        for figure, limit in limits(converged[0].case).items():
-            values = np.array([o.figures[figure] for o in converged])
-            lines.append(f"| {figure} | {_spread(values)} | {limit:g} | {int((values > limit).sum())} |")
+        least = [limits(o.case) for o in converged]
+        for figure in least[0]:
+            values, limit = np.array([o.figures[figure] for o in converged]), min(case[figure] for case in least)
+            beyond = sum(figure in o.broken for o in converged)
+            lines.append(f"| {figure} | {_spread(values)} | {limit:g} | {beyond} |")
         for rough in (False, True):
             for figure, bound in OUTLIERS.items():
                 values = np.array([getattr(o, f"{figure}_differs") for o in converged if o.rough == rough])

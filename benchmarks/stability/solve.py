@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.stability.depth_estimate import NoDepth, depth_for
-from benchmarks.stability.invariants import broken, findings
+from benchmarks.stability.invariants import TIGHT, broken, findings
 from benchmarks.stability.sample import RADIUS, SIZES, SampledCase
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -22,7 +22,6 @@ from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
 
-TIGHT = 1e-8  # of the last Newton step on strips
 TWIN = LatticeResolution(32, 20)
 LEAVES = "beyond the part of its surface"  # status of models when the contact leaves the meshed surface
 BETWEEN = "separated: the contact lies between the grid's points"
