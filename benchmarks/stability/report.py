@@ -67,22 +67,28 @@ def show(outcomes: list[SolveOutcome]) -> str:
             f"| factorisations and Newton steps | {_spread(newton)} | | |",
             f"| load kN | {_spread(1e-3 * np.array([o.load for o in converged]))} | | |",
         ]
-        for figure, limit in limits(converged[0].case).items():
-            values = np.array([o.figures[figure] for o in converged])
-            lines.append(f"| {figure} | {_spread(values)} | {limit:g} | {int((values > limit).sum())} |")
-        for figure, bound in OUTLIERS.items():
-            values = np.array([getattr(o, f"{figure}_differs") for o in converged])
-            values = values[np.isfinite(values)]
-            if len(values):
-                lines.append(
-                    f"| {figure} against twin | {_spread(values)} | {bound:g} | {int((values > bound).sum())} |"
-                )
+        least = [limits(o.case) for o in converged]
+        for figure in least[0]:
+            values, limit = np.array([o.figures[figure] for o in converged]), min(case[figure] for case in least)
+            beyond = sum(figure in o.broken for o in converged)
+            lines.append(f"| {figure} | {_spread(values)} | {limit:g} | {beyond} |")
+        for rough in (False, True):
+            for figure, bound in OUTLIERS.items():
+                values = np.array([getattr(o, f"{figure}_differs") for o in converged if o.rough == rough])
+                values = values[np.isfinite(values)]
+                if len(values):
+                    which = ", too few strips" if rough else ""
+                    beyond = "| |" if rough else f"| {bound:g} | {int((values > bound).sum())} |"
+                    lines.append(f"| {figure} against twin{which} | {_spread(values)} {beyond}")
         starts = np.array([o.history for o in converged])
         starts = starts[~np.isnan(starts)]
         if len(starts):
             lines.append(f"| other starts | {_spread(starts)} | {HISTORY:g} | {int((starts > HISTORY).sum())} |")
         twins = [o for o in converged if o.twin]
         without_force = sum(not np.isfinite(o.force_differs) for o in twins)
+        rough_ones = sum(o.rough for o in converged)
+        if rough_ones:
+            lines.append(f"\n{rough_ones} say that a patch has too few strips: their force, area and gaps are rough")
         lines += [f"\n{len(twins)} compared with a twin, {without_force} of which had no force to compare"]
     reasons = Counter(f"{kind(o)}: {o.reason}" for o in outcomes if o.kind == "no answer")
     lines += ["\n## Without an answer\n", *(f"- {number} x {reason}" for reason, number in reasons.most_common())]
@@ -102,7 +108,7 @@ def trouble(outcome: SolveOutcome) -> str:
     parts = [f"{name} {outcome.figures[name]:.1e}" for name in outcome.broken]
     for figure, bound in OUTLIERS.items():
         differs = getattr(outcome, f"{figure}_differs")
-        if differs > bound:
+        if differs > bound and not outcome.rough:
             parts.append(f"{figure} {differs:.1%} from its twin")
     if outcome.twin and not np.isfinite(outcome.force_differs) and not legitimate(outcome.twin):
         parts.append(f"its twin: {outcome.twin}")

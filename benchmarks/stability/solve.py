@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.stability.depth_estimate import NoDepth, depth_for
-from benchmarks.stability.invariants import broken, findings
+from benchmarks.stability.invariants import TIGHT, broken, findings
 from benchmarks.stability.sample import RADIUS, SIZES, SampledCase
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -22,7 +22,6 @@ from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
 
-TIGHT = 1e-8  # of the last Newton step on strips
 TWIN = LatticeResolution(32, 20)
 LEAVES = "beyond the part of its surface"  # status of models when the contact leaves the meshed surface
 BETWEEN = "separated: the contact lies between the grid's points"
@@ -33,8 +32,8 @@ EARLIER = ((3e-4, 1.0, 1.0), (3e-3, 0.3, -1.0))  # m aside, fraction of the load
 class SolveOutcome:
     """Outcome of a case: kind "converged", "no answer" (with the reason) or "failed"; seconds of the solve; load N, the
     vertical part of the pressure; values of `findings` and those beyond their limits; status of its twin, if any, and
-    relative differences of force and area from it; history, the largest relative difference of the force by starts from
-    earlier results, inf where one fails.
+    relative differences of force and area from it; rough, whether the result says that it has too few strips; history,
+    the largest relative difference of the force by starts from earlier results, inf where one fails.
     """
 
     case: SampledCase
@@ -49,6 +48,7 @@ class SolveOutcome:
     twin: str = ""
     force_differs: float = np.nan
     area_differs: float = np.nan
+    rough: bool = False
     history: float = np.nan
 
     @property
@@ -80,8 +80,13 @@ def solve(case: SampledCase, *, twin: bool = False) -> SolveOutcome:
         return replace(outcome, kind="no answer") if legitimate(result.status) else outcome
     values = findings(case, depth, result, model)
     outcome = replace(
-        outcome, kind="converged", load=vertical_load(result), figures=values, broken=tuple(broken(case, values))
+        outcome,
+        kind="converged",
+        load=vertical_load(result),
+        figures=values,
+        rough=any(patch.rough for patch in result.patches),
     )
+    outcome = replace(outcome, broken=tuple(broken(case, values, outcome.rough)))
     if outcome.strips:
         outcome = replace(outcome, history=history(case, depth, result, model))
     if not twin or (not outcome.strips and case.size == SIZES[0]):

@@ -39,7 +39,7 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, ma
         lengths = area[own].sum(axis=1) / width
         smooth = patch_area(lengths, bounds)
         sticks = stick_area(lengths * stick_lengths(left[own], length) / length.sum(axis=1), bounds)
-        corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=min(sticks, smooth)))
+        corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=min(sticks, smooth), strips=len(width)))
     return tuple(corrected)
 
 

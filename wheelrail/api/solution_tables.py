@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.contact.results.result import FEWEST_STRIPS
 from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.datasets.run import AXES
 
@@ -103,5 +104,9 @@ def _sides(data: Dataset) -> list[str]:
         line = f"{name}: force {force} kN (forward, left, up)"
         if "force_error" in own and np.isfinite(own["force_error"]):
             line += f", estimated error {significant(float(own['force_error']), 2)} N"
+        strips = own["patch_strips"].values if "patch_strips" in own else np.zeros(0)
+        few = [f"{k + 1}" for k, count in enumerate(strips) if 0 < count < FEWEST_STRIPS]
+        if few:
+            line += f"; fewer than {FEWEST_STRIPS} strips across patch {', '.join(few)}: rough, use more"
         lines.append(f"{line}; {significant(float(own['contact_seconds']), 2)} s")
     return lines

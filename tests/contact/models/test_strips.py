@@ -183,6 +183,18 @@ def errors(resolution: LatticeResolution) -> Array:
     )
 
 
+def test_patches_say_when_their_strips_are_too_few() -> None:
+    model = pair(resolution=LatticeResolution())
+    for share, rough in ((1.0, False), (0.3, False), (0.05, True), (0.005, True)):
+        depth = share * exact().approach
+        result = model(hertz_pose(depth), flowing(), None)
+        (patch,) = result.patches
+        assert patch.strips == result.statistics.points / model.resolution.cells
+        assert patch.rough == rough
+        if not rough:
+            assert result.force[2] == pytest.approx(LOAD * share**1.5, rel=0.02)
+
+
 def test_hertz_converges_smoothly() -> None:
     counts = np.array([6, 8, 11, 16, 22])
     e = np.array([errors(LatticeResolution(int(n), int(n))) for n in counts])

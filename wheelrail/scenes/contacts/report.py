@@ -37,6 +37,7 @@ PATCH: dict[str, str | tuple[str, ...]] = {
     "stick_area": "patch_stick_area",
     "creepage": ("patch_longitudinal_creepage", "patch_lateral_creepage", "patch_spin"),
     "frictional_power": "patch_frictional_power",
+    "strips": "patch_strips",
 }
 
 

@@ -52,6 +52,10 @@ class SideValues:
         """Values of a variable of the patches, without the padding."""
         return list(self[name][: self.patches])
 
+    def strips(self, patch: int) -> int:
+        """Number of strips across a patch; 0 for models without, and for a patch that there is not."""
+        return int(self.by_patch("patch_strips")[patch]) if patch < self.patches else 0
+
     @property
     def error_estimate(self) -> dict[str, float]:
         """Estimated errors, NaN if unknown, by name as in `ErrorEstimate`; empty unless requested and in contact."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from wheelrail.contact.results.result import FEWEST_STRIPS
 from wheelrail.scenes.contacts.report import FORCE, MOMENT
 from wheelrail.scenes.contacts.side_values import SideValues
 from wheelrail.scenes.datasets.number_text import fixed, significant
@@ -112,6 +113,8 @@ def _patch_rows(data: Dataset, sides: Sequence[SideValues], patch: int) -> Itera
                 for own in sides
             ],
         )
+    if any(own.strips(patch) for own in sides):
+        yield "strips across", [_strips(own.strips(patch)) for own in sides]
     for body in dict.fromkeys(body for own in sides for body in own.stressed_bodies):
         label = f"largest von Mises stress, {body} [MPa], at depth [mm]"
         yield label, [_largest(own, body, patch) if patch < own.patches else "" for own in sides]
@@ -120,6 +123,11 @@ def _patch_rows(data: Dataset, sides: Sequence[SideValues], patch: int) -> Itera
 def _largest(own: SideValues, body: str, patch: int) -> str:
     mises, depth = own.largest_von_mises(body, patch)
     return f"{fixed(1e-6 * mises, 1)}  {fixed(1e3 * depth, 3)}"
+
+
+def _strips(count: int) -> str:
+    """Number of strips across a patch, and whether they are too few."""
+    return f"{count}, rough" if 0 < count < FEWEST_STRIPS else f"{count}" if count else ""
 
 
 def _error(value: float) -> str:

@@ -45,6 +45,12 @@ PATCH_VARIABLES: dict[str, tuple[str, int | None, str, str]] = {
     ),
     "patch_spin": ("creepage", 2, "rad/m", "spin creepage of the wheel about the upward normal of the patch"),
     "patch_frictional_power": ("frictional_power", None, "W", "frictional power"),
+    "patch_strips": (
+        "strips",
+        None,
+        "1",
+        "strips across the patch, 0 for models without; with less than 5 it is rough",
+    ),
     "patch_x": ("x", None, "m", "position of the resultant along the track"),
     "wheel_s": (
         "wheel_s",
