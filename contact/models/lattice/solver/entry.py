@@ -12,12 +12,19 @@ from wheelrail.contact.models.lattice.influence.cell_compliance import cell_oper
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.solver.cold_start import state_of_cells
-from wheelrail.contact.models.lattice.solver.remaining import Probes, Remaining, excess, remaining
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem, with_next
+from wheelrail.contact.models.lattice.solver.remaining import (
+    Probes,
+    Remaining,
+    excess,
+    next_to_deeper,
+    next_to_loaded,
+    remaining,
+)
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.active_set import normal_contact
 from wheelrail.contact.solvers.options import IterationCount
-from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.arrays import Array, Nodes
 
 FIRST = equal_cells(6)  # along an unloaded strip, to find where its maximum is
 PROBES = equal_cells(12)  # around the maximum
@@ -67,34 +74,17 @@ def _remaining(problem: LatticeProblem, state: LatticeState, barred: set[int]) -
     """
     taken = np.zeros(len(problem.depth), dtype=np.bool_)
     taken[state.strips] = True
-    known = problem.probed | problem.near & with_next(taken)
+    known = problem.probed | taken
+    further = next_to_loaded(state.strips, known, problem.near)
     taken[list(barred)] = True
     while True:
+        known |= further
         free = np.flatnonzero(known & ~taken)
-        data = problem.of(state.strips)._replace(tables=problem.pairs(np.flatnonzero(known | taken)))
+        data = problem.of(state.strips)._replace(tables=problem.pairs(np.flatnonzero(known)))
         rest = remaining(state.values, data, _probes(problem), problem.lines, free)
-        further = _further(free, rest.highest, known | taken) & problem.near
+        further = next_to_deeper(free, rest.highest, known, problem.near)
         if not further.any():
             return rest
-        known |= further
-
-
-def _further(free: Nodes, highest: Array, known: Mask) -> Mask:
-    """Strips (K,) that are not known, next to ones of free (n,) towards which the remaining penetration grows or where
-    it is positive.
-
-    Parameters:
-        free: (n,) numbers of unloaded strips.
-        highest: (n,) m, their remaining penetration.
-        known: (K,) strips where it is known, or that are loaded.
-    """
-    depth = np.zeros(len(known) + 2)  # one more strip on either side
-    depth[1 + free] = highest
-    further = np.zeros(len(depth), dtype=np.bool_)
-    for side in (-1, 1):
-        grows = highest > np.minimum(depth[1 + free - side], 0.0)
-        further[1 + free[grows] + side] = True
-    return further[1:-1] & ~known
 
 
 def remaining_penetration(

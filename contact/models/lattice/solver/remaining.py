@@ -10,11 +10,11 @@ from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.system.surface import GAUSS, ContactLines, penetration
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
 RANGE = 1.2  # half length of the probed range over that of the next loaded strip
-NEXT_TO = 2  # strips: those nearer to a loaded one are probed around its middle
+NEXT_TO = 2  # strips: those nearer to a loaded one are probed around its middle, moved like their crests
 
 
 class Remaining(NamedTuple):
@@ -121,8 +121,9 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
                 near = i
         middle, half = lines.x[strip], max(np.sqrt(2.0 * max(lines.depth[strip], 0.0) / lines.curvature[strip]), extent)
         if abs(strip - data.places.strip[near]) <= NEXT_TO:
-            middle = 0.5 * (values[near, last] + values[near, last - 1])
-            half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent)
+            along = lines.x[strip] - lines.x[data.places.strip[near]]
+            middle = 0.5 * (values[near, last] + values[near, last - 1]) + along
+            half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent) + abs(along)
         low[k], high[k] = middle - half, middle + half
     inside, first = excess(values, data, probes, probes.first, free, low, high)
     close = np.zeros(n, dtype=np.bool_)
@@ -140,3 +141,35 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
     for k in range(len(strips)):
         deepest[k], place[k], bend[k] = _maximum(second[k], low[k], high[k])
     return Remaining(inside and found, strips, deepest, place, bend, probed, highest)
+
+
+@compiled
+def next_to_loaded(loaded: Nodes, known: Mask, near: Mask) -> Mask:
+    """Strips (K,) near to contact, next to loaded ones (S,), that are not known (K,)."""
+    K = len(known)
+    chosen = np.zeros(K, dtype=np.bool_)
+    for strip in loaded:
+        for k in (max(strip - 1, 0), min(strip + 1, K - 1)):
+            chosen[k] = near[k] and not known[k]
+    return chosen
+
+
+@compiled
+def next_to_deeper(free: Nodes, highest: Array, known: Mask, near: Mask) -> Mask:
+    """Strips (K,) near to contact towards which the remaining penetration grows, or next to where it is positive.
+
+    Parameters:
+        free: (n,) numbers of unloaded strips.
+        highest: (n,) m, their remaining penetration.
+        known: (K,) strips where it is known, or that are loaded.
+        near: (K,) strips near to contact.
+    """
+    K = len(known)
+    depth, chosen = np.zeros(K), np.zeros(K, dtype=np.bool_)
+    depth[free] = highest
+    for i in range(len(free)):
+        for side in (-1, 1):
+            behind, ahead = free[i] - side, free[i] + side
+            if 0 <= ahead < K and near[ahead] and not known[ahead]:
+                chosen[ahead] = chosen[ahead] or highest[i] > (min(depth[behind], 0.0) if 0 <= behind < K else 0.0)
+    return chosen

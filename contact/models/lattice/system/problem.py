@@ -42,6 +42,7 @@ from wheelrail.contact.models.lattice.system.surface import (
     motion_data,
     penetration,
     penetration_changes,
+    smallest_gaps,
 )
 from wheelrail.support.arrays import Array, Mask, Nodes
 
@@ -150,9 +151,7 @@ class LatticeProblem:
         """Strips (K,) to look at first: those that penetrate or lie where the gap is smallest, and the next ones on
         either side.
         """
-        depth = np.pad(self.depth, 1, constant_values=-np.inf)
-        smallest = (self.depth >= depth[:-2]) & (self.depth >= depth[2:])
-        return self.near & with_next(smallest & self.near | (self.depth > 0))
+        return smallest_gaps(self.depth, self.near)
 
     @cached_property
     def speed(self) -> float:
@@ -263,11 +262,3 @@ class LatticeProblem:
     def cell_middles(self) -> Array:
         """Middles (M,) of the cells, from 0 to 1."""
         return np.asarray(0.5 * (self.basis.marks[1:] + self.basis.marks[:-1]))
-
-
-def with_next(chosen: Mask) -> Mask:
-    """Those strips of a mask (K,) and the next ones on either side."""
-    more = chosen.copy()
-    more[1:] |= chosen[:-1]
-    more[:-1] |= chosen[1:]
-    return more

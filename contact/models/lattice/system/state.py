@@ -88,7 +88,11 @@ def moved(values: Array, step: Array, factor: float) -> Array:
 
 @compiled
 def relative_size(values: Array, step: Array) -> tuple[float, float]:
-    """Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length."""
+    """Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length.
+
+    For the largest one entries are multiplied by the half length of their strip over the largest, as they count in its
+    load: those of strips of micrometres are uncertain by round-off.
+    """
     last = values.shape[1] - 1
     pressure, half = LEAST_PRESSURE, 0.0
     for i in range(len(values)):
@@ -96,9 +100,10 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
         half = max(half, 0.5 * (values[i, last] - values[i, last - 1]))
     largest, total = 0.0, 0.0
     for i in range(len(values)):
+        weight = 0.5 * (values[i, last] - values[i, last - 1]) / half
         for k in range(last + 1):
             part = abs(step[i, k]) / (pressure if k < last - 1 else half)
-            largest = max(largest, part)
+            largest = max(largest, weight * part)
             total += part * part
     return largest if np.isfinite(total) else np.inf, np.sqrt(total)
 

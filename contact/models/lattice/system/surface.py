@@ -11,7 +11,7 @@ from wheelrail.contact.geometry.strip_surfaces import NEXT, ProfileStrips, Quadr
 from wheelrail.contact.geometry.wheel_surface import Place, on_circle, write_frame
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
 
 CREST_STEPS = 12
@@ -431,3 +431,21 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
         weight = max(depth[i], 0.0) ** 2 * width[i]
         total, weights = total - weight * flow[k], weights + weight
     return ContactLines(depth, x, curvature, foot, level, total / weights if weights > 0.0 else 0.0)
+
+
+@compiled
+def smallest_gaps(depth: Array, near: Mask) -> Mask:
+    """Strips (K,) that penetrate or, of those near to contact, lie where the gap is smallest, and the next ones.
+
+    Parameters:
+        depth: (K,) m, penetration.
+        near: (K,) strips near to contact.
+    """
+    K = len(depth)
+    chosen = np.zeros(K, dtype=np.bool_)
+    for k in range(K):
+        smallest = near[k] and depth[k] >= depth[max(k - 1, 0)] and depth[k] >= depth[min(k + 1, K - 1)]
+        if smallest or depth[k] > 0.0:
+            for m in range(max(k - 1, 0), min(k + 2, K)):
+                chosen[m] = chosen[m] or near[m]
+    return chosen

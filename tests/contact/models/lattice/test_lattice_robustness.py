@@ -24,6 +24,7 @@ from wheelrail.contact.models.lattice.model import ITERATIONS, START_CELLS, Latt
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
+from wheelrail.contact.models.lattice.solver.remaining import _maximum
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount
@@ -227,6 +228,25 @@ def test_strips_on_both_sides_of_the_undeformed_rail() -> None:
     z = brentq(depth, state.z - 5e-5, state.z + 5e-5, xtol=1e-12)
     forces = [model(*left(replace(state, z=z + k * 2e-7))).force for k in (-1, 0, 1)]
     assert np.abs(np.diff(forces, 2, axis=0)).max() < 1e-5 * np.linalg.norm(forces[1])
+
+
+def test_a_short_strip_beside_long_ones() -> None:
+    """A strip of 0.12 mm enters beside one of 11 mm, from none as from the pose before."""
+    model, state = pair(0.6, "waveguide"), rolling(5.555e-3, 0.31864504e-3, yaw=15e-3)
+    result = model(*left(state))
+    outer = start(result)
+    assert outer.half[-1] < 1e-4 < 5e-3 < outer.half[-2]
+    again = model(*left(state), model(*left(rolling(5.55e-3, 0.3178e-3, yaw=15e-3))))
+    np.testing.assert_allclose(again.force, result.force, rtol=0, atol=1e-8 * np.linalg.norm(result.force))
+
+
+def test_largest_remaining_penetration_by_means_over_cells() -> None:
+    """Exact for a parabola, wherever its maximum lies."""
+    cells, low, high = 12, -3.0, 9.0
+    x = np.linspace(low, high, cells + 1)
+    for place in (0.0, 0.3, 4.5):
+        means = np.diff(2.0 * x - (x - place) ** 3 / 6) / np.diff(x)
+        np.testing.assert_allclose(_maximum(means, low, high), [2.0, place, 1.0], rtol=0, atol=1e-12)
 
 
 def start(result: ContactResult) -> LatticeState:
