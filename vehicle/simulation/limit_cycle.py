@@ -31,7 +31,7 @@ class CycleSearch:
         smallest: m, amplitude below which the linear modes decide: the motion dies out where they decay; where one
             grows, a motion that decreases has a cycle of at most this amplitude.
         longest: s, after which the search ends.
-        rtol, atol: tolerances of the steps, of order 4, see `simulate`. Steps are also short enough that the method's own
+        rtol, atol: tolerances of the steps, of order 4, see `simulate`. Steps are also so short that the method's own
             damping of the least damped mode does not exceed half of what `tolerance` can tell.
     """
 
