@@ -227,7 +227,7 @@ assert -0.09 < float(mean.car_body_y) < -0.07
 np.testing.assert_allclose(last.t_gamma, last.frictional_power / speed, rtol=1e-12)
 flange = run.data.wheel_y.sel(side="right").min("patch").values < -0.025
 first_contact = float(run.data.wheelset_y[np.argmax(flange)])
-assert -5.2e-3 < first_contact < -4.0e-3
+assert -5.4e-3 < first_contact < -4.0e-3  # of the first row: y changes by up to 0.3 mm between rows
 rigid_mean = runs["standard contact"].vertical_force.sel(side="right", time=last.time).mean()
 assert abs(float(rigid_mean) / right - 1) < 0.02
 peaks = {name: patch.max_pressure for name, patch in patches.items()}

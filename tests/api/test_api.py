@@ -79,7 +79,7 @@ def test_hertz_peak(pressed: wr.Solution) -> None:
     assert pressed.ok
     assert patch.side == "contact"
     assert patch.max_pressure == pytest.approx(exact.peak, rel=6e-3)
-    assert patch.normal_force == pytest.approx(60e3, rel=1e-7)  # noise of the default tolerance
+    assert patch.normal_force == pytest.approx(60e3, rel=1e-6)  # noise of the default tolerance
     assert patch.semi_axis_x == pytest.approx(exact.semi_axes[0], rel=5e-3)
     assert wr.Hertz().closed_form(load=60e3).peak == pytest.approx(exact.peak, rel=1e-12)
     half = pressed.data["patch_gap_curvature_x"].item(), pressed.data["patch_gap_curvature_y"].item()

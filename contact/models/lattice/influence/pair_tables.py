@@ -157,12 +157,13 @@ class LatticeTables:
         return PoseMeans(place, self._means(lower, strips, feet[strips], lower.grid.cells_up_to(reach)))
 
     def covers(self, feet: Array) -> Mask:
-        """Whether the lines of the lower body carry strips with middles (K,) m there; not where these are NaN."""
-        lower = self._corrections[1]
-        if lower is None or not self.moves:
-            return np.isfinite(feet)
-        bounds = lower.body.bounds
-        return np.asarray((feet - 0.5 * self.width >= bounds[0]) & (feet + 0.5 * self.width <= bounds[-1]))
+        """Whether the lines of both bodies carry strips with middles (K,) m on the lower one; not where these are NaN."""
+        carried = np.isfinite(feet)
+        for body, place in zip(self._corrections, (self.middle, feet if self.moves else self.middle), strict=True):
+            if body is not None:
+                low, high = body.body.bounds[0], body.body.bounds[-1]
+                carried &= (place - 0.5 * self.width >= low) & (place + 0.5 * self.width <= high)
+        return np.asarray(carried)
 
     def on_lines(self, feet: Array) -> Array:
         """Arc lengths (K,) m of the strips' middles on the lower body, those beyond its lines moved to the last ones.
