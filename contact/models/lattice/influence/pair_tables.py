@@ -157,7 +157,7 @@ class LatticeTables:
         return PoseMeans(place, self._means(lower, strips, feet[strips], lower.grid.cells_up_to(reach)))
 
     def covers(self, feet: Array) -> Mask:
-        """Whether the lines of both bodies carry strips with middles (K,) m on the lower one; not where these are NaN."""
+        """Whether both bodies' lines carry strips with middles (K,) m on the lower one; not where these are NaN."""
         carried = np.isfinite(feet)
         for body, place in zip(self._corrections, (self.middle, feet if self.moves else self.middle), strict=True):
             if body is not None:
