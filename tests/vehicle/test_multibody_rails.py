@@ -32,6 +32,8 @@ from wheelrail.vehicle.steady.critical_speed import critical_speed, least_damped
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.steady.modes import modes
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
+from wheelrail.vehicle.track.irregularity import Irregularities
+from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 from wheelrail.vehicle.track.track import Track
 
 CURVE = ConstantCurve(speed=25.0, curvature=1 / 600, cant=0.1)
@@ -61,6 +63,18 @@ def test_wheel_loads_on_straight_track() -> None:
     assert loads.sum() == pytest.approx(436368.42, abs=0.01)
     positions = solution.state[:42].reshape(7, 6)
     assert 1e3 * positions[3:, 2] == pytest.approx(-0.2276, abs=2e-4)
+
+
+def test_wheelsets_enter_irregular_rails_one_after_another() -> None:
+    """At first the front wheelset alone is on irregular rails."""
+    samples = ERRI["low"].irregularities(60.0, seed=1)
+    front = load_vehicle().bodies["wheelset_1"].x
+    track = Track(irregularities=Irregularities.faded(samples.stations, samples.values, start=front))
+    history = simulate(dynamics(30.0, track=track), (0.0, 0.08), steps=StepSettings("rosenbrock", 3e-3, 3e-5))
+    assert history.status == "completed"
+    changes = np.ptp(history.force[:, :, 0, 2], axis=0)
+    assert changes[0] > 100.0
+    assert changes[2:].max() < 0.1 * changes[0]
 
 
 @pytest.mark.parametrize(("friction", "speed", "frequency"), [(0.3, 63.73, 6.200), (0.4, 62.57, 6.256)])

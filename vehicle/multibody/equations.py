@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.loading.structure import Structure
 
 WheelContacts = Mapping[str, Mapping[Side, ContactResult]]  # by wheelset and side
+SMOOTH: RailShift = ((0.0, 0.0), (0.0, 0.0))  # displacements of rails without irregularities
 
 
 @dataclass(frozen=True)
@@ -217,8 +218,7 @@ class VehicleDynamics:
         if yaw == 0.0:
             return irregularities.rails(distance)
         left, right = (irregularities.rails(distance + way * self.vehicle.wheel_y * yaw) for way in (-1.0, 1.0))
-        none = (0.0, 0.0)
-        return (left[0] if left else none, right[1] if right else none)
+        return ((left or SMOOTH)[0], (right or SMOOTH)[1])
 
     def solve_contacts(self, time: float, state: Array, guess: WheelContacts | None) -> WheelContacts:
         """Contacts of all wheels; raises StepFailure for a result that failed or is not finite."""

@@ -18,6 +18,7 @@ from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.contact_differences import ContactDifferences, renewed
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
 from wheelrail.vehicle.multibody.equations import (
+    SMOOTH,
     VehicleDynamics,
     VehicleEvaluation,
     WheelContacts,
@@ -109,7 +110,7 @@ class VehicleJacobian:
         if self.dynamics.track.irregularities is None:
             return None
         later = self.dynamics.wheelset_states(time + TIME_STEP, state)
-        shifts = (np.array([s.rail_shift for s in each.values()]) for each in (later, states))
+        shifts = (np.array([s.rail_shift or SMOOTH for s in each.values()]) for each in (later, states))
         return np.asarray(np.subtract(*shifts)[..., None] / TIME_STEP)
 
     def _add(

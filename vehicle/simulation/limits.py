@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from math import cos, sin
 from typing import NoReturn
 
-from wheelrail.contact.kinematics.wheelset_state import RailShift
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import ROLL
-from wheelrail.vehicle.multibody.equations import VehicleDynamics
-
-SMOOTH: RailShift = ((0.0, 0.0), (0.0, 0.0))
+from wheelrail.vehicle.multibody.equations import SMOOTH, VehicleDynamics
 
 
 class OutOfBounds(RuntimeError):

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.multibody.vehicle import Vehicle
     from wheelrail.vehicle.simulation.history import History
     from wheelrail.vehicle.simulation.time_run import Progress, Recording
+    from wheelrail.vehicle.track.track import Track
 
 
 def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
@@ -30,6 +31,27 @@ def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
         if body not in vehicle.names:
             raise SceneError(f"kick.{body}: must be one of {', '.join(vehicle.names)}, the bodies of {file}")
     return vehicle
+
+
+def track_before(scene: RunScene, vehicle: Vehicle) -> Track:
+    """Track of a scene whose irregularities begin at the front wheelset, as the run starts in equilibrium.
+
+    Raises SceneError where they are too short.
+    """
+    from wheelrail.vehicle.track.irregularity import Irregularities
+
+    rails, keys = track(scene), scene.track.irregularities
+    if rails.irregularities is None or keys is None:
+        return rails
+    front = max(vehicle.bodies[name].x for name in vehicle.wheelsets)
+    samples = rails.irregularities
+    try:
+        return replace(
+            rails,
+            irregularities=Irregularities.faded(samples.stations, samples.values, start=front, fade=keys.fade),
+        )
+    except ValueError as error:
+        raise SceneError(f"track.irregularities: {error}") from error
 
 
 def simulate_on_track(
@@ -45,7 +67,7 @@ def simulate_on_track(
         recording: rows and checkpoints.
         progress: called at each accepted step.
 
-    Raises RunFailed when a kicked vehicle has no equilibrium to start from.
+    Raises RunFailed when a kicked vehicle has no equilibrium to start from, and SceneError as `track_before`.
     """
     from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
@@ -53,7 +75,8 @@ def simulate_on_track(
     from wheelrail.vehicle.simulation.simulate import simulate
     from wheelrail.vehicle.steady.equilibrium import equilibrium
 
-    dynamics, initial = VehicleDynamics(vehicle, track(scene), contact, scene.vehicle.speed_profile), None
+    rails, initial = track_before(scene, vehicle), None
+    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile)
     resumed = recording.checkpoints is not None and recording.checkpoints.latest is not None
     if scene.kick and not resumed:
         with failures_as_run_failed():
