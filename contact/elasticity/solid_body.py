@@ -104,17 +104,18 @@ class ElasticBody:
 
     @cached_property
     def factor(self) -> Any:
-        """Sparse Cholesky factorisation of the stiffness: by CHOLMOD, on several ranks by MUMPS."""
+        """Sparse Cholesky factorisation of the stiffness, see `compat.set_cholesky`; RuntimeError if it fails."""
         unknowns = self.stiffness.getSize()[0]
         memory = factor_memory(unknowns)
         log.info("stiffness of a solid: %d unknowns, about %.1f GB of memory", unknowns, memory)
         check_memory(f"stiffness of a solid: {unknowns} unknowns", memory / self.ranks.size)
         pc = PETSc.PC().create(self.ranks.comm)
         pc.setOperators(self.stiffness)
-        pc.setType("cholesky")
-        pc.setFactorSolverType("cholmod" if self.ranks.size == 1 else "mumps")
+        compat.set_cholesky(pc)
         pc.setUp()
         factor = pc.getFactorMatrix()
+        if self.ranks.size > 1 and (error := factor.getMumpsInfog(1)) < 0:  # PETSc reports it at the first solve only
+            raise RuntimeError(f"stiffness of a solid: error {error} of MUMPS in its factorisation")
         self._pc = pc  # owns the factor
         compat.freed_with(self, pc, factor)
         return factor

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.elasticity.solid_compliance import compliance_of
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem, Linearisation
+from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
 from wheelrail.support.mpi import Ranks
 
@@ -38,8 +39,7 @@ def choose(pc: Any, kind: Preconditioner, ranks: Ranks) -> None:
         pc.setType("bjacobi")
         pc.setFromOptions()
     elif kind == "cholesky":
-        pc.setType("cholesky")
-        pc.setFactorSolverType("mumps" if several else "cholmod")
+        compat.set_cholesky(pc)
     else:
         pc.setType(kind)
         if kind == "gamg":
