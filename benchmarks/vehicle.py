@@ -1,11 +1,10 @@
-"""Cost of a vehicle in three dimensions: bodies, contacts of all wheels, Jacobian, linear algebra; and of a run.
+"""Cost of the parts of a vehicle in three dimensions: bodies, contacts of all wheels, Jacobian, linear algebra.
 
-python -m benchmarks.vehicle [SCENE] [--vehicle FILE] [--seconds T]
+python -m benchmarks.vehicle [SCENE] [--vehicle FILE]
 
-Parts are medians of the processor time at the steady state of the scene's sharpest curve, in one process. The run is
-that of the scene, or its first T seconds, in one process as well; its errors are differences to a run with a tenth of
-its tolerances, RMS / maximum over all wheelsets and steps. In two processes, one for the left and one for the right
-wheels, contacts take half the time.
+Parts are medians of the processor time at the steady state of the scene's sharpest curve, in one process. In two
+processes, one for the left and one for the right wheels, contacts take half the time. Whole runs:
+`benchmarks.vehicle_runs`.
 """
 
 from __future__ import annotations
@@ -26,15 +25,10 @@ from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.runs.steady import curve_of
 from wheelrail.scenes.schema.scene import RunScene, load_scene
-from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.multibody.coordinates import YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation, wheelset_wrenches
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium
-from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
 SCENE = Path(__file__).parents[1] / "scenes" / "vehicle.toml"
 REPEATS = 15
@@ -75,55 +69,17 @@ def parts(scene: RunScene, dynamics: VehicleDynamics) -> dict[str, float]:
     }
 
 
-def run_row(scene: RunScene, dynamics: VehicleDynamics, seconds: float | None) -> list[str]:
-    """Status, steps, contact solves, and processor time of a run per simulated second; its errors."""
-    end, solver = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length), scene.solver
-    start = process_time()
-    history = simulate(dynamics, (0.0, end), steps=StepSettings(solver.method, solver.rtol, solver.atol))
-    spent, cost = process_time() - start, history.cost
-    tight = simulate(dynamics, (0.0, end), steps=StepSettings(solver.method, 0.1 * solver.rtol, 0.1 * solver.atol))
-    solves = sum(side.solves for side in cost.contact.values())
-    contact = sum(side.seconds for side in cost.contact.values())
-    span = float(history.time[-1])
-    return [
-        history.status,
-        f"{span:.2f}",
-        str(cost.steps.accepted),
-        str(solves),
-        f"{spent / span:.2f}",
-        f"{contact / cost.seconds:.2f}",
-        *(difference(history, tight, coordinate) for coordinate in (Y, YAW)),
-        str(tight.cost.steps.accepted),
-    ]
-
-
-def difference(history: History, reference: History, coordinate: int) -> str:
-    """RMS / maximum over the wheelsets and steps of a run, in mm or mrad, to a run with more steps."""
-    values = [
-        run.coordinate(name, coordinate) for name in history.dynamics.vehicle.wheelsets for run in (history, reference)
-    ]
-    errors = [
-        own - np.interp(history.time, reference.time, other)
-        for own, other in zip(values[::2], values[1::2], strict=True)
-    ]
-    return f"{1e3 * np.sqrt(np.mean(np.square(errors))):.3f} / {1e3 * np.abs(errors).max():.3f}"
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", nargs="?", type=Path, default=SCENE)
     parser.add_argument("--vehicle", type=Path, default=MANCHESTER)
-    parser.add_argument("--seconds", type=float, default=None)
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
     assert isinstance(scene, RunScene)
     contact, speed = wheelset_contact(scene), scene.vehicle.speed_profile
     dynamics = VehicleDynamics(load_vehicle(arguments.vehicle), track(scene), contact, speed)
     print(machine_description(), "\n")
-    print(markdown("part|ms", [[name, f"{value:.2f}"] for name, value in parts(scene, dynamics).items()]), "\n")
-    head = "run|simulated s|steps|contact solves|processor s per s|contacts, part of the time"
-    head += "|error of y, mm|error of yaw, mrad|steps of the tight run"
-    print(markdown(head, [run_row(scene, dynamics, arguments.seconds)]))
+    print(markdown("part|ms", [[name, f"{value:.2f}"] for name, value in parts(scene, dynamics).items()]))
 
 
 if __name__ == "__main__":
