@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
@@ -13,11 +14,12 @@ from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.load_search import RTOL, LoadError, LoadSolution, Results, find_depth_for_load
 from wheelrail.contact.loading.two_wheels import find_depths_for_loads
-from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
 DEEPEST = 0.05  # m below the nominal height, limit of the search
+FRICTIONLESS = 1e-3  # tolerance of the load without friction, for a first depth
 DEEP = 3.0  # times the expected approach: too large a penetration to start from
 
 
@@ -27,6 +29,14 @@ class HasGrid(Protocol):
 
     @property
     def geometry(self) -> SurfacePair: ...
+
+
+@runtime_checkable
+class HasFrictionless(Protocol):
+    """A model with one without friction on the same points."""
+
+    @property
+    def frictionless(self) -> ContactModel: ...
 
 
 @runtime_checkable
@@ -140,11 +150,26 @@ def _find_depth(
         lowered = replace(state, z=-depth)
         return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(sides))
 
-    start = min(-state.z, *(_initial_depth(contact, state, side, expected) for side in sides))
+    start, trials = _first_depth(contact, state, sides, load, expected)
     try:
-        return find_depth_for_load(wheels, load, expected=expected, start=start, rtol=rtol, deepest=DEEPEST)
+        found = find_depth_for_load(wheels, load, expected=expected, start=start, rtol=rtol, deepest=DEEPEST)
+        return replace(found, trials=trials + found.trials)
     except LoadError as error:
         raise LoadError(f"{' and '.join(sides)} wheel: {error}") from None
+
+
+def _first_depth(
+    contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...], load: float, expected: float
+) -> tuple[float, int]:
+    """Initial depth m, and the number of solves that it took: with friction, of models that have a quicker one without,
+    the depth that carries the load there.
+    """
+    frictionless = contact.changed(lambda own: own.frictionless if isinstance(own, HasFrictionless) else own)
+    if any(frictionless.of(side).model is not contact.of(side).model for side in sides):
+        with suppress(LoadError):
+            found = _find_depth(frictionless, state, sides, load, expected, FRICTIONLESS)
+            return found.depth, found.trials
+    return min(-state.z, *(_initial_depth(contact, state, side, expected) for side in sides)), 0
 
 
 def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, expected: float) -> float:
