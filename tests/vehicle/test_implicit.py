@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import pickle
+import select
 import signal
 import time
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,10 +16,10 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 from standin_contact import CONTACT, MOUNTING, FunctionContact, SmoothContact
 
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
+from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.progress import costs
 from wheelrail.scenes.schema.tables import SolverTable
@@ -25,12 +27,13 @@ from wheelrail.vehicle.integration.integrate import FirstStep, StepSettings, int
 from wheelrail.vehicle.integration.rosenbrock import ROS3PL, ROS34PW2, SHAMPINE4
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.contact_differences import REUSED
-from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian, VehicleLinearisation
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import Parallel, WorkerLost, in_parallel
+from wheelrail.vehicle.simulation.row import Row
 from wheelrail.vehicle.simulation.simulate import simulate, step_settings
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -528,6 +531,30 @@ def test_sides_run_in_two_processes() -> None:
         assert (counted.costs["left"].solves, counted.costs["right"].solves) == (1, 1)
         other = int(found["right"].approach)
     assert not alive(other)
+
+
+class Awaiting(VehicleContact):
+    """A contact whose left-hand patches await the beginning of the right-hand ones."""
+
+    def __init__(self) -> None:
+        self.reading, self.writing = os.pipe()
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return replace(ContactResult.separated(1.0), patches=LazyPatches(partial(self.patches, side)))
+
+    def patches(self, side: Side) -> tuple[Patch, ...]:
+        if side == "right":
+            os.write(self.writing, b".")
+        else:
+            assert select.select([self.reading], [], [], 30.0)[0], "the right-hand patches were not started"
+        return ()
+
+
+def test_patches_of_a_row_are_computed_side_by_side() -> None:
+    with in_parallel(Awaiting()) as contact:
+        contacts = {name: {side: contact(WheelsetState(speed=V), side) for side in SIDES} for name in ("1", "2")}
+        row = Row.of(0.0, np.zeros(20), VehicleEvaluation(np.zeros(20), contacts))
+    assert row.patches == (((), ()), ((), ()))
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, cast
@@ -58,18 +59,18 @@ class PendingRequest(NamedTuple):
 
     number: int
     what: str
-    state: WheelsetState
-    result: ContactResult | None
+    state: WheelsetState | None
+    key: Key | None
 
 
 @dataclass
 class Parallel(VehicleContact):
     """Contact model that solves left-hand contacts here and right-hand ones in a second process: `in_parallel`.
 
-    `ahead` and `ahead_tangent` start calls for the right side early, of several wheelsets one after another; the calls
-    follow in the same order, and a call forgets what was started before it. A guess is sent as the key of a stored
-    result; results without references are released. Results agree with those of one process to the last bit.
-    Exceptions of the contact model are raised here, WorkerLost when the second process has ended.
+    `ahead`, `ahead_tangent` and the patches' own `ahead` start calls for the right side early, of several wheelsets one
+    after another; the calls follow in the same order, and a call forgets what was started before it. A guess is sent as
+    the key of a stored result; results without references are released. Results agree with those of one process to the
+    last bit. Exceptions of the contact model are raised here, WorkerLost when the second process has ended.
     """
 
     contact: VehicleContact
@@ -81,28 +82,26 @@ class Parallel(VehicleContact):
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         if side == LOCAL:
             return self.contact(state, side, guess)
-        return self._result(*self._requested("solve", state, guess))
+        return self._result(*self._requested("solve", state, _key(guess)))
 
     def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
         """Start the solve of the right side."""
-        self._announce("solve", state, guess)
+        self._announce("solve", state, _key(guess))
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
         """As the tangent of the contact model; raises ValueError when that has none."""
         if side == LOCAL:
             return self.contact.tangent(state, side, result)
-        return np.asarray(self._requested("tangent", state, result)[1])
+        return np.asarray(self._requested("tangent", state, _key(result))[1])
 
     def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
         """Start the tangent of the right side."""
-        self._announce("tangent", state, result)
+        self._announce("tangent", state, _key(result))
 
     def warm_start(self, side: Side, result: ContactResult) -> object:
         if side == LOCAL:
             return self.contact.warm_start(side, result)
-        assert isinstance(result, RemoteResult)
-        assert result.key is not None
-        return self._answer(self._send("warm start", None, result.key.number))
+        return self._answer(self._send("warm start", None, _key(result)))
 
     def guess(self, side: Side, warm_start: object) -> ContactResult:
         if side == LOCAL:
@@ -114,47 +113,43 @@ class Parallel(VehicleContact):
         """The answer to a request with the key of what the second process stores."""
         key = Key(number, self.released.append)
         values = {f.name: getattr(answer, f.name) for f in fields(ContactResult)}
-        values["patches"] = LazyPatches(lambda: tuple(self._patches(key)))
+        patches = partial(self._patches, key), partial(self._announce, "patches", None, key)
+        values["patches"] = LazyPatches(*patches)
         return RemoteResult(**values, key=key)
 
-    def _patches(self, key: Key) -> Sequence[Patch]:
-        return cast(Sequence[Patch], self._answer(self._send("patches", None, key.number)))
+    def _patches(self, key: Key) -> tuple[Patch, ...]:
+        return tuple(cast(Sequence[Patch], self._requested("patches", None, key)[1]))
 
-    def _announce(self, what: str, state: WheelsetState, result: ContactResult | None) -> None:
+    def _announce(self, what: str, state: WheelsetState | None, key: Key | None) -> None:
         """Start a request unless it is pending."""
-        if self._index(what, state, result) is None:
-            number = self._request(what, state, result)
-            self.pending.append(PendingRequest(number, what, state, result))
+        if self._index(what, state, key) is None:
+            number = self._send(what, state, key)
+            self.pending.append(PendingRequest(number, what, state, key))
 
-    def _requested(self, what: str, state: WheelsetState, result: ContactResult | None) -> tuple[int, Any]:
+    def _requested(self, what: str, state: WheelsetState | None, key: Key | None) -> tuple[int, Any]:
         """Number of a request, of a pending one if there is one, and its answer."""
-        index = self._index(what, state, result)
+        index = self._index(what, state, key)
         if index is None:
-            number = self._request(what, state, result)
+            number = self._send(what, state, key)
             return number, self._answer(number)
         number, pending = self.pending[index].number, self.pending[index + 1 :]
         answer = self._answer(number)
         self.pending = pending
         return number, answer
 
-    def _index(self, what: str, state: WheelsetState, result: ContactResult | None) -> int | None:
+    def _index(self, what: str, state: WheelsetState | None, key: Key | None) -> int | None:
         """Index among the pending requests."""
         for index, request in enumerate(self.pending):
-            if request.what == what and request.state == state and request.result is result:
+            if request.what == what and request.state == state and request.key is key:
                 return index
         return None
 
-    def _request(self, what: str, state: WheelsetState, result: ContactResult | None) -> int:
-        if result is not None and not (isinstance(result, RemoteResult) and result.key):
-            raise ValueError("a result of the right-hand contact that was not computed in its process")
-        return self._send(what, state, result.key.number if isinstance(result, RemoteResult) and result.key else None)
-
-    def _send(self, what: str, state: object, key: int | None) -> int:
+    def _send(self, what: str, state: object, key: Key | None) -> int:
         """Number of a request after sending it."""
         self.requests += 1
         released = [self.released.pop() for _ in range(len(self.released))]
         try:
-            self.pipe.send((self.requests, what, state, key, released))
+            self.pipe.send((self.requests, what, state, None if key is None else key.number, released))
         except OSError as error:
             self.pending = []
             raise WorkerLost from error
@@ -174,6 +169,15 @@ class Parallel(VehicleContact):
         if error is not None:
             raise error
         return answer
+
+
+def _key(result: ContactResult | None) -> Key | None:
+    """Key of a result of the second process. Raises ValueError for another one."""
+    if result is None:
+        return None
+    if not (isinstance(result, RemoteResult) and result.key):
+        raise ValueError("a result of the right-hand contact that was not computed in its process")
+    return result.key
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.results.result import ContactResult, Patch
+from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.equations import VehicleEvaluation
 
@@ -30,6 +30,10 @@ class Row:
     @classmethod
     def of(cls, time: float, state: Array, at: VehicleEvaluation) -> Row:
         wheels = [[sides[side] for side in SIDES] for sides in at.contacts.values()]
+        for pair in wheels:
+            for wheel in pair:
+                if isinstance(wheel.patches, LazyPatches):
+                    wheel.patches.ahead()
         return cls(
             time,
             state,
