@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, RosenbrockPair
@@ -14,6 +15,7 @@ from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import LIMITS, Limits
 from wheelrail.vehicle.simulation.time_run import Progress, Recording, TimeRun
 
+FORCE_SCALE = 10.0  # tolerance of forces in static wheel loads over the relative one of the state
 IMPLICIT = StepSettings(ROSENBROCK.name, 3e-3, 3e-5)
 
 
@@ -64,10 +66,17 @@ def step_settings(dynamics: VehicleDynamics, steps: StepSettings) -> StepSetting
         steps: settings, of which atol, if it is a number, is that of positions and deflections, m and rad. Explicit
             methods, limited by stability, use it for rates, too; for implicit ones see `VehicleDynamics.tolerances`.
     """
-    atol = steps.atol
+    atol, output_tolerance = steps.atol, steps.output_tolerance
     if isinstance(atol, float | int) and isinstance(steps.tableau, RosenbrockPair):
         atol = dynamics.tolerances(atol)
-    return replace(steps, atol=atol, max_step=min(steps.max_step, longest_step(dynamics)))
+        output_tolerance = FORCE_SCALE * steps.rtol * wheel_load(dynamics)
+    longest = min(steps.max_step, longest_step(dynamics))
+    return replace(steps, atol=atol, output_tolerance=output_tolerance, max_step=longest)
+
+
+def wheel_load(dynamics: VehicleDynamics) -> float:
+    """Mean static load N of a wheel."""
+    return float(dynamics.mass.sum()) * dynamics.vehicle.gravity / (len(SIDES) * len(dynamics.vehicle.wheelsets))
 
 
 def longest_step(dynamics: VehicleDynamics) -> float:
