@@ -46,12 +46,12 @@ class Step(Generic[E]):
     forcing: Forcing | None = None
 
     def at(self, time: float) -> Array:
-        """State at a time s within the step, by cubic Hermite interpolation, of the difference from a forcing motion."""
+        """State at a time s within the step: Hermite interpolation, cubic, of the difference from the forcing motion."""
         if self.forcing is None:
             return self._interpolated(time, self.start.rate, self.end.rate, self.x0, self.x)
         (p0, v0, _), (p1, v1, _) = self.forcing(self.t0), self.forcing(self.t)
         rates = self.start.rate - v0, self.end.rate - v1
-        return self.forcing(time)[0] + self._interpolated(time, *rates, self.x0 - p0, self.x - p1)
+        return np.asarray(self.forcing(time)[0] + self._interpolated(time, *rates, self.x0 - p0, self.x - p1))
 
     def _interpolated(self, time: float, rate0: Array, rate: Array, x0: Array, x: Array) -> Array:
         h = self.t - self.t0
@@ -149,8 +149,8 @@ def integrate(
         jacobian: for implicit methods, evaluated once at every accepted state.
         first: evaluation and step length at t0.
         counts: statistics to add to.
-        forcing: motion near the solution: implicit methods integrate the difference from it. Where stiff parts of the
-            solution follow it, stages stay near the solution, too; otherwise it changes results by less than their error.
+        forcing: motion from which implicit methods integrate the difference. Where stiff parts of the solution follow
+            it, the stages of a step stay near the solution.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
@@ -172,9 +172,9 @@ def integrate(
             magnitude, after = np.maximum(np.abs(x), np.abs(new)), t1 if h == t1 - t else t + h
             error = settings.in_tolerances(difference, magnitude, trial_step.outputs)
             if error <= 1.0:
-                end, difference = trial_step.end(after, new, last)
-                if difference is not None:
-                    error = max(error, settings.in_tolerances(difference, magnitude, trial_step.outputs))
+                end, nonlinear = trial_step.end(after, new, last)
+                if nonlinear is not None:
+                    error = max(error, settings.in_tolerances(nonlinear, magnitude, trial_step.outputs))
             if error > 1.0:
                 counts.rejected += 1
                 reason, first_trial = StepFailure(f"error of {error:.3g} tolerances"), False

@@ -42,10 +42,9 @@ class RailFollowing:
         """Place m and indices of height and roll in the state of each wheelset; None: held."""
         coordinates, bodies = self.dynamics.coordinates, self.dynamics.vehicle.bodies
         places = {full: i for i, full in enumerate(coordinates.free.tolist())}
-        names, of_bodies = self.dynamics.vehicle.wheelsets, coordinates.wheelset_bodies.tolist()
-        return [
-            (bodies[n].x, [places.get(6 * i + k) for k in (Z, ROLL)]) for n, i in zip(names, of_bodies, strict=True)
-        ]
+        x = [bodies[name].x for name in self.dynamics.vehicle.wheelsets]
+        indices = [[places.get(6 * i + k) for k in (Z, ROLL)] for i in coordinates.wheelset_bodies.tolist()]
+        return list(zip(x, indices, strict=True))
 
     def __call__(self, time: float) -> Array:
         d, profile = self.dynamics, self.dynamics.speed_profile

@@ -101,7 +101,7 @@ class Irregularities:
         cubics, x = piece
         a, b, c, d = np.array(cubics).T
         slopes = (3.0 * a * x + 2.0 * b) * x + c
-        return np.stack([((a * x + b) * x + c) * x + d, slopes, 6.0 * a * x + 2.0 * b, 6.0 * a])
+        return np.asarray([((a * x + b) * x + c) * x + d, slopes, 6.0 * a * x + 2.0 * b, 6.0 * a])
 
     def at(self, stations: Array) -> Array:
         """The four quantities (m, 4) m at stations (m,), m."""
