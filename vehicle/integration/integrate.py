@@ -46,7 +46,7 @@ class Step(Generic[E]):
     forcing: Forcing | None = None
 
     def at(self, time: float) -> Array:
-        """State at a time s within the step: Hermite interpolation, cubic, of the difference from the forcing motion."""
+        """State at a time s within the step, by cubic Hermite interpolation of the difference from the forcing."""
         if self.forcing is None:
             return self._interpolated(time, self.start.rate, self.end.rate, self.x0, self.x)
         (p0, v0, _), (p1, v1, _) = self.forcing(self.t0), self.forcing(self.t)
