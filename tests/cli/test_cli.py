@@ -371,6 +371,10 @@ def test_track_is_shown_and_drawn(tmp_path: Path) -> None:
     assert outcome.exit_code == 0
     assert "bloss" in outcome.output
     assert file.stat().st_size > 20_000
+    own, vehicle = tmp_path / "vehicle.png", SCENES / "manchester_vehicle.toml"
+    arguments = ["track", str(SCENES / "irregular.toml"), "--picture", str(own), "--vehicle", str(vehicle)]
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    assert own.read_bytes() != file.read_bytes()  # irregularities begin at its front wheelset
     for arguments, says in (
         (["hertz.toml"], "for a single contact use wheelrail contact"),
         (["curve.toml", "--picture", "x.gif"], "must end"),

@@ -103,5 +103,9 @@ class ExplicitRungeKutta(Generic[E]):
         require_finite(new, difference)
         return new, difference, evaluation
 
-    def end(self, t: float, x: Array, last: E) -> E:
-        return last
+    def end(self, t: float, x: Array, last: E) -> tuple[E, Array | None]:
+        return last, None
+
+    @property
+    def outputs(self) -> Array | None:
+        return None

@@ -11,7 +11,7 @@ import numpy as np
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
-from wheelrail.vehicle.integration.problem import E, Linearise, RightHandSide, StepFailure, StepMethod
+from wheelrail.vehicle.integration.problem import E, Forcing, Linearise, RightHandSide, StepFailure, StepMethod
 from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, ROSENBROCK4, RosenbrockPair, RosenbrockW
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
@@ -32,6 +32,7 @@ class Step(Generic[E]):
         start, end: evaluations there.
         error: estimated, in tolerances.
         following: length of the next step, s.
+        forcing: motion from which the difference is integrated; None: zero.
     """
 
     t0: float
@@ -42,14 +43,21 @@ class Step(Generic[E]):
     end: E
     error: float
     following: float
+    forcing: Forcing | None = None
 
     def at(self, time: float) -> Array:
-        """State at a time s within the step, by cubic Hermite interpolation."""
+        """State at a time s within the step, by cubic Hermite interpolation of the difference from the forcing."""
+        if self.forcing is None:
+            return self._interpolated(time, self.start.rate, self.end.rate, self.x0, self.x)
+        (p0, v0, _), (p1, v1, _) = self.forcing(self.t0), self.forcing(self.t)
+        rates = self.start.rate - v0, self.end.rate - v1
+        return np.asarray(self.forcing(time)[0] + self._interpolated(time, *rates, self.x0 - p0, self.x - p1))
+
+    def _interpolated(self, time: float, rate0: Array, rate: Array, x0: Array, x: Array) -> Array:
         h = self.t - self.t0
         u = (time - self.t0) / h
-        rise = self.x - self.x0
-        bow = (1 - 2 * u) * rise + h * ((u - 1) * self.start.rate + u * self.end.rate)
-        return np.asarray((1 - u) * self.x0 + u * self.x + u * (u - 1) * bow)
+        bow = (1 - 2 * u) * (x - x0) + h * ((u - 1) * rate0 + u * rate)
+        return np.asarray((1 - u) * x0 + u * x + u * (u - 1) * bow)
 
 
 @dataclass(frozen=True)
@@ -59,6 +67,7 @@ class StepSettings:
     Parameters:
         method: a name of METHODS.
         rtol, atol: the tolerance of a component is atol + rtol |x|; atol a number or (n,).
+        output_tolerance: of the outputs of a linearisation, see `HasDerivatives`.
         max_step, min_step: s.
         control: of the step length.
 
@@ -68,6 +77,7 @@ class StepSettings:
     method: str = "ode23"
     rtol: float = 1e-3
     atol: float | Array = 1e-6
+    output_tolerance: float = np.inf
     max_step: float = np.inf
     min_step: float = 1e-8
     control: StepController = field(default_factory=StepController)
@@ -85,6 +95,19 @@ class StepSettings:
     def scale(self, magnitude: Array) -> Array:
         """Tolerances (n,) of components of a magnitude |x| (n,)."""
         return np.asarray(self.atol + self.rtol * magnitude)
+
+    def in_tolerances(self, error: Array, magnitude: Array, outputs: Array | None) -> float:
+        """Largest error, in tolerances.
+
+        Parameters:
+            error: (n,) of the state.
+            magnitude: (n,) of the state.
+            outputs: (o, n) derivatives of outputs; None: none.
+        """
+        largest = float(np.max(np.abs(error) / self.scale(magnitude)))
+        if outputs is None or self.output_tolerance == np.inf:
+            return largest
+        return max(largest, float(np.max(np.abs(outputs @ error))) / self.output_tolerance)
 
 
 @dataclass(frozen=True)
@@ -112,6 +135,7 @@ def integrate(
     jacobian: Linearise[E] | None = None,
     first: FirstStep[E] | None = None,
     counts: StepStatistics | None = None,
+    forcing: Forcing | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -125,13 +149,15 @@ def integrate(
         jacobian: for implicit methods, evaluated once at every accepted state.
         first: evaluation and step length at t0.
         counts: statistics to add to.
+        forcing: motion from which implicit methods integrate the difference. Where stiff parts of the solution follow
+            it, the stages of a step stay near the solution.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
     if not t1 > t0:
         raise ValueError(f"integrate: t0 = {t0:g} s, t1 = {t1:g} s: must satisfy t1 > t0")
     control, counts = settings.control, counts if counts is not None else StepStatistics()
-    trial_step, k = _method(rhs, settings.tableau, jacobian, counts), settings.tableau.error_order + 1
+    trial_step, k = _method(rhs, settings.tableau, jacobian, counts, forcing), settings.tableau.error_order + 1
     t, x = t0, np.array(x0, dtype=float)
     start, h, error_before = _initial(rhs, t, x, settings, first or FirstStep(), counts)
     first_trial = True
@@ -143,14 +169,17 @@ def integrate(
             raise StepTooSmall(f"step {h:.3g} s < {settings.min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
         try:
             new, difference, last = trial_step(t, x, start, h)
-            error = float(np.max(np.abs(difference) / settings.scale(np.maximum(np.abs(x), np.abs(new)))))
+            magnitude, after = np.maximum(np.abs(x), np.abs(new)), t1 if h == t1 - t else t + h
+            error = settings.in_tolerances(difference, magnitude, trial_step.outputs)
+            if error <= 1.0:
+                end, nonlinear = trial_step.end(after, new, last)
+                if nonlinear is not None:
+                    error = max(error, settings.in_tolerances(nonlinear, magnitude, trial_step.outputs))
             if error > 1.0:
                 counts.rejected += 1
                 reason, first_trial = StepFailure(f"error of {error:.3g} tolerances"), False
                 h *= max(control.smallest, control.safety * error ** (-1.0 / k))
                 continue
-            after = t1 if h == t1 - t else t + h
-            end = trial_step.end(after, new, last)
         except StepFailure as failure:
             counts.failed += 1
             reason, first_trial = failure, False
@@ -159,7 +188,7 @@ def integrate(
         counts.accepted += 1
         factor = control.factor(error, error_before, k)
         h = min(settings.max_step, h * (factor if first_trial else min(1.0, factor)))
-        step = Step(t, x, start, after, new, end, error, h)
+        step = Step(t, x, start, after, new, end, error, h, forcing)
         t, x, start, error_before, first_trial, reason = after, new, end, error, True, None
         yield step
 
@@ -169,10 +198,11 @@ def _method(
     tableau: Tableau | RosenbrockPair,
     jacobian: Linearise[E] | None,
     counts: StepStatistics,
+    forcing: Forcing | None,
 ) -> StepMethod[E]:
     if isinstance(tableau, Tableau):
         return ExplicitRungeKutta(rhs, tableau, counts)
-    return RosenbrockW(rhs, tableau, counts, jacobian)
+    return RosenbrockW(rhs, tableau, counts, jacobian, forcing)
 
 
 def _initial(

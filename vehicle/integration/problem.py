@@ -20,7 +20,9 @@ class HasRate(Protocol):
 
 
 class HasDerivatives(Protocol):
-    """Derivatives of the rate with respect to the state (n, n) and time (n,), exact or approximate."""
+    """Derivatives of the rate with respect to the state (n, n) and time (n,), exact or approximate, and those (o, n) of
+    quantities whose errors count as those of the state do, such as forces; None: of none.
+    """
 
     @property
     def by_state(self) -> Array: ...
@@ -30,6 +32,9 @@ class HasDerivatives(Protocol):
 
     @property
     def exact(self) -> bool: ...
+
+    @property
+    def outputs(self) -> Array | None: ...
 
 
 E = TypeVar("E", bound=HasRate)
@@ -41,14 +46,23 @@ RightHandSide = Callable[[float, Array, E | None], E]
 Linearise = Callable[[float, Array, E], HasDerivatives]
 
 
+Forcing = Callable[[float], Array]  # motion near the solution, and its first two derivatives by time: (3, n)
+
+
 class StepMethod(Protocol[E]):
-    """Trial step of length h from x at t, with the evaluation `start` there: new state, its difference to the embedded
-    solution, evaluation of the last stage. Raises StepFailure. end: evaluation at the new state, after acceptance.
+    """Trial step of length h from x at t, with the evaluation `start` there: new state, its estimated error, evaluation
+    of the last stage. Raises StepFailure.
+
+    end: evaluation at the new state, and the error of the linearisation that it shows; None: no such error.
+    outputs: derivatives (o, n), see `HasDerivatives`, at the start of the latest trial.
     """
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]: ...
 
-    def end(self, t: float, x: Array, last: E) -> E: ...
+    def end(self, t: float, x: Array, last: E) -> tuple[E, Array | None]: ...
+
+    @property
+    def outputs(self) -> Array | None: ...
 
 
 def require_finite(*arrays: Sequence[float] | Array) -> None:

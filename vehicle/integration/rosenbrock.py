@@ -11,7 +11,7 @@ from typing import Any, Generic
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.problem import E, HasDerivatives, Linearise, RightHandSide, require_finite
+from wheelrail.vehicle.integration.problem import E, Forcing, HasDerivatives, Linearise, RightHandSide, require_finite
 from wheelrail.vehicle.integration.step_control import StepStatistics
 
 Rows = tuple[tuple[float, ...], ...]
@@ -61,6 +61,11 @@ class RosenbrockCoefficients:
     def repeats(self) -> tuple[bool, ...]:
         """Whether a stage has the state of the one before it, and needs no evaluation of its own."""
         return (False, *(after == (*before, 0.0) for before, after in pairwise([(), *self.alpha])))
+
+    @cached_property
+    def stiffly_accurate(self) -> bool:
+        """Whether the solution is the last stage: infinitely stiff parts of its error vanish."""
+        return bool(np.allclose(self.full_alpha[-1] + self.full_gamma[-1], self.weights, rtol=0.0, atol=1e-12))
 
     @cached_property
     def full_alpha(self) -> Array:
@@ -200,6 +205,14 @@ ROSENBROCK = RosenbrockPair("rosenbrock", ROS3PL, ROS34PW2)
 ROSENBROCK4 = RosenbrockPair("rosenbrock4", SHAMPINE4, ROS34PW2)
 
 
+@dataclass(frozen=True)
+class LastStage:
+    """State (n,) of the last stage of a step, at its end in time, and the solution with its factorised matrix."""
+
+    state: Array
+    solve: Callable[[Array], Array]
+
+
 @dataclass
 class RosenbrockW(Generic[E]):
     """`StepMethod` with s solves of one factorised matrix 1/(h g) - A in the unknowns u = h gamma k (Hairer and Wanner,
@@ -210,15 +223,20 @@ class RosenbrockW(Generic[E]):
         methods: coefficients; those of a step are chosen by its Jacobian.
         counts: statistics to which evaluations and factorisations are added.
         jacobian: linearisation of the right-hand side.
+        forcing: motion from which the difference is integrated; None: zero.
 
-    Raises ValueError without a jacobian.
+    Of a stiffly accurate method, stiff parts of the difference to the companion, which is not, are reduced by
+    (1 - h g A)^-1 to the size that they have in the solution (section IV.8 there), and the evaluation at the new state
+    shows the next step of Newton's method from the last stage to the solution. Raises ValueError without a jacobian.
     """
 
     rhs: RightHandSide[E]
     methods: RosenbrockPair
     counts: StepStatistics
     jacobian: Linearise[E] | None
+    forcing: Forcing | None = None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
+    last_stage: LastStage | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         if self.jacobian is None:
@@ -227,21 +245,54 @@ class RosenbrockW(Generic[E]):
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
         linear = self._linear(t, x, start)
         method = self.methods.exact if linear.exact else self.methods.approximate
-        evaluation, unknowns = start, np.zeros((method.stages, len(x)))
+        evaluation, state, unknowns = start, x, np.zeros((method.stages, len(x)))
         solve = self._factorised(linear.by_state, h * method.diagonal)
+        moved, by_time = self._moved(t, linear)
+        rise, rate = np.zeros_like(x), moved(0.0)[1]
         for i in range(method.stages):
             if i > 0 and not method.repeats[i]:
                 self.counts.evaluations += 1
-                evaluation = self.rhs(t + method.nodes[i] * h, x + method.shifts[i, :i] @ unknowns[:i], evaluation)
+                rise, rate = moved(method.nodes[i] * h)
+                state = x + rise + method.shifts[i, :i] @ unknowns[:i]
+                evaluation = self.rhs(t + method.nodes[i] * h, state, evaluation)
             coupling = (method.inverse[i, :i] / h) @ unknowns[:i]
-            unknowns[i] = solve(evaluation.rate - coupling + h * method.sums[i] * linear.by_time)
+            unknowns[i] = solve(evaluation.rate - rate - coupling + h * method.sums[i] * by_time)
         increment, difference = method.ends @ unknowns
         require_finite(increment, difference)
-        return x + increment, difference, evaluation
+        self.last_stage = None
+        if method.stiffly_accurate:
+            difference = solve(difference / (h * method.diagonal))
+            self.last_stage = LastStage(state, solve)
+        return x + moved(h)[0] + increment, difference, evaluation
 
-    def end(self, t: float, x: Array, last: E) -> E:
+    def end(self, t: float, x: Array, last: E) -> tuple[E, Array | None]:
         self.counts.evaluations += 1
-        return self.rhs(t, x, last)
+        evaluation = self.rhs(t, x, last)
+        if self.last_stage is None or self.linear is None:
+            return evaluation, None
+        change = self.linear[1].by_state @ (x - self.last_stage.state)
+        error = self.last_stage.solve(evaluation.rate - last.rate - change)
+        require_finite(error)
+        return evaluation, error
+
+    @property
+    def outputs(self) -> Array | None:
+        return self.linear[1].outputs if self.linear is not None and self.last_stage is not None else None
+
+    def _moved(self, t: float, linear: HasDerivatives) -> tuple[Callable[[float], tuple[Array, Array]], Array]:
+        """Rise (n,) of the forcing motion until some time s after t, and its rate there; derivative (n,) by time of the
+        rates of the difference from this motion.
+        """
+        if self.forcing is None:
+            still = np.zeros_like(linear.by_time)
+            return lambda after: (still, still), linear.by_time
+        forcing, (start, rate, acceleration) = self.forcing, self.forcing(t)
+
+        def moved(after: float) -> tuple[Array, Array]:
+            position, rate_there, _ = forcing(t + after)
+            return position - start, rate_there
+
+        return moved, linear.by_time + linear.by_state @ rate - acceleration
 
     def _linear(self, t: float, x: Array, start: E) -> HasDerivatives:
         assert self.jacobian is not None

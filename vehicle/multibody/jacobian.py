@@ -18,7 +18,6 @@ from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.contact_differences import ContactDifferences, renewed
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
 from wheelrail.vehicle.multibody.equations import (
-    SMOOTH,
     VehicleDynamics,
     VehicleEvaluation,
     WheelContacts,
@@ -32,7 +31,6 @@ from wheelrail.vehicle.track.speed_profile import TrackPosition
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3)
 ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")
 FIRST_RATE = WheelsetState.coordinates.index("y_rate")
-TIME_STEP = 1e-5  # s, forward difference in time of irregular rails
 
 
 @dataclass(frozen=True)
@@ -43,11 +41,13 @@ class VehicleLinearisation:
         by_state: (n, n).
         by_time: (n,) at constant contact forces, but for the motion of irregular rails.
         exact: whether those of the contact forces are tangents of this state.
+        outputs: (6 w, n) N, derivatives of the forces of the left and the right wheel of each wheelset; None: none.
     """
 
     by_state: Array
     by_time: Array
     exact: bool = True
+    outputs: Array | None = None
 
 
 class ContactTangents(NamedTuple):
@@ -94,8 +94,9 @@ class VehicleJacobian:
         travel, (_, _, jerk) = d.speed_profile(time), d.speed_profile.speeds(time)
         bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
         states = d.wheelset_states(time, state)
-        tangents, rails = self.tangents(states, at.contacts), self._rail_rates(time, state, states)
-        result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size), tangents.exact)
+        tangents, rails = self.tangents(states, at.contacts), self._rail_rates(travel, state)
+        forces = self._by_state(tangents.values[:, :, :3])
+        result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size), tangents.exact, forces)
         result.by_state[:c, c : 2 * c] = np.eye(c)
         result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
         for i, tangent in enumerate(tangents.values):
@@ -105,13 +106,28 @@ class VehicleJacobian:
             self._add_structures(result, travel, state, states, at.contacts, tangents.values, rails)
         return result
 
-    def _rail_rates(self, time: float, state: Array, states: Mapping[str, WheelsetState]) -> Array | None:
+    def _by_state(self, tangents: Array) -> Array:
+        """Derivatives (6 w, n) of the forces of all wheels, of tangents (w, 2, 3, 10 + k)."""
+        result = np.zeros((*tangents.shape[:3], self.dynamics.size))
+        for i, own in enumerate(tangents):
+            columns, free = self._columns(i)
+            result[i][..., columns] = own[..., free]
+        return result.reshape(-1, self.dynamics.size)
+
+    def _rail_rates(self, travel: TrackPosition, state: Array) -> Array | None:
         """Rates (w, 2, 2, 1) m/s of the displacements y, z of irregular rails at the wheels; None on smooth rails."""
-        if self.dynamics.track.irregularities is None:
+        d, irregularities = self.dynamics, self.dynamics.track.irregularities
+        if irregularities is None:
             return None
-        later = self.dynamics.wheelset_states(time + TIME_STEP, state)
-        shifts = (np.array([s.rail_shift or SMOOTH for s in each.values()]) for each in (later, states))
-        return np.asarray(np.subtract(*shifts)[..., None] / TIME_STEP)
+        distances = d.distances(travel, state).tolist()
+        yaws = d.coordinates.split(state).position[d.coordinates.wheelset_bodies, YAW].tolist()
+        result = np.zeros((len(distances), len(SIDES), 2, 1))
+        for wheelset, distance, yaw in zip(result, distances, yaws, strict=True):
+            for side, way in enumerate((-1.0, 1.0)):  # as in `VehicleDynamics`: yaw puts the left wheel behind
+                by_distance = irregularities.derivatives(distance + way * d.vehicle.wheel_y * yaw)
+                if by_distance is not None:
+                    wheelset[side, :, 0] = travel.speed * by_distance[1, 2 * side : 2 * side + 2]
+        return result
 
     def _add(
         self, result: VehicleLinearisation, i: int, rows: NDArray[np.int64], by_contact: Array, rails: Array | None

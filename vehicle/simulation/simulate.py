@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, RosenbrockPair
@@ -14,6 +15,8 @@ from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import LIMITS, Limits
 from wheelrail.vehicle.simulation.time_run import Progress, Recording, TimeRun
 
+FORCE_SCALE = 10.0  # tolerance of forces, in static wheel loads, over the relative one of the state
+GRAVITY = 9.81  # m/s2, of these loads, for models without weight, too
 IMPLICIT = StepSettings(ROSENBROCK.name, 3e-3, 3e-5)
 
 
@@ -62,12 +65,16 @@ def step_settings(dynamics: VehicleDynamics, steps: StepSettings) -> StepSetting
     Parameters:
         dynamics: equations of motion.
         steps: settings, of which atol, if it is a number, is that of positions and deflections, m and rad. Explicit
-            methods, limited by stability, use it for rates, too; for implicit ones see `VehicleDynamics.tolerances`.
+            methods, limited by stability, use it for rates, too; for implicit ones see `VehicleDynamics.tolerances`,
+            and forces of wheels have a tolerance of 10 rtol times the mean static load.
     """
-    atol = steps.atol
+    atol, output_tolerance = steps.atol, steps.output_tolerance
     if isinstance(atol, float | int) and isinstance(steps.tableau, RosenbrockPair):
         atol = dynamics.tolerances(atol)
-    return replace(steps, atol=atol, max_step=min(steps.max_step, longest_step(dynamics)))
+        masses, wheels = dynamics.mass.sum(), len(SIDES) * len(dynamics.vehicle.wheelsets)
+        output_tolerance = FORCE_SCALE * steps.rtol * GRAVITY * float(masses) / wheels or np.inf
+    longest = min(steps.max_step, longest_step(dynamics))
+    return replace(steps, atol=atol, output_tolerance=output_tolerance, max_step=longest)
 
 
 def longest_step(dynamics: VehicleDynamics) -> float:

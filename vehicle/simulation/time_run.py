@@ -19,6 +19,7 @@ from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints, War
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, describe_position
+from wheelrail.vehicle.simulation.rail_following import rail_following
 from wheelrail.vehicle.simulation.recorder import Recorder
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
 
@@ -144,6 +145,7 @@ class TimeRun:
             jacobian=jacobian,
             first=FirstStep(first, at.step, at.error),
             counts=self.cost.steps,
+            forcing=rail_following(self.dynamics),
         )
         for count, step in enumerate(steps, start=1):
             self._accept(step)

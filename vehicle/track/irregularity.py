@@ -91,6 +91,18 @@ class Irregularities:
         left_y, left_z, right_y, right_z = [((a * x + b) * x + c) * x + d for a, b, c, d in cubics]
         return (left_y, left_z), (right_y, right_z)
 
+    def derivatives(self, s: float) -> Array | None:
+        """Displacements (4, 4) by distance: m and their first three derivatives, 1 to 1/m2, each of y and z of the left
+        and of the right rail at s; None outside the samples.
+        """
+        piece = self._piece(s)
+        if piece is None:
+            return None
+        cubics, x = piece
+        a, b, c, d = np.array(cubics).T
+        slopes = (3.0 * a * x + 2.0 * b) * x + c
+        return np.asarray([((a * x + b) * x + c) * x + d, slopes, 6.0 * a * x + 2.0 * b, 6.0 * a])
+
     def at(self, stations: Array) -> Array:
         """The four quantities (m, 4) m at stations (m,), m."""
         shifts = [self.rails(s) or ((0.0, 0.0), (0.0, 0.0)) for s in stations.tolist()]

@@ -52,7 +52,13 @@ class IrregularitySpectrum:
         return np.stack([self.alignment * plain, self.level * plain, height, self.gauge * rolling], axis=-1)
 
     def irregularities(
-        self, length: float, *, seed: int, wavelengths: tuple[float, float] = (3.0, 100.0), fade: float = 10.0
+        self,
+        length: float,
+        *,
+        seed: int,
+        wavelengths: tuple[float, float] = (3.0, 100.0),
+        start: float = 0.0,
+        fade: float = 10.0,
     ) -> Irregularities:
         """A random realisation.
 
@@ -60,6 +66,7 @@ class IrregularitySpectrum:
             length: m, from s = 0.
             seed: of the random numbers; the same seed gives the same track for any length.
             wavelengths: shortest and longest, m.
+            start: distance at which they begin, m.
             fade: length of the ramps at both ends, m.
 
         Sum of cosines of random phase, one at a random wave number in each bin of equal width in log(Omega), with the
@@ -82,7 +89,7 @@ class IrregularitySpectrum:
                 for part in np.array_split(stations, 1 + len(stations) // 2000)
             ]
         )
-        return Irregularities.faded(stations, values, fade=fade)
+        return Irregularities.faded(stations, values, start=start, fade=fade)
 
 
 ERRI: dict[Class, IrregularitySpectrum] = {

@@ -33,8 +33,12 @@ def track(
         Path | None,
         typer.Option("--picture", metavar="FILE", help="Save a figure of the track (.png, .svg, .pdf)."),
     ] = None,
+    vehicle: VehicleFile = None,
 ) -> None:
-    """Print the track of a vehicle run: segments, cant, cant deficiency and irregularities."""
+    """Print the track of a vehicle run: segments, cant, cant deficiency and irregularities.
+
+    In the figure, irregularities begin at the front wheelset.
+    """
     checked = load_run(scene)
     check_picture(picture)
     from wheelrail.scenes.runs.track_table import segment_table
@@ -43,8 +47,8 @@ def track(
     if picture is not None:
         from wheelrail.scenes.runs.track_plot import draw_track
 
-        with error_lines("", f"{picture}: "):
-            draw_track(checked, picture)
+        with error_lines(f"{scene}: ", f"{picture}: "):
+            draw_track(checked, picture, vehicle)
 
 
 @app.command()

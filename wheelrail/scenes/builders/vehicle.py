@@ -20,6 +20,17 @@ def track(scene: RunScene) -> Track:
     return scene.track.track()
 
 
+def track_before(scene: RunScene, vehicle: Vehicle) -> Track:
+    """Track of a scene whose irregularities begin at the front wheelset, as runs start in equilibrium.
+
+    Raises SceneError where they are too short.
+    """
+    try:
+        return scene.track.track(max(vehicle.bodies[name].x for name in vehicle.wheelsets))
+    except ValueError as error:
+        raise SceneError(f"track.irregularities: {error}") from error
+
+
 def wagon(scene: RunScene) -> Wagon:
     """Wagon of the scene, with the wheel radius of the scene."""
     return scene.vehicle.on(scene.wheelset.radius)

@@ -22,22 +22,28 @@ LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#009E73", (0, (1, 1))),
 POINTS = 1500
 
 
-def draw_track(scene: RunScene, file: Path) -> None:
-    """Save the figure in the format of the file ending."""
+def draw_track(scene: RunScene, file: Path, vehicle: Path | None = None) -> None:
+    """Save the figure, for a vehicle of a file or the scene's wagon, in the format of the file ending."""
     with styled():
-        save(track_figure(scene), file)
+        save(track_figure(scene, vehicle), file)
 
 
-def track_figure(scene: RunScene) -> Figure:
-    """Plan view, curvature, cant and cant deficiency, gradient and height, irregularities over distance."""
+def track_figure(scene: RunScene, vehicle: Path | None = None) -> Figure:
+    """Plan view, curvature, cant and cant deficiency, gradient and height, irregularities over distance.
+
+    Parameters:
+        scene: of a run.
+        vehicle: file of the vehicle at whose front wheelset irregularities begin; None: the scene's wagon.
+    """
     from matplotlib.figure import Figure
 
-    from wheelrail.scenes.builders.vehicle import wagon
+    from wheelrail.scenes.builders.vehicle import track_before, vehicle_on, wagon
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import centre_line
 
     alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.speed_profile)
-    track, gravity = alignment.track(), wagon(scene).gravity
+    track = alignment.track() if vehicle is None else track_before(scene, vehicle_on(scene, vehicle))
+    gravity = wagon(scene).gravity
     irregularities = track.irregularities
     s = np.linspace(0.0, alignment.length, POINTS, dtype=np.float64)
     stations_list = s.tolist()

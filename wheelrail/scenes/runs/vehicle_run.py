@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.builders.vehicle import track, vehicle_on
+from wheelrail.scenes.builders.vehicle import track_before, vehicle_on
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.multibody.vehicle import Vehicle
     from wheelrail.vehicle.simulation.history import History
     from wheelrail.vehicle.simulation.time_run import Progress, Recording
-    from wheelrail.vehicle.track.track import Track
 
 
 def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
@@ -31,27 +30,6 @@ def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
         if body not in vehicle.names:
             raise SceneError(f"kick.{body}: must be one of {', '.join(vehicle.names)}, the bodies of {file}")
     return vehicle
-
-
-def track_before(scene: RunScene, vehicle: Vehicle) -> Track:
-    """Track of a scene whose irregularities begin at the front wheelset, as the run starts in equilibrium.
-
-    Raises SceneError where they are too short.
-    """
-    from wheelrail.vehicle.track.irregularity import Irregularities
-
-    rails, keys = track(scene), scene.track.irregularities
-    if rails.irregularities is None or keys is None:
-        return rails
-    front = max(vehicle.bodies[name].x for name in vehicle.wheelsets)
-    samples = rails.irregularities
-    try:
-        return replace(
-            rails,
-            irregularities=Irregularities.faded(samples.stations, samples.values, start=front, fade=keys.fade),
-        )
-    except ValueError as error:
-        raise SceneError(f"track.irregularities: {error}") from error
 
 
 def simulate_on_track(

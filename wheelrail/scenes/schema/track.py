@@ -101,17 +101,17 @@ class IrregularityTable(SceneTable):
             raise q.reject("must be in increasing order", "wavelengths")
         return self
 
-    def irregularities(self, length: float) -> Irregularities:
-        """Irregularities along a track of a length, m."""
+    def irregularities(self, length: float, start: float = 0.0) -> Irregularities:
+        """Irregularities along a track of a length m that begin at a distance start, m."""
         from wheelrail.scenes.schema.irregularity_file import read_irregularities
         from wheelrail.vehicle.track.irregularity import Irregularities
         from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 
         if self.file is not None:
-            return Irregularities.faded(*read_irregularities(self.file), fade=self.fade)
+            return Irregularities.faded(*read_irregularities(self.file), start=start, fade=self.fade)
         assert self.spectrum is not None
-        generate = ERRI[self.spectrum].irregularities
-        return generate(length + self.fade, seed=self.seed, wavelengths=self.wavelengths, fade=self.fade)
+        generate, end = ERRI[self.spectrum].irregularities, length + start + self.fade
+        return generate(end, seed=self.seed, wavelengths=self.wavelengths, start=start, fade=self.fade)
 
 
 class TrackLine(RailsTable):
@@ -154,12 +154,12 @@ class TrackLine(RailsTable):
     def length(self) -> float:
         return float(sum(segment.length for segment in self.layout))
 
-    def track(self) -> Track:
-        """Track with its irregularities."""
+    def track(self, start: float = 0.0) -> Track:
+        """Track with irregularities that begin at a distance start, m. Raises ValueError where they are too short."""
         from wheelrail.vehicle.track.track import Track
 
         table = self.irregularities
-        irregularities = table.irregularities(self.length) if table else None
+        irregularities = table.irregularities(self.length, start) if table else None
         return Track.of(self.layout, base=self.cant_base, corner=self.corner, irregularities=irregularities)
 
     @model_validator(mode="after")
