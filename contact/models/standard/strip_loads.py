@@ -81,7 +81,7 @@ def strip_loads(
 def fastsim_sums(
     patch: RollingPatch, half: float, creepage: tuple[float, float, float], mu: float, dome: Array
 ) -> tuple[float, float, float]:
-    """`strip_sums` of a strip of a patch, parameters as for `wheelrail.contact.models.standard.forces.fastsim_strip`."""
+    """`strip_sums` of a strip of a patch; parameters of `wheelrail.contact.models.standard.forces.fastsim_strip`."""
     (xi, eta, _), (wx, wy, spin) = patch.creepages, creepage
     top = mu * patch.paraboloid * half * half
     return strip_sums(half, (xi, eta), (wx - xi, wy - eta, spin), patch.flexibility, top, dome)

@@ -1,5 +1,5 @@
-"""Force of a wheel on a rail with Piotrowski and Kik's pressures in one compiled call; its derivative and the patches in
-one more each, on demand, from the interpenetration regions of the force.
+"""Force of a wheel on a rail with Piotrowski and Kik's pressures in one compiled call; its derivative and the patches
+in one more each, on demand, from the interpenetration regions of the force.
 """
 
 from __future__ import annotations
