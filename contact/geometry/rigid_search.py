@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
+from wheelrail.meshes.curves.closest_point import Shape, foot_from, local, nearer_sample, nearest_sample, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Complex, Nodes
 from wheelrail.support.compiled import compiled
@@ -21,52 +21,81 @@ NEAR = -1e-4  # m: sampled maxima lower than that are not refined
 NONE = -1.0  # m: penetration beside the rail
 CLOSE = 1e-9  # m: smallest distance of a maximum and a minimum
 ITERATIONS = 12  # for the lowest point of a yawed wheel
-LOWEST = 1e-10  # m, last change of its x: the next one is a thousand times smaller, the penetration exact
-
-
-@compiled
-def penetration_at(
-    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, sample: int
-) -> tuple[float, float, float, int]:
-    """Penetration m, its slope by s, the lowest x m for the rail's local slope, and the rail's nearest sample.
-
-    Parameters:
-        wheel, rail: shapes of the profiles.
-        radius: nominal rolling radius, m.
-        origin, rotation: (3,) m and (3, 3), pose of the wheel.
-        s, x: m, arc length on the profile, and along the rolling circle.
-        sample: initial guess of the nearest sample, negative without.
-    """
-    z, t, _ = local(wheel, s, piece(wheel, s))
-    r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
-    y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
-    h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
-    q = complex(y, h)
-    sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
-    at, height, inside = foot(rail, q, rail.samples[sample])
-    if not inside:
-        return NONE, 0.0, x, sample
-    _, along, _ = local(rail, at, piece(rail, at))
-    ny, nz = -along.imag, along.real
-    ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
-    tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
-    forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
-    lowest = -radius * np.arctan(forward / upward) if upward != 0.0 else x
-    return -height, -(ty * ny + tz * nz), lowest, sample
+LOWEST = 1e-7  # m, last change of its x: the next one is a thousand times smaller, the penetration exact to 1e-14 m
 
 
 @compiled
 def deepest(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, sample: int
 ) -> tuple[float, float, float, int]:
-    """As `penetration_at`, at the lowest x of line s, where the wheel's forward direction is parallel to the rail."""
-    depth, slope, lowest, sample = penetration_at(wheel, rail, radius, origin, rotation, s, x, sample)
-    for _ in range(ITERATIONS):
-        if abs(lowest - x) < LOWEST:
+    """Penetration m of line s at its lowest point, where the wheel's forward direction is parallel to the rail; its
+    slope by s, the lowest x m, and the rail's nearest sample.
+
+    Parameters:
+        wheel, rail: shapes of the profiles.
+        radius: nominal rolling radius, m.
+        origin, rotation: (3,) m and (3, 3), pose of the wheel.
+        s, x: m, arc length on the profile, and initial guess of the lowest point along the rolling circle.
+        sample: initial guess of the nearest sample, negative without.
+    """
+    z, t, _ = local(wheel, s, piece(wheel, s))
+    r, j, at, depth, slope, lowest = z.imag + radius, -1, 0.0, NONE, 0.0, x
+    sine, cosine = np.sin(x / radius), np.cos(x / radius)
+    for _ in range(1 + ITERATIONS):
+        y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
+        h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
+        q = complex(y, h)
+        if j < 0:
+            sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
+            at = rail.samples[sample]
+            j = piece(rail, at)
+        at, height, inside, j = foot_from(rail, q, at, j)
+        if not inside:
+            return NONE, 0.0, x, sample
+        _, along, change = local(rail, at, j)
+        ny, nz = -along.imag, along.real
+        ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
+        tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
+        depth, slope = -height, -(ty * ny + tz * nz)
+        forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
+        if upward == 0.0:
             break
-        x = lowest
-        depth, slope, lowest, sample = penetration_at(wheel, rail, radius, origin, rotation, s, x, sample)
+        before, x = x, -radius * np.arctan(forward / upward)
+        lowest = x
+        if abs(x - before) < LOWEST:
+            slope += (x - before) * slope_by_x(rotation, r, t, (sine, cosine), along, change, height) / radius
+            break
+        size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
+        sine, cosine = -forward / size, upward / size
     return depth, slope, lowest, sample
+
+
+@compiled
+def slope_by_x(
+    rotation: Array, r: float, t: complex, turn: tuple[float, float], along: complex, change: complex, height: float
+) -> float:
+    """Derivative of the penetration's slope by the angle x / radius along the rolling circle, 1/rad.
+
+    Parameters:
+        rotation: (3, 3) of the wheel.
+        r, t: radius m of the rolling circle, and tangent of the wheel's profile.
+        turn: sine and cosine of the angle.
+        along, change: tangent of the rail, and its derivative, 1/m.
+        height: of the point above the rail, m.
+    """
+    sine, cosine = turn
+    forward_y, forward_z = (
+        rotation[1, 0] * cosine + rotation[1, 2] * sine,
+        rotation[2, 0] * cosine + rotation[2, 2] * sine,
+    )
+    up_y, up_z = rotation[1, 0] * sine - rotation[1, 2] * cosine, rotation[2, 0] * sine - rotation[2, 2] * cosine
+    by_s = along.real * (t.imag * up_y + t.real * rotation[1, 1]) + along.imag * (
+        t.imag * up_z + t.real * rotation[2, 1]
+    )
+    by_x = r * (along.real * forward_y + along.imag * forward_z)
+    curvature = change.real * along.imag - change.imag * along.real
+    lifted = t.imag * (along.imag * forward_y - along.real * forward_z)
+    return float(lifted - curvature / (1.0 + curvature * height) * by_s * by_x)
 
 
 @compiled
@@ -86,7 +115,7 @@ def stationary_point(
     """Position, penetration and x [m] at which the slope changes its sign, by false position (Illinois).
 
     Parameters:
-        wheel, rail, radius, origin, rotation: as for `penetration_at`.
+        wheel, rail, radius, origin, rotation: as for `deepest`.
         low, high: m, bounds of the position.
         rise, fall: slopes there.
         x, sample: initial guesses.
@@ -129,7 +158,7 @@ def level_crossing(
     """Position [m] at which the penetration equals a level, by Newton's method with bounds.
 
     Parameters:
-        wheel, rail, radius, origin, rotation: as for `penetration_at`.
+        wheel, rail, radius, origin, rotation: as for `deepest`.
         inner, outer: m, bounds; the iteration starts at the outer one, where the profile is steep.
         level: m, exceeded at inner and not at outer.
         x, sample: initial guesses.
@@ -198,12 +227,11 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
     """
     n, last = len(lines.s), len(rail.samples) - 1
     depth, slope, where, nearest = np.full(n, NONE), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64)
-    x, sample = 0.0, -1
+    sample, sine, cosine = -1, 0.0, 1.0
     for i in range(n):
         z, t = lines.point[i], lines.tangent[i]
         r = z.imag + radius
         for _ in range(ITERATIONS):
-            sine, cosine = np.sin(x / radius), np.cos(x / radius)
             y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
             h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
             q = complex(y, h)
@@ -216,19 +244,23 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
             a = offset.real * along.real + offset.imag * along.imag
             d = offset.imag * along.real - offset.real * along.imag
             a /= 1.0 + curvature * d  # to the closest point on the circle of curvature
-            rotated = along * complex(1.0 - 0.5 * (a * curvature) ** 2, -a * curvature)
-            ny, nz = -rotated.imag, rotated.real
+            bend = a * curvature
+            even = 1.0 - 0.5 * bend * bend
+            ny, nz = along.real * bend - along.imag * even, along.real * even + along.imag * bend
             forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
-            before, x = x, -radius * np.arctan(forward / upward) if upward != 0.0 else x
-            if abs(x - before) < 1e-7:
+            if upward == 0.0:
+                break
+            size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
+            before, sine, cosine = sine, -forward / size, upward / size
+            if abs(sine - before) * radius < 1e-7:
                 break
         if (sample == 0 and a < 0.0) or (sample == last and a > 0.0):
-            x, sample = 0.0, -1
+            sample, sine, cosine = -1, 0.0, 1.0
             continue
         ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
         tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
         depth[i], slope[i] = -(d + 0.5 * curvature * a * a * (1.0 + curvature * d)), -(ty * ny + tz * nz)
-        where[i], nearest[i] = x, sample
+        where[i], nearest[i] = radius * np.arcsin(sine), sample
     return Scan(depth, slope, where, nearest)
 
 
@@ -241,7 +273,7 @@ def local_maxima(
     Columns: position, penetration and x, m. A gap between two maxima has the penetration 0.
 
     Parameters:
-        wheel, rail, radius, origin, rotation: as for `penetration_at`.
+        wheel, rail, radius, origin, rotation: as for `deepest`.
         lines: (m,) m, arc lengths on the wheel's profile.
         samples: of `scan`.
     """

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearest_sample, piece
+from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, next_piece, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
 Place = tuple[float, float, float]
+NEXT = 1e-3  # m: points closer than that have neighbouring closest points
 
 
 @compiled
@@ -74,11 +75,13 @@ def wheel_points(
 
     Parameters as for `wheel_place`.
     """
-    n = len(s)
+    n, j = len(s), 0
     points, axes = np.empty((n, 3)), np.empty((n, 3, 3))
     for i in range(n):
         limited = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
-        wheel_place(wheel, radius, origin, rotation, limited, x[i], points, axes, i)
+        j = next_piece(wheel, limited, j) if i > 0 else piece(wheel, limited)
+        z, t, _ = local(wheel, limited, j)
+        write_frame(*on_circle(z, t, radius, origin, rotation, x[i]), points, axes, i)
     return points, axes
 
 
@@ -92,10 +95,12 @@ def profile_places(wheel: Shape, rail: Shape, s: Array, points: Array) -> tuple[
         points: (n, 3) m, whose closest points on the rail are taken.
     """
     on_wheel, on_rail = np.empty((len(s), 2)), np.empty((len(s), 2))
+    last, sample = complex(np.inf, 0.0), 0
     for i in range(len(s)):
         on_wheel[i, 0] = min(max(s[i], wheel.breaks[0]), wheel.breaks[-1])
         q = complex(points[i, 1], points[i, 2])
-        on_rail[i, 0] = foot(rail, q, rail.samples[nearest_sample(rail, q)])[0]
+        sample = nearer_sample(rail, q, sample) if abs(q - last) < NEXT else nearest_sample(rail, q)
+        on_rail[i, 0], last = foot(rail, q, rail.samples[sample])[0], q
         for shape, place in ((wheel, on_wheel), (rail, on_rail)):
             place[i, 1] = local(shape, place[i, 0], piece(shape, place[i, 0]))[0].real
     return on_wheel, on_rail

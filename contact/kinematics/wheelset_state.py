@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import cos, sin
 from typing import ClassVar
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.support.arrays import Array
+from wheelrail.support.records import changed
 
 RailShift = tuple[tuple[float, float], tuple[float, float]]
 
@@ -58,7 +59,7 @@ class WheelsetState:
     def mirrored(self) -> WheelsetState:
         """The state in the mirror y = 0."""
         (wx, wy, wz), shift = self.frame_rate, self.rail_shift
-        return replace(
+        return changed(
             self,
             y=-self.y,
             roll=-self.roll,

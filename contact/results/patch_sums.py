@@ -11,6 +11,8 @@ from wheelrail.contact.results.result import Patch
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
 
+PATCH_NUMBERS = 32  # of `store_sums`
+
 
 class PatchPoints(NamedTuple):
     """Loaded contact points.
@@ -70,6 +72,25 @@ class PatchSums(NamedTuple):
     creepage: tuple[float, float, float]
     power: float
 
+    @classmethod
+    def of(cls, row: Array) -> PatchSums:
+        """Sums of a row (32,) of `store_sums`."""
+        area, stick_area, peak, power, *creepage = row[25:].tolist()
+        return cls(
+            area,
+            stick_area,
+            peak,
+            row[:3],
+            row[3:12].reshape(3, 3),
+            row[12:15],
+            row[15:17],
+            row[17:19],
+            row[19:23],
+            row[23:25],
+            (creepage[0], creepage[1], creepage[2]),
+            power,
+        )
+
     @property
     def patch(self) -> Patch:
         """The patch with these resultants."""
@@ -95,6 +116,15 @@ class PatchSums(NamedTuple):
             creepage=self.creepage,
             frictional_power=self.power,
         )
+
+
+@compiled
+def store_sums(sums: PatchSums, peak: float, row: Array) -> None:
+    """Fill a row (32,) with sums, for compiled code that returns several; peak: Pa, in place of theirs."""
+    row[:3], row[3:12], row[12:15], row[15:17] = sums.force, sums.axes.ravel(), sums.point, sums.wheel
+    row[17:19], row[19:23], row[23:25] = sums.rail, sums.bands, sums.semi_axes
+    row[25], row[26], row[27], row[28] = sums.area, sums.stick_area, peak, sums.power
+    row[29], row[30], row[31] = sums.creepage
 
 
 @compiled

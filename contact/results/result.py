@@ -12,6 +12,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import MIRROR, Pose, cross
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.records import changed
 
 FEWEST_STRIPS = 5  # across a patch: with fewer the force of an ellipse at a given approach errs by more than 2 %
 
@@ -71,7 +72,7 @@ class Patch:
         """The patch in the mirror y = 0."""
         longitudinal, lateral = self.tangential_force
         xi, eta, phi = self.creepage
-        return replace(
+        return changed(
             self,
             force=MIRROR * self.force,
             tangential_force=(longitudinal, -lateral),
@@ -284,11 +285,11 @@ class ContactResult:
     def about(self, centre: Array) -> ContactResult:
         """The result with the moment about another point (3,) m of the frame."""
         tangent = None if self.force_tangent is None else self.force_tangent.about(centre)
-        return replace(self, moment=self.moment - cross(centre, self.force), force_tangent=tangent)
+        return changed(self, moment=self.moment - cross(centre, self.force), force_tangent=tangent)
 
     def mirrored(self) -> ContactResult:
         """Force, moment, patches and tangent in the mirror y = 0; the fields stay those of the left-hand pair."""
-        return replace(
+        return changed(
             self,
             force=MIRROR * self.force,
             moment=-MIRROR * self.moment,

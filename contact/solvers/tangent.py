@@ -7,7 +7,7 @@ points (material points of the wheel in a frame that does not spin), their areas
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
@@ -22,6 +22,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.records import changed
 
 CHANGES = 12
 MIRRORED = np.concatenate([MIRROR, -MIRROR])  # of a vector and an axial one
@@ -161,11 +162,11 @@ class ContactTangent:
 
     def about(self, centre: Array) -> ContactTangent:
         """The derivative with the moment about another point (3,) m, relative to the present one."""
-        return replace(self, centre=self.centre + (MIRROR * centre if self.mirror else centre))
+        return changed(self, centre=self.centre + (MIRROR * centre if self.mirror else centre))
 
     def mirrored(self) -> ContactTangent:
         """The derivative in the mirror y = 0."""
-        return replace(self, mirror=not self.mirror)
+        return changed(self, mirror=not self.mirror)
 
     def __call__(self) -> Array:
         """Derivative (6, 12) of force and moment in the present frame.

@@ -62,6 +62,17 @@ def piece(shape: Shape, s: float) -> int:
 
 
 @compiled
+def next_piece(shape: Shape, s: float, j: int) -> int:
+    """As `piece`, from piece j on: for an s that lies in it or nearby."""
+    last = len(shape.middles) - 1
+    while j < last and shape.breaks[j + 1] <= s:
+        j += 1
+    while j > 0 and shape.breaks[j] > s:
+        j -= 1
+    return j
+
+
+@compiled
 def local(shape: Shape, s: float, j: int) -> tuple[complex, complex, complex]:
     """Position, first and second derivative at s in piece j."""
     # sums of products of real numbers: a complex product has twice as many, half of them with the zero in s + 0i
@@ -125,15 +136,24 @@ def _newton(z: complex, t: complex, k: complex, q: complex) -> tuple[float, floa
 @compiled
 def foot(shape: Shape, q: complex, start: float) -> tuple[float, float, bool]:
     """Arc length m, distance m and inside, as in `Closest`, of the closest point to q, from an initial arc length."""
+    s, distance, inside, _ = foot_from(shape, q, start, piece(shape, start))
+    return s, distance, inside
+
+
+@compiled
+def foot_from(shape: Shape, q: complex, start: float, j: int) -> tuple[float, float, bool, int]:
+    """As `foot`, from an initial arc length in or near piece j; also the piece of the closest point."""
     first, last = shape.breaks[0], shape.breaks[-1]
     s = start
     for _ in range(_FAST):
-        z, t, k = local(shape, s, piece(shape, s))
+        j = next_piece(shape, s, j)
+        z, t, k = local(shape, s, j)
         _along, across, step = _newton(z, t, k, q)
         s = min(max(s + min(max(step, -SPACING), SPACING), first), last)
         if abs(step) < SMALL_STEP:
-            return s, across, True
-    return _held(shape, q, start)
+            return s, across, True, next_piece(shape, s, j)
+    s, across, inside = _held(shape, q, start)
+    return s, across, inside, piece(shape, s)
 
 
 @compiled

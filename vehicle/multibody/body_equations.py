@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -11,7 +12,13 @@ from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array, Complex
 from wheelrail.vehicle.multibody.compiled.bodies import Travel
-from wheelrail.vehicle.multibody.compiled.equations import VehicleArrays, accelerations, derivatives, sections
+from wheelrail.vehicle.multibody.compiled.equations import (
+    VehicleArrays,
+    accelerations,
+    derivatives,
+    element_states,
+    sections,
+)
 from wheelrail.vehicle.multibody.coordinates import Coordinates
 from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
 from wheelrail.vehicle.multibody.vehicle_arrays import vehicle_arrays
@@ -100,13 +107,24 @@ class BodyEquations:
         size, rows = len(columns), rows[:, self._rows]
         return BodyDerivatives(rows[:size].T, rows[size:-1, : self.coordinates.count], rows[-1])
 
+    def element_states(self, travels: Sequence[TrackPosition], states: Array) -> tuple[Array, Array]:
+        """Deflections m and forces N (r, e, 3) of the suspension elements on the upper bodies, in the elements' axes.
+
+        Parameters:
+            travels: reference motion along the track, of r states.
+            states: (r, 2 c + m).
+        """
+        motion = np.array(travels, dtype=np.complex128).reshape(-1, 3)
+        values = element_states(self.arrays, motion, self._all(states))
+        return values[:, 0], values[:, 1]
+
     @cached_property
     def _rows(self) -> NDArray[np.int64]:
         """Indices (c + m,) of free coordinates and Maxwell elements among all."""
         return self.coordinates.within_all[self.coordinates.count :] - self.coordinates.held.size
 
     def _all(self, state: Array) -> Complex:
-        """State (12 n + m,) with held coordinates."""
+        """States (..., 12 n + m) with held coordinates."""
         return self.coordinates.expanded(state).astype(np.complex128)
 
     def _contact(self, wrenches: Array) -> Complex:

@@ -12,7 +12,6 @@ from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.suspension_forces import SuspensionState
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.row import Row
 
@@ -125,10 +124,7 @@ class History:
         """Values (n,) m or rad of a coordinate of a body, see `wheelrail.vehicle.multibody.coordinates`."""
         return np.asarray(self.state[:, self.dynamics.coordinates.index(body, coordinate)])
 
-    def suspension(self) -> list[SuspensionState]:
-        """Deflections and forces of the suspension elements of each row."""
+    def suspension(self) -> tuple[Array, Array]:
+        """Deflections m and forces N (n, e, 3) of the suspension elements on their upper bodies, in their own axes."""
         d = self.dynamics
-        return [
-            d.suspension(d.kinematics(d.speed_profile(row.time), row.state), d.coordinates.split(row.state).series)
-            for row in self.rows
-        ]
+        return d.bodies.element_states([d.speed_profile(row.time) for row in self.rows], self.state)

@@ -42,6 +42,22 @@ def foundation(a: float, b: float, G: float, kalker: tuple[float, float, float])
 
 
 @compiled
+def next_traction(qx: float, qy: float, dx: float, dy: float, bound: float) -> tuple[float, float, float]:
+    """Traction Pa after increments of displacement over flexibility dx, dy Pa, and the excess of the elastic one over
+    the bound Pa: 0 where the surfaces stick.
+    """
+    square = (qx - dx) * (qx - dx) + (qy - dy) * (qy - dy)
+    if square <= bound * bound:
+        return qx - dx, qy - dy, 0.0
+    before, size = np.sqrt(qx * qx + qy * qy), np.sqrt(square)
+    # the previous traction is reduced so that its direction is of second order in the step
+    factor = max(1.0 + 0.5 * (bound - size) / before, 0.5) if before > 0.0 else 1.0
+    qx, qy = factor * qx - dx, factor * qy - dy
+    scale = bound / np.sqrt(qx * qx + qy * qy)
+    return scale * qx, scale * qy, size - bound
+
+
+@compiled
 def strip_tractions(
     half: float,
     creep: tuple[float, float],
@@ -69,19 +85,42 @@ def strip_tractions(
     for i in range(m - 1, -1, -1):
         dx = step * (creep[0] / flexible.along + spin[0] / flexible.spin)
         dy = step * (creep[1] / flexible.across + (spin[1] + spin[2] * x) / flexible.spin)
-        square = (qx - dx) * (qx - dx) + (qy - dy) * (qy - dy)
-        if square <= bounds[i] * bounds[i]:
-            qx, qy = qx - dx, qy - dy
-            slip[i, 0] = slip[i, 1] = 0.0
-        else:
-            before, size = np.sqrt(qx * qx + qy * qy), np.sqrt(square)
-            # the previous traction is reduced so that its direction is of second order in the step
-            factor = max(1.0 + 0.5 * (bounds[i] - size) / before, 0.5) if before > 0.0 else 1.0
-            qx, qy = factor * qx - dx, factor * qy - dy
-            scale = bounds[i] / np.sqrt(qx * qx + qy * qy)
-            qx, qy = scale * qx, scale * qy
-            excess = (size - bounds[i]) * mean / (step * bounds[i])
-            slip[i, 0], slip[i, 1] = -excess * qx, -excess * qy
+        qx, qy, beyond = next_traction(qx, qy, dx, dy, bounds[i])
+        excess = beyond * mean / (step * bounds[i]) if beyond > 0.0 else 0.0
+        slip[i, 0], slip[i, 1] = -excess * qx, -excess * qy
         traction[i, 0], traction[i, 1] = qx, qy
         x -= 0.75 * h if i == m - 1 else h
         step = h
+
+
+@compiled
+def strip_sums(
+    half: float,
+    creep: tuple[float, float],
+    spin: tuple[float, float, float],
+    flexible: ElasticFoundation,
+    top: float,
+    dome: Array,
+) -> tuple[float, float, float]:
+    """Means over the cells of both tractions Pa, and of place times lateral traction, N/m, with those of
+    `strip_tractions`.
+
+    Parameters:
+        half, creep, spin, flexible: as there.
+        top, dome: the bounds are top times dome (m,), Pa.
+    """
+    m = len(dome)
+    h, qx, qy = 2.0 * half / m, 0.0, 0.0
+    gx, gy = creep[0] / flexible.along + spin[0] / flexible.spin, creep[1] / flexible.across + spin[1] / flexible.spin
+    turning = spin[2] / flexible.spin
+    step, x, middle = 0.5 * h, half - 0.25 * h, half - 0.5 * h
+    along, across, turn = 0.0, 0.0, 0.0
+    for i in range(m - 1, -1, -1):
+        qx, qy, _ = next_traction(qx, qy, step * gx, step * (gy + turning * x), top * dome[i])
+        along += qx
+        across += qy
+        turn += middle * qy
+        x -= 0.75 * h if i == m - 1 else h
+        middle -= h
+        step = h
+    return along / m, across / m, turn / m

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
+from wheelrail.contact.geometry.wheel_surface import Place
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, creepages, rolling_speed
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
 from wheelrail.contact.models.standard.fastsim import foundation
@@ -37,7 +38,7 @@ def surface_derivatives(
     by_point: Array,
     by_axes: Array,
 ) -> None:
-    """Fill derivatives (3, 12) of a point on the wheel and (3, 3, 12) of its axes.
+    """Fill derivatives (3, 6) of a point on the wheel and (3, 3, 6) of its axes by the six rigid motions.
 
     Parameters:
         wheel: shape of the profile.
@@ -53,12 +54,9 @@ def surface_derivatives(
     s = min(max(s, wheel.breaks[0]), wheel.breaks[-1])
     z, t, k = local(wheel, s, piece(wheel, s))
     r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
-    by_point[:], by_axes[:] = 0.0, 0.0
-    turned = np.empty((3, MOTIONS))
-    rigid_motions(point[0] - origin[0], point[1] - origin[1], point[2] - origin[2], False, by_point[:, :MOTIONS])
+    rigid_motions(point[0] - origin[0], point[1] - origin[1], point[2] - origin[2], False, by_point)
     for a in (0, 2):
-        rigid_motions(axes[a, 0], axes[a, 1], axes[a, 2], True, turned)
-        by_axes[a, :, :MOTIONS] = turned
+        rigid_motions(axes[a, 0], axes[a, 1], axes[a, 2], True, by_axes[a])
     for c in range(3):
         forward, axle, up = rotation[c, 0], rotation[c, 1], rotation[c, 2]
         point_s = forward * (t.imag * sine) + axle * t.real - up * (t.imag * cosine)
@@ -84,42 +82,51 @@ def surface_derivatives(
 
 @compiled
 def velocity_derivatives(
-    v: RigidVelocities, origin: Array, point: Array, by_point: Array, relative: Array, flow: Array
-) -> tuple[Array, Array]:
-    """Velocity (3,) m/s of the wheel relative to the rail at a point, and mean velocity (3,) of both; their derivatives
-    (3, 12) are filled.
+    v: RigidVelocities, reference: Array, point: Array, by_point: Array, relative: Array, flow: Array
+) -> tuple[Place, Place]:
+    """Velocity m/s of the wheel relative to the rail at a point, and mean velocity of both; their derivatives (3, 12)
+    are filled.
 
     Parameters:
         v: rigid motion of both bodies; the wheel's reference point moves with its frame.
-        origin: (3,) m of the wheel's frame.
-        point, by_point: (3,) m and (3, 12).
+        reference: (3, 6), derivatives of that point.
+        point, by_point: (3,) m and (3, 6).
         relative, flow: (3, 12), filled.
     """
-    reference = np.empty((3, MOTIONS))
-    to_reference = v.wheel_at - origin
-    rigid_motions(to_reference[0], to_reference[1], to_reference[2], False, reference)
-    wheel, rail = np.empty(3), np.empty(3)
-    relative[:], flow[:] = 0.0, 0.0
-    for c in range(3):
-        i, j = (c + 1) % 3, (c + 2) % 3
-        turn_i, turn_j, rail_i, rail_j = v.wheel_turn[i], v.wheel_turn[j], v.rail_turn[i], v.rail_turn[j]
-        wheel[c] = v.wheel[c] + turn_i * (point[j] - v.wheel_at[j]) - turn_j * (point[i] - v.wheel_at[i])
-        rail[c] = v.rail[c] + rail_i * (point[j] - v.rail_at[j]) - rail_j * (point[i] - v.rail_at[i])
-        for q in range(MOTIONS):
-            by_wheel = turn_i * (by_point[j, q] - reference[j, q]) - turn_j * (by_point[i, q] - reference[i, q])
-            by_rail = rail_i * by_point[j, q] - rail_j * by_point[i, q]
-            relative[c, q], flow[c, q] = by_wheel - by_rail, 0.5 * (by_wheel + by_rail)
-        relative[c, 6 + c] = 1.0
-        relative[c, 9 + i], relative[c, 9 + j] = point[j] - v.wheel_at[j], -(point[i] - v.wheel_at[i])
+    x, y, z = point[0] - v.wheel_at[0], point[1] - v.wheel_at[1], point[2] - v.wheel_at[2]
+    wx, wy, wz = v.wheel_turn
+    wheel = v.wheel[0] + wy * z - wz * y, v.wheel[1] + wz * x - wx * z, v.wheel[2] + wx * y - wy * x
+    a, b, c = point[0] - v.rail_at[0], point[1] - v.rail_at[1], point[2] - v.rail_at[2]
+    rx, ry, rz = v.rail_turn
+    rail = v.rail[0] + ry * c - rz * b, v.rail[1] + rz * a - rx * c, v.rail[2] + rx * b - ry * a
+    for q in range(MOTIONS):
+        dx, dy, dz = by_point[0, q], by_point[1, q], by_point[2, q]
+        ex, ey, ez = dx - reference[0, q], dy - reference[1, q], dz - reference[2, q]
+        wheel_x, wheel_y, wheel_z = wy * ez - wz * ey, wz * ex - wx * ez, wx * ey - wy * ex
+        rail_x, rail_y, rail_z = ry * dz - rz * dy, rz * dx - rx * dz, rx * dy - ry * dx
+        relative[0, q], relative[1, q], relative[2, q] = wheel_x - rail_x, wheel_y - rail_y, wheel_z - rail_z
+        flow[0, q], flow[1, q] = 0.5 * (wheel_x + rail_x), 0.5 * (wheel_y + rail_y)
+        flow[2, q] = 0.5 * (wheel_z + rail_z)
+    for k in range(3):
         for q in range(MOTIONS, CHANGES):
-            flow[c, q] = 0.5 * relative[c, q]
-    return wheel - rail, 0.5 * (wheel + rail)
+            relative[k, q] = 0.0
+        relative[k, MOTIONS + k] = 1.0
+    relative[0, 10], relative[0, 11] = z, -y
+    relative[1, 11], relative[1, 9] = x, -z
+    relative[2, 9], relative[2, 10] = y, -x
+    for k in range(3):
+        for q in range(MOTIONS, CHANGES):
+            flow[k, q] = 0.5 * relative[k, q]
+    return (
+        (wheel[0] - rail[0], wheel[1] - rail[1], wheel[2] - rail[2]),
+        (0.5 * (wheel[0] + rail[0]), 0.5 * (wheel[1] + rail[1]), 0.5 * (wheel[2] + rail[2])),
+    )
 
 
 @compiled
 def creepage_derivatives(
     v: RigidVelocities,
-    velocity: Array,
+    velocity: Place,
     by_velocity: Array,
     axes: Array,
     by_axes: Array,
@@ -131,24 +138,27 @@ def creepage_derivatives(
 
     Parameters:
         v: rigid motion of both bodies.
-        velocity, by_velocity: (3,) m/s and (3, 12), of the wheel relative to the rail.
-        axes, by_axes: (3, 3) and (3, 3, 12).
+        velocity, by_velocity: m/s and (3, 12), of the wheel relative to the rail.
+        axes, by_axes: (3, 3) and (3, 3, 6).
         speed: rolling speed m/s and its derivatives (12,).
         creepage: the values.
         columns: filled.
     """
-    V, by_V = speed
+    (V, by_V), (vx, vy, vz) = speed, velocity
+    wx, wy, wz = v.wheel_turn[0] - v.rail_turn[0], v.wheel_turn[1] - v.rail_turn[1], v.wheel_turn[2] - v.rail_turn[2]
+    for k in range(2):
+        fx, fy, fz, value = axes[k, 0], axes[k, 1], axes[k, 2], creepage[k]
+        for q in range(CHANGES):
+            change = by_velocity[0, q] * fx + by_velocity[1, q] * fy + by_velocity[2, q] * fz
+            columns[k, q] = (change - value * by_V[q]) / V
+        for q in range(MOTIONS):
+            columns[k, q] += (vx * by_axes[k, 0, q] + vy * by_axes[k, 1, q] + vz * by_axes[k, 2, q]) / V
     for q in range(CHANGES):
-        along, across, turn = 0.0, 0.0, 0.0
-        for c in range(3):
-            along += by_velocity[c, q] * axes[0, c] + velocity[c] * by_axes[0, c, q]
-            across += by_velocity[c, q] * axes[1, c] + velocity[c] * by_axes[1, c, q]
-            turn -= (v.wheel_turn[c] - v.rail_turn[c]) * by_axes[2, c, q]
-        if q >= 9:
-            turn -= axes[2, q - 9]
-        columns[0, q] = (along - creepage[0] * by_V[q]) / V
-        columns[1, q] = (across - creepage[1] * by_V[q]) / V
-        columns[2, q] = (turn - creepage[2] * by_V[q]) / V
+        columns[2, q] = -creepage[2] * by_V[q] / V
+    for q in range(MOTIONS):
+        columns[2, q] -= (wx * by_axes[2, 0, q] + wy * by_axes[2, 1, q] + wz * by_axes[2, 2, q]) / V
+    for k in range(3):
+        columns[2, 9 + k] -= axes[2, k] / V
 
 
 @compiled
@@ -195,96 +205,92 @@ def force_derivatives(
     (origin, rotation), (middles, peaks) = pose, frames
     tangent, n = np.zeros((6, CHANGES)), len(strips.s)
     dome = half_ellipse_means(cells)[1]
-    bounds, resultant, slopes = dome / dome.max(), np.zeros(3), np.zeros((3, 3))
-    by_point, by_axes = np.empty((3, CHANGES)), np.empty((3, 3, CHANGES))
-    by_velocity, by_flow = np.empty((3, CHANGES)), np.empty((3, CHANGES))
-    by_patch, by_own, by_place = np.empty((3, CHANGES)), np.empty((3, CHANGES)), np.empty((2, MOTIONS))
-    by_speed, by_volume, by_size = np.zeros(CHANGES), np.zeros(CHANGES), np.zeros((3, CHANGES))
-    by_strip, increments, by_force = np.zeros((4, CHANGES)), np.zeros((3, CHANGES)), np.zeros((4, CHANGES))
+    top = dome.max()
+    bounds, resultant, slopes = dome / top, np.zeros(3), np.zeros((3, 3))
+    by_point, by_axes, reference = np.empty((3, MOTIONS)), np.empty((3, 3, MOTIONS)), np.empty((3, MOTIONS))
+    by_velocity, by_flow, by_speed = np.empty((3, CHANGES)), np.empty((3, CHANGES)), np.empty(CHANGES)
+    by_patch, by_own, of_patch = np.empty((3, CHANGES)), np.empty((3, CHANGES)), np.zeros((7, CHANGES))
+    by_strip, by_force, scratch = np.zeros((2, CHANGES)), np.zeros((4, CHANGES)), np.empty((4, 3))
+    away = v.wheel_at - origin
+    rigid_motions(away[0], away[1], away[2], False, reference)
     start = 0
     for c in range(len(zones.peak)):
         stop, volume = start, 0.0
-        by_volume[:] = 0.0
+        of_patch[:] = 0.0
         while stop < n and strips.contact[stop] == c:
             half, width = strips.half[stop], strips.width[stop]
             volume += 4.0 / 3.0 * half**3 * width
             for q in range(MOTIONS):
                 by_width, by_half = by_strips.strips[stop, 2, q], by_strips.strips[stop, 3, q]
-                by_volume[q] += 4.0 / 3.0 * half * half * (3.0 * width * by_half + half * by_width)
+                of_patch[0, q] -= 4.0 / 3.0 * half * half * (3.0 * width * by_half + half * by_width)
             stop += 1
-        by_place[:] = by_zones.contacts[c, :2]
         point, axes, place = peaks.point[c], peaks.axes[c], (zones.peak[c], zones.peak_x[c])
+        by_place = by_zones.contacts[c, :2]
         surface_derivatives(wheel, radius, origin, rotation, place, by_place, (point, axes), by_point, by_axes)
-        velocity, flow = velocity_derivatives(v, origin, point, by_point, by_velocity, by_flow)
+        velocity, flow = velocity_derivatives(v, reference, point, by_point, by_velocity, by_flow)
         speed = rolling_speed(v, point, axes[0])
         for q in range(CHANGES):
-            by_speed[q] = 0.0
-            for d in range(3):
-                by_speed[q] -= by_flow[d, q] * axes[0, d] + flow[d] * by_axes[0, d, q]
-        a, b, load = strips.along[c], strips.across[c], strips.load[c]
+            by_speed[q] = -(by_flow[0, q] * axes[0, 0] + by_flow[1, q] * axes[0, 1] + by_flow[2, q] * axes[0, 2])
+        for q in range(MOTIONS):
+            by_speed[q] -= flow[0] * by_axes[0, 0, q] + flow[1] * by_axes[0, 1, q] + flow[2] * by_axes[0, 2, q]
+        a, b, load, weight = strips.along[c], strips.across[c], strips.load[c], zones.weight[c]
         xi, eta, phi = creepages(v, point, axes, speed)
         creepage_derivatives(v, velocity, by_velocity, axes, by_axes, (speed, by_speed), (xi, eta, phi), by_patch)
         kalker, kalker_slopes = coefficients(elastic.table, a / b), coefficient_slopes(elastic.table, a / b)
         flexible = foundation(a, b, elastic.G, kalker)
-        by_size[:, :MOTIONS] = by_strips.patches[c]
+        # logarithmic derivatives: of the bound but for the half length, of the three flexibilities; then the parts of
+        # the increments' derivatives that are the same for all strips, and the derivative of the weight
+        for q in range(MOTIONS):
+            by_load, by_a = by_strips.patches[c, 0, q] / load, by_strips.patches[c, 1, q] / a
+            by_b = by_strips.patches[c, 2, q] / b
+            ratio = a / b * (by_a - by_b)
+            of_patch[0, q] = by_load + of_patch[0, q] / volume
+            of_patch[1, q] = by_a - kalker_slopes[0] * ratio / kalker[0]
+            of_patch[2, q] = by_a - kalker_slopes[1] * ratio / kalker[1]
+            of_patch[3, q] = 1.5 * by_a - 0.5 * by_b - kalker_slopes[2] * ratio / kalker[2]
+            of_patch[6, q] = by_zones.contacts[c, 3, q]
+        for q in range(CHANGES):
+            of_patch[4, q] = (by_patch[0, q] - xi * of_patch[1, q]) / flexible.along - by_patch[0, q] / flexible.spin
+            of_patch[5, q] = (by_patch[1, q] - eta * of_patch[2, q]) / flexible.across - by_patch[1, q] / flexible.spin
         for i in range(start, stop):
-            half, width, weight = strips.half[i], strips.width[i], zones.weight[c]
-            by_strip[:, :MOTIONS] = by_strips.strips[i, 1:]
-            by_place[:] = by_strips.strips[i, :2]
+            half, width = strips.half[i], strips.width[i]
             point, axes, place = middles.point[i], middles.axes[i], (strips.s[i], strips.x[i])
+            by_place = by_strips.strips[i, :2]
             surface_derivatives(wheel, radius, origin, rotation, place, by_place, (point, axes), by_point, by_axes)
             normal = 0.5 * np.pi * strips.scale[i] * half * half * width
-            bound = mu * load / volume * half * half * dome.max()
-            scale = 2.0 * half * width * bound
+            for q in range(MOTIONS):
+                by_force[2, q] = 0.5 * np.pi * by_strips.strips[i, 4, q] * weight + normal * of_patch[6, q]
+            values = (0.0, 0.0, normal * weight, 0.0)
             if mu > 0.0:
-                velocity, _ = velocity_derivatives(v, origin, point, by_point, by_velocity, by_flow)
+                bound = mu * load / volume * half * half * top
+                scale = 2.0 * half * width * bound
+                velocity, _ = velocity_derivatives(v, reference, point, by_point, by_velocity, by_flow)
                 wx, wy, spin = creepages(v, point, axes, speed)
                 creepage_derivatives(v, velocity, by_velocity, axes, by_axes, (speed, by_speed), (wx, wy, spin), by_own)
                 gx = xi / flexible.along + (wx - xi) / flexible.spin
                 gy = eta / flexible.across + (wy - eta) / flexible.spin
                 gs = spin / flexible.spin
                 normalised = (half * gx / bound, half * gy / bound, half * half * gs / bound)
-                strip_resultant(normalised, bounds, resultant, slopes)
-            for q in range(CHANGES):
-                by_force[2, q] = 0.5 * np.pi * by_strip[3, q] * weight
-                if q < MOTIONS:
-                    by_force[2, q] += normal * by_zones.contacts[c, 3, q]
-            if mu > 0.0:
+                strip_resultant(normalised, bounds, resultant, slopes, scratch)
+                for q in range(MOTIONS):
+                    by_strip[0, q] = by_strips.strips[i, 3, q] / half
+                    by_strip[1, q] = by_strips.strips[i, 2, q] / width
+                x, y, turn = scale * resultant[0], scale * resultant[1], scale * half * resultant[2]
+                values = (x * weight, y * weight, normal * weight, turn * weight)
+                size = weight * scale
                 for q in range(CHANGES):
-                    # logarithmic derivatives of load, semi-axes, half length, width, and of the largest bound
-                    by_load, by_a, by_b = by_size[0, q] / load, by_size[1, q] / a, by_size[2, q] / b
-                    by_half, by_width, by_weight = by_strip[2, q] / half, by_strip[1, q] / width, 0.0
-                    if q < MOTIONS:
-                        by_weight = by_zones.contacts[c, 3, q]
-                    by_bound = by_load - by_volume[q] / volume + 2.0 * by_half
-                    ratio = a / b * (by_a - by_b)
-                    by_1 = by_a - kalker_slopes[0] * ratio / kalker[0]
-                    by_2 = by_a - kalker_slopes[1] * ratio / kalker[1]
-                    by_3 = 1.5 * by_a - 0.5 * by_b - kalker_slopes[2] * ratio / kalker[2]
-                    by_gx = (by_patch[0, q] - xi * by_1) / flexible.along
-                    by_gx += (by_own[0, q] - by_patch[0, q] - (wx - xi) * by_3) / flexible.spin
-                    by_gy = (by_patch[1, q] - eta * by_2) / flexible.across
-                    by_gy += (by_own[1, q] - by_patch[1, q] - (wy - eta) * by_3) / flexible.spin
+                    by_half, by_width = by_strip[0, q], by_strip[1, q]
+                    by_bound, by_3 = of_patch[0, q] + 2.0 * by_half, of_patch[3, q]
+                    shrink, grow = by_half - by_bound, weight * (by_half + by_width + by_bound) + of_patch[6, q]
+                    by_gx = of_patch[4, q] + (by_own[0, q] - (wx - xi) * by_3) / flexible.spin
+                    by_gy = of_patch[5, q] + (by_own[1, q] - (wy - eta) * by_3) / flexible.spin
                     by_gs = (by_own[2, q] - spin * by_3) / flexible.spin
-                    shrink = by_half - by_bound
-                    increments[0, q] = half / bound * (by_gx + gx * shrink)
-                    increments[1, q] = half / bound * (by_gy + gy * shrink)
-                    increments[2, q] = half * half / bound * (by_gs + gs * (shrink + by_half))
-                    grow = weight * (by_half + by_width + by_bound) + by_weight
-                    for d in range(3):
-                        change = 0.0
-                        for e in range(3):
-                            change += slopes[d, e] * increments[e, q]
-                        by_value = scale * (weight * change + resultant[d] * grow)
-                        if d == 2:
-                            by_value = half * (by_value + scale * weight * resultant[d] * by_half)
-                        by_force[d if d < 2 else 3, q] = by_value
-            values = (
-                scale * weight * resultant[0],
-                scale * weight * resultant[1],
-                normal * weight,
-                scale * weight * half * resultant[2],
-            )
+                    ex, ey = half / bound * (by_gx + gx * shrink), half / bound * (by_gy + gy * shrink)
+                    es = half * half / bound * (by_gs + gs * (shrink + by_half))
+                    by_force[0, q] = size * (slopes[0, 0] * ex + slopes[0, 1] * ey + slopes[0, 2] * es) + x * grow
+                    by_force[1, q] = size * (slopes[1, 0] * ex + slopes[1, 1] * ey + slopes[1, 2] * es) + y * grow
+                    by_turn = slopes[2, 0] * ex + slopes[2, 1] * ey + slopes[2, 2] * es
+                    by_force[3, q] = half * size * by_turn + turn * (grow + weight * by_half)
             add_strip(point, axes, values, by_point, by_axes, by_force, tangent)
         start = stop
     return tangent
@@ -305,30 +311,37 @@ def add_strip(
     Parameters:
         point, axes: (3,) m and (3, 3), of its middle.
         resultant: longitudinal and lateral force, pressing force N, and moment N m about the inward normal.
-        by_point, by_axes, by_resultant: (3, 12), (3, 3, 12) and (4, 12).
+        by_point, by_axes, by_resultant: (3, 6), (3, 3, 6) and (4, 12).
         tangent: (6, 12), added to.
     """
-    (x, y, p, turn), force, by_force = resultant, np.empty(3), np.empty(3)
-    for d in range(3):
-        force[d] = x * axes[0, d] + y * axes[1, d] - p * axes[2, d]
+    (x, y, p, turn), (px, py, pz) = resultant, (point[0], point[1], point[2])
+    fx = x * axes[0, 0] + y * axes[1, 0] - p * axes[2, 0]
+    fy = x * axes[0, 1] + y * axes[1, 1] - p * axes[2, 1]
+    fz = x * axes[0, 2] + y * axes[1, 2] - p * axes[2, 2]
     for q in range(CHANGES):
-        for d in range(3):
-            by_force[d] = (
-                by_resultant[0, q] * axes[0, d]
-                + by_resultant[1, q] * axes[1, d]
-                - by_resultant[2, q] * axes[2, d]
-                + x * by_axes[0, d, q]
-                + y * by_axes[1, d, q]
-                - p * by_axes[2, d, q]
-            )
-            tangent[d, q] += by_force[d]
-        for d in range(3):
-            i, j = (d + 1) % 3, (d + 2) % 3
-            tangent[3 + d, q] += (
-                by_point[i, q] * force[j]
-                - by_point[j, q] * force[i]
-                + point[i] * by_force[j]
-                - point[j] * by_force[i]
-                - by_resultant[3, q] * axes[2, d]
-                - turn * by_axes[2, d, q]
-            )
+        along, across, pressing, by_turn = (
+            by_resultant[0, q],
+            by_resultant[1, q],
+            by_resultant[2, q],
+            by_resultant[3, q],
+        )
+        cx = along * axes[0, 0] + across * axes[1, 0] - pressing * axes[2, 0]
+        cy = along * axes[0, 1] + across * axes[1, 1] - pressing * axes[2, 1]
+        cz = along * axes[0, 2] + across * axes[1, 2] - pressing * axes[2, 2]
+        tangent[0, q] += cx
+        tangent[1, q] += cy
+        tangent[2, q] += cz
+        tangent[3, q] += py * cz - pz * cy - by_turn * axes[2, 0]
+        tangent[4, q] += pz * cx - px * cz - by_turn * axes[2, 1]
+        tangent[5, q] += px * cy - py * cx - by_turn * axes[2, 2]
+    for q in range(MOTIONS):
+        cx = x * by_axes[0, 0, q] + y * by_axes[1, 0, q] - p * by_axes[2, 0, q]
+        cy = x * by_axes[0, 1, q] + y * by_axes[1, 1, q] - p * by_axes[2, 1, q]
+        cz = x * by_axes[0, 2, q] + y * by_axes[1, 2, q] - p * by_axes[2, 2, q]
+        dx, dy, dz = by_point[0, q], by_point[1, q], by_point[2, q]
+        tangent[0, q] += cx
+        tangent[1, q] += cy
+        tangent[2, q] += cz
+        tangent[3, q] += dy * fz - dz * fy + py * cz - pz * cy - turn * by_axes[2, 0, q]
+        tangent[4, q] += dz * fx - dx * fz + pz * cx - px * cz - turn * by_axes[2, 1, q]
+        tangent[5, q] += dx * fy - dy * fx + px * cy - py * cx - turn * by_axes[2, 2, q]

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.contact.geometry.interpenetration import WheelRegions
 from wheelrail.contact.geometry.rigid_surfaces import RigidPair, RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
@@ -29,7 +30,7 @@ from wheelrail.contact.models.standard.forces import (
 )
 from wheelrail.contact.models.standard.normal import StripPressures, hertzian, virtual_penetration
 from wheelrail.contact.models.standard.patches import StripContacts
-from wheelrail.contact.models.standard.wheel_rail import WheelOnRail
+from wheelrail.contact.models.standard.wheel_rail import ForceDerivative, WheelOnRail
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
 from wheelrail.contact.solvers.tangent import ContactTangent
 
@@ -180,7 +181,7 @@ class StandardContact:
         failure = self._failure(force.along, force.across, force.speed)
         if failure:
             return ContactResult.failed(failure, force.approach)
-        details = _Details(self, pose, motion)
+        details = _Details(self, at, force.found)
         return ContactResult(
             force=force.force,
             moment=force.moment,
@@ -189,26 +190,22 @@ class StandardContact:
             approach=force.approach,
             status="converged",
             statistics=Statistics(points=force.points),
-            force_tangent=None if self.method == POLACH else ContactTangent(at),
+            force_tangent=None if self.method == POLACH else ContactTangent(ForceDerivative(at, force.found)),
         )
 
 
 @dataclass(frozen=True, eq=False)
 class _Details:
-    """Contacts of a model at a pose and motion, computed when patches or fields are needed."""
+    """Patches and fields of a wheel on a rail, when they are needed, from the regions of the force."""
 
     model: StandardContact
-    pose: Pose
-    motion: RigidMotion
-
-    @cached_property
-    def contacts(self) -> StripContacts:
-        contacts, _ = self.model.strip_contacts(self.pose, self.motion)
-        assert contacts is not None
-        return contacts
+    at: WheelOnRail
+    found: WheelRegions
 
     def patches(self) -> tuple[Patch, ...]:
-        return self.contacts.patches()
+        return self.at.patches(self.found)
 
     def fields(self) -> Fields:
-        return self.contacts.fields()
+        contacts, _ = self.model.strip_contacts(self.at.pose, self.at.motion)
+        assert contacts is not None
+        return contacts.fields()

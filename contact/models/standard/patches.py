@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,9 +13,10 @@ from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.contact.models.standard.forces import StripTractions
 from wheelrail.contact.models.standard.normal import StripPressures
-from wheelrail.contact.results.patch_sums import PatchPoints, patch_sums
+from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, PatchSums, patch_sums, store_sums
 from wheelrail.contact.results.result import Fields, Patch
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import compiled
 
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.rigid_surfaces import RigidPair
@@ -65,27 +66,56 @@ class StripContacts:
 
     def patches(self) -> tuple[Patch, ...]:
         """All patches, by decreasing load."""
-        cells, m = self.cells, self.count
-        axes = np.repeat(self.axes, m, axis=0)
-        on_wheel, on_rail = (np.repeat(place, m, axis=0) for place in self.surfaces.profiles(self.strips.s, self.point))
-        level = np.ascontiguousarray(axes[:, 0])
-        points = PatchPoints(
-            cells.point,
-            axes,
-            level,
-            cells.area,
-            cells.length,
-            on_wheel,
-            on_rail,
-            cells.pressure,
-            cells.traction,
-            cells.sticks,
-        )
-        speed = float(cells.speed.mean()) if cells.traction.any() else 0.0
-        velocities, patches = RigidVelocities.of(self.motion), []
-        for contact in np.argsort(self.rank):
-            own = self.strips.contact == contact
-            peak = float((self.strips.scale[own] * self.strips.half[own]).max())
-            sums = patch_sums(np.repeat(own, m), points, velocities, speed)
-            patches.append(replace(sums.patch, max_pressure=peak))
-        return tuple(patches)
+        places, velocities = self.surfaces.profiles(self.strips.s, self.point), RigidVelocities.of(self.motion)
+        return patches_of(patch_rows(self.zones.weight, self.strips, self.cells, self.axes, places, velocities))
+
+
+def patches_of(rows: Array) -> tuple[Patch, ...]:
+    """Patches of `patch_rows`."""
+    return tuple(PatchSums.of(row).patch for row in rows)
+
+
+@compiled
+def patch_rows(
+    weight: Array,
+    strips: StripPressures,
+    cells: StripTractions,
+    axes: Array,
+    places: tuple[Array, Array],
+    v: RigidVelocities,
+) -> Array:
+    """Sums over the cells of every contact, rows (k, 32) of `store_sums` by decreasing load.
+
+    Parameters:
+        weight: (k,) of the contacts.
+        strips, cells: n strips of the contacts, and their cells.
+        axes: (n, 3, 3) of the strips.
+        places: arc lengths and lateral positions (n, 2) m of the strips on both profiles.
+        v: rigid motion of wheel and rail.
+    """
+    k, n = len(weight), len(axes)
+    rows, of_cells, m = np.empty((k, PATCH_NUMBERS)), np.arange(n).repeat(len(cells.area) // n), len(cells.area) // n
+    all_axes, on_wheel, on_rail = axes[of_cells], places[0][of_cells], places[1][of_cells]
+    level = all_axes[:, 0].copy()
+    points = PatchPoints(
+        cells.point,
+        all_axes,
+        level,
+        cells.area,
+        cells.length,
+        on_wheel,
+        on_rail,
+        cells.pressure,
+        cells.traction,
+        cells.sticks,
+    )
+    speed = cells.speed.mean() if cells.traction.any() else 0.0
+    order = np.argsort(-strips.load * weight, kind="mergesort")
+    for place in range(k):
+        inside, peak = np.zeros(n * m, dtype=np.bool_), 0.0
+        for i in range(n):
+            if strips.contact[i] == order[place]:
+                inside[i * m : (i + 1) * m] = True
+                peak = max(peak, strips.scale[i] * strips.half[i])
+        store_sums(patch_sums(inside, points, v, speed), peak, rows[place])
+    return rows

@@ -24,7 +24,8 @@ from wheelrail.contact.geometry.interpenetration import (
     merging_weights,
 )
 from wheelrail.contact.geometry.rigid_search import deepest
-from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearest_sample, piece
+from wheelrail.contact.geometry.wheel_surface import Place
+from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
@@ -57,55 +58,78 @@ def rigid_motions(x: float, y: float, z: float, turns_only: bool, columns: Array
 
 
 @compiled
+def turned(rotation: Array, a: float, b: float, c: float) -> Place:
+    """Vector of the wheel's axes in those of the rail."""
+    return (
+        rotation[0, 0] * a + rotation[0, 1] * b + rotation[0, 2] * c,
+        rotation[1, 0] * a + rotation[1, 1] * b + rotation[1, 2] * c,
+        rotation[2, 0] * a + rotation[2, 1] * b + rotation[2, 2] * c,
+    )
+
+
+@compiled
+def along_direction(vector: Place, y: float, z: float) -> tuple[float, float, float, float]:
+    """Component of a vector along a direction (0, y, z), and its derivatives by the three rotations."""
+    a, b, c = vector
+    return y * b + z * c, z * b - y * c, -z * a, y * a
+
+
+@compiled
 def at_line(
-    wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, rows: Array
-) -> None:
-    """Fill derivatives of the penetration, its slope, and x at the lowest point of a line.
+    wheel: Shape,
+    rail: Shape,
+    radius: float,
+    origin: Array,
+    rotation: Array,
+    s: float,
+    x: float,
+    sample: int,
+    rows: Array,
+) -> int:
+    """Fill derivatives of the penetration, its slope, and x at the lowest point of a line; the rail's nearest sample.
 
     Parameters:
         wheel, rail: shapes of the profiles.
         radius: nominal rolling radius, m.
         origin, rotation: (3,) m and (3, 3), pose of the wheel.
         s, x: m, the line, and its lowest point.
+        sample: initial guess of the nearest sample, negative without.
         rows: (3, 7) filled; columns: by s, and by the six rigid motions.
     """
     z, t, k = local(wheel, s, piece(wheel, s))
     r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
-    local_vectors = (  # the point and its derivatives by s, s twice, x, s and x, x twice, in the wheel's axes
-        (r * sine, z.real, -r * cosine),
-        (t.imag * sine, t.real, -t.imag * cosine),
-        (k.imag * sine, k.real, -k.imag * cosine),
-        (r * cosine / radius, 0.0, r * sine / radius),
-        (t.imag * cosine / radius, 0.0, t.imag * sine / radius),
-        (-r * sine / radius**2, 0.0, r * cosine / radius**2),
-    )
-    vectors = np.empty((6, 3))
-    for i, (a, b, c) in enumerate(local_vectors):
-        for d in range(3):
-            vectors[i, d] = rotation[d, 0] * a + rotation[d, 1] * b + rotation[d, 2] * c
-    q = complex(origin[1] + vectors[0, 1], origin[2] + vectors[0, 2])
-    at, height, _ = foot(rail, q, rail.samples[nearest_sample(rail, q)])
+    point = turned(rotation, r * sine, z.real, -r * cosine)
+    tangent = turned(rotation, t.imag * sine, t.real, -t.imag * cosine)
+    bow = turned(rotation, k.imag * sine, k.real, -k.imag * cosine)
+    forward = turned(rotation, r * cosine / radius, 0.0, r * sine / radius)
+    both = turned(rotation, t.imag * cosine / radius, 0.0, t.imag * sine / radius)
+    inward = turned(rotation, -r * sine / radius**2, 0.0, r * cosine / radius**2)
+    q = complex(origin[1] + point[1], origin[2] + point[2])
+    sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
+    at, height, _ = foot(rail, q, rail.samples[sample])
     _, along, change = local(rail, at, piece(rail, at))
     ty, tz = along.real, along.imag
     curvature = change.real * tz - change.imag * ty
     bend = curvature / (1.0 + curvature * height)
-    by_s, by_x = ty * vectors[1, 1] + tz * vectors[1, 2], ty * vectors[3, 1] + tz * vectors[3, 2]
-    first = tz * vectors[1, 1] - ty * vectors[1, 2]
-    ss = tz * vectors[2, 1] - ty * vectors[2, 2] - bend * by_s * by_s
-    sx = tz * vectors[4, 1] - ty * vectors[4, 2] - bend * by_s * by_x
-    xx = tz * vectors[5, 1] - ty * vectors[5, 2] - bend * by_x * by_x
-    rows[0, 0], rows[1, 0], rows[2, 0] = first, ss - sx * sx / xx, -sx / xx
-    point, tangent, forward = np.empty((3, MOTIONS)), np.empty((3, MOTIONS)), np.empty((3, MOTIONS))
-    rigid_motions(vectors[0, 0], vectors[0, 1], vectors[0, 2], False, point)
-    rigid_motions(vectors[1, 0], vectors[1, 1], vectors[1, 2], True, tangent)
-    rigid_motions(vectors[3, 0], vectors[3, 1], vectors[3, 2], True, forward)
-    for i in range(MOTIONS):
-        own = ty * point[1, i] + tz * point[2, i]
-        s_own = tz * tangent[1, i] - ty * tangent[2, i] - bend * by_s * own
-        x_own = tz * forward[1, i] - ty * forward[2, i] - bend * by_x * own
-        rows[0, 1 + i] = tz * point[1, i] - ty * point[2, i]
-        rows[1, 1 + i] = s_own - sx * x_own / xx
-        rows[2, 1 + i] = -x_own / xx
+    # along the rail's tangent and its inward normal (0, tz, -ty)
+    by_s, by_x = ty * tangent[1] + tz * tangent[2], ty * forward[1] + tz * forward[2]
+    own, down = along_direction(point, ty, tz), along_direction(point, tz, -ty)
+    first, by_forward = along_direction(tangent, tz, -ty), along_direction(forward, tz, -ty)
+    ss = tz * bow[1] - ty * bow[2] - bend * by_s * by_s
+    sx = tz * both[1] - ty * both[2] - bend * by_s * by_x
+    xx = tz * inward[1] - ty * inward[2] - bend * by_x * by_x
+    rows[0, 0], rows[1, 0], rows[2, 0] = first[0], ss - sx * sx / xx, -sx / xx
+    rows[0, 1], rows[0, 2], rows[0, 3] = 0.0, tz, -ty
+    rows[1, 1], rows[1, 2], rows[1, 3] = 0.0, -bend * by_s * ty, -bend * by_s * tz
+    rows[2, 1], rows[2, 2], rows[2, 3] = 0.0, -bend * by_x * ty, -bend * by_x * tz
+    for i in range(1, 4):
+        rows[0, 3 + i] = down[i]
+        rows[1, 3 + i] = first[i] - bend * by_s * own[i]
+        rows[2, 3 + i] = by_forward[i] - bend * by_x * own[i]
+    for i in range(1, 1 + MOTIONS):
+        rows[2, i] /= -xx
+        rows[1, i] += sx * rows[2, i]
+    return sample
 
 
 @compiled
@@ -196,12 +220,13 @@ def region_derivatives(
     count, m = len(top), len(POSITIONS)
     by_top, by_low = np.zeros((count, 3, MOTIONS)), np.zeros((max(count - 1, 0), 3, MOTIONS))
     rows = np.empty((3, 1 + MOTIONS))
+    near = -1
     for k in range(count):
-        at_line(wheel, rail, radius, origin, rotation, top[k, 0], top[k, 2], rows)
+        near = at_line(wheel, rail, radius, origin, rotation, top[k, 0], top[k, 2], near, rows)
         stationary_derivatives(rows, by_top[k])
     for k in range(count - 1):
         if low[k, 1] > 0.0:
-            at_line(wheel, rail, radius, origin, rotation, low[k, 0], low[k, 2], rows)
+            near = at_line(wheel, rail, radius, origin, rotation, low[k, 0], low[k, 2], near, rows)
             stationary_derivatives(rows, by_low[k])
     weight, reach = merging_weights(top, low, merge)
     by_weight, by_reach = merging_derivatives(top, low, merge, by_top, by_low)
@@ -222,15 +247,15 @@ def region_derivatives(
                 by_edge[:] = 0.0
                 if edge != half_limit(lines, low, j, direction):  # where the penetration equals the level
                     x = strips[half * m + m - 1, 1]  # of the outermost strip
-                    _, _, x, _ = deepest(wheel, rail, radius, origin, rotation, edge, x, -1)
-                    at_line(wheel, rail, radius, origin, rotation, edge, x, rows)
+                    _, _, x, near = deepest(wheel, rail, radius, origin, rotation, edge, x, near)
+                    near = at_line(wheel, rail, radius, origin, rotation, edge, x, near, rows)
                     for c in range(MOTIONS):
                         by_edge[c] = ((1.0 - VIRTUAL) * by_top[k, 1, c] - rows[0, 1 + c]) / rows[0, 0]
                 elif 0 <= j + min(direction, 0) < count - 1:
                     by_edge[:] = by_low[j + min(direction, 0), 0]
                 for q in range(m):
                     i = half * m + q
-                    at_line(wheel, rail, radius, origin, rotation, strips[i, 0], strips[i, 1], rows)
+                    near = at_line(wheel, rail, radius, origin, rotation, strips[i, 0], strips[i, 1], near, rows)
                     z, t, change = local(wheel, strips[i, 0], piece(wheel, strips[i, 0]))
                     for c in range(MOTIONS):
                         by_half = by_edge[c] - by_top[j, 0, c]

@@ -15,7 +15,7 @@ Increments = tuple[float, float, float]
 
 
 @compiled
-def strip_resultant(increments: Increments, bounds: Array, resultant: Array, slopes: Array) -> None:
+def strip_resultant(increments: Increments, bounds: Array, resultant: Array, slopes: Array, scratch: Array) -> None:
     """Fill means over the cells of both tractions and of place times lateral traction (3,), and derivatives (3, 3).
 
     Parameters:
@@ -24,13 +24,14 @@ def strip_resultant(increments: Increments, bounds: Array, resultant: Array, slo
         bounds: (m,), of the traction on cells from the trailing end.
         resultant: (3,) filled.
         slopes: (3, 3) filled, by the increments.
+        scratch: (4, 3).
 
     The recursion is that of `wheelrail.contact.models.standard.fastsim.strip_tractions`.
     """
     m, (along, across, turning) = len(bounds), increments
     qx, qy, h = 0.0, 0.0, 2.0 / m
-    by_x, by_y, new_x, new_y = np.zeros(3), np.zeros(3), np.empty(3), np.empty(3)
-    resultant[:], slopes[:] = 0.0, 0.0
+    by_x, by_y, new_x, new_y = scratch[0], scratch[1], scratch[2], scratch[3]
+    resultant[:], slopes[:], scratch[:] = 0.0, 0.0, 0.0
     step, place = 0.5 * h, 1.0 - 0.25 * h
     for i in range(m - 1, -1, -1):
         ex, ey, bound = qx - step * along, qy - step * (across + turning * place), bounds[i]
@@ -51,7 +52,7 @@ def strip_resultant(increments: Increments, bounds: Array, resultant: Array, slo
             factor = max(factor, 0.5)
             nx, ny = ex + (factor - 1.0) * qx, ey + (factor - 1.0) * qy
             norm = np.sqrt(nx * nx + ny * ny)
-            ux, uy = nx / norm, ny / norm
+            ux, uy, shorter = nx / norm, ny / norm, bound / norm
             for k in range(3):
                 by_nx, by_ny = new_x[k] + (factor - 1.0) * by_x[k], new_y[k] + (factor - 1.0) * by_y[k]
                 if reduced:
@@ -59,16 +60,20 @@ def strip_resultant(increments: Increments, bounds: Array, resultant: Array, slo
                     by_before = (qx * by_x[k] + qy * by_y[k]) / before
                     by_factor = -(0.5 * by_size + (factor - 1.0) * by_before) / before
                     by_nx, by_ny = by_nx + by_factor * qx, by_ny + by_factor * qy
-                across_n = (ux * by_ny - uy * by_nx) * bound / norm
+                across_n = (ux * by_ny - uy * by_nx) * shorter
                 by_x[k], by_y[k] = -uy * across_n, ux * across_n
             qx, qy = bound * ux, bound * uy
         middle = (2.0 * i + 1.0) / m - 1.0
-        resultant[0] += qx / m
-        resultant[1] += qy / m
-        resultant[2] += middle * qy / m
+        resultant[0] += qx
+        resultant[1] += qy
+        resultant[2] += middle * qy
         for k in range(3):
-            slopes[0, k] += by_x[k] / m
-            slopes[1, k] += by_y[k] / m
-            slopes[2, k] += middle * by_y[k] / m
+            slopes[0, k] += by_x[k]
+            slopes[1, k] += by_y[k]
+            slopes[2, k] += middle * by_y[k]
         place -= 0.75 * h if i == m - 1 else h
         step = h
+    for d in range(3):
+        resultant[d] /= m
+        for k in range(3):
+            slopes[d, k] /= m

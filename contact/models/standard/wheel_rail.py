@@ -1,6 +1,5 @@
-"""Force of a wheel on a rail with Piotrowski and Kik's pressures in one compiled call, and its derivative in another.
-
-Both need neither patches nor fields, which are computed from `wheelrail.contact.models.standard.patches` on demand.
+"""Force of a wheel on a rail with Piotrowski and Kik's pressures in one compiled call; its derivative and the patches
+in one more each, on demand, from the interpenetration regions of the force.
 """
 
 from __future__ import annotations
@@ -14,15 +13,18 @@ import numpy as np
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions, WheelRegions, wheel_regions
 from wheelrail.contact.geometry.rigid_search import Lines
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
-from wheelrail.contact.geometry.wheel_surface import wheel_points
+from wheelrail.contact.geometry.wheel_surface import profile_places, wheel_points
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.force_derivatives import force_derivatives
 from wheelrail.contact.models.standard.forces import StripFrames, StripFriction, strip_forces
 from wheelrail.contact.models.standard.normal import StripPressures, virtual_penetration
+from wheelrail.contact.models.standard.patches import patch_rows, patches_of
 from wheelrail.contact.models.standard.pressure_derivatives import virtual_penetration_derivatives
 from wheelrail.contact.models.standard.region_derivatives import region_derivatives
+from wheelrail.contact.models.standard.strip_loads import strip_loads
+from wheelrail.contact.results.result import Patch
 from wheelrail.meshes.curves.closest_point import Shape
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
@@ -38,6 +40,7 @@ class WheelForce(NamedTuple):
         force, moment: (3,) N and N m, about the rail's origin.
         along, across: m, largest semi-axes.
         speed: m/s, smallest rolling speed of a contact.
+        found: regions.
     """
 
     approach: float
@@ -49,6 +52,7 @@ class WheelForce(NamedTuple):
     along: float
     across: float
     speed: float
+    found: WheelRegions
 
 
 @compiled
@@ -107,16 +111,15 @@ def wheel_rail_force(
         cells: along each strip.
     """
     found = wheel_regions(wheel, rail, radius, origin, rotation, lines, merge)
-    k, n = len(found.contacts), len(found.contact) * cells
+    k, n, force, moment = len(found.contacts), len(found.contact) * cells, np.zeros(3), np.zeros(3)
     if k == 0:
-        return WheelForce(found.approach, found.beyond, k, n, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0)
+        return WheelForce(found.approach, found.beyond, k, n, force, moment, 0.0, 0.0, 0.0, found)
     zones = penetration_regions(found)
     strips = virtual_penetration(zones, elastic.E_star)
     middles, peaks = strip_frames(wheel, radius, origin, rotation, zones, strips)
-    friction = StripFriction(method, np.full(n, mu), np.full(k, mu), reduction)
-    tractions = strip_forces(strips, zones.weight, middles, peaks, v, elastic, friction, cells)
-    along, across, speed = strips.along.max(), strips.across.max(), tractions.speed.min()
-    return WheelForce(found.approach, found.beyond, k, n, tractions.force, tractions.moment, along, across, speed)
+    speed = strip_loads(strips, zones, middles, peaks, v, elastic, (method, mu, reduction, cells), force, moment)
+    along, across = strips.along.max(), strips.across.max()
+    return WheelForce(found.approach, found.beyond, k, n, force, moment, along, across, speed, found)
 
 
 @compiled
@@ -132,12 +135,12 @@ def wheel_rail_tangent(
     elastic: PairElasticity,
     mu: float,
     cells: int,
+    found: WheelRegions,
 ) -> Array:
     """Derivative (6, 12) of force and moment about the rail's origin, with FASTSIM or without friction.
 
-    Parameters as for `wheel_rail_force`; the bodies touch.
+    Parameters as for `wheel_rail_force`; found: its regions, of bodies that touch.
     """
-    found = wheel_regions(wheel, rail, radius, origin, rotation, lines, merge)
     zones = penetration_regions(found)
     strips = virtual_penetration(zones, elastic.E_star)
     by_zones = region_derivatives(wheel, rail, radius, origin, rotation, lines.s, merge, found)
@@ -146,6 +149,36 @@ def wheel_rail_tangent(
     return force_derivatives(
         wheel, radius, (origin, rotation), zones, strips, frames, v, elastic, mu, cells, by_zones, by_strips
     )
+
+
+@compiled
+def wheel_rail_patches(
+    wheel: Shape,
+    rail: Shape,
+    radius: float,
+    origin: Array,
+    rotation: Array,
+    lines: Lines,
+    merge: float,
+    v: RigidVelocities,
+    elastic: PairElasticity,
+    method: int,
+    mu: float,
+    reduction: tuple[float, float],
+    cells: int,
+    found: WheelRegions,
+) -> Array:
+    """Rows of all patches by decreasing load, see `wheelrail.contact.results.patch_sums.PatchSums.of`.
+
+    Parameters as for `wheel_rail_force`; found: its regions, of bodies that touch.
+    """
+    zones = penetration_regions(found)
+    strips = virtual_penetration(zones, elastic.E_star)
+    middles, peaks = strip_frames(wheel, radius, origin, rotation, zones, strips)
+    friction = StripFriction(method, np.full(len(strips.s) * cells, mu), np.full(len(zones.peak), mu), reduction)
+    tractions = strip_forces(strips, zones.weight, middles, peaks, v, elastic, friction, cells)
+    places = profile_places(wheel, rail, strips.s, middles.point)
+    return patch_rows(zones.weight, strips, tractions, middles.axes, places, v)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +205,8 @@ class WheelOnRail:
     motion: RigidMotion
 
     @property
-    def _geometry(self) -> tuple[Shape, Shape, float, Array, Array, Lines, float, RigidVelocities]:
+    def geometry(self) -> tuple[Shape, Shape, float, Array, Array, Lines, float, RigidVelocities]:
+        """First arguments of the compiled functions."""
         pair, pose = self.surfaces, self.pose
         rotation = np.ascontiguousarray(pose.rotation)
         velocities = RigidVelocities.of(self.motion)
@@ -182,9 +216,28 @@ class WheelOnRail:
     def force(self) -> WheelForce:
         """Force and moment."""
         friction = self.method, self.mu, self.reduction, self.cells
-        return wheel_rail_force(*self._geometry, self.elastic, *friction)
+        return wheel_rail_force(*self.geometry, self.elastic, *friction)
+
+    def patches(self, found: WheelRegions) -> tuple[Patch, ...]:
+        """Patches on the regions of the force, where the bodies touch."""
+        friction = self.method, self.mu, self.reduction, self.cells
+        return patches_of(wheel_rail_patches(*self.geometry, self.elastic, *friction, found))
+
+
+@dataclass(frozen=True, eq=False)
+class ForceDerivative:
+    """Derivative of the force of a wheel on a rail, where they touch.
+
+    Parameters:
+        at: pose and motion.
+        found: regions of the force.
+    """
+
+    at: WheelOnRail
+    found: WheelRegions
 
     @cached_property
     def matrix(self) -> Array:
-        """Derivative (6, 12) of force and moment about the rail's origin, where the bodies touch."""
-        return wheel_rail_tangent(*self._geometry, self.elastic, self.mu, self.cells)
+        """Derivative (6, 12) of force and moment about the rail's origin."""
+        at = self.at
+        return wheel_rail_tangent(*at.geometry, at.elastic, at.mu, at.cells, self.found)

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from wheelrail.support.arrays import Array, Complex, Nodes
 from wheelrail.vehicle.multibody.compiled.bodies import Motion
 from wheelrail.vehicle.multibody.compiled.vectors import (
@@ -127,6 +125,18 @@ def direction_force(
     return force
 
 
+class ElementState(NamedTuple):
+    """Axes of an element, its lower point m and the upper point's distance from it m, in common axes; the deflection m
+    and the force N on the upper body, static load included, in its own axes.
+    """
+
+    axes: Matrix
+    place: Vector
+    gap: Vector
+    deflection: Vector
+    force: Vector
+
+
 class ElementWrench(NamedTuple):
     """Force N on the upper body, and moments N m about the centres of the upper and the lower one, in common axes."""
 
@@ -143,6 +153,28 @@ def element_axes(turn: float, upper: Matrix, lower: Matrix) -> Matrix:
     if turn == 1.0:
         return upper
     return product(lower, rotation_matrix(scale(turn, rotation_vector(relative_rotation(lower, upper)))))
+
+
+@analytic
+def element_state(
+    elements: ElementArrays, e: int, upper: Motion, lower: Motion, series: Complex, series_rate: Complex
+) -> ElementState:
+    """Deflection and force of element e, parameters as for `element_wrench`."""
+    arms, turn = (elements.upper_arm, elements.lower_arm), elements.turn[e]
+    a_upper = rotate(upper.axes, (arms[0][e, 0], arms[0][e, 1], arms[0][e, 2]))
+    a_lower = rotate(lower.axes, (arms[1][e, 0], arms[1][e, 1], arms[1][e, 2]))
+    p_lower = add(lower.position, a_lower)
+    gap = subtract(add(upper.position, a_upper), p_lower)
+    gap_rate = subtract(
+        add(upper.velocity, cross(upper.rate, a_upper)), add(lower.velocity, cross(lower.rate, a_lower))
+    )
+    axes = element_axes(turn, upper.axes, lower.axes)
+    axes_rate = add(scale(1.0 - turn, lower.rate), scale(turn, upper.rate))
+    value, rate = rotate_back(axes, gap), rotate_back(axes, subtract(gap_rate, cross(axes_rate, gap)))
+    x = direction_force(elements, e, 0, value[0], rate[0], series, series_rate)
+    y = direction_force(elements, e, 1, value[1], rate[1], series, series_rate)
+    z = direction_force(elements, e, 2, value[2], rate[2], series, series_rate)
+    return ElementState(axes, p_lower, gap, value, (x, y, z + elements.static_load[e]))
 
 
 @analytic
@@ -163,24 +195,9 @@ def element_wrench(
         wheelset: 1 if the lower body is a wheelset, otherwise 0.
         series, series_rate: (m,) spring deflections m of Maxwell elements and their rates m/s, which are filled.
     """
-    arms, turn = (elements.upper_arm, elements.lower_arm), elements.turn[e]
-    a_upper = rotate(upper.axes, (arms[0][e, 0], arms[0][e, 1], arms[0][e, 2]))
-    a_lower = rotate(lower.axes, (arms[1][e, 0], arms[1][e, 1], arms[1][e, 2]))
-    p_lower = add(lower.position, a_lower)
-    gap = subtract(add(upper.position, a_upper), p_lower)
-    gap_rate = subtract(
-        add(upper.velocity, cross(upper.rate, a_upper)), add(lower.velocity, cross(lower.rate, a_lower))
-    )
-    axes = element_axes(turn, upper.axes, lower.axes)
-    axes_rate = add(scale(1.0 - turn, lower.rate), scale(turn, upper.rate))
-    value, rate = rotate_back(axes, gap), rotate_back(axes, subtract(gap_rate, cross(axes_rate, gap)))
-    local = np.empty(3, np.complex128)
-    for j in range(3):
-        local[j] = direction_force(elements, e, j, value[j], rate[j], series, series_rate)
-    force, point = (
-        rotate(axes, (local[0], local[1], local[2] + elements.static_load[e])),
-        add(p_lower, scale(1.0 - turn, gap)),
-    )
+    state = element_state(elements, e, upper, lower, series, series_rate)
+    force = rotate(state.axes, state.force)
+    point = add(state.place, scale(1.0 - elements.turn[e], state.gap))
     on_upper = cross(subtract(point, upper.position), force)
     on_lower = cross(subtract(point, lower.position), force)
     # Bearings transmit no moment about the axle of a wheelset.

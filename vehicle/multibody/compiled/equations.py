@@ -17,7 +17,7 @@ from wheelrail.vehicle.multibody.compiled.bodies import (
     rotation,
     translation,
 )
-from wheelrail.vehicle.multibody.compiled.elements import ElementArrays, element_wrench, spring_moment
+from wheelrail.vehicle.multibody.compiled.elements import ElementArrays, element_state, element_wrench, spring_moment
 from wheelrail.vehicle.multibody.compiled.sections import Section, TrackArrays, section_at
 from wheelrail.vehicle.multibody.compiled.vectors import Vector, add, analytic, rotate_back, scale
 
@@ -131,35 +131,69 @@ def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series
         motions: (n, 6, 3), see `motion_in`.
         series, series_rate: (m,) spring deflections m of Maxwell elements, and their rates m/s, which are filled.
         body: whose elements are taken; negative: all.
+    """
+    total = np.zeros((len(motions), 2, 3), np.complex128)
+    add_suspension(vehicle, motions, series, series_rate, body, total)
+    return total
+
+
+@analytic
+def add_suspension(
+    vehicle: VehicleArrays, motions: Complex, series: Complex, series_rate: Complex, body: int, total: Complex
+) -> None:
+    """Add to forces and moments (n, 2, 3); other parameters as for `suspension`.
 
     Forces of elements that are mirror images of each other are added first: the sums of the mirrored motion are the
     mirrored sums, bit for bit.
     """
     elements, wheelset = vehicle.elements, vehicle.bodies.wheelset
-    total = np.zeros((len(motions), 2, 3), np.complex128)
     for p in range(len(elements.pairs)):
         upper, lower = elements.upper[elements.pairs[p, 0]], elements.lower[elements.pairs[p, 0]]
         if body >= 0 and upper != body and lower != body:
             continue
-        pair = np.zeros((3, 3), np.complex128)
         ends = motion_in(motions[upper]), motion_in(motions[lower])
+        zero = 0.0 * ends[0].position[0]
+        force, on_upper, on_lower = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
         for k in range(2):
             e = elements.pairs[p, k]
             if e >= 0:
                 wrench = element_wrench(elements, e, ends[0], ends[1], wheelset[lower], series, series_rate)
-                for i in range(3):
-                    add_to(pair[i], wrench[i])
-        add_to(total[upper, 0], load(pair[0]))
-        add_to(total[upper, 1], load(pair[1]))
-        add_to(total[lower, 0], scale(-1.0, load(pair[0])))
-        add_to(total[lower, 1], scale(-1.0, load(pair[2])))
+                force, on_upper = add(force, wrench.force), add(on_upper, wrench.on_upper)
+                on_lower = add(on_lower, wrench.on_lower)
+        add_to(total[upper, 0], force)
+        add_to(total[upper, 1], on_upper)
+        add_to(total[lower, 0], scale(-1.0, force))
+        add_to(total[lower, 1], scale(-1.0, on_lower))
     for r in range(len(elements.spring_upper)):
         upper, lower = elements.spring_upper[r], elements.spring_lower[r]
         if body < 0 or upper == body or lower == body:
             moment = spring_moment(elements, r, motion_in(motions[upper]), motion_in(motions[lower]))
             add_to(total[upper, 1], moment)
             add_to(total[lower, 1], scale(-1.0, moment))
-    return total
+
+
+@analytic
+def element_states(vehicle: VehicleArrays, travels: Complex, states: Complex) -> Array:
+    """Deflections m and forces N (r, 2, e, 3) of the elements on their upper bodies, in the elements' axes.
+
+    Parameters:
+        vehicle: bodies, elements and track.
+        travels: (r, 3) distance m, speed m/s and acceleration m/s2 of the reference motion.
+        states: (r, 12 n + m) with held coordinates.
+    """
+    elements, c = vehicle.elements, 12 * len(vehicle.bodies.mass)
+    result = np.empty((len(states), 2, len(elements.upper), 3))
+    rate = np.empty(states.shape[1] - c, np.complex128)
+    for i in range(len(states)):
+        travel = Travel(travels[i, 0], travels[i, 1], travels[i, 2])
+        rows = sections(vehicle, travel.distance, travel.distance, states[i])
+        motions = motions_of(vehicle, rows, travel, states[i])
+        for e in range(len(elements.upper)):
+            upper, lower = motion_in(motions[elements.upper[e]]), motion_in(motions[elements.lower[e]])
+            state = element_state(elements, e, upper, lower, states[i, c:], rate)
+            for j in range(3):
+                result[i, 0, e, j], result[i, 1, e, j] = state.deflection[j].real, state.force[j].real
+    return result
 
 
 @analytic
@@ -246,43 +280,96 @@ def derivatives(
     result, rows = np.zeros((size + 7, len(state) - c)), sections(vehicle, travel.distance, travel.distance, state)
     motions, rates_of = motions_of(vehicle, rows, travel, state), np.zeros(len(state) - 2 * c, np.complex128)
     total = suspension(vehicle, motions, state[2 * c :], rates_of, -1)
+    responses = wrench_responses(vehicle, rows, travel, state, total, wrenches)
+    for i in range(n):
+        for d in range(6):
+            result[size + d, 6 * i : 6 * i + 6] = vehicle.bodies.wheelset[i] * responses[i, d]
     own_rows, own_motion, values = rows.copy(), motions.copy(), np.empty(6, np.complex128)
-    for k in range(size + 7):
-        point, contact, at, here = state.copy(), wrenches.copy(), travel, rows
-        if k < size:
-            point[columns[k]] += step
-        if k < size and columns[k] < 2 * c:  # one body moves: its elements, it and its neighbours feel it
-            j, body = columns[k], columns[k] % c // 6
-            if j < c and j % 6 == 0:
-                store_section(vehicle, travel.distance, reference, point, body, own_rows[body])
+    point, change = state.copy(), np.empty_like(total)
+    for k in range(size):
+        column = columns[k]
+        point[column] += step
+        moves = column < 2 * c
+        body = column % c // 6 if moves else upper_of_series(vehicle.elements, column - 2 * c)
+        # one body moves, or a spring of a Maxwell element on it: its elements, it and its neighbours feel it
+        if column < c and column % 6 == 0:
+            store_section(vehicle, travel.distance, reference, point, body, own_rows[body])
+        if moves:
             store_motion(vehicle, own_rows[body], travel, point, body, own_motion[body])
-            rates_of[:] = 0.0
-            change = suspension(vehicle, own_motion, point[2 * c :], rates_of, body)
-            for i in range(n):
-                moved = i == body
-                for d in range(3):
-                    moved = moved or change[i, 0, d] != 0.0 or change[i, 1, d] != 0.0
-                    change[i, 0, d] = complex(total[i, 0, d].real, change[i, 0, d].imag)
-                    change[i, 1, d] = complex(total[i, 1, d].real, change[i, 1, d].imag)
-                if moved:
-                    store_accelerations(vehicle, own_rows[i], travel, point, change[i], wrenches[i], i, values)
-                    for d in range(6):
-                        result[k, 6 * i + d] = values[d].imag / STEP
-            for m in range(len(rates_of)):
-                result[k, c + m] = rates_of[m].imag / STEP
-            own_rows[body], own_motion[body] = rows[body], motions[body]
-            continue
-        if size <= k < size + 6:
-            for i in range(n):
-                contact[i, (k - size) // 3, (k - size) % 3] += vehicle.bodies.wheelset[i] * step
-        elif k == size + 6:
-            at = Travel(
-                travel.distance + step * rates.distance,
-                travel.speed + step * rates.speed,
-                travel.acceleration + step * rates.acceleration,
-            )
-            here = sections(vehicle, at.distance, reference, point)
-        rate = accelerations(vehicle, here, at, point, contact)
-        for j in range(len(rate)):
-            result[k, j] = rate[j].imag / STEP
+        rates_of[:], change[:] = 0.0, 0.0
+        add_suspension(vehicle, own_motion, point[2 * c :], rates_of, body, change)
+        for i in range(n):
+            if i != body or not moves:
+                add_response(responses[i], section_of(rows[i]), change[i], result[k, 6 * i : 6 * i + 6])
+        if moves:
+            for d in range(3):
+                change[body, 0, d] = complex(total[body, 0, d].real, change[body, 0, d].imag)
+                change[body, 1, d] = complex(total[body, 1, d].real, change[body, 1, d].imag)
+            store_accelerations(vehicle, own_rows[body], travel, point, change[body], wrenches[body], body, values)
+            for d in range(6):
+                result[k, 6 * body + d] = values[d].imag / STEP
+        for m in range(len(rates_of)):
+            result[k, c + m] = rates_of[m].imag / STEP
+        own_rows[body], own_motion[body], point[column] = rows[body], motions[body], state[column]
+    at = Travel(
+        travel.distance + step * rates.distance,
+        travel.speed + step * rates.speed,
+        travel.acceleration + step * rates.acceleration,
+    )
+    rate = accelerations(vehicle, sections(vehicle, at.distance, reference, point), at, point, wrenches)
+    for j in range(len(rate)):
+        result[size + 6, j] = rate[j].imag / STEP
     return result
+
+
+@analytic
+def upper_of_series(elements: ElementArrays, m: int) -> int:
+    """Index of the upper body of Maxwell element m."""
+    for e in range(len(elements.upper)):
+        for j in range(3):
+            if elements.series[e, j] == m:
+                return int(elements.upper[e])
+    return -1
+
+
+@analytic
+def wrench_responses(
+    vehicle: VehicleArrays, rows: Complex, travel: Travel, state: Complex, total: Complex, wrenches: Complex
+) -> Array:
+    """Derivatives (n, 6, 6) of the accelerations of each body by the components of a force and a moment on it, in its
+    track frame.
+
+    Parameters:
+        vehicle, travel, state, wrenches: as for `derivatives`.
+        rows: (n, 6, 3), sections of the track at the bodies.
+        total: (n, 2, 3), forces and moments of the suspension.
+    """
+    result, values = np.empty((len(rows), 6, 6)), np.empty(6, np.complex128)
+    for i in range(len(rows)):
+        wrench = wrenches[i].copy()
+        for d in range(6):
+            wrench[d // 3, d % 3] += STEP * 1j
+            store_accelerations(vehicle, rows[i], travel, state, total[i], wrench, i, values)
+            wrench[d // 3, d % 3] = wrenches[i, d // 3, d % 3]
+            for j in range(6):
+                result[i, d, j] = values[j].imag / STEP
+    return result
+
+
+@analytic
+def add_response(response: Array, section: Section, change: Complex, row: Array) -> None:
+    """Add the derivatives (6,) of a body's accelerations by what changes the force and moment on it.
+
+    Parameters:
+        response: (6, 6) of `wrench_responses`.
+        section: of the track, at the body.
+        change: (2, 3) complex step of the force and the moment, in common axes.
+        row: added to.
+    """
+    for part in range(2):
+        own = rotate_back(section.axes, load(change[part]))
+        for d in range(3):
+            size = own[d].imag / STEP
+            if size != 0.0:
+                for j in range(6):
+                    row[j] += response[3 * part + d, j] * size

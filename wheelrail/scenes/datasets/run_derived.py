@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.contact.stress.shakedown import load_factor, surface_fatigue_index, utilisation
+from wheelrail.scenes.datasets.patches import means
 from wheelrail.vehicle.simulation.energy_balance import POWERS, energy_balance
 
 if TYPE_CHECKING:
-    from xarray import DataArray, Dataset
+    from xarray import DataArray, Dataset, Variable
 
     from wheelrail.vehicle.simulation.history import History
 
@@ -37,7 +39,7 @@ def with_energy(data: Dataset, history: History) -> Dataset:
     return added.assign_coords(cause=list(POWERS)).assign_attrs(energy_balance_error=balance.error)
 
 
-def wear(data: Dataset, shear_yield: float) -> dict[str, DataArray]:
+def wear(data: Dataset, shear_yield: float) -> dict[str, Variable]:
     """Wear variables of a run, from its patches; NaN without a patch.
 
     Parameters:
@@ -65,7 +67,11 @@ def wear(data: Dataset, shear_yield: float) -> dict[str, DataArray]:
             "surface fatigue index, utilisation minus 1 / load factor; above 0: ratcheting",
         ),
     }
-    return {
-        name: values.assign_attrs({"units": units, "long_name": text})
-        for name, (values, units, text) in variables.items()
-    }
+    return described(variables)
+
+
+def described(variables: Mapping[str, tuple[DataArray, str, str]]) -> dict[str, Variable]:
+    """Variables with their units and meanings, on the coordinates of the Dataset that they are assigned to."""
+    from xarray import Variable
+
+    return {name: Variable(v.dims, v.data, means(units, text)) for name, (v, units, text) in variables.items()}

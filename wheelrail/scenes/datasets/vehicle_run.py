@@ -15,12 +15,12 @@ from wheelrail.scenes.datasets.run import (
     track_variables,
     wheel_variables,
 )
-from wheelrail.scenes.datasets.run_derived import wear
+from wheelrail.scenes.datasets.run_derived import described, wear
 from wheelrail.vehicle.multibody.vehicle import COORDINATES
 from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS
 
 if TYPE_CHECKING:
-    from xarray import DataArray, Dataset
+    from xarray import Dataset, Variable
 
     from wheelrail.vehicle.simulation.history import History
 
@@ -78,7 +78,7 @@ def vehicle_dataset(history: History, *, scene: str, vehicle: str, shear_yield: 
     return data.assign(wear(data, shear_yield)).assign(guiding_variables(data))
 
 
-def guiding_variables(data: Dataset) -> dict[str, DataArray]:
+def guiding_variables(data: Dataset) -> dict[str, Variable]:
     """Forces in the terms of running safety: Y, Y/Q, sum of Y and sum of Q of every wheelset.
 
     Parameters:
@@ -94,10 +94,7 @@ def guiding_variables(data: Dataset) -> dict[str, DataArray]:
         "axle_load": (load.sum("side", skipna=False), "N", "sum of Q"),
         "wheel_unloading": (1.0 - load / data.attrs["mean_wheel_load"], "1", "1 - Q / mean static wheel load"),
     }
-    return {
-        name: values.drop_attrs().assign_attrs({"units": units, "long_name": text})
-        for name, (values, units, text) in texts.items()
-    }
+    return described(texts)
 
 
 def _motion(history: History) -> dict[str, Any]:
@@ -117,10 +114,10 @@ def _motion(history: History) -> dict[str, Any]:
 
 def _suspension(history: History) -> dict[str, Any]:
     """Deflections and forces of the suspension elements."""
-    states = history.suspension()
+    deflections, forces = history.suspension()
     deflection = "displacement of the upper point of the element relative to the lower one, in the element's axes"
     force = "force of the element on the upper body, static load included, in the element's axes"
     return {
-        "element_deflection": (BY_ELEMENT, np.array([s.deflection for s in states]), means("m", deflection)),
-        "element_force": (BY_ELEMENT, np.array([s.element_force for s in states]), means("N", force)),
+        "element_deflection": (BY_ELEMENT, deflections, means("m", deflection)),
+        "element_force": (BY_ELEMENT, forces, means("N", force)),
     }
