@@ -180,8 +180,10 @@ class LatticeContact:
                         count.residual = steps.size
                         return LatticeSolution(state, earlier.factors)
                     state = state.joined(new)
-                elif not steps.size < FARTHEST:
+                elif steps.leaves.all() or not steps.size < FARTHEST:
                     return None
+                else:
+                    state = state.at(~steps.leaves)
             return LatticeNewton(problem, self.tolerance, count).solve(state, WARM_ITERATIONS, FARTHEST)
         except (NotConverged, OutsideSurface) as error:
             log.debug("from the earlier result: %s", error)

@@ -9,7 +9,7 @@ import numpy as np
 from wheelrail.contact.models.lattice.solver.factors import Factors, newton_step
 from wheelrail.contact.models.lattice.system.equations import EquationData, evaluate
 from wheelrail.contact.models.lattice.system.state import leaving, longest, moved, relative_size
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
 
 STEPS = 8  # with the same factors
@@ -22,12 +22,14 @@ class ChordState(NamedTuple):
     Parameters:
         converged: whether the last step is below the tolerance.
         values: (S, block), the state.
+        leaves: (S,) strips that leave by the next step.
         size: of the next step, relative; infinite where none could be evaluated.
         evaluations: of the residual.
     """
 
     converged: bool
     values: Array
+    leaves: Mask
     size: float
     evaluations: int
 
@@ -45,25 +47,27 @@ def chords(
         tolerance: of the last step, relative; it is taken.
         farthest: first step beyond which the state is of no use.
     """
+    none = np.zeros(len(values), dtype=np.bool_)
     evaluation = evaluate(values, data, factors.rho)
     if not evaluation.inside:
-        return ChordState(False, values, np.inf, 1)
+        return ChordState(False, values, none, np.inf, 1)
     step = newton_step(factors, solver, evaluation.residual)
     size, before = relative_size(values, step)
     if not size < farthest:
-        return ChordState(False, values, size, 1)
+        return ChordState(False, values, none, size, 1)
     for k in range(STEPS):
-        if longest(values, step) < 1.0 or leaving(values, step, size).any():
-            return ChordState(False, values, size, k + 1)
+        leaves = leaving(values, step, size)
+        if longest(values, step) < 1.0 or leaves.any():
+            return ChordState(False, values, leaves, size, k + 1)
         trial = moved(values, step, 1.0)
         if size < tolerance:
-            return ChordState(True, trial, size, k + 1)
+            return ChordState(True, trial, none, size, k + 1)
         evaluation = evaluate(trial, data, factors.rho)
         if not evaluation.inside:
-            return ChordState(False, values, size, k + 2)
+            return ChordState(False, values, none, size, k + 2)
         step = newton_step(factors, solver, evaluation.residual)
         size, after = relative_size(trial, step)
         if not after < CONTRACTION * before:
-            return ChordState(False, trial if after < before else values, size, k + 2)
+            return ChordState(False, trial if after < before else values, none, size, k + 2)
         values, before = trial, after
-    return ChordState(False, values, size, STEPS + 1)
+    return ChordState(False, values, none, size, STEPS + 1)

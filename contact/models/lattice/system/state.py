@@ -11,7 +11,7 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
 SHORTEST = 0.02  # of the squared half length: the least that remains of it after one step
-LARGE = 0.5  # step after which a load without pressure is no reason to leave
+LARGE = 0.5  # step after which a negative load or squared length is no reason to leave
 VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
 LONGEST = 3.0  # largest relative growth of a squared half length in one step
 SHRUNK = 0.7  # largest relative decrease of that of a long strip
@@ -110,9 +110,8 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
 
 @compiled
 def leaving(values: Array, step: Array, size: float) -> Mask:
-    """Strips (S,) that leave by a step of a relative size: those that have nearly vanished, with negative load or
-    squared half length after a full step; and those in tension with negative load after a full step if the step is a
-    moderate one: a step from a poor start overshoots.
+    """Strips (S,) that leave by a step of a relative size: with negative load or squared half length after a full step,
+    if it is a moderate one, as a step from a poor start overshoots, or if they have nearly vanished.
     """
     S, last = len(values), values.shape[1] - 1
     largest = 0.0
@@ -123,10 +122,8 @@ def leaving(values: Array, step: Array, size: float) -> Mask:
         half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
         amplitude = values[i, last - 1 - MODES]
         load = amplitude * half + step[i, last - 1 - MODES] * half + amplitude * change
-        if half < VANISHED * largest:
-            leaves[i] = load <= 0.0 or half + 2.0 * change <= 0.0
-        else:
-            leaves[i] = load <= 0.0 and amplitude < 0.0 and size < LARGE
+        vanishes = load <= 0.0 or half + 2.0 * change <= 0.0
+        leaves[i] = vanishes and (size < LARGE or half < VANISHED * largest)
     return leaves
 
 
