@@ -37,7 +37,6 @@ from wheelrail.support.memory import check_memory
 log = logging.getLogger(__name__)
 
 FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
-SHALLOW = 0.8  # of an earlier approach: below, strips leave one after the other, in 5 to 14 iterations
 WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearly always
 MATRICES = 3  # of the size of the Jacobian: operator, Jacobian, factors
 SPEED = 5e9  # 1/s, operations of a factorisation on one core
@@ -151,9 +150,7 @@ class LatticeContact:
         self, problem: LatticeProblem, guess: ContactResult | None, count: IterationCount
     ) -> LatticeSolution | None:
         """Solution from the strips of an earlier result; None where that is too far away."""
-        if guess is None or problem.approach < SHALLOW * guess.approach:
-            return None
-        earlier = guess.warm_start
+        earlier = None if guess is None else guess.warm_start
         if not isinstance(earlier, LatticeSolution):
             return None
         if not earlier.factors.fit(earlier.state.values, self._block, self.resolution.cells):
