@@ -1,0 +1,100 @@
+"""Errors of steps on stiff contacts: wheels on moving rails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from wheelrail.vehicle.integration.integrate import FirstStep, Step, StepSettings, integrate
+from wheelrail.vehicle.integration.problem import Forcing
+from wheelrail.vehicle.integration.rosenbrock import RosenbrockCoefficients
+from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.jacobian import VehicleLinearisation
+
+
+@dataclass(frozen=True)
+class Rate:
+    rate: np.ndarray
+
+
+MASS, DEPTH, LOAD = 1800.0, 6e-5, 110e3  # kg, m and N: a wheelset on two wheels, whose contacts yield by 60 um
+
+
+def rail(t: float) -> np.ndarray:
+    """Height m of a rail, 1e-3 sin(8 pi t)^4, and its first three derivatives by time."""
+    a, b = 16.0 * np.pi, 32.0 * np.pi
+    return 1e-3 * np.array(
+        [
+            3 / 8 - np.cos(a * t) / 2 + np.cos(b * t) / 8,
+            a * np.sin(a * t) / 2 - b * np.sin(b * t) / 8,
+            a**2 * np.cos(a * t) / 2 - b**2 * np.cos(b * t) / 8,
+            -(a**3) * np.sin(a * t) / 2 + b**3 * np.sin(b * t) / 8,
+        ]
+    )
+
+
+def motion(t: float) -> np.ndarray:
+    """State of a wheelset on the rail, and its first two derivatives."""
+    return np.stack([rail(t)[i : i + 2] for i in range(3)])
+
+
+def force(t: float, x: np.ndarray) -> float:
+    """Of a Hertzian contact, N."""
+    return LOAD * max(0.0, (DEPTH + rail(t)[0] - x[0]) / DEPTH) ** 1.5
+
+
+def on_rail(forcing: Forcing | None, tolerance: float) -> tuple[StepStatistics, np.ndarray]:
+    """Half a second with a first step of 60 ms: statistics, and errors of the force at the steps over the load."""
+
+    def rhs(t: float, x: np.ndarray, previous: Rate | None) -> Rate:
+        return Rate(np.array([x[1], (force(t, x) - LOAD) / MASS]))
+
+    def jacobian(t: float, x: np.ndarray, at: Rate) -> VehicleLinearisation:
+        stiffness = 1.5 * LOAD / DEPTH * (force(t, x) / LOAD) ** (1 / 3)
+        by_state = np.array([[0.0, 1.0], [-stiffness / MASS, 0.0]])
+        by_time = np.array([0.0, stiffness / MASS * rail(t)[1]])
+        return VehicleLinearisation(by_state, by_time, outputs=np.array([[-stiffness, 0.0]]))
+
+    settings = StepSettings("rosenbrock", 3e-3, np.array([3e-5, 3e-3]), output_tolerance=tolerance)
+    counts = StepStatistics()
+    steps = list(
+        integrate(
+            rhs,
+            0.0,
+            np.zeros(2),
+            0.5,
+            settings,
+            jacobian=jacobian,
+            first=FirstStep(length=0.06),
+            counts=counts,
+            forcing=forcing,
+        )
+    )
+    exact = [LOAD + MASS * rail(step.t)[2] for step in steps]
+    return counts, np.array([force(step.t, step.x) - f for step, f in zip(steps, exact, strict=True)]) / LOAD
+
+
+def test_steps_on_a_moving_rail() -> None:
+    """A wheelset on a rail that moves with 8 and 16 Hz, and vibrates on its contacts with 196 Hz."""
+    counts, errors = on_rail(motion, 0.03 * LOAD)
+    assert counts.accepted < 60
+    assert np.abs(errors).max() < 0.03
+    slow, still = on_rail(None, 0.03 * LOAD)
+    assert slow.accepted > 2 * counts.accepted
+    assert np.abs(still).max() < 0.1
+
+
+def test_the_end_of_a_step_shows_a_lost_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without that evaluation, stages can move a wheel in the air by its static deflection only, an error of 60 um."""
+    assert on_rail(None, 0.03 * LOAD)[1].min() > -0.1
+    monkeypatch.setattr(RosenbrockCoefficients, "stiffly_accurate", False)
+    assert on_rail(None, np.inf)[1].min() < -0.5
+
+
+def test_interpolation_follows_a_forcing() -> None:
+    """The difference from it is interpolated, here none, with a step of more than its period."""
+    (x0, v0, _), (x, v, _) = motion(0.0), motion(0.13)
+    step = Step(0.0, x0, Rate(v0), 0.13, x, Rate(v), 0.0, 0.1, motion)
+    np.testing.assert_allclose(step.at(0.05), motion(0.05)[0], rtol=1e-12, atol=1e-15)
