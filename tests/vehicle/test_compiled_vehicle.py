@@ -76,6 +76,19 @@ def test_compiled_equations_are_those_in_numpy(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_elements_of_many_rows_are_those_in_numpy(kind: str) -> None:
+    dynamics = dynamics_of(kind)
+    times, states, _ = zip(*samples(dynamics), strict=True)
+    travels = [dynamics.speed_profile(time) for time in times]
+    deflection, force = dynamics.bodies.element_states(travels, np.array(states))
+    for i, (travel, state) in enumerate(zip(travels, states, strict=True)):
+        expected = dynamics.suspension(dynamics.kinematics(travel, state), dynamics.coordinates.split(state).series)
+        np.testing.assert_allclose(deflection[i], expected.deflection, rtol=0.0, atol=1e-13)
+        largest = np.abs(expected.element_force).max()
+        np.testing.assert_allclose(force[i], expected.element_force, rtol=0.0, atol=1e-12 * largest)
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_derivatives_are_those_of_differences(kind: str) -> None:
     """Central differences, whose error is some 1e-8 of the largest derivatives."""
     dynamics, step, unit = dynamics_of(kind), 1e-6, 1e3

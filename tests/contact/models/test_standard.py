@@ -259,6 +259,25 @@ def test_left_and_right_are_mirror_images(normal: str) -> None:
 
 
 # two contacts about to merge (weights 0.01 and 1; 0.3 and 0.7), a tread with large and with small creepages, a flange
+@pytest.mark.parametrize("tangential", ["fastsim", "polach"])
+@pytest.mark.parametrize("y", [0.0, 5.5e-3])
+def test_force_is_the_sum_over_cells_and_patches(y: float, tangential: str) -> None:
+    """The force is summed strip by strip, without the cells of patches and fields."""
+    state = WheelsetState(y=y, z=-3e-4, yaw=4e-3, speed=20.0, pitch_rate=20.05 / 0.46)
+    contact = wheel_on_rail(tangential=tangential)
+    pose, motion = contact.mounting.left_pair(state)
+    result = contact.model(pose, motion, None)
+    fields = result.fields
+    assert fields is not None
+    local = np.column_stack([fields.traction, -fields.pressure]) * fields.area[:, None]
+    forces = np.einsum("nk,nkc->nc", local, fields.axes)
+    scale = np.abs(result.force).max()
+    assert result.force == pytest.approx(forces.sum(axis=0), rel=0.0, abs=1e-12 * scale)
+    moment = np.cross(fields.point, forces).sum(axis=0)
+    assert result.moment == pytest.approx(moment, rel=0.0, abs=1e-12 * scale)
+    assert sum(patch.force for patch in result.patches) == pytest.approx(result.force, rel=0.0, abs=1e-12 * scale)
+
+
 TANGENT_STATES = [
     replace(STATE, y=1e-5, z=-2.3e-4, yaw=1e-4, y_rate=0.0),
     replace(STATE, y=2e-4, z=-2.3e-4, yaw=1e-3),

@@ -19,6 +19,7 @@ from wheelrail.vehicle.multibody.compiled.vectors import (
     body_rotation,
     cross,
     dot,
+    load,
     multiply,
     product,
     rotate,
@@ -84,6 +85,12 @@ class Motion(NamedTuple):
     velocity: Vector
     axes: Matrix
     rate: Vector
+
+
+@analytic
+def motion_in(rows: Complex) -> Motion:
+    """Motion of rows (6, 3): position, velocity, axes, angular velocity."""
+    return Motion(load(rows[0]), load(rows[1]), (load(rows[2]), load(rows[3]), load(rows[4])), load(rows[5]))
 
 
 @analytic

@@ -10,16 +10,17 @@ from wheelrail.support.arrays import Array, Complex, Nodes
 from wheelrail.vehicle.multibody.compiled.bodies import (
     Acceleration,
     BodyArrays,
-    Motion,
     Travel,
     frame_motion,
+    motion_in,
     motion_of,
     rotation,
     translation,
 )
+from wheelrail.vehicle.multibody.compiled.element_derivatives import add_changes, element_bases
 from wheelrail.vehicle.multibody.compiled.elements import ElementArrays, element_state, element_wrench, spring_moment
 from wheelrail.vehicle.multibody.compiled.sections import Section, TrackArrays, section_at
-from wheelrail.vehicle.multibody.compiled.vectors import Vector, add, analytic, rotate_back, scale
+from wheelrail.vehicle.multibody.compiled.vectors import Vector, add, analytic, load, rotate_back, scale, store
 
 STEP = 1e-20  # imaginary part of a perturbed component; its square is lost in the real parts
 
@@ -30,17 +31,6 @@ class VehicleArrays(NamedTuple):
     bodies: BodyArrays
     elements: ElementArrays
     track: TrackArrays
-
-
-@analytic
-def store(values: Complex, vector: Vector) -> None:
-    """Fill three values."""
-    values[0], values[1], values[2] = vector
-
-
-@analytic
-def load(values: Complex) -> Vector:
-    return values[0], values[1], values[2]
 
 
 @analytic
@@ -60,12 +50,6 @@ def add_to(values: Complex, vector: Vector) -> None:
 def section_of(rows: Complex) -> Section:
     """Section of rows (6, 3), see `sections`."""
     return Section(load(rows[0]), (load(rows[1]), load(rows[2]), load(rows[3])), load(rows[4]), load(rows[5]))
-
-
-@analytic
-def motion_in(rows: Complex) -> Motion:
-    """Motion of rows (6, 3): position, velocity, axes, angular velocity."""
-    return Motion(load(rows[0]), load(rows[1]), (load(rows[2]), load(rows[3]), load(rows[4])), load(rows[5]))
 
 
 @analytic
@@ -123,34 +107,21 @@ def store_motion(
 
 
 @analytic
-def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series_rate: Complex, body: int) -> Complex:
+def suspension(vehicle: VehicleArrays, motions: Complex, series: Complex, series_rate: Complex) -> Complex:
     """Forces and moments (n, 2, 3) N and N m of elements and rotational springs on the bodies, in common axes.
 
     Parameters:
         vehicle: elements.
         motions: (n, 6, 3), see `motion_in`.
         series, series_rate: (m,) spring deflections m of Maxwell elements, and their rates m/s, which are filled.
-        body: whose elements are taken; negative: all.
-    """
-    total = np.zeros((len(motions), 2, 3), np.complex128)
-    add_suspension(vehicle, motions, series, series_rate, body, total)
-    return total
-
-
-@analytic
-def add_suspension(
-    vehicle: VehicleArrays, motions: Complex, series: Complex, series_rate: Complex, body: int, total: Complex
-) -> None:
-    """Add to forces and moments (n, 2, 3); other parameters as for `suspension`.
 
     Forces of elements that are mirror images of each other are added first: the sums of the mirrored motion are the
     mirrored sums, bit for bit.
     """
+    total = np.zeros((len(motions), 2, 3), np.complex128)
     elements, wheelset = vehicle.elements, vehicle.bodies.wheelset
     for p in range(len(elements.pairs)):
         upper, lower = elements.upper[elements.pairs[p, 0]], elements.lower[elements.pairs[p, 0]]
-        if body >= 0 and upper != body and lower != body:
-            continue
         ends = motion_in(motions[upper]), motion_in(motions[lower])
         zero = 0.0 * ends[0].position[0]
         force, on_upper, on_lower = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
@@ -166,10 +137,10 @@ def add_suspension(
         add_to(total[lower, 1], scale(-1.0, on_lower))
     for r in range(len(elements.spring_upper)):
         upper, lower = elements.spring_upper[r], elements.spring_lower[r]
-        if body < 0 or upper == body or lower == body:
-            moment = spring_moment(elements, r, motion_in(motions[upper]), motion_in(motions[lower]))
-            add_to(total[upper, 1], moment)
-            add_to(total[lower, 1], scale(-1.0, moment))
+        moment = spring_moment(elements, r, motion_in(motions[upper]), motion_in(motions[lower]))
+        add_to(total[upper, 1], moment)
+        add_to(total[lower, 1], scale(-1.0, moment))
+    return total
 
 
 @analytic
@@ -213,7 +184,7 @@ def accelerations(vehicle: VehicleArrays, rows: Complex, travel: Travel, state: 
     n = len(vehicle.bodies.mass)
     result = np.empty(len(state) - 6 * n, np.complex128)
     motions = motions_of(vehicle, rows, travel, state)
-    total = suspension(vehicle, motions, state[12 * n :], result[6 * n :], -1)
+    total = suspension(vehicle, motions, state[12 * n :], result[6 * n :])
     for i in range(n):
         store_accelerations(vehicle, rows[i], travel, state, total[i], wrenches[i], i, result[6 * i : 6 * i + 6])
     return result
@@ -279,37 +250,44 @@ def derivatives(
     c, step, reference = 6 * n, STEP * 1j, travel.distance
     result, rows = np.zeros((size + 7, len(state) - c)), sections(vehicle, travel.distance, travel.distance, state)
     motions, rates_of = motions_of(vehicle, rows, travel, state), np.zeros(len(state) - 2 * c, np.complex128)
-    total = suspension(vehicle, motions, state[2 * c :], rates_of, -1)
+    total = suspension(vehicle, motions, state[2 * c :], rates_of)
     responses = wrench_responses(vehicle, rows, travel, state, total, wrenches)
     for i in range(n):
         for d in range(6):
             result[size + d, 6 * i : 6 * i + 6] = vehicle.bodies.wheelset[i] * responses[i, d]
+    bases = element_bases(vehicle.elements, vehicle.bodies.wheelset, motions, state[2 * c :], STEP)
     own_rows, own_motion, values = rows.copy(), motions.copy(), np.empty(6, np.complex128)
-    point, change = state.copy(), np.empty_like(total)
+    point, change, own_rates = state.copy(), np.empty((n, 2, 3)), np.empty(len(state) - 2 * c)
+    own_total = np.empty((2, 3), np.complex128)
     for k in range(size):
         column = columns[k]
         point[column] += step
-        moves = column < 2 * c
-        body = column % c // 6 if moves else upper_of_series(vehicle.elements, column - 2 * c)
-        # one body moves, or a spring of a Maxwell element on it: its elements, it and its neighbours feel it
+        change[:], own_rates[:] = 0.0, 0.0
+        if column >= 2 * c:  # the spring of a Maxwell element
+            moved = suspension(vehicle, motions, point[2 * c :], rates_of)
+            for i in range(n):
+                for d in range(6):
+                    change[i, d // 3, d % 3] = moved[i, d // 3, d % 3].imag / STEP
+                add_response(responses[i], section_of(rows[i]), change[i], result[k, 6 * i : 6 * i + 6])
+            for m in range(len(rates_of)):
+                result[k, c + m] = rates_of[m].imag / STEP
+            point[column] = state[column]
+            continue
+        body = column % c // 6  # moves: its elements, it and its neighbours feel it
         if column < c and column % 6 == 0:
             store_section(vehicle, travel.distance, reference, point, body, own_rows[body])
-        if moves:
-            store_motion(vehicle, own_rows[body], travel, point, body, own_motion[body])
-        rates_of[:], change[:] = 0.0, 0.0
-        add_suspension(vehicle, own_motion, point[2 * c :], rates_of, body, change)
+        store_motion(vehicle, own_rows[body], travel, point, body, own_motion[body])
+        add_changes(vehicle.elements, bases, own_motion, body, STEP, change, own_rates)
         for i in range(n):
-            if i != body or not moves:
+            if i != body:
                 add_response(responses[i], section_of(rows[i]), change[i], result[k, 6 * i : 6 * i + 6])
-        if moves:
-            for d in range(3):
-                change[body, 0, d] = complex(total[body, 0, d].real, change[body, 0, d].imag)
-                change[body, 1, d] = complex(total[body, 1, d].real, change[body, 1, d].imag)
-            store_accelerations(vehicle, own_rows[body], travel, point, change[body], wrenches[body], body, values)
-            for d in range(6):
-                result[k, 6 * body + d] = values[d].imag / STEP
-        for m in range(len(rates_of)):
-            result[k, c + m] = rates_of[m].imag / STEP
+        for d in range(6):
+            whole = total[body, d // 3, d % 3].real
+            own_total[d // 3, d % 3] = complex(whole, STEP * change[body, d // 3, d % 3])
+        store_accelerations(vehicle, own_rows[body], travel, point, own_total, wrenches[body], body, values)
+        for d in range(6):
+            result[k, 6 * body + d] = values[d].imag / STEP
+        result[k, c:] = own_rates
         own_rows[body], own_motion[body], point[column] = rows[body], motions[body], state[column]
     at = Travel(
         travel.distance + step * rates.distance,
@@ -320,16 +298,6 @@ def derivatives(
     for j in range(len(rate)):
         result[size + 6, j] = rate[j].imag / STEP
     return result
-
-
-@analytic
-def upper_of_series(elements: ElementArrays, m: int) -> int:
-    """Index of the upper body of Maxwell element m."""
-    for e in range(len(elements.upper)):
-        for j in range(3):
-            if elements.series[e, j] == m:
-                return int(elements.upper[e])
-    return -1
 
 
 @analytic
@@ -357,19 +325,19 @@ def wrench_responses(
 
 
 @analytic
-def add_response(response: Array, section: Section, change: Complex, row: Array) -> None:
+def add_response(response: Array, section: Section, change: Array, row: Array) -> None:
     """Add the derivatives (6,) of a body's accelerations by what changes the force and moment on it.
 
     Parameters:
         response: (6, 6) of `wrench_responses`.
         section: of the track, at the body.
-        change: (2, 3) complex step of the force and the moment, in common axes.
+        change: (2, 3) of the force and the moment, in common axes.
         row: added to.
     """
     for part in range(2):
-        own = rotate_back(section.axes, load(change[part]))
+        own = rotate_back(section.axes, (change[part, 0], change[part, 1], change[part, 2]))
         for d in range(3):
-            size = own[d].imag / STEP
+            size = own[d].real
             if size != 0.0:
                 for j in range(6):
                     row[j] += response[3 * part + d, j] * size

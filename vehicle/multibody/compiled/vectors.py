@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from wheelrail.support.arrays import Complex
 from wheelrail.support.compiled import compiled
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -18,6 +19,18 @@ Matrix = tuple[Vector, Vector, Vector]  # columns
 def analytic(function: F) -> F:
     """The function as machine code; divisions by zero give inf or NaN, as the checks for them cost compile time."""
     return compiled(function, error_model="numpy")
+
+
+@analytic
+def store(values: Complex, vector: Vector) -> None:
+    """Fill three values."""
+    values[0], values[1], values[2] = vector
+
+
+@analytic
+def load(values: Complex) -> Vector:
+    """Three values."""
+    return values[0], values[1], values[2]
 
 
 @analytic
