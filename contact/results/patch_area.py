@@ -1,18 +1,19 @@
-"""Area of a patch from the lengths of its strips, to second order in their widths."""
+"""Compiled: area of a patch from the lengths of its strips, to second order in their widths."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 from scipy.special import roots_legendre
 
 from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
 
 PLACE, WEIGHT = roots_legendre(12)  # Gauss rule on -1 to 1
-RISE, RATE = 1 - np.cos(0.5 * np.pi * (PLACE + 1)), np.sin(0.5 * np.pi * (PLACE + 1))
+RISE = 1 - np.cos(0.5 * np.pi * (PLACE + 1))  # from one end, of 2
+SHARE = 0.25 * np.pi * WEIGHT * np.sin(0.5 * np.pi * (PLACE + 1))
 
 
+@compiled
 def patch_area(length: Array, bounds: Array) -> float:
     """Area m2 of S adjacent strips.
 
@@ -24,35 +25,44 @@ def patch_area(length: Array, bounds: Array) -> float:
     lateral end of the contact too. It is interpolated by parabolas with these means; the contact ends at their root in
     an outer strip, or in the unloaded one next to it.
     """
-    S, width = len(length), np.diff(bounds)
+    S, total = len(length), 0.0
     if S < 3:
-        return float(length @ width)
-    first = np.clip(np.arange(S) - 1, 0, S - 3)
-    middle = 0.5 * (bounds[:-1] + bounds[1:])
-    side = np.stack([bounds[first + k] - middle for k in range(4)], axis=1)  # of three strips, from the middle of one
-    # means over the three strips of 1, y and y^2
-    means = np.stack([(side[:, 1:] ** k - side[:, :-1] ** k) / (k * np.diff(side)) for k in (1, 2, 3)], axis=-1)
-    squares = np.stack([length[first + k] ** 2 for k in range(3)], axis=1)
-    parabola = np.linalg.solve(means, squares[..., None])[..., 0][:, ::-1]  # of y^2, y, 1
-    low, high = -0.5 * width, 0.5 * width
-    low[0] = -_end(parabola[0] * [1.0, -1.0, 1.0], high[0])
-    high[-1] = _end(parabola[-1], high[-1])
-    return float(_integrals_of_roots(parabola, low, high).sum())
+        for i in range(S):
+            total += length[i] * (bounds[i + 1] - bounds[i])
+        return total
+    for i in range(S):
+        first, middle = min(max(i - 1, 0), S - 3), 0.5 * (bounds[i] + bounds[i + 1])
+        a, b, c = _parabola(length[first : first + 3], bounds[first : first + 4], middle)
+        half = 0.5 * (bounds[i + 1] - bounds[i])
+        low = -_end(a, -b, c, half) if i == 0 else -half
+        high = _end(a, b, c, half) if i == S - 1 else half
+        for k in range(len(RISE)):  # the parabola may vanish at either end
+            y = low + 0.5 * (high - low) * RISE[k]
+            total += (high - low) * SHARE[k] * np.sqrt(max((a * y + b) * y + c, 0.0))
+    return total
 
 
-def _end(parabola: Array, side: float) -> float:
+@compiled
+def _parabola(length: Array, bounds: Array, origin: float) -> tuple[float, float, float]:
+    """Coefficients of y^2, y, 1 of the parabola whose means over three strips are the squares of their lengths (3,) m,
+    between bounds (4,) m; y is the distance from an origin. Its integral interpolates sums: divided differences.
+    """
+    s0, s1, s2, s3 = bounds[0] - origin, bounds[1] - origin, bounds[2] - origin, bounds[3] - origin
+    first = length[0] * length[0]
+    rise = (length[1] * length[1] - first) / (s2 - s0)
+    bend = ((length[2] * length[2] - length[1] * length[1]) / (s3 - s1) - rise) / (s3 - s0)
+    slope = 2.0 * (rise - bend * (s0 + s1 + s2))
+    return 3.0 * bend, slope, first - rise * (s0 + s1) + bend * (s0 * s1 + s0 * s2 + s1 * s2)
+
+
+@compiled
+def _end(a: float, b: float, c: float, side: float) -> float:
     """First root of a parabola on the outer half of a strip with the sides -side and side, or beyond; else the side."""
-    a, b, c = parabola.tolist()
-    under = b * b - 4 * a * c
-    if under < 0 or a == b == 0:
+    under = b * b - 4.0 * a * c
+    if under < 0.0 or (a == 0.0 and b == 0.0):
         return side
-    far = -0.5 * (b + math.copysign(math.sqrt(under), b))  # without cancellation
-    outside = [top / base for top, base in ((far, a), (c, far)) if base != 0 and -side < top / base < 3 * side]
-    return min(outside, default=side)
-
-
-def _integrals_of_roots(parabola: Array, low: Array, high: Array) -> Array:
-    """Integrals (S,) of the roots of parabolas (S, 3) from low to high (S,), where they may vanish at either."""
-    y = low[:, None] + 0.5 * (high - low)[:, None] * RISE
-    height = np.sqrt(np.maximum((parabola[:, :1] * y + parabola[:, 1:2]) * y + parabola[:, 2:], 0.0))
-    return np.asarray(0.25 * np.pi * (high - low) * (height @ (WEIGHT * RATE)))
+    far, nearest = -0.5 * (b + np.copysign(np.sqrt(under), b)), np.inf  # without cancellation
+    for top, base in ((far, a), (c, far)):
+        if base != 0.0 and -side < top / base < 3.0 * side:
+            nearest = min(nearest, top / base)
+    return nearest if np.isfinite(nearest) else side

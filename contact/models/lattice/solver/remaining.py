@@ -27,7 +27,7 @@ class Remaining(NamedTuple):
         place: (n,) m, of the maximum.
         curvature: (n,) 1/m there.
         half: (n,) m, half length of the probed range.
-        highest: (m,) m, maximum on all m unloaded strips, from fewer places.
+        highest: (m,) m, estimated maximum on all m unloaded strips.
     """
 
     inside: bool
@@ -45,7 +45,7 @@ class Probes(NamedTuple):
     Parameters:
         middle, width: (K,) m, of all strips of the lattice.
         stretch: (K,).
-        first, second: equal cells along the probed range, and along the part of it around the maximum.
+        first, second: equal cells along the probed range, for an estimate, and along the part around its maximum.
     """
 
     middle: Array
@@ -53,6 +53,22 @@ class Probes(NamedTuple):
     stretch: Array
     first: StripBasis
     second: StripBasis
+
+
+@compiled
+def _displaced(
+    values: Array, data: EquationData, probes: Probes, basis: StripBasis, strips: Nodes, low: Array, high: Array
+) -> tuple[bool, Array]:
+    """Normal displacement (n, C) m of the cells of `excess`, and whether all distances lie in the tables."""
+    n, C = len(strips), len(basis.marks) - 1
+    edges = np.empty((n, C + 1))
+    for i in range(n):
+        for r in range(C + 1):
+            edges[i, r] = probes.stretch[strips[i]] * (low[i] + (high[i] - low[i]) * basis.marks[r])
+    grid = strip_grid(values, data.places, data.basis)
+    jumps = force_jumps(values, data.places, data.basis, data.motion.speed > 0.0)
+    inside, total = normal_displacements(data.tables, strips, edges, grid, jumps)
+    return inside, total
 
 
 @compiled
@@ -65,19 +81,15 @@ def excess(
     """
     motion = data.motion
     n, C, count = len(strips), len(basis.marks) - 1, len(basis.stations)
-    edges, s, x = np.empty((n, C + 1)), np.empty(2 * n * count), np.empty(2 * n * count)
+    s, x = np.empty(2 * n * count), np.empty(2 * n * count)
     for i in range(n):
         k = strips[i]
-        for r in range(C + 1):
-            edges[i, r] = probes.stretch[k] * (low[i] + (high[i] - low[i]) * basis.marks[r])
         for g in range(2):
             for m in range(count):
                 at = (2 * i + g) * count + m
                 s[at] = probes.middle[k] + (2 * g - 1) * GAUSS * probes.width[k]
                 x[at] = low[i] + (high[i] - low[i]) * basis.stations[m]
-    grid = strip_grid(values, data.places, data.basis)
-    jumps = force_jumps(values, data.places, data.basis, motion.speed > 0.0)
-    inside, total = normal_displacements(data.tables, strips, edges, grid, jumps)
+    inside, total = _displaced(values, data, probes, basis, strips, low, high)
     depth = penetration(data.surface, motion.origin, motion.rotation, s, x).depth
     for i in range(n):
         for r in range(C):
@@ -85,6 +97,22 @@ def excess(
                 total[i, r] += 0.5 * basis.cell_penetration[r, m % count] * depth[2 * i * count + m]
             if not np.isfinite(total[i, r]):
                 total[i, r] = -np.inf
+    return inside, total
+
+
+@compiled
+def _estimate(
+    values: Array, data: EquationData, probes: Probes, lines: ContactLines, strips: Nodes, low: Array, high: Array
+) -> tuple[bool, Array]:
+    """`excess` over the first cells with the parabola of the undeformed penetration at its largest one."""
+    marks = probes.first.marks
+    inside, total = _displaced(values, data, probes, probes.first, strips, low, high)
+    for i in range(len(strips)):
+        k, length = strips[i], high[i] - low[i]
+        for r in range(total.shape[1]):
+            first, last = low[i] + length * marks[r] - lines.x[k], low[i] + length * marks[r + 1] - lines.x[k]
+            square = (first * first + first * last + last * last) / 3.0  # mean over the cell
+            total[i, r] += lines.depth[k] - 0.5 * lines.curvature[k] * square
     return inside, total
 
 
@@ -125,7 +153,7 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
             middle = 0.5 * (values[near, last] + values[near, last - 1]) + along
             half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent) + abs(along)
         low[k], high[k] = middle - half, middle + half
-    inside, first = excess(values, data, probes, probes.first, free, low, high)
+    inside, first = _estimate(values, data, probes, lines, free, low, high)
     close = np.zeros(n, dtype=np.bool_)
     place, highest = np.empty(n), np.empty(n)
     for k in range(n):

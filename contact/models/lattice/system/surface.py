@@ -205,11 +205,11 @@ def penetration_changes(surface: SurfaceData, origin: Array, rotation: Array, s:
 
 
 @compiled
-def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tuple[Array, Array, Array]:
-    """Largest penetration (n,) m on the lines s (n,) m, its place m along x and the relative curvature 1/m there.
+def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tuple[Penetration, Array, Array]:
+    """Largest penetration on the lines s (n,) m, its place (n,) m along x and the relative curvature (n,) 1/m there.
 
     Penetration is largest where the wheel's circle is parallel to the rail: where its tangent has no component along
-    the rail's normal.
+    the rail's normal. Fastest where neighbours follow each other.
     """
     n = len(s)
     x, bend = np.zeros(n), np.empty(n)
@@ -217,25 +217,25 @@ def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tu
         a, b = surface.upper[0], surface.lower[0]
         x[:] = origin[0] * a / (a + b)
         bend[:] = 2 * (a + b)
-        return penetration(surface, origin, rotation, s, x).depth, x, bend
+        return penetration(surface, origin, rotation, s, x), x, bend
     wheel, radius = surface.wheel, surface.radius
     for i in range(n if rotation[1, 0] != 0.0 else 0):
-        x[i] = _crest(surface, origin, rotation, s[i])
+        x[i] = _crest(surface, origin, rotation, s[i], x[i - 1] if i > 0 and abs(s[i] - s[i - 1]) < NEXT else 0.0)
     for i in range(n):
         z, t, _ = local(wheel, s[i], piece(wheel, s[i]))
         r = z.imag + radius
         bend[i] = max(r * t.real, 0.05 * r) / (radius * radius)
-    return penetration(surface, origin, rotation, s, x).depth, x, bend
+    return penetration(surface, origin, rotation, s, x), x, bend
 
 
 @compiled
-def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float) -> float:
-    """Place m along x of the largest penetration on a line s m of a wheel, by Newton's method.
+def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float, x: float) -> float:
+    """Place m along x of the largest penetration on a line s m of a wheel, by Newton's method from x m.
 
     The equation is x = -R arctan(f / u), where f and u are the components of the rail's normal n along the wheel's
     forward and upward axes; n changes with the closest point on the rail.
     """
-    rail, radius, x, sample = surface.rail, surface.radius, 0.0, -1
+    rail, radius, sample = surface.rail, surface.radius, -1
     profile, tangent, _ = local(surface.wheel, s, piece(surface.wheel, s))
     for _ in range(CREST_STEPS):
         point, axis, _ = on_circle(profile, tangent, radius, origin, rotation, x)
@@ -402,32 +402,34 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
     probes = np.empty(count, dtype=np.int64)
     for k in range(count):
         probes[k] = min(k * BETWEEN, K - 1)
-    near = crests(surface, motion.origin, motion.rotation, middle[probes])[0] > -MARGIN
+    near = crests(surface, motion.origin, motion.rotation, middle[probes])[0].depth > -MARGIN
     own = np.zeros(K, dtype=np.bool_)
     for k in range(count):
         if near[k]:
             own[max(probes[k] - BETWEEN, 0) : probes[k] + BETWEEN + 1] = True
     inside = np.flatnonzero(own)
-    at = crests(surface, motion.origin, motion.rotation, middle[inside])
+    closest, crest, bend = crests(surface, motion.origin, motion.rotation, middle[inside])
     s, along = np.empty(2 * len(inside)), np.empty(2 * len(inside))
     for k in range(len(inside)):
         for g in range(2):
             s[2 * k + g] = middle[inside[k]] + (2 * g - 1) * GAUSS * width[inside[k]]
-            along[2 * k + g] = at[1][k]
+            along[2 * k + g] = crest[k]
     sides = penetration(surface, motion.origin, motion.rotation, s, along).depth
     for k in range(len(inside)):
         depth[inside[k]] = 0.5 * (sides[2 * k] + sides[2 * k + 1])
-        x[inside[k]], curvature[inside[k]] = at[1][k], at[2][k]
+        x[inside[k]], curvature[inside[k]] = crest[k], bend[k]
     foot, level = np.full(K, np.nan), np.zeros((K, 3))
+    for k in range(len(inside)):
+        if depth[inside[k]] > -MARGIN:
+            foot[inside[k]] = closest.foot[k]
     touching = np.flatnonzero(depth > -MARGIN)
     s, along = middle[touching], x[touching]
-    closest = penetration(surface, motion.origin, motion.rotation, s, along)
     places = frames(surface, motion.origin, motion.rotation, s, along)
     flow = rigid_shift(places, np.ascontiguousarray(places.axes[:, 0]), motion)[2]
     total, weights = 0.0, 0.0
     for k in range(len(touching)):
         i = touching[k]
-        foot[i], level[i] = closest.foot[k], places.axes[k, 0]
+        level[i] = places.axes[k, 0]
         weight = max(depth[i], 0.0) ** 2 * width[i]
         total, weights = total - weight * flow[k], weights + weight
     return ContactLines(depth, x, curvature, foot, level, total / weights if weights > 0.0 else 0.0)
