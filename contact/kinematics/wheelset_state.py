@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.support.arrays import Array
-from wheelrail.support.records import changed
 
 RailShift = tuple[tuple[float, float], tuple[float, float]]
 

@@ -9,10 +9,10 @@ from typing import Protocol, overload
 
 import numpy as np
 
+from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import MIRROR, Pose, cross
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.support.arrays import Array, Mask, Nodes
-from wheelrail.support.records import changed
 
 FEWEST_STRIPS = 5  # across a patch: with fewer the force of an ellipse at a given approach errs by more than 2 %
 

@@ -15,6 +15,7 @@ import numpy as np
 import scipy.linalg as la
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import MIRROR, RigidMotion
 from wheelrail.contact.kinematics.sensitivity import ROTATIONS, TRANSLATIONS, displacement_derivative, rigid_slip, skew
 from wheelrail.contact.laws.linearised_friction import LinearisedFriction
@@ -22,7 +23,6 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.records import changed
 
 CHANGES = 12
 MIRRORED = np.concatenate([MIRROR, -MIRROR])  # of a vector and an axial one

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.support.records import changed
 
 
 def test_a_changed_record_is_a_replaced_one() -> None:
