@@ -84,12 +84,14 @@ class TimeRun:
     def between(self, step: Step[VehicleEvaluation], time: float, state: Array) -> tuple[Array, VehicleEvaluation]:
         """State and evaluation at a time s within a step, from the state of its dense output. Raises StepFailure.
 
-        Motions of axles and rails are those with their mean rates over the step.
+        Contacts start from those at the nearer end of the step. Motions of axles and rails are those with their mean
+        rates over the step.
         """
+        nearer = step.start if time - step.t0 < step.t - time else step.end
         if self.dynamics.structure is None:
-            return state, self.dynamics(time, state, step.end)
+            return state, self.dynamics(time, state, nearer)
         rates = (step.x - step.x0)[self.dynamics.coordinates.size :] / (step.t - step.t0)
-        return with_motions_at_rates(self.dynamics, time, state, rates, step.end)
+        return with_motions_at_rates(self.dynamics, time, state, rates, nearer)
 
     def _first(self, at: Checkpoint) -> VehicleEvaluation:
         """Evaluation at a checkpoint, from its guess; it counts once, also when it is repeated for a resumed run."""
