@@ -25,7 +25,7 @@ from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.solver.remaining import _maximum
-from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.system.state import LatticeState, leaving
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
@@ -252,3 +252,14 @@ def test_largest_remaining_penetration_by_means_over_cells() -> None:
 def start(result: ContactResult) -> LatticeState:
     assert isinstance(result.warm_start, LatticeSolution)
     return result.warm_start.state
+
+
+def test_strips_leave_by_the_prediction_of_a_moderate_step() -> None:
+    values = np.array([[1e9, 0.0, 0.0, -5e-3, 5e-3], [3e8, 0.0, 0.0, -1e-3, 1e-3], [3e8, 0.0, 0.0, -1e-3, 1e-3]])
+    step = np.zeros_like(values)
+    step[1, -2:] = 6e-4, -6e-4  # squared half length 1 - 2 * 0.6 of what it was
+    step[2, -2:] = 4e-4, -4e-4  # 1 - 2 * 0.4
+    assert leaving(values, step, 0.1).tolist() == [False, True, False]
+    step[2, 0] = -4e8  # the load per width falls by 4/3 of what it was
+    assert leaving(values, step, 0.1).tolist() == [False, True, True]
+    assert not leaving(values, step, 0.9).any()
