@@ -14,6 +14,7 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
 RANGE = 1.2  # half length of the probed range over that of the next loaded strip
+NARROWINGS = 6  # of the range around a maximum, to a third of it each
 NEXT_TO = 2  # strips: those nearer to a loaded one are probed around its middle, moved like their crests
 
 
@@ -161,14 +162,24 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
         half = 0.5 * (high[k] - low[k]) / first.shape[1]
         close[k] = highest[k] + 0.5 * curvature * half * half > 0.0  # as uncertain as what it falls within half a cell
     strips, place, probed = free[close], place[close], 0.5 * (high[close] - low[close])
-    # once more around the maximum: the penetration beside a loaded strip is flatter than a parabola
+    # around the maximum, again while it may be positive or not: it is flatter than a parabola, or narrow at an end of
+    # the next strip
     C = first.shape[1]
     low, high = place - 2.0 * probed / C, place + 2.0 * probed / C
-    found, second = excess(values, data, probes, probes.second, strips, low, high)
-    deepest, bend = np.empty(len(strips)), np.empty(len(strips))
-    for k in range(len(strips)):
-        deepest[k], place[k], bend[k] = _maximum(second[k], low[k], high[k])
-    return Remaining(inside and found, strips, deepest, place, bend, probed, highest)
+    deepest, bend, unsure = np.empty(len(strips)), np.empty(len(strips)), np.arange(len(strips))
+    for _ in range(NARROWINGS):
+        found, second = excess(values, data, probes, probes.second, strips[unsure], low, high)
+        inside = inside and found
+        doubtful = np.zeros(len(unsure), dtype=np.bool_)
+        for i in range(len(unsure)):
+            k, half = unsure[i], 0.5 * (high[i] - low[i]) / second.shape[1]
+            deepest[k], place[k], bend[k] = _maximum(second[i], low[i], high[i])
+            low[i], high[i] = place[k] - 4.0 * half, place[k] + 4.0 * half
+            doubtful[i] = abs(deepest[k]) < 0.5 * bend[k] * half * half
+        if not doubtful.any():
+            break
+        unsure, low, high = unsure[doubtful], low[doubtful], high[doubtful]
+    return Remaining(inside, strips, deepest, place, bend, probed, highest)
 
 
 @compiled

@@ -230,6 +230,16 @@ def test_strips_on_both_sides_of_the_undeformed_rail() -> None:
     assert np.abs(np.diff(forces, 2, axis=0)).max() < 1e-5 * np.linalg.norm(forces[1])
 
 
+def test_a_narrow_maximum_at_the_end_of_the_next_strip() -> None:
+    """16 nm of penetration over 0.2 mm beside a strip of 20 mm, from none as from the pose before."""
+    model = pair(0.6)
+    poses = (7.750e-3, 3.90026536e-3), (7.755e-3, 3.9136994e-3)
+    before, here = (left(rolling(y, z, yaw=15e-3)) for y, z in poses)
+    result, again = model(*here), model(*here, model(*before))
+    np.testing.assert_array_equal(start(again).strips, start(result).strips)
+    np.testing.assert_allclose(again.force, result.force, rtol=0, atol=1e-7 * np.linalg.norm(result.force))
+
+
 def test_a_short_strip_beside_long_ones() -> None:
     """A strip of 0.12 mm enters beside one of 11 mm, from none as from the pose before."""
     model, state = pair(0.6, "waveguide"), rolling(5.555e-3, 0.31864504e-3, yaw=15e-3)
