@@ -88,8 +88,10 @@ def test_noise_in_the_full_curve_counts_all_of_it(at: float) -> None:
 def test_t_gamma_and_shakedown_map() -> None:
     made = dataset(history())
     power = made["patch_frictional_power"] * 0 + 90.0
-    found = wear(made.assign(patch_frictional_power=power), 250e6)
-    last = {name: values.isel(time=-1).sel(side="right") for name, values in found.items()}
+    given = made.assign(patch_frictional_power=power)
+    added = wear(given, 250e6)
+    found = given.assign(added)
+    last = found.isel(time=-1).sel(side="right")
     assert float(last["frictional_power"]) == pytest.approx(180.0)
     assert float(last["t_gamma"]) == pytest.approx(4.0)
     end = made.isel(time=-1).sel(side="right")
@@ -99,7 +101,7 @@ def test_t_gamma_and_shakedown_map() -> None:
     expected = last["patch_utilisation"] - 1.0 / last["patch_load_factor"]
     assert last["patch_surface_fatigue_index"].values == pytest.approx(expected.values)
     assert np.isnan(found["patch_load_factor"].isel(time=-1).sel(side="left")).all()
-    assert all(values.attrs["units"] and values.attrs["long_name"] for values in found.values())
+    assert all(values.attrs["units"] and values.attrs["long_name"] for values in added.values())
 
 
 def test_figures_show_both_runs(tmp_path: Path) -> None:
