@@ -40,7 +40,8 @@ class WorkerProcess(ProcessPoolExecutor):
             pid = self._pid.result()
         except BrokenProcessPool:
             return None
-        return next((child for child in active_children() if child.pid == pid), None)
+        # The executor's thread waits for the process, too: only the sentinel is ready as soon as it has ended.
+        return next((child for child in active_children() if child.pid == pid and not wait([child.sentinel], 0)), None)
 
     def stop(self) -> None:
         """End the process at once, whatever it computes; unfinished calls raise BrokenProcessPool."""
