@@ -104,10 +104,10 @@ class StepSettings:
             magnitude: (n,) of the state.
             outputs: (o, n) derivatives of outputs; None: none.
         """
-        # Sums of all rows in the same order: those of mirrored motions are mirrored bit for bit, other than by BLAS.
         largest = float(np.max(np.abs(error) / self.scale(magnitude)))
         if outputs is None or self.output_tolerance == np.inf:
             return largest
+        # Sums of all rows in the same order: those of mirrored motions are mirrored bit for bit, other than by BLAS.
         return max(largest, float(np.max(np.abs((outputs * error).sum(axis=1)))) / self.output_tolerance)
 
 

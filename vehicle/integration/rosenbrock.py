@@ -62,7 +62,7 @@ class RosenbrockCoefficients:
         """Whether a stage has the state of the one before it, and needs no evaluation of its own."""
         return (False, *(after == (*before, 0.0) for before, after in pairwise([(), *self.alpha])))
 
-    @property
+    @cached_property
     def stiffly_accurate(self) -> bool:
         """Whether the solution is the last stage: infinitely stiff parts of its error vanish."""
         return bool(np.allclose(self.full_alpha[-1] + self.full_gamma[-1], self.weights, rtol=0.0, atol=1e-12))
