@@ -37,7 +37,8 @@ def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches
     parts = [path - travel.acceleration, lateral, vertical]
     parts += [rotation[..., 0], rotation[..., 1] - wheelset_angle, rotation[..., 2]]
     coordinates = np.stack(parts, axis=-1)
-    return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), suspension.series_rate], axis=-1)
+    series_rate = suspension.series_rate @ dynamics.coordinates.from_series.T
+    return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), series_rate], axis=-1)
 
 
 def _translation(dynamics: VehicleDynamics, motion: BodyMotion, force: Array) -> tuple[Array, Array, Array]:

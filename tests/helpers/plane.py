@@ -9,23 +9,22 @@ from track_frame import Frame
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.body_motion import BodyMotion
-from wheelrail.vehicle.multibody.coordinates import YAW
+from wheelrail.vehicle.multibody.coordinates import YAW, Coordinates
+from wheelrail.vehicle.multibody.coordinates import Y as LATERAL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts, wheelset_wrenches
-from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
 from wheelrail.vehicle.track.speed_profile import TrackPosition
 
 Y, Z, ROLL, PITCH = (COORDINATES.index(f"wheelset_{name}") for name in ("y", "z", "roll", "pitch"))
 MIRROR = np.tile([-1.0 if name.endswith(("_y", "_roll")) else 1.0 for name in COORDINATES], 2)
 
 
-def mirrored(state: Array) -> Array:
-    """States (..., 20 + m) mirrored at y = 0; the Maxwell elements of left and right are exchanged.
-
-    Those of a wagon that has them in all dampers: lateral and vertical ones alternate.
-    """
-    left, right = np.split(state[..., 2 * COUNT :], 2, axis=-1)
-    sign = np.where(np.arange(left.shape[-1]) % 2, 1.0, -1.0)
-    return np.concatenate([MIRROR * state[..., : 2 * COUNT], sign * right, sign * left], axis=-1)
+def mirror_signs(coordinates: Coordinates) -> Array:
+    """Factors (2 c + m,) of a state that is mirrored at y = 0: of sums and differences of mirrored springs, too."""
+    bodies = np.tile([1.0, -1.0, 1.0, -1.0, 1.0, -1.0], len(coordinates.vehicle.names))[coordinates.free]
+    lateral = np.array([-1.0 if j == LATERAL else 1.0 for _, j in coordinates.maxwell])
+    differences = np.where(np.diag(coordinates.series) < 0.0, -1.0, 1.0)
+    return np.concatenate([bodies, bodies, lateral * differences])
 
 
 def wrench_of(contacts: WheelContacts) -> Array:

@@ -30,7 +30,7 @@ class Accelerations(NamedTuple):
     """Accelerations under given contact forces.
 
     Parameters:
-        rates: (c + m,) of the free coordinates, then m/s of the springs of Maxwell elements.
+        rates: (c + m,) of the free coordinates, then m/s of the components for the springs of Maxwell elements.
         reactions: (n, 6) N and N m, generalised forces of the constraints of held coordinates; for free ones, their
             accelerations.
     """
@@ -40,7 +40,8 @@ class Accelerations(NamedTuple):
 
 
 class BodyDerivatives(NamedTuple):
-    """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the springs of Maxwell elements.
+    """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the components for the springs of
+    Maxwell elements.
 
     Parameters:
         by_state: (c + m, 2 c + m).
@@ -87,7 +88,7 @@ class BodyEquations:
         return sections(self.arrays, distance, distance, self._all(state))
 
     def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Complex) -> Accelerations:
-        """Accelerations of the coordinates, rates of the springs of Maxwell elements, and forces of constraints.
+        """Accelerations of the coordinates, rates of Maxwell elements, and forces of constraints.
 
         Parameters:
             travel: reference motion along the track.
@@ -97,15 +98,17 @@ class BodyEquations:
         """
         contact = self._contact(wrenches)
         values = accelerations(self.arrays, at, _complex(travel), self._all(state), contact).real
-        return Accelerations(values[self._rows], values[: self.coordinates.held.size].reshape(-1, 6))
+        reactions = values[: self.coordinates.held.size].reshape(-1, 6)
+        return Accelerations(self._in_components(values[self._rows]), reactions)
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
         rates = TrackPosition(travel.speed, travel.acceleration, jerk)
         contact, columns = self._contact(wrenches), self.coordinates.within_all
         rows = derivatives(self.arrays, _complex(travel), _complex(rates), self._all(state), columns, contact)
-        size, rows = len(columns), rows[:, self._rows]
-        return BodyDerivatives(rows[:size].T, rows[size:-1, : self.coordinates.count], rows[-1])
+        count, size, rows = self.coordinates.count, len(columns), self._in_components(rows[:, self._rows])
+        rows[2 * count : size] = self.coordinates.series.T @ rows[2 * count : size]
+        return BodyDerivatives(rows[:size].T, rows[size:-1, :count], rows[-1])
 
     def element_states(self, travels: Sequence[TrackPosition], states: Array) -> tuple[Array, Array]:
         """Deflections m and forces N (r, e, 3) of the suspension elements on the upper bodies, in the elements' axes.
@@ -122,6 +125,13 @@ class BodyEquations:
     def _rows(self) -> NDArray[np.int64]:
         """Indices (c + m,) of free coordinates and Maxwell elements among all."""
         return self.coordinates.within_all[self.coordinates.count :] - self.coordinates.held.size
+
+    def _in_components(self, rates: Array) -> Array:
+        """Rates (..., c + m) with those of the springs of Maxwell elements as components of the state."""
+        if self.coordinates.maxwell:
+            springs = rates[..., self.coordinates.count :]
+            rates[..., self.coordinates.count :] = springs @ self.coordinates.from_series.T
+        return rates
 
     def _all(self, state: Array) -> Complex:
         """States (..., 12 n + m) with held coordinates."""

@@ -1,4 +1,4 @@
-"""State of a vehicle: free coordinates of its bodies, their rates, spring deflections of Maxwell elements."""
+"""State of a vehicle: free coordinates of its bodies, their rates, Maxwell elements."""
 
 from __future__ import annotations
 
@@ -35,11 +35,14 @@ class VehicleState(NamedTuple):
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Order of the state (2 c + m,) of a vehicle of n bodies: c free ones of 6 n coordinates, their rates, m Maxwell
-    elements.
+    """Order of the state (2 c + m,) of a vehicle of n bodies: c free ones of 6 n coordinates, their rates, m components
+    for the springs of Maxwell elements.
 
     Parameters:
         vehicle: the bodies and elements.
+
+    Springs of elements that are mirror images of each other have the mean and half the difference of their deflections
+    as components: a mirrored motion changes signs only, and linear systems are eliminated in the same order.
     """
 
     vehicle: Vehicle
@@ -70,6 +73,22 @@ class Coordinates:
         """Element and direction of each Maxwell element."""
         elements = self.vehicle.elements.values()
         return tuple((e, j) for e, part in enumerate(elements) for j in range(3) if part.series_stiffness[j] < inf)
+
+    @cached_property
+    def series(self) -> Array:
+        """(m, m) spring deflections of Maxwell elements by their components in the state."""
+        result, places = np.eye(len(self.maxwell)), {place: m for m, place in enumerate(self.maxwell)}
+        for first, second in self.vehicle.mirror_pairs:
+            for j in range(3):
+                if second >= 0 and (first, j) in places:
+                    pair = [places[first, j], places[second, j]]
+                    result[np.ix_(pair, pair)] = [[1.0, 1.0], [1.0, -1.0]]
+        return result
+
+    @cached_property
+    def from_series(self) -> Array:
+        """(m, m) inverse of `series`: without round-off."""
+        return np.asarray(self.series.T / np.abs(self.series).sum(axis=0)[:, None])
 
     @cached_property
     def size(self) -> int:
@@ -119,9 +138,13 @@ class Coordinates:
         )
 
     def expanded(self, state: Array) -> Array:
-        """States (..., 2 c + m) with held coordinates, (..., 12 n + m); further components are left out."""
+        """Coordinates, held ones included, their rates, and spring deflections of Maxwell elements, (..., 12 n + m), of
+        states (..., 2 c + m); further components are left out.
+        """
         full = np.zeros((*state.shape[:-1], 2 * self.held.size + len(self.maxwell)), state.dtype)
         full[..., self.within_all] = state[..., : self.size]
+        if self.maxwell:
+            full[..., 2 * self.held.size :] = state[..., 2 * self.count : self.size] @ self.series.T
         return full
 
     def tolerances(self, atol: float) -> Array:
