@@ -41,7 +41,7 @@ WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearl
 MATRICES = 3  # of the size of the Jacobian: operator, Jacobian, factors
 SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
-DEEPEST = 3e-3  # m, approach of a wheel: 1.2 mm carries 1.8 MN; beyond, tens of strips take half a second
+DEEP = 3e-3  # m, approach of a wheel whose failure is due to it: one on the tread carries 5 MN
 START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
 ITERATIONS = 25  # from such a start: 99.9 % of random poses need at most 21
 
@@ -128,8 +128,6 @@ class LatticeContact:
         approach = problem.approach
         if approach <= 0:
             return ContactResult.failed(TOO_DEEP) if problem.too_deep else ContactResult.separated(approach)
-        if problem.surface.revolves and approach > DEEPEST:
-            return ContactResult.failed(TOO_DEEP, approach)
         try:
             if not len(problem.candidates):
                 return ContactResult.separated(approach)
@@ -144,7 +142,8 @@ class LatticeContact:
             )
             return contact_result(problem, solution, statistics)
         except (OutsideSurface, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
-            return ContactResult.failed(str(error), approach)
+            deep = problem.surface.revolves and approach > DEEP
+            return ContactResult.failed(f"{TOO_DEEP}: {error}" if deep else str(error), approach)
 
     def _from_earlier(
         self, problem: LatticeProblem, guess: ContactResult | None, count: IterationCount

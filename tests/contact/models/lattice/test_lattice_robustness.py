@@ -131,6 +131,15 @@ def test_long_narrow_patches_on_finite_bodies(state: WheelsetState) -> None:
     np.testing.assert_allclose(again.force, result.force, rtol=0, atol=1e-6 * np.linalg.norm(result.force))
 
 
+def test_flange_pressed_against_the_rail_of_finite_bodies() -> None:
+    """3.5 mm of overlap bend the flange and the rail's head, by 240 kN only."""
+    state = rolling(10.0e-3, 0.0, roll=0.45e-3)
+    result = pair(0.3, "waveguide")(*left(state))
+    assert result.status == "converged"
+    assert result.approach > 3.3e-3
+    assert np.linalg.norm(result.force) < 250e3
+
+
 @pytest.mark.parametrize("y", [0.0, 6e-3])
 def test_wheel_inside_the_rail(y: float) -> None:
     """50 mm too deep is no separated wheel; 50 mm too high is one."""
