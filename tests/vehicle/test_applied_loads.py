@@ -284,7 +284,7 @@ def test_torque_above_adhesion(brake: bool) -> None:
     assert abs(along[-1]) / up[-1] == pytest.approx(0.3, rel=2e-3)
     if brake:
         assert spin[-1] * 0.46 == pytest.approx(0.05 * abs(along[-1]) * 0.46 / 2e4, rel=1e-2)
-        assert run.applied[0][-1, 0] == pytest.approx(along[-1] * 0.46, rel=2e-3)
+        assert run.applied()[0][-1, 0] == pytest.approx(along[-1] * 0.46, rel=2e-3)
         falling = (run.time > 0.8) & (spin > 1.0)
         gained = slope_of(run.time[falling], spin[falling])
         assert gained == pytest.approx(-(2e4 - np.abs(along[falling]).mean() * 0.46) / WHEEL, rel=5e-3)
@@ -310,6 +310,18 @@ def test_brakes_bring_the_vehicle_to_a_halt() -> None:
     assert run.distance[-1] == pytest.approx(50.0 / deceleration, rel=0.02)
     spins = np.array([run.rate(name)[:, PITCH] for name in NAMES]) + 10.0 / 0.46
     assert spins.min() > 0.0
+
+
+def test_rows_of_a_braking_vehicle_are_as_good_as_its_steps() -> None:
+    """Steps end at the rows: creep forces of interpolated rates at low speed were wrong by some kN."""
+    brakes = on_all(LoadTable(((0.5, 0.0), (1.0, 8e3))), brake=True)
+    dynamics = VehicleDynamics(free(), Track(), wheel_on_rail(), 6.0, loads=brakes)
+    run = simulate(dynamics, (0.0, 60.0), recording=Recording(0.1))
+    np.testing.assert_array_equal(run.time, 0.1 * np.arange(len(run)))
+    late, share = run.time > 3.0, 4 * WHEEL / 0.46**2 / dynamics.mass.sum()
+    force = run.force[late][..., 0].sum(axis=2)
+    np.testing.assert_allclose(force, -8e3 / 0.46 / (1 + share), rtol=3e-3)
+    assert run.speeds[late].min() < 0.3
 
 
 def test_a_free_run_ends_at_its_distance() -> None:

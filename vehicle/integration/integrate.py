@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Generic
 
@@ -17,6 +17,8 @@ from wheelrail.vehicle.integration.step_control import StepController, StepStati
 
 METHODS: dict[str, Tableau | RosenbrockPair] = {**EXPLICIT, **{pair.name: pair for pair in (ROSENBROCK, ROSENBROCK4)}}
 
+NextEnd = Callable[[float], float]
+
 
 class StepTooSmall(RuntimeError):
     """The step length fell below the smallest one allowed."""
@@ -30,7 +32,7 @@ class Step(Generic[E]):
         t0, t: start and end of the step, s.
         x0, x: (n,) states there.
         start, end: evaluations there.
-        error: estimated, in tolerances; of a step that was shortened to end at a kink, that of the full step.
+        error: estimated, in tolerances; of a step that was shortened to end at a given time, that of the full step.
         following: length of the next step, s.
         forcing: motion from which the difference is integrated; None: zero.
     """
@@ -138,7 +140,7 @@ def integrate(
     first: FirstStep[E] | None = None,
     counts: StepStatistics | None = None,
     follow: Follow | None = None,
-    kinks: Sequence[float] = (),
+    next_end: NextEnd | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -154,7 +156,8 @@ def integrate(
         counts: statistics to add to.
         follow: motion from which implicit methods integrate the difference, of each step. Where stiff parts of the
             solution follow it, the stages of a step stay near the solution.
-        kinks: times s in ascending order at which the right-hand side has a kink: steps end there.
+        next_end: the next time s, after a given one, at which a step has to end, such as that of a kink of the
+            right-hand side; infinite for none.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
@@ -167,7 +170,7 @@ def integrate(
     first_trial = True
     reason: StepFailure | None = None
     while t < t1:
-        target, proposed = next((kink for kink in kinks if t < kink < t1), t1), h
+        target, proposed = t1 if next_end is None else min(t1, next_end(t)), h
         if t + 1.01 * h >= target:
             h = target - t
         elif h < settings.min_step:

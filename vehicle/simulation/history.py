@@ -122,7 +122,6 @@ class History:
             values[:, wheelsets, PITCH] -= drift[:, None] / self.dynamics.vehicle.radius
         return parts
 
-    @cached_property
     def applied(self) -> tuple[Array, Array]:
         """Torques (n, w) N m on the wheelsets about their axles, and forces (n, b, 3) N on the bodies along the axes of
         the track sections there.

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from math import inf
 from time import perf_counter
 
 from wheelrail.contact.kinematics.frames import SIDES
@@ -152,13 +154,22 @@ class TimeRun:
             first=FirstStep(first, at.step, at.error),
             counts=self.cost.steps,
             follow=rail_following(self.dynamics),
-            kinks=self.dynamics.loads.kinks,
+            next_end=self._next_end if self.dynamics.drifts else None,
         )
         for count, step in enumerate(steps, start=1):
             if self._accept(step):
                 return
             if self.checkpoints is not None and count % self.checkpoints.every == 0 and step.t < self.span[1]:
                 self.checkpoints.write(self._checkpoint(step, jacobian))
+
+    def _next_end(self, time: float) -> float:
+        """Next time s at which a step has to end: at a kink of torques and forces, and at a row of a vehicle that runs
+        free. Between the ends of its steps, which become long, the slower it is, the more its creep forces are those of
+        the errors of interpolated rates, over a speed that falls.
+        """
+        kinks = self.dynamics.loads.kinks
+        after = kinks[i] if (i := bisect_right(kinks, time)) < len(kinks) else inf
+        return min(after, self.recorder.next_row(time)) if self.dynamics.runs_free else after
 
     def _checkpoint(self, step: Step[VehicleEvaluation], jacobian: VehicleJacobian) -> Checkpoint:
         """Checkpoint at the end of a step."""

@@ -127,10 +127,13 @@ def _suspension(history: History) -> dict[str, Any]:
 def _applied(history: History) -> dict[str, Any]:
     """Torques and forces on the vehicle, where there are any."""
     loads, variables = history.dynamics.loads, dict[str, Any]()
+    if not loads:
+        return variables
+    torque, force = history.applied()
     if loads.torques:
         text = "torque of motors and brakes on the wheelset about its axle, positive forwards"
-        variables["applied_torque"] = (("time", "wheelset"), history.applied[0], means("N m", text))
+        variables["applied_torque"] = (("time", "wheelset"), torque, means("N m", text))
     if loads.forces:
         text = "sum of the applied forces on the body, along the axes of the track section there"
-        variables["applied_force"] = (("time", "body", "axis"), history.applied[1], means("N", text))
+        variables["applied_force"] = (("time", "body", "axis"), force, means("N", text))
     return variables
