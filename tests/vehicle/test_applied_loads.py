@@ -16,10 +16,12 @@ from standard_pair import wheel_on_rail
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable, WheelsetTorque
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
 from wheelrail.vehicle.multibody.energy import mechanical_energy, power
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
+from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.multibody.rotations import rotate
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
@@ -414,6 +416,23 @@ def test_free_run_on_irregular_rails_follows_them_where_it_is() -> None:
     assert two.cost.steps.accepted < 1.1 * one.cost.steps.accepted
     np.testing.assert_allclose(two.distance, one.distance, rtol=0.0, atol=1e-4)
     np.testing.assert_allclose(two.motion.position[..., Z], one.motion.position[..., Z], rtol=0.0, atol=2e-5)
+
+
+def test_jacobian_has_the_slope_of_irregular_rails_by_place_and_time() -> None:
+    rails = ERRI["high"].irregularities(80.0, seed=1, start=10.78)
+    dynamics = VehicleDynamics(free(), Track(irregularities=rails), wheel_on_rail(friction=0.0), 20.0)
+    state, time, h = start_state(dynamics), 1.0, 1e-5
+    at = dynamics(time, state)
+    linear = VehicleJacobian(dynamics, StepStatistics())(time, state, at)
+    for name in NAMES:
+        step = np.zeros_like(state)
+        step[dynamics.coordinates.index(name, X)] = h
+        change = dynamics(time, state + step, at).rate - dynamics(time, state - step, at).rate
+        expected = change / (2 * h)
+        np.testing.assert_allclose(linear.by_state @ step / h, expected, rtol=0.0, atol=1e-3 * np.abs(expected).max())
+    change = dynamics(time + h, state, at).rate - dynamics(time - h, state, at).rate
+    expected = change / (2 * h)
+    np.testing.assert_allclose(linear.by_time, expected, rtol=0.0, atol=1e-3 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(

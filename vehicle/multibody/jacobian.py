@@ -147,8 +147,8 @@ class VehicleJacobian:
         if rails is not None:
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
             result.by_time[rows] -= (by_contact[:, :, :2] @ rails.by_time[i]).sum(axis=0)[:, 0]
-            place = self._places.get(6 * int(self.dynamics.coordinates.wheelset_bodies[i]) + X)
-            if self.dynamics.drifts and place is not None:
+            x = 6 * int(self.dynamics.coordinates.wheelset_bodies[i]) + X
+            if self.dynamics.drifts and (place := self._places.get(x)) is not None:
                 result.by_state[rows, place] -= (by_contact[:, :, :2] @ rails.by_distance[i]).sum(axis=0)[:, 0]
 
     def _add_structures(

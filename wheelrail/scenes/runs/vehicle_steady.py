@@ -30,8 +30,8 @@ TABLE_DIGITS = 4
 
 
 def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynamics:
-    """Equations of motion of the vehicle of a file, with contact, profiles, rails, torques and forces of a scene, on
-    straight track.
+    """Equations of motion of the vehicle of a file on straight track, with contact, profiles and rails of a scene, and
+    its torques and forces of time zero.
 
     Parameters:
         scene: of a run; its wagon is not used.
@@ -45,7 +45,7 @@ def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynami
 
     vehicle = vehicle_on(scene, file)
     loads = applied_loads(scene, vehicle)
-    return VehicleDynamics(vehicle, Track(), wheelset_contact(scene), speed, loads=loads)
+    return VehicleDynamics(vehicle, Track(), wheelset_contact(scene), speed, loads=loads).with_constant_loads(0.0)
 
 
 def vehicle_modes_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[list[Mode]]:
